@@ -1,0 +1,163 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "gecos/base/bytes.hpp"
+#include "gecos/base/clock.hpp"
+#include "gecos/base/result.hpp"
+
+/// The contract of a medium: opaque packets between two endpoints, and what can be promised of them.
+///
+/// Nothing above this file knows how a medium works; nothing below it knows what a packet means.
+/// One conformance suite (tests/cpp/media) runs on every medium. A link belongs to one thread at a
+/// time for receiving and to one for sending (they may differ); its user sees to that.
+namespace gecos::media {
+
+enum class Kind : std::uint8_t { Inproc, Shm, Lcm };
+std::string_view to_string(Kind kind);
+std::optional<Kind> kind_from(std::string_view name);
+
+/// What a medium can promise of a line, before anything is measured.
+struct Offer {
+  Kind kind = Kind::Inproc;
+  bool same_host_only = true;
+  bool ordered = true;
+  bool reliable = true;          ///< nothing is lost or repeated while both ends live
+  bool real_time = true;         ///< no shared queue, no loss: fit for HARD_REALTIME
+  bool reports_death = true;     ///< the kernel says when the peer has died
+  bool authenticated = true;     ///< the peer's user is proved
+  std::size_t largest_packet = 0;  ///< bytes
+};
+
+/// Who is at the other end, as far as the medium itself knows.
+struct Peer {
+  std::optional<std::uint32_t> uid;  ///< named by the kernel; nothing where it cannot
+  std::optional<std::int32_t> pid;
+  std::string description;  ///< for people: "uid 1000, pid 4711", "239.255.76.67:20017, not authenticated"
+};
+
+enum class SendProblem : std::uint8_t {
+  Full,      ///< no room until the peer has taken something; nothing was sent, try again
+  TooLarge,  ///< never fits; nothing was sent
+  Lost,      ///< the link is gone; nothing was sent
+};
+
+enum class Loss : std::uint8_t {
+  None,    ///< as far as the medium knows the peer is there
+  Closed,  ///< the peer closed the link in order
+  Died,    ///< the kernel reported that the peer's process ended or closed its socket without a word
+  Broken,  ///< the peer broke the rules of the medium (text in Link::loss_text)
+};
+
+/// One sample of a stream as it lies in the medium.
+struct StreamSample {
+  std::uint64_t sequence = 0;  ///< 1 for the first of this stream, then rising by one
+  std::int64_t stamp_ns = 0;   ///< when it was measured, Unix time in ns, by the writer's clock
+  Bytes bytes;
+};
+
+/// Writes one outward stream; every admitted reader sees it. One thread writes at a time.
+/// Never waits for a reader: who is slow loses old samples.
+class StreamWriter {
+ public:
+  virtual ~StreamWriter() = default;
+  /// Publishes and wakes those readers that sleep. Fails with TooLarge only.
+  virtual tl::expected<void, SendProblem> publish(ByteView sample, std::int64_t stamp_ns) = 0;
+};
+
+/// Reads one outward stream. One thread at a time.
+class StreamReader {
+ public:
+  virtual ~StreamReader() = default;
+  /// The newest sample, when there is one that is newer than `after`. Reuses `into`'s memory.
+  virtual bool latest(std::uint64_t after, StreamSample& into) = 0;
+  /// The oldest sample kept that is newer than `after`; the gap in sequence says how many were lost.
+  virtual bool next(std::uint64_t after, StreamSample& into) = 0;
+};
+
+/// One end of a connection between a client and a server.
+class Link {
+ public:
+  virtual ~Link() = default;  ///< closes in order: the peer sees Closed
+
+  virtual const Offer& offer() const = 0;
+  virtual const Peer& peer() const = 0;
+
+  /// Sends head and body as one packet; both are copied before it returns. Never blocks. Gives the
+  /// packet's number on this link: 1 for the first, rising by one.
+  virtual tl::expected<std::uint64_t, SendProblem> send(ByteView head, ByteView body) = 0;
+
+  /// The next packet, when one is there. The bytes are a private copy and stay valid until the next
+  /// call. Never blocks, costs no system call on shm and inproc when nothing is there.
+  virtual std::optional<ByteView> receive() = 0;
+
+  /// Number of packets of ours that the peer has taken; stays readable after the peer's death.
+  /// Nothing where the medium cannot know.
+  virtual std::optional<std::uint64_t> taken_by_peer() const = 0;
+
+  /// Announces that this end is about to sleep on `descriptors()`. False: something is there
+  /// already, do not sleep. After waking call `disarm()`.
+  virtual bool arm() = 0;
+  virtual void disarm() = 0;
+  /// Readable when a packet or sample may be there or the link was lost. Valid for the link's life;
+  /// may be watched level- or edge-triggered; disarm() makes them quiet again.
+  virtual std::span<const int> descriptors() const = 0;
+
+  /// A sign of life, every 100 ms by housekeeping. Wakes nobody on shm and inproc.
+  virtual void beat() = 0;
+  /// Number of signs of life seen (packets count as such on lcm). Silence is judged by the session,
+  /// with its own clock, from this number standing still.
+  virtual std::uint64_t beats_seen() = 0;
+
+  virtual Loss loss() = 0;
+  virtual std::string loss_text() const = 0;
+
+  /// Server: lets the peer read `stream` under `id` (chosen by the session).
+  virtual tl::expected<void, SendProblem> share(std::uint32_t id, StreamWriter& stream) = 0;
+  /// Server: the peer's reading of `id` ends.
+  virtual void unshare(std::uint32_t id) = 0;
+  /// Client: the stream that the server shared under `id`; null while it has not arrived.
+  virtual std::unique_ptr<StreamReader> open_stream(std::uint32_t id) = 0;
+};
+
+/// Server side of one object on one medium: makes links of the clients that come.
+class Acceptor {
+ public:
+  virtual ~Acceptor() = default;  ///< nobody can connect afterwards; links live on
+  virtual const Offer& offer() const = 0;
+  /// What a client passes to Medium::connect: "shm:/run/gecos/1f3a.sock".
+  virtual const std::string& address() const = 0;
+  /// The next client that came, or null.
+  virtual std::unique_ptr<Link> accept() = 0;
+  /// Readable when somebody may have come. (lcm: also when packets for its links are there.)
+  virtual std::span<const int> descriptors() const = 0;
+  /// A stream that links of this acceptor can share. `largest` in bytes, `depth` samples kept.
+  virtual std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth) = 0;
+};
+
+struct MediumError {
+  std::string text;  ///< what failed, where, and what to do
+};
+
+/// A way to move packets: makes acceptors and links.
+class Medium {
+ public:
+  virtual ~Medium() = default;
+  virtual const Offer& offer() const = 0;
+  /// Opens a place for clients of one object. `name` is for people; addresses are unique anyway,
+  /// unless `well_known` asks for the one place of this host that everybody knows (the broker's).
+  virtual tl::expected<std::unique_ptr<Acceptor>, MediumError> listen(std::string_view name,
+                                                                      bool well_known) = 0;
+  /// Connects to what `Acceptor::address` said.
+  virtual tl::expected<std::unique_ptr<Link>, MediumError> connect(std::string_view address) = 0;
+  /// The address of the well-known place, whether or not somebody is there.
+  virtual std::string well_known_address(std::string_view name) const = 0;
+};
+
+}  // namespace gecos::media

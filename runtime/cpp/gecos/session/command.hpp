@@ -1,0 +1,192 @@
+#pragma once
+
+#include <cstdint>
+#include <iosfwd>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "gecos/base/bytes.hpp"
+#include "gecos/base/clock.hpp"
+#include "gecos/base/result.hpp"
+#include "gecos/wire/contents.hpp"
+
+namespace gecos {
+
+/// The paper's four states. Exactly one of the last three is reached, and then it never changes.
+enum class State : std::uint8_t {
+  Running,
+  Finished,
+  CommandFailed,
+  ConnectionFailed,  ///< proves that the command did not start: sending it again is safe
+};
+std::string_view to_string(State state);  ///< "RUNNING", as in the paper
+std::ostream& operator<<(std::ostream& out, State state);
+
+/// The finer state, which projects onto one of the four.
+enum class Detail : std::uint8_t {
+  // RUNNING
+  Sent, Queued, Executing, Canceling, Unreachable,
+  // FINISHED
+  Done,
+  // COMMAND_FAILED
+  Rejected, BadParameter, UnknownOperation, Denied, QueueFull, Expired, TimedOut, Fault, Canceled,
+  Preempted, Stopped, LeaseLost, PresenceLost, ServerCrashed, OutcomeUnknown,
+  // CONNECTION_FAILED
+  NotStarted, NoServer, Refused, QosUnavailable,
+};
+State project(Detail detail);
+std::string_view to_string(Detail detail);  ///< "SERVER_CRASHED"
+std::optional<Detail> detail_from(std::uint8_t number);
+std::ostream& operator<<(std::ostream& out, Detail detail);
+
+/// Why a command did not finish, with its evidence.
+struct Failure {
+  Detail detail = Detail::Fault;
+  std::string text;       ///< what, where, what to do
+  std::string exception;  ///< scoped name of the declared exception when detail is Fault
+  Bytes evidence;         ///< that exception, encoded
+
+  State state() const { return project(detail); }
+  /// The declared exception E, when that is what was raised.
+  template <wire::GeneralContents E>
+  std::optional<E> as() const {
+    if (exception != E::type_name()) return std::nullopt;
+    auto decoded = wire::from_bytes<E>(evidence);
+    return decoded ? std::optional<E>(std::move(*decoded)) : std::nullopt;
+  }
+};
+std::ostream& operator<<(std::ostream& out, const Failure& failure);
+
+/// Where a command stands, all read at one instant.
+struct Progress {
+  Detail detail = Detail::Sent;
+  std::uint32_t position = 0;  ///< commands before it, while Queued
+  double fraction = 0;         ///< 0 to 1, as the server last said
+};
+
+namespace session {
+
+/// A command without its types: what caller and session share. Thread-safe. Dropping it detaches;
+/// it never cancels.
+class CommandCore {
+ public:
+  virtual ~CommandCore() = default;
+  virtual Progress progress() const = 0;
+  /// Latest feedback, encoded; empty when none has come.
+  virtual Bytes feedback() const = 0;
+  /// Waits until it is terminal or `deadline`; true when terminal. Never hangs: every command ends
+  /// within its bound, whatever dies.
+  virtual bool wait_until(TimePoint deadline) = 0;
+  /// Asks the server to stop it. The state tells whether that came in time.
+  virtual void cancel() = 0;
+  /// Valid once terminal: the encoded result, when Done. Stays valid for the core's life.
+  virtual ByteView result() const = 0;
+  /// Valid once terminal and not Done.
+  virtual const Failure& failure() const = 0;
+  /// Descriptor that becomes readable when the command is terminal; the core owns it.
+  virtual int descriptor() = 0;
+};
+
+}  // namespace session
+
+/// A call that was issued. T is its result, Feedback what it reports while it runs.
+///
+/// The call is on its way when you have this; nothing waits until you ask. Dropping it lets it run.
+/// `while (robot.move(x).state() == State::Running)` does not compile: each turn would issue a new
+/// command. Keep the command: `auto move = robot.move(x); while (move.state() == State::Running)`.
+template <class T, class Feedback = void>
+class [[nodiscard]] Command {
+ public:
+  using Decode = bool (*)(wire::Decoder&, T&);
+
+  Command(std::shared_ptr<session::CommandCore> core, Decode decode)
+      : core_(std::move(core)), decode_(decode) {}
+
+  State state() const& { return project(core_->progress().detail); }
+  State state() && = delete;
+  Progress progress() const& { return core_->progress(); }
+  Progress progress() && = delete;
+
+  /// Latest feedback, when some has come.
+  std::optional<Feedback> feedback() const
+    requires(!std::is_void_v<Feedback>)
+  {
+    const Bytes bytes = core_->feedback();
+    if (bytes.empty()) return std::nullopt;
+    auto decoded = wire::from_bytes<Feedback>(bytes);
+    return decoded ? std::optional<Feedback>(std::move(*decoded)) : std::nullopt;
+  }
+
+  /// Waits until the command is terminal.
+  State wait() const {
+    core_->wait_until(TimePoint::max());
+    return project(core_->progress().detail);
+  }
+  /// Waits at most `patience`; Running when that was not enough.
+  State wait_for(Duration patience) const {
+    core_->wait_until(deadline_after(patience));
+    return project(core_->progress().detail);
+  }
+  /// Waits, then gives the result or why there is none.
+  tl::expected<T, Failure> get() const {
+    core_->wait_until(TimePoint::max());
+    if (core_->progress().detail != Detail::Done) return tl::unexpected(core_->failure());
+    wire::Decoder from(core_->result());
+    T value{};
+    if (!decode_(from, value)) {
+      return tl::unexpected(Failure{Detail::Fault, "the reply does not decode: " + describe(from.error()), {}, {}});
+    }
+    return value;
+  }
+  void cancel() const { core_->cancel(); }
+  const std::shared_ptr<session::CommandCore>& core() const { return core_; }
+
+ private:
+  std::shared_ptr<session::CommandCore> core_;
+  Decode decode_;
+};
+
+/// A call without result. The same promises.
+template <class Feedback>
+class [[nodiscard]] Command<void, Feedback> {
+ public:
+  explicit Command(std::shared_ptr<session::CommandCore> core) : core_(std::move(core)) {}
+
+  State state() const& { return project(core_->progress().detail); }
+  State state() && = delete;
+  Progress progress() const& { return core_->progress(); }
+  Progress progress() && = delete;
+
+  std::optional<Feedback> feedback() const
+    requires(!std::is_void_v<Feedback>)
+  {
+    const Bytes bytes = core_->feedback();
+    if (bytes.empty()) return std::nullopt;
+    auto decoded = wire::from_bytes<Feedback>(bytes);
+    return decoded ? std::optional<Feedback>(std::move(*decoded)) : std::nullopt;
+  }
+
+  State wait() const {
+    core_->wait_until(TimePoint::max());
+    return project(core_->progress().detail);
+  }
+  State wait_for(Duration patience) const {
+    core_->wait_until(deadline_after(patience));
+    return project(core_->progress().detail);
+  }
+  tl::expected<void, Failure> get() const {
+    core_->wait_until(TimePoint::max());
+    if (core_->progress().detail != Detail::Done) return tl::unexpected(core_->failure());
+    return {};
+  }
+  void cancel() const { core_->cancel(); }
+  const std::shared_ptr<session::CommandCore>& core() const { return core_; }
+
+ private:
+  std::shared_ptr<session::CommandCore> core_;
+};
+
+}  // namespace gecos

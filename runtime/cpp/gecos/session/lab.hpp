@@ -1,0 +1,84 @@
+#pragma once
+
+#include <initializer_list>
+#include <iosfwd>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "gecos/media/medium.hpp"
+#include "gecos/session/object.hpp"
+
+namespace gecos {
+
+struct LabOptions {
+  /// Address of the broker, "shm:…" or "lcm:…". Empty: `GECOS_BROKER`, else this host's broker.
+  std::string broker;
+  Duration grace = std::chrono::seconds(1);          ///< how long a lost peer may stay UNREACHABLE
+  Duration lease_ttl = std::chrono::milliseconds(500);  ///< silence that ends a session
+  Duration heartbeat = std::chrono::milliseconds(100);
+};
+
+struct CreateOptions {
+  /// The medium to use; `create` fails when this one is impossible although others exist.
+  std::optional<media::Kind> medium;
+  /// How long to wait for the broker and the server to answer.
+  Duration patience = std::chrono::seconds(2);
+};
+
+/// Why `create` gave nothing: a reason per name that was tried.
+struct CreateError {
+  struct Attempt {
+    std::string name;
+    Detail detail = Detail::NoServer;  ///< NoServer, Refused, QosUnavailable
+    std::string reason;
+  };
+  std::vector<Attempt> attempts;
+  std::string to_string() const;
+};
+std::ostream& operator<<(std::ostream& out, const CreateError& error);
+
+namespace session {
+class LabCore;
+/// An opened session and what had to be passed over to get it.
+struct Created {
+  std::shared_ptr<ClientSession> session;
+  CreateError passed_over;
+};
+tl::expected<Created, CreateError> create(LabCore& lab, const InterfaceDescription& wanted,
+                                          const std::vector<std::string>& names,
+                                          const CreateOptions& options);
+}  // namespace session
+
+/// The laboratory as this process sees it: finds objects and connects to them. Thread-safe.
+/// A process may have several; each has its own connection to a broker.
+class Lab {
+ public:
+  explicit Lab(LabOptions options = {});
+  ~Lab();
+  Lab(const Lab&) = delete;
+  Lab& operator=(const Lab&) = delete;
+
+  /// The first of `names` that is online and of the right type.
+  template <class Proxy>
+  tl::expected<Proxy, CreateError> create(const std::vector<std::string>& names,
+                                          CreateOptions options = {}) {
+    auto created = session::create(*core_, Proxy::gecos_description(), names, options);
+    if (!created) return tl::unexpected(std::move(created.error()));
+    return Proxy(std::move(created->session));
+  }
+  template <class Proxy>
+  tl::expected<Proxy, CreateError> create(std::string name, CreateOptions options = {}) {
+    return create<Proxy>(std::vector<std::string>{std::move(name)}, options);
+  }
+
+  session::LabCore& core() { return *core_; }
+
+ private:
+  std::shared_ptr<session::LabCore> core_;
+};
+
+}  // namespace gecos

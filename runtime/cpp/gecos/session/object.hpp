@@ -1,0 +1,92 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <utility>
+
+#include "gecos/base/clock.hpp"
+#include "gecos/base/function_ref.hpp"
+#include "gecos/session/command.hpp"
+#include "gecos/session/description.hpp"
+#include "gecos/session/stream.hpp"
+
+namespace gecos {
+
+/// How calls through one copy of a proxy are made.
+struct CallOptions {
+  /// Time from sending to completion; the server is told, and gives up when it is over. Zero: the
+  /// operation's own `@qos(deadline=…)`, or none.
+  Duration deadline{};
+};
+
+namespace session {
+
+/// Client side of one session with one object: what generated proxies call. Thread-safe.
+class ClientSession {
+ public:
+  virtual ~ClientSession() = default;
+  /// Issues a call whose arguments take `size` bytes. Never blocks and never fails: what goes wrong
+  /// is in the command.
+  virtual std::shared_ptr<CommandCore> call(const OperationDescription& operation, std::size_t size,
+                                            FunctionRef<void(wire::Encoder&)> encode,
+                                            const CallOptions& options) = 0;
+  /// Opens an outward stream.
+  virtual tl::expected<std::shared_ptr<StreamCore>, Failure> subscribe(
+      const StreamDescription& stream) = 0;
+  /// Interface that the object really has (the proxy's own or one derived from it).
+  virtual const std::string& interface_name() const = 0;
+  virtual const std::string& object_name() const = 0;
+  virtual const media::Offer& offer() const = 0;
+};
+
+}  // namespace session
+
+/// What every generated proxy is: a copyable handle to a session with an object. Copies share the
+/// session. It has no public member of its own, so an interface may use any name; what every object
+/// answers is reached by the free functions of `gecos/session/reserved.hpp`.
+class Object {
+ protected:
+  Object() = default;
+  explicit Object(std::shared_ptr<session::ClientSession> gecos_session)
+      : gecos_session_(std::move(gecos_session)) {}
+
+  std::shared_ptr<session::ClientSession> gecos_session_;
+  CallOptions gecos_options_;
+
+  friend const std::shared_ptr<session::ClientSession>& session_of(const Object& object);
+  template <class Proxy>
+  friend Proxy with(Proxy proxy, CallOptions options);
+};
+
+inline const std::shared_ptr<session::ClientSession>& session_of(const Object& object) {
+  return object.gecos_session_;
+}
+
+/// The same object, called with other options: `gecos::with(robot, {.deadline = 2s}).move(goal)`.
+template <class Proxy>
+Proxy with(Proxy proxy, CallOptions options) {
+  static_cast<Object&>(proxy).gecos_options_ = options;
+  return proxy;
+}
+
+}  // namespace gecos
+
+// What gidl generates for a client (Manipulator derives from Device; interfaces are virtual bases so
+// that diamonds have one session):
+//
+//   class Manipulator : public virtual robcl::Device {
+//    public:
+//     static const gecos::InterfaceDescription& gecos_description();
+//     Manipulator() = default;                                  // nil
+//     explicit Manipulator(std::shared_ptr<gecos::session::ClientSession> session);
+//     gecos::Command<robcl::Frame> tool() const;                                        // one-shot
+//     tl::expected<gecos::Stream<robcl::Frame>, gecos::Failure> tool(gecos::StreamTag) const;
+//     gecos::Command<void> set_tool_offset(const robcl::Frame& value) const;
+//     gecos::Command<void, MotionProgress> move(const robcl::Frame& goal,
+//                                               const std::optional<Trajectory>& how = {}) const;
+//   };
+//
+// A root interface derives from `public virtual gecos::Object`. A method body is one expression:
+//   return gecos::Command<void, MotionProgress>(gecos_session_->call(
+//       kMove, size, [&](gecos::wire::Encoder& to) { goal.encode(to); … }, gecos_options_));
+// A call on a nil proxy gives a command that is CONNECTION_FAILED/NO_SERVER (session::nil_session()).

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gecos/object_types.hpp"  // generated from idl/gecos/object.gidl
+#include "gecos/session/object.hpp"
+
+/// What every object answers, whatever its interface: free functions, so nothing can clash.
+namespace gecos {
+
+/// Status of one object that this session holds. Ends when it is destroyed (draining: what was
+/// issued under it still finishes), when it is released, or when it is lost. Move-only.
+class Lease {
+ public:
+  Lease(std::shared_ptr<session::ClientSession> session, Grant grant);
+  Lease(Lease&&) noexcept = default;
+  Lease& operator=(Lease&&) noexcept;
+  ~Lease();
+
+  Status status() const { return grant_.status; }
+  std::uint64_t epoch() const { return grant_.epoch; }
+  /// Gives it back; queued and running commands still finish.
+  void release();
+  /// Gives it back and stops what is queued and running under it.
+  void release_now();
+
+ private:
+  std::shared_ptr<session::ClientSession> session_;
+  Grant grant_;
+};
+
+/// Why status was not given.
+struct LeaseRefusal {
+  Failure failure;
+  std::vector<Holder> holders;  ///< who has it, since when, until when
+};
+std::ostream& operator<<(std::ostream& out, const LeaseRefusal& refusal);
+
+/// Actor status: commands that move or change the device. `password` lets others who know it join.
+tl::expected<Lease, LeaseRefusal> actor(const Object& object, std::string password = {});
+/// Master status: as actor, and other clients' calls are refused.
+tl::expected<Lease, LeaseRefusal> master(const Object& object, std::string password = {});
+
+/// Stops the device, whoever moves it: ends every lease, drops the queue, interrupts what runs.
+Command<void> stop(const Object& object);
+Command<void> ping(const Object& object);
+Command<Description> describe(const Object& object);
+Command<std::vector<Holder>> holders(const Object& object);
+
+}  // namespace gecos

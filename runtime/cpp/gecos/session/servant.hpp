@@ -1,0 +1,187 @@
+#pragma once
+
+#include <concepts>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "gecos/base/function_ref.hpp"
+#include "gecos/session/command.hpp"
+#include "gecos/session/description.hpp"
+
+namespace gecos {
+
+/// Who issued a call.
+struct Caller {
+  std::string user;
+  std::string host;
+  std::string program;
+  std::int32_t pid = 0;
+  std::uint64_t session = 0;
+};
+
+/// Why a handler gives no result: a declared exception, or one of the reasons below.
+class Fault {
+ public:
+  /// A declared exception of the operation: `return tl::unexpected(OutOfReach{"…"});`
+  template <wire::GeneralContents E>
+    requires requires { { E::type_name() } -> std::convertible_to<std::string_view>; }
+  Fault(const E& exception)  // NOLINT(google-explicit-constructor)
+      : failure_{Detail::Fault, describe_exception(E::type_name()), std::string(E::type_name()),
+                 wire::to_bytes(exception)} {}
+
+  /// The command was refused as it stands; `why` says what to do.
+  static Fault rejected(std::string why) { return Fault({Detail::Rejected, std::move(why), {}, {}}); }
+  static Fault bad_parameter(std::string why) {
+    return Fault({Detail::BadParameter, std::move(why), {}, {}});
+  }
+  /// Something failed that no declared exception names.
+  static Fault failed(std::string why) { return Fault({Detail::Fault, std::move(why), {}, {}}); }
+  /// The handler ended early because it was asked to; the session knows why (cancel, stop, loss).
+  static Fault interrupted() { return Fault({Detail::Canceled, "canceled", {}, {}}); }
+
+  const Failure& failure() const { return failure_; }
+
+ private:
+  explicit Fault(Failure failure) : failure_(std::move(failure)) {}
+  static std::string describe_exception(std::string_view type_name);
+  Failure failure_;
+};
+
+/// What a handler returns.
+template <class T>
+using Result = tl::expected<T, Fault>;
+
+namespace session {
+
+/// Server side of one call. Shared by the session and the handler; thread-safe.
+class CallCore {
+ public:
+  virtual ~CallCore() = default;
+  virtual const OperationDescription& operation() const = 0;
+  virtual ByteView arguments() const = 0;
+  virtual const Caller& caller() const = 0;
+  /// The handler should end soon: canceled, stopped, lease lost, deadline passed, server closing.
+  virtual bool interrupted() const = 0;
+  /// Sleeps until interrupted() or `deadline`; true when interrupted.
+  virtual bool wait_interrupted_until(TimePoint deadline) = 0;
+  virtual void progress(double fraction, ByteView feedback) = 0;
+  /// The first of finish and fail counts; a later one is ignored.
+  virtual void finish(ByteView result) = 0;
+  virtual void fail(Failure failure) = 0;
+};
+
+}  // namespace session
+
+/// A call that reached its object. Move-only; it is answered now or later, on any thread. Dropped
+/// without an answer it fails as FAULT "the handler gave no answer".
+class IncomingCall {
+ public:
+  explicit IncomingCall(std::shared_ptr<session::CallCore> core) : core_(std::move(core)) {}
+  IncomingCall(IncomingCall&&) noexcept = default;
+  IncomingCall& operator=(IncomingCall&&) noexcept;
+  ~IncomingCall();
+
+  const OperationDescription& operation() const { return core_->operation(); }
+  ByteView arguments() const { return core_->arguments(); }
+  const Caller& caller() const { return core_->caller(); }
+  bool interrupted() const { return core_->interrupted(); }
+  bool wait_interrupted_until(TimePoint deadline) const {
+    return core_->wait_interrupted_until(deadline);
+  }
+  void progress(double fraction, ByteView feedback) { core_->progress(fraction, feedback); }
+
+  void finish(ByteView result) { std::exchange(core_, nullptr)->finish(result); }
+  void fail(Failure failure) { std::exchange(core_, nullptr)->fail(std::move(failure)); }
+
+  /// For generated skeletons: sizes, encodes and sends the result of a handler.
+  void finish(std::size_t size, FunctionRef<void(wire::Encoder&)> encode);
+
+ private:
+  std::shared_ptr<session::CallCore> core_;
+};
+
+/// What a cancelable handler has beside its arguments. Lives as long as the handler runs.
+template <class Feedback = void>
+class Execution {
+ public:
+  explicit Execution(IncomingCall& call) : call_(call) {}
+  /// The handler should stop soon and return `Fault::interrupted()`.
+  bool interrupted() const { return call_.interrupted(); }
+  /// Sleeps at most `time`; true as soon as interrupted.
+  bool wait_interrupted(Duration time) const {
+    return call_.wait_interrupted_until(deadline_after(time));
+  }
+  /// Tells the caller how far it is, 0 to 1. Only the latest is kept: call it as often as you like.
+  void progress(double fraction)
+    requires(std::is_void_v<Feedback>)
+  {
+    call_.progress(fraction, {});
+  }
+  template <class F = Feedback>
+    requires(!std::is_void_v<F>)
+  void progress(double fraction, const F& feedback) {
+    call_.progress(fraction, wire::to_bytes(feedback));
+  }
+  const Caller& caller() const { return call_.caller(); }
+
+ private:
+  IncomingCall& call_;
+};
+
+namespace session {
+
+/// Where a servant's streams go; given to it when it is added to a server.
+class Publisher {
+ public:
+  virtual ~Publisher() = default;
+  virtual void publish(const StreamDescription& stream, ByteView sample, std::int64_t stamp_ns) = 0;
+};
+
+}  // namespace session
+
+/// An object's implementation: generated skeletons derive from this, users from the skeleton.
+/// Handlers of one servant run one lane at a time unless it was added as thread-safe.
+class Servant {
+ public:
+  virtual ~Servant() = default;
+  Servant() = default;
+  Servant(const Servant&) = delete;
+  Servant& operator=(const Servant&) = delete;
+
+  virtual const InterfaceDescription& gecos_interface() const = 0;
+  /// Decodes, runs the handler, answers. Must not throw; generated skeletons turn an exception of a
+  /// handler into FAULT with its text.
+  virtual void gecos_dispatch(IncomingCall call) = 0;
+
+  void gecos_attach(session::Publisher* publisher) { gecos_publisher_ = publisher; }
+
+ protected:
+  /// Null until the servant was added to a server.
+  session::Publisher* gecos_publisher_ = nullptr;
+};
+
+/// Unix time now in ns, the stamp of a sample measured now.
+std::int64_t unix_now_ns();
+
+}  // namespace gecos
+
+// What gidl generates for a server:
+//
+//   class ManipulatorServant : public virtual robcl::DeviceServant {
+//    public:
+//     const gecos::InterfaceDescription& gecos_interface() const override;
+//     void gecos_dispatch(gecos::IncomingCall call) override;      // switch over the codes, own and inherited
+//    protected:
+//     virtual gecos::Result<robcl::Frame> tool() = 0;
+//     virtual gecos::Result<robcl::Frame> tool_offset() = 0;
+//     virtual gecos::Result<void> set_tool_offset(const robcl::Frame& value) = 0;
+//     virtual gecos::Result<void> move(const robcl::Frame& goal, const std::optional<Trajectory>& how,
+//                                      gecos::Execution<MotionProgress>& run) = 0;
+//     void publish_tool(const robcl::Frame& value, std::int64_t stamp_ns = gecos::unix_now_ns());
+//   };
+//
+// A root servant derives from `public virtual gecos::Servant`. The getter of a stream attribute is an
+// ordinary handler. Arguments that do not decode or are out of @range: BAD_PARAMETER naming the field.

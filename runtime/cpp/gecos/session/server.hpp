@@ -1,0 +1,49 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "gecos/session/lab.hpp"
+#include "gecos/session/servant.hpp"
+
+namespace gecos {
+
+struct ObjectOptions {
+  bool simulated = false;    ///< undeclared counts as hardware
+  bool thread_safe = false;  ///< handlers may run on several threads at once
+  bool blocking = false;     ///< every handler runs on the object's worker, none on the thread that polls
+  /// Called at once, on a housekeeping thread, when somebody stops the object: must not block.
+  std::function<void()> on_stop;
+  /// Media that clients may use; empty: all that can be opened here.
+  std::vector<media::Kind> media;
+  bool well_known = false;  ///< at the host's well-known place instead of in the broker's list
+};
+
+struct ServeError {
+  std::string text;
+};
+
+/// Runs objects in this process: registers them with the lab's broker (and again when a new broker
+/// comes up), accepts clients, queues commands, keeps leases. One I/O thread polls and runs short
+/// handlers; cancelable ones run on a worker of their object.
+class Server {
+ public:
+  explicit Server(Lab& lab);
+  ~Server();  ///< withdraws all objects; running commands are interrupted
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
+
+  /// Serves `servant` under `name` from now on. The servant must outlive the server.
+  tl::expected<void, ServeError> add(std::string name, Servant& servant, ObjectOptions options = {});
+  /// Waits until SIGINT or SIGTERM (both must be unblocked in no other thread), or `shut_down()`.
+  void run();
+  /// Ends `run()`. Any thread.
+  void shut_down();
+
+ private:
+  class Core;
+  std::unique_ptr<Core> core_;
+};
+
+}  // namespace gecos
