@@ -1,0 +1,14 @@
+# gecos_test(<name> SOURCES <file>... [LIBRARIES <target>...])
+#
+# A GoogleTest binary whose every TEST becomes a ctest of its own, named <name>.<Suite>.<Test>.
+# Each gets 60 s before it is killed: a test that hangs is a test that failed.
+function(gecos_test name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;LIBRARIES")
+  if(NOT arg_SOURCES OR arg_UNPARSED_ARGUMENTS)
+    message(FATAL_ERROR "gecos_test(${name}): write gecos_test(<name> SOURCES <file>... LIBRARIES <target>...)")
+  endif()
+  add_executable(${name} ${arg_SOURCES})
+  target_link_libraries(${name} PRIVATE ${arg_LIBRARIES} GTest::gmock GTest::gtest_main Threads::Threads)
+  include(GoogleTest)
+  gtest_discover_tests(${name} TEST_PREFIX "${name}." PROPERTIES TIMEOUT 60 DISCOVERY_TIMEOUT 60)
+endfunction()

@@ -1,0 +1,13 @@
+# GECOS_SANITIZE=address brings UndefinedBehaviorSanitizer along; the two go well together, thread stands alone.
+set(GECOS_SANITIZE_FLAGS "")
+if(GECOS_SANITIZE STREQUAL "address")
+  set(GECOS_SANITIZE_FLAGS -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
+elseif(GECOS_SANITIZE STREQUAL "thread")
+  set(GECOS_SANITIZE_FLAGS -fsanitize=thread -fno-omit-frame-pointer)
+elseif(NOT GECOS_SANITIZE STREQUAL "")
+  message(FATAL_ERROR "GECOS_SANITIZE is '${GECOS_SANITIZE}'; it may be empty, 'address' or 'thread'.")
+endif()
+if(GECOS_SANITIZE_FLAGS)
+  add_compile_options(${GECOS_SANITIZE_FLAGS})
+  add_link_options(${GECOS_SANITIZE_FLAGS})
+endif()
