@@ -1,0 +1,95 @@
+"""What a caller needs and what the line must promise: access, quality, streams.
+
+Durations are whole nanoseconds, rates are hertz. `None` means "not said".
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from enum import Enum, IntEnum
+
+
+class Access(IntEnum):
+    """Status a caller needs. Master includes actor includes sensor, so the order is the meaning."""
+
+    SENSOR = 0
+    ACTOR = 1
+    MASTER = 2
+
+
+class OnNew(Enum):
+    """What an actor operation does when an actor command of its object is running."""
+
+    QUEUE = "queue"
+    REJECT = "reject"
+    PREEMPT = "preempt"
+    BLEND = "blend"
+
+
+class OnLoss(Enum):
+    """What happens to a running actor operation whose holder is lost."""
+
+    STOP = "stop"
+    FINISH = "finish"
+
+
+class QualityClass(IntEnum):
+    """How much the line promises; the order is the strictness."""
+
+    TIME_INDEPENDENT = 0
+    SOFT_REALTIME = 1
+    HARD_REALTIME = 2
+
+
+class Reliability(IntEnum):
+    BEST_EFFORT = 0
+    RELIABLE = 1
+
+
+class Liveliness(IntEnum):
+    AUTOMATIC = 0
+    MANUAL = 1
+
+
+class StreamDirection(Enum):
+    """As the server sees it: OUT is published by the server, IN is accepted by it."""
+
+    OUT = "out"
+    IN = "in"
+
+
+@dataclass(frozen=True, slots=True)
+class Qos:
+    """Quality terms of a line. Every term may be unsaid."""
+
+    quality_class: QualityClass | None = None
+    reliability: Reliability | None = None
+    deadline_ns: int | None = None
+    start_by_ns: int | None = None
+    latency_ns: int | None = None
+    lifespan_ns: int | None = None
+    liveliness: Liveliness | None = None
+    depth: int | None = None
+    media: tuple[str, ...] | None = None
+
+    def over(self, outer: Qos) -> Qos:
+        """These terms where they are said, those of `outer` elsewhere."""
+        merged = {}
+        for field in fields(self):
+            own = getattr(self, field.name)
+            merged[field.name] = getattr(outer, field.name) if own is None else own
+        return Qos(**merged)
+
+    @property
+    def is_empty(self) -> bool:
+        return self == Qos()
+
+
+@dataclass(frozen=True, slots=True)
+class Stream:
+    """Continuous samples of an attribute."""
+
+    direction: StreamDirection
+    rate_hz: float | None = None
+    watchdog_ns: int | None = None  # inward only: longest silence before the server acts
+    is_open: bool = False  # outward only, @open_stream: a bare LCM message over lcm
