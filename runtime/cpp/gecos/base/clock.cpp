@@ -1,0 +1,28 @@
+#include "gecos/base/clock.hpp"
+
+#include <cassert>
+
+namespace gecos {
+
+TimePoint SystemClock::now() const { return std::chrono::steady_clock::now(); }
+
+double SystemClock::unix_seconds() const {
+  const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
+  return std::chrono::duration<double>(since_1970).count();
+}
+
+FakeClock::FakeClock(TimePoint start, double unix_start)
+    : start_(start), unix_start_(unix_start) {}
+
+TimePoint FakeClock::now() const { return start_ + Duration{passed_.load()}; }
+
+double FakeClock::unix_seconds() const {
+  return unix_start_ + std::chrono::duration<double>(Duration{passed_.load()}).count();
+}
+
+void FakeClock::advance(Duration step) {
+  assert(step >= Duration::zero());
+  passed_.fetch_add(step.count());
+}
+
+}  // namespace gecos

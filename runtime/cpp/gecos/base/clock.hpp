@@ -1,0 +1,48 @@
+// Time is passed in. What has to read it asks a Clock, so that tests need no sleep.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+
+namespace gecos {
+
+using Duration = std::chrono::nanoseconds;
+using TimePoint = std::chrono::time_point<std::chrono::steady_clock, Duration>;
+
+/// May be asked from every thread.
+class Clock {
+ public:
+  virtual ~Clock() = default;
+
+  /// Never goes back; unrelated to the time of day and to other hosts.
+  virtual TimePoint now() const = 0;
+
+  /// Seconds since 1970 UTC, for stamps that leave the process. May be set back by an operator.
+  virtual double unix_seconds() const = 0;
+};
+
+class SystemClock final : public Clock {
+ public:
+  TimePoint now() const override;
+  double unix_seconds() const override;
+};
+
+/// Stands still until told to move. `unix_seconds` moves with it.
+class FakeClock final : public Clock {
+ public:
+  explicit FakeClock(TimePoint start = TimePoint{std::chrono::hours{1}},
+                     double unix_start = 1.7e9);
+
+  TimePoint now() const override;
+  double unix_seconds() const override;
+
+  /// @pre `step` is not negative.
+  void advance(Duration step);
+
+ private:
+  const TimePoint start_;
+  const double unix_start_;
+  std::atomic<Duration::rep> passed_{0};  // publishes nothing but itself
+};
+
+}  // namespace gecos

@@ -1,0 +1,76 @@
+// GeneralContents: values that encode themselves, generated or written by hand.
+#pragma once
+
+#include <cassert>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+
+#include "gecos/base/bytes.hpp"
+#include "gecos/base/result.hpp"
+#include "gecos/wire/decoder.hpp"
+#include "gecos/wire/encoder.hpp"
+
+namespace gecos::wire {
+
+/// `encode` writes the fields, exactly `encoded_size()` bytes; `decode` reads them back and
+/// validates. `fingerprint` is what lcm-gen computes for the declared layout.
+template <typename T>
+concept GeneralContents =
+    std::default_initializable<T> &&
+    requires(const T& value, T& target, Encoder& encoder, Decoder& decoder) {
+      { value.encoded_size() } -> std::same_as<std::size_t>;
+      { value.encode(encoder) } -> std::same_as<void>;
+      { target.decode(decoder) } -> std::same_as<bool>;
+      { T::fingerprint() } -> std::same_as<std::int64_t>;
+    };
+
+inline constexpr std::size_t fingerprint_size = 8;
+
+/// The fields alone.
+template <GeneralContents T>
+Bytes to_bytes(const T& value) {
+  Bytes bytes(value.encoded_size());
+  Encoder encoder(bytes);
+  value.encode(encoder);
+  assert(encoder.written() == bytes.size());
+  return bytes;
+}
+
+/// The inverse of `to_bytes`; bytes left over are an error.
+template <GeneralContents T>
+tl::expected<T, DecodeError> from_bytes(ByteView bytes) {
+  tl::expected<T, DecodeError> result;
+  Decoder decoder(bytes);
+  if (!result->decode(decoder) || !decoder.expect_end()) {
+    return tl::make_unexpected(decoder.error());
+  }
+  return result;
+}
+
+/// An LCM message: fingerprint, then the fields.
+template <GeneralContents T>
+Bytes to_message(const T& value) {
+  Bytes bytes(fingerprint_size + value.encoded_size());
+  Encoder encoder(bytes);
+  encoder.put(T::fingerprint());
+  value.encode(encoder);
+  assert(encoder.written() == bytes.size());
+  return bytes;
+}
+
+/// The inverse of `to_message`; a message of another type is refused as WrongFingerprint.
+template <GeneralContents T>
+tl::expected<T, DecodeError> from_message(ByteView message) {
+  tl::expected<T, DecodeError> result;
+  Decoder decoder(message);
+  std::int64_t fingerprint = 0;
+  const bool decoded =
+      decoder.get(fingerprint) &&
+      (fingerprint == T::fingerprint() || decoder.fail(DecodeProblem::WrongFingerprint, "", 0)) &&
+      result->decode(decoder) && decoder.expect_end();
+  if (!decoded) return tl::make_unexpected(decoder.error());
+  return result;
+}
+
+}  // namespace gecos::wire

@@ -1,0 +1,211 @@
+// Reads values in the LCM type encoding out of bytes that nobody vouches for.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <string>
+#include <string_view>
+
+#include "gecos/base/bytes.hpp"
+#include "gecos/wire/decode_error.hpp"
+#include "gecos/wire/encoder.hpp"
+#include "gecos/wire/swap_copy.hpp"
+#include "gecos/wire/text.hpp"
+
+namespace gecos::wire {
+
+inline constexpr std::size_t npos = std::numeric_limits<std::size_t>::max();
+inline constexpr int max_depth = 16;
+inline constexpr std::size_t max_zero_width = 65'536;
+
+/// Every read says whether it succeeded; after the first failure all fail and `error()` keeps what
+/// went wrong first. Nothing is allocated for a count that the bytes cannot hold. Never throws,
+/// except std::bad_alloc. `field` names are static text; they appear in the error.
+class Decoder {
+ public:
+  /// An empty one, to be filled by `open_block`.
+  Decoder() : Decoder(ByteView{}) {}
+
+  explicit Decoder(ByteView bytes)
+      : begin_(bytes.data()), cursor_(begin_), end_(begin_ + bytes.size()) {}
+
+  template <Number T>
+  [[nodiscard]] bool get(T& value, const char* field = "") {
+    if (remaining() < sizeof(T)) return fail(DecodeProblem::Truncated, field);
+    value = load_big_endian<T>(cursor_);
+    cursor_ += sizeof(T);
+    return true;
+  }
+
+  [[nodiscard]] bool get(bool& value, const char* field = "") {
+    if (remaining() < 1) return fail(DecodeProblem::Truncated, field);
+    if (*cursor_ > std::byte{1}) return fail(DecodeProblem::InvalidBoolean, field);
+    value = *cursor_++ == std::byte{1};
+    return true;
+  }
+
+  /// `max` counts bytes of UTF-8, without the NUL.
+  [[nodiscard]] bool get_string(std::string& text, std::size_t max = npos,
+                                const char* field = "") {
+    std::string_view view;
+    if (!get_string_view(view, max, field)) return false;
+    text.assign(view);
+    return true;
+  }
+
+  /// The same without a copy; it borrows the bytes given to the decoder.
+  [[nodiscard]] bool get_string_view(std::string_view& text, std::size_t max = npos,
+                                     const char* field = "") {
+    const std::byte* const start = cursor_;
+    std::int32_t length = 0;
+    if (!get(length, field)) return false;
+    const auto size = static_cast<std::size_t>(length) - 1;
+    if (length < 1) return fail_at(start, DecodeProblem::NegativeCount, field);
+    if (size > max) return fail_at(start, DecodeProblem::OverBound, field);
+    if (size >= remaining()) return fail_at(start, DecodeProblem::Truncated, field);
+    const std::string_view view(reinterpret_cast<const char*>(cursor_), size);
+    if (cursor_[size] != std::byte{0}) return fail_at(start, DecodeProblem::MissingNul, field);
+    if (view.find('\0') != npos) return fail_at(start, DecodeProblem::NulInString, field);
+    if (!valid_utf8(view)) return fail_at(start, DecodeProblem::InvalidUtf8, field);
+    cursor_ += size + 1;
+    text = view;
+    return true;
+  }
+
+  /// A count of elements of at least `min_bytes_each`. Refused when negative, above `max`, or more
+  /// than the remaining bytes can hold, so that its caller may allocate for it.
+  [[nodiscard]] bool get_count(std::size_t& count, std::size_t min_bytes_each,
+                               std::size_t max = npos, const char* field = "") {
+    const std::byte* const start = cursor_;
+    std::int32_t number = 0;
+    if (!get(number, field)) return false;
+    if (number < 0) return fail_at(start, DecodeProblem::NegativeCount, field);
+    const auto size = static_cast<std::size_t>(number);
+    if (size > max) return fail_at(start, DecodeProblem::OverBound, field);
+    if (min_bytes_each == 0) {
+      if (size > max_zero_width) return fail_at(start, DecodeProblem::OverBound, field);
+    } else if (size > remaining() / min_bytes_each) {
+      return fail_at(start, DecodeProblem::Truncated, field);
+    }
+    count = size;
+    return true;
+  }
+
+  /// Fills a span, vector or array with numbers, swapped in bulk.
+  template <typename Range>
+    requires NumberRange<std::remove_reference_t<Range>>
+  [[nodiscard]] bool get_array(Range&& numbers, const char* field = "") {
+    constexpr std::size_t width = sizeof(*numbers.data());
+    if (failed_) return false;
+    if (numbers.size() > remaining() / width) return fail(DecodeProblem::Truncated, field);
+    swap_copy<width>(reinterpret_cast<std::byte*>(numbers.data()), cursor_, numbers.size());
+    cursor_ += numbers.size() * width;
+    return true;
+  }
+
+  [[nodiscard]] bool get_bytes(std::span<std::byte> bytes, const char* field = "") {
+    return get_array(bytes, field);
+  }
+
+  /// `size` bytes without a copy; they borrow what was given to the decoder.
+  [[nodiscard]] bool get_view(ByteView& view, std::size_t size, const char* field = "") {
+    if (failed_) return false;
+    if (size > remaining()) return fail(DecodeProblem::Truncated, field);
+    view = ByteView(cursor_, size);
+    cursor_ += size;
+    return true;
+  }
+
+  /// Steps over an appendable struct and gives `inner` its bytes to read. What `inner` leaves unread
+  /// is a newer writer's and is ignored.
+  [[nodiscard]] bool open_block(Decoder& inner, const char* field = "") {
+    std::size_t size = 0;
+    if (!get_count(size, 1, npos, field)) return false;
+    inner = *this;
+    inner.end_ = cursor_ + size;
+    cursor_ += size;
+    return true;
+  }
+
+  /// Takes over the failure of an `inner` that `open_block` filled; true when it has none.
+  [[nodiscard]] bool close_block(const Decoder& inner) {
+    if (!inner.failed_) return !failed_;
+    if (failed_) return false;
+    error_ = inner.error_;
+    return give_up();
+  }
+
+  /// Around every nested struct, see DepthGuard. Fails beyond `max_depth`.
+  [[nodiscard]] bool enter(const char* field = "") {
+    if (depth_ == max_depth) return fail(DecodeProblem::TooDeep, field);
+    ++depth_;
+    return true;
+  }
+  void leave() { --depth_; }
+
+  /// Refuses the value that was just read; keeps the first failure. Always false.
+  bool fail(DecodeProblem problem, const char* field = "") {
+    return fail_at(cursor_, problem, field);
+  }
+
+  /// The same, for a value that lies at `offset`, as `offset()` said before it was read.
+  bool fail(DecodeProblem problem, const char* field, std::size_t offset) {
+    return fail_at(begin_ + offset, problem, field);
+  }
+
+  /// Succeeds when nothing failed and nothing is left.
+  [[nodiscard]] bool expect_end() {
+    if (failed_) return false;
+    return cursor_ == end_ ? true : fail(DecodeProblem::TrailingBytes);
+  }
+
+  bool failed() const { return failed_; }
+  bool at_end() const { return !failed_ && cursor_ == end_; }
+  std::size_t remaining() const { return static_cast<std::size_t>(end_ - cursor_); }
+  std::size_t offset() const { return static_cast<std::size_t>(cursor_ - begin_); }
+
+  /// @pre something failed.
+  const DecodeError& error() const { return error_; }
+
+ private:
+  bool fail_at(const std::byte* where, DecodeProblem problem, const char* field) {
+    if (failed_) return false;
+    error_ = DecodeError{problem, static_cast<std::size_t>(where - begin_), field};
+    return give_up();
+  }
+
+  bool give_up() {
+    failed_ = true;
+    end_ = cursor_;  // nothing remains, so that every later read fails by its usual check
+    return false;
+  }
+
+  const std::byte* begin_;
+  const std::byte* cursor_;
+  const std::byte* end_;
+  int depth_ = 0;
+  bool failed_ = false;
+  DecodeError error_;
+};
+
+/// `if (DepthGuard guard(decoder); guard) …`: one level deeper while it lives.
+class DepthGuard {
+ public:
+  explicit DepthGuard(Decoder& decoder, const char* field = "")
+      : decoder_(decoder), entered_(decoder.enter(field)) {}
+  ~DepthGuard() {
+    if (entered_) decoder_.leave();
+  }
+  DepthGuard(const DepthGuard&) = delete;
+  DepthGuard& operator=(const DepthGuard&) = delete;
+
+  explicit operator bool() const { return entered_; }
+
+ private:
+  Decoder& decoder_;
+  bool entered_;
+};
+
+}  // namespace gecos::wire

@@ -1,0 +1,84 @@
+// Writes values in the LCM type encoding: big-endian, fields in order.
+#pragma once
+
+#include <cassert>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <span>
+#include <string_view>
+#include <type_traits>
+
+#include "gecos/base/bytes.hpp"
+#include "gecos/wire/swap_copy.hpp"
+
+namespace gecos::wire {
+
+/// A run of numbers that lies in one piece: span, vector, array.
+template <typename Range>
+concept NumberRange = requires(Range& range) {
+  range.data();
+  range.size();
+  requires Number<std::remove_cvref_t<decltype(*range.data())>>;
+};
+
+/// Bytes that `put_string` writes for a text of this length: count, text, NUL.
+constexpr std::size_t string_size(std::string_view text) { return 4 + text.size() + 1; }
+
+/// Appends to a buffer that its caller made large enough by `encoded_size()`. Writes are not
+/// checked; a debug build asserts that they fit.
+class Encoder {
+ public:
+  explicit Encoder(std::span<std::byte> buffer)
+      : begin_(buffer.data()), cursor_(begin_), end_(begin_ + buffer.size()) {}
+
+  void put(bool value) { put(static_cast<std::uint8_t>(value ? 1 : 0)); }
+
+  template <Number T>
+  void put(T value) {
+    assert(sizeof(T) <= room());
+    store_big_endian(cursor_, value);
+    cursor_ += sizeof(T);
+  }
+
+  /// The count of elements that follow, or the size of a block, as int32.
+  void put_count(std::size_t count) {
+    assert(count <= static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()));
+    put(static_cast<std::int32_t>(count));
+  }
+
+  /// @pre `text` is UTF-8 without NUL (`valid_text`), else the reader will refuse it.
+  void put_string(std::string_view text) {
+    put_count(text.size() + 1);
+    put_bytes(std::as_bytes(std::span(text.data(), text.size())));
+    put(std::uint8_t{0});
+  }
+
+  /// As they are, without a count.
+  void put_bytes(ByteView bytes) {
+    assert(bytes.size() <= room());
+    if (!bytes.empty()) std::memcpy(cursor_, bytes.data(), bytes.size());
+    cursor_ += bytes.size();
+  }
+
+  /// All numbers of a span, vector or array, swapped in bulk, without a count.
+  template <NumberRange Range>
+  void put_array(const Range& numbers) {
+    constexpr std::size_t width = sizeof(*numbers.data());
+    assert(numbers.size() * width <= room());
+    swap_copy<width>(cursor_, reinterpret_cast<const std::byte*>(numbers.data()), numbers.size());
+    cursor_ += numbers.size() * width;
+  }
+
+  std::size_t written() const { return static_cast<std::size_t>(cursor_ - begin_); }
+
+ private:
+  [[maybe_unused]] std::size_t room() const { return static_cast<std::size_t>(end_ - cursor_); }
+
+  std::byte* begin_;
+  std::byte* cursor_;
+  std::byte* end_;
+};
+
+}  // namespace gecos::wire
