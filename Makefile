@@ -1,0 +1,58 @@
+# The two commands of this tree are `make demo` and `make test`; each does all of its own set-up.
+
+BUILD ?= build
+BUILD_TYPE ?= RelWithDebInfo
+JOBS ?= $(shell nproc)
+PYTHON := .venv/bin/python
+CTEST := ctest --output-on-failure -j$(JOBS)
+
+.DEFAULT_GOAL := help
+.PHONY: help
+help:  ## this list
+	@sed -n 's/^\([a-z-]*\):[^#]*## */\1\t/p' $(MAKEFILE_LIST) | expand -t 16
+
+.PHONY: demo
+demo: build  ## broker, devices and the block: the whole system at work, in C++ and in Python
+	@tools/demo.sh
+
+.PHONY: test
+test: build  ## everything that must hold, in lanes; says at the end what each of them said last
+	@$(PYTHON) tools/run_lanes.py --build $(BUILD) --jobs $(JOBS)
+
+.PHONY: setup
+setup:  ## missing apt packages and the virtual environment; quick when they are there
+	@tools/setup.sh
+
+.PHONY: build
+build: setup  ## all C++ and the Python extension
+	@tools/configure.sh $(BUILD) $(BUILD_TYPE)
+	@cmake --build $(BUILD) -j$(JOBS)
+
+.PHONY: generate
+generate: setup  ## generated/ from idl/
+	@.venv/bin/gidl gen
+
+.PHONY: check-generated
+check-generated: setup  ## is generated/ what idl/ says?
+	@.venv/bin/gidl gen --check
+
+.PHONY: test-asan
+test-asan: setup  ## the C++ tests under AddressSanitizer and UndefinedBehaviorSanitizer
+	@tools/configure.sh build-asan $(BUILD_TYPE) -DGECOS_SANITIZE=address
+	@cmake --build build-asan -j$(JOBS)
+	@$(CTEST) --test-dir build-asan
+
+.PHONY: test-tsan
+test-tsan: setup  ## the C++ tests under ThreadSanitizer
+	@tools/configure.sh build-tsan $(BUILD_TYPE) -DGECOS_SANITIZE=thread
+	@cmake --build build-tsan -j$(JOBS)
+	@$(CTEST) --test-dir build-tsan
+
+.PHONY: format
+format: setup  ## C++ and Python laid out as the house does
+	@git ls-files '*.cpp' '*.hpp' ':!generated' | xargs clang-format -i
+	@.venv/bin/ruff check --fix --quiet . && .venv/bin/ruff format --quiet .
+
+.PHONY: clean
+clean:  ## all that was built; the virtual environment stays
+	@rm -rf build build-asan build-tsan dist runtime/python/gecos/_core*.so

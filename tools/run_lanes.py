@@ -1,0 +1,130 @@
+"""Runs every lane of `make test`, one after the other, and says at the end what each of them said last.
+
+A lane is one runner (ctest, pytest, mypy, …). All lanes run, whatever the others said; the exit status is 0 exactly
+when all of them passed. A lane that cannot run on this machine fails: nothing is skipped.
+"""
+
+import argparse
+import os
+import re
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+TREE = Path(__file__).resolve().parent.parent
+LONGEST_LANE = 15 * 60.0
+
+
+@dataclass(frozen=True, slots=True)
+class Lane:
+    """One runner; `closing` finds the line in its output that sums it up."""
+
+    name: str
+    command: tuple[str, ...]
+    closing: str
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    lane: Lane
+    passed: bool
+    closing_line: str
+    seconds: float
+
+
+def all_lanes(build: str, jobs: int) -> list[Lane]:
+    python = sys.executable
+    return [
+        Lane("host", (python, "tools/check_host.py"), r"^check_host: "),
+        Lane("layers", (python, "tools/check_layers.py"), r"^check_layers: "),
+        Lane("generated", (python, "-m", "gidl", "gen", "--check"), r"\S"),
+        Lane("ruff", (python, "-m", "ruff", "check", "."), r"^(All checks passed|Found )"),
+        Lane("mypy", (python, "-m", "mypy"), r"^(Success|Found )"),
+        Lane(
+            "ctest",
+            ("ctest", "--test-dir", build, "--output-on-failure", "--no-tests=error", f"-j{jobs}"),
+            r"^\d+% tests passed",
+        ),
+        Lane("pytest", (python, "-m", "pytest"), r"^=+ .*(passed|failed|error|no tests).* =+$"),
+    ]
+
+
+def run(lane: Lane, limit: float = LONGEST_LANE) -> Verdict:
+    """Runs `lane` with its output passed on as it comes; ends it, and all it started, after `limit` seconds."""
+    print(f"\n──── {lane.name}: {' '.join(lane.command)}", flush=True)
+    started = time.monotonic()
+    try:
+        process = subprocess.Popen(
+            lane.command,
+            cwd=TREE,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            errors="replace",
+            start_new_session=True,
+        )
+    except OSError as error:
+        return Verdict(lane, False, f"could not be started: {error}", 0.0)
+
+    late = threading.Event()
+
+    def end() -> None:
+        late.set()
+        os.killpg(process.pid, signal.SIGKILL)
+
+    watch = threading.Timer(limit, end)
+    watch.start()
+    closing = last = ""
+    assert process.stdout is not None
+    for line in process.stdout:
+        print(line, end="", flush=True)
+        text = line.strip()
+        last = text or last
+        if re.search(lane.closing, text):
+            closing = text
+    status = process.wait()
+    watch.cancel()
+
+    if late.is_set():
+        closing = f"killed: not done after {limit:.0f} s"
+    elif status < 0:
+        closing = f"died of {signal.Signals(-status).name}"
+    return Verdict(lane, status == 0, closing or last, time.monotonic() - started)
+
+
+def summary(verdicts: Sequence[Verdict]) -> str:
+    width = max(len(verdict.lane.name) for verdict in verdicts)
+    lines = [
+        f"{'passed' if verdict.passed else 'FAILED'}  {verdict.lane.name:<{width}}  "
+        f"{verdict.seconds:6.1f} s  {verdict.closing_line}"
+        for verdict in verdicts
+    ]
+    failed = [verdict.lane.name for verdict in verdicts if not verdict.passed]
+    lines.append(f"FAILED: {', '.join(failed)}" if failed else f"all {len(verdicts)} lanes passed")
+    return "\n".join(lines)
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
+    parser.add_argument("--build", default="build", help="folder that CMake built in")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="tests at a time")
+    parser.add_argument("lanes", nargs="*", help="only these lanes (all, when none is named)")
+    asked = parser.parse_args()
+
+    lanes = all_lanes(asked.build, asked.jobs)
+    unknown = set(asked.lanes) - {lane.name for lane in lanes}
+    if unknown:
+        parser.error(f"no lane {', '.join(sorted(unknown))}; there are {', '.join(x.name for x in lanes)}")
+    verdicts = [run(lane) for lane in lanes if not asked.lanes or lane.name in asked.lanes]
+    print("\n" + summary(verdicts), flush=True)
+    return 0 if all(verdict.passed for verdict in verdicts) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
