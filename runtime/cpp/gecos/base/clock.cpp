@@ -11,8 +11,7 @@ double SystemClock::unix_seconds() const {
   return std::chrono::duration<double>(since_1970).count();
 }
 
-FakeClock::FakeClock(TimePoint start, double unix_start)
-    : start_(start), unix_start_(unix_start) {}
+FakeClock::FakeClock(TimePoint start, double unix_start) : start_(start), unix_start_(unix_start) {}
 
 TimePoint FakeClock::now() const { return start_ + Duration{passed_.load()}; }
 

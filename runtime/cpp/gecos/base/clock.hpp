@@ -30,8 +30,7 @@ class SystemClock final : public Clock {
 /// Stands still until told to move. `unix_seconds` moves with it.
 class FakeClock final : public Clock {
  public:
-  explicit FakeClock(TimePoint start = TimePoint{std::chrono::hours{1}},
-                     double unix_start = 1.7e9);
+  explicit FakeClock(TimePoint start = TimePoint{std::chrono::hours{1}}, double unix_start = 1.7e9);
 
   TimePoint now() const override;
   double unix_seconds() const override;

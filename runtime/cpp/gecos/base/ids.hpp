@@ -20,7 +20,7 @@ enum class Epoch : std::uint64_t {};
 
 /// The plain number behind an id, for the wire, for hashing and for printing.
 template <typename Id>
-  requires std::is_enum_v<Id>
+requires std::is_enum_v<Id>
 constexpr std::underlying_type_t<Id> number(Id id) {
   return static_cast<std::underlying_type_t<Id>>(id);
 }

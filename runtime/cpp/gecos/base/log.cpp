@@ -40,9 +40,7 @@ std::atomic<LogLevel>& chosen_level() {
 
 }  // namespace
 
-bool log_enabled(LogLevel level) {
-  return level <= chosen_level().load(std::memory_order_relaxed);
-}
+bool log_enabled(LogLevel level) { return level <= chosen_level().load(std::memory_order_relaxed); }
 
 void log(LogLevel level, std::string_view component, std::string_view message) {
   if (log_enabled(level)) write_line(level, component, message);

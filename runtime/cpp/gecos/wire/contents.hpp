@@ -16,14 +16,13 @@ namespace gecos::wire {
 /// `encode` writes the fields, exactly `encoded_size()` bytes; `decode` reads them back and
 /// validates. `fingerprint` is what lcm-gen computes for the declared layout.
 template <typename T>
-concept GeneralContents =
-    std::default_initializable<T> &&
+concept GeneralContents = std::default_initializable<T> &&
     requires(const T& value, T& target, Encoder& encoder, Decoder& decoder) {
-      { value.encoded_size() } -> std::same_as<std::size_t>;
-      { value.encode(encoder) } -> std::same_as<void>;
-      { target.decode(decoder) } -> std::same_as<bool>;
-      { T::fingerprint() } -> std::same_as<std::int64_t>;
-    };
+  { value.encoded_size() } -> std::same_as<std::size_t>;
+  { value.encode(encoder) } -> std::same_as<void>;
+  { target.decode(decoder) } -> std::same_as<bool>;
+  { T::fingerprint() } -> std::same_as<std::int64_t>;
+};
 
 inline constexpr std::size_t fingerprint_size = 8;
 

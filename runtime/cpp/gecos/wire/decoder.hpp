@@ -47,8 +47,7 @@ class Decoder {
   }
 
   /// `max` counts bytes of UTF-8, without the NUL.
-  [[nodiscard]] bool get_string(std::string& text, std::size_t max = npos,
-                                const char* field = "") {
+  [[nodiscard]] bool get_string(std::string& text, std::size_t max = npos, const char* field = "") {
     std::string_view view;
     if (!get_string_view(view, max, field)) return false;
     text.assign(view);
@@ -95,7 +94,7 @@ class Decoder {
 
   /// Fills a span, vector or array with numbers, swapped in bulk.
   template <typename Range>
-    requires NumberRange<std::remove_reference_t<Range>>
+  requires NumberRange<std::remove_reference_t<Range>>
   [[nodiscard]] bool get_array(Range&& numbers, const char* field = "") {
     constexpr std::size_t width = sizeof(*numbers.data());
     if (failed_) return false;
@@ -118,8 +117,8 @@ class Decoder {
     return true;
   }
 
-  /// Steps over an appendable struct and gives `inner` its bytes to read. What `inner` leaves unread
-  /// is a newer writer's and is ignored.
+  /// Steps over an appendable struct and gives `inner` its bytes to read. What `inner` leaves
+  /// unread is a newer writer's and is ignored.
   [[nodiscard]] bool open_block(Decoder& inner, const char* field = "") {
     std::size_t size = 0;
     if (!get_count(size, 1, npos, field)) return false;

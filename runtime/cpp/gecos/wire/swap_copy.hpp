@@ -19,13 +19,21 @@ inline std::uint64_t reversed(std::uint64_t bits) { return __builtin_bswap64(bit
 template <std::size_t width>
 struct BitsOf;
 template <>
-struct BitsOf<1> { using type = std::uint8_t; };
+struct BitsOf<1> {
+  using type = std::uint8_t;
+};
 template <>
-struct BitsOf<2> { using type = std::uint16_t; };
+struct BitsOf<2> {
+  using type = std::uint16_t;
+};
 template <>
-struct BitsOf<4> { using type = std::uint32_t; };
+struct BitsOf<4> {
+  using type = std::uint32_t;
+};
 template <>
-struct BitsOf<8> { using type = std::uint64_t; };
+struct BitsOf<8> {
+  using type = std::uint64_t;
+};
 
 template <std::size_t width>
 inline void swap_copy_portable(std::byte* to, const std::byte* from, std::size_t count) {
@@ -36,6 +44,13 @@ inline void swap_copy_portable(std::byte* to, const std::byte* from, std::size_t
     std::memcpy(to + i * width, &bits, width);
   }
 }
+
+enum class SwapKind { Portable, Ssse3, Avx2 };
+
+// One named loop, so that tests and benchmarks compare them; false when this machine lacks it.
+// `width` is 2, 4 or 8. The host must be little-endian.
+bool swap_copy_with(SwapKind kind, std::size_t width, std::byte* to, const std::byte* from,
+                    std::size_t count);
 
 // The best loop this machine has, chosen at the first call.
 void swap_copy_16(std::byte* to, const std::byte* from, std::size_t count);
@@ -67,8 +82,9 @@ inline void swap_copy(std::byte* to, const std::byte* from, std::size_t count) {
 
 /// What the wire knows as a number: integers and floating point of 1 to 8 bytes, not bool.
 template <typename T>
-concept Number = (std::integral<T> || std::floating_point<T> || std::same_as<T, std::byte>) &&
-                 !std::same_as<T, bool> && sizeof(T) <= 8;
+concept Number = (std::integral<T> || std::floating_point<T> ||
+                  std::same_as<T, std::byte>)&&!std::same_as<T, bool> &&
+                 sizeof(T) <= 8;
 
 template <Number T>
 inline void store_big_endian(std::byte* to, T value) {
