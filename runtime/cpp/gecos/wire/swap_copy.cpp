@@ -81,10 +81,9 @@ const SwapLoops* loops_of(SwapKind kind) {
 }
 
 const SwapLoops& best_loops() {
-  static const SwapLoops best = [] {
-    for (const SwapKind kind : {SwapKind::Avx2, SwapKind::Ssse3}) {
-      if (const SwapLoops* loops = loops_of(kind)) return *loops;
-    }
+  static const SwapLoops& best = []() -> const SwapLoops& {
+    if (const SwapLoops* loops = loops_of(SwapKind::Avx2)) return *loops;
+    if (const SwapLoops* loops = loops_of(SwapKind::Ssse3)) return *loops;
     return portable_loops;
   }();
   return best;
