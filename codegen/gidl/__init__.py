@@ -1,0 +1,1 @@
+"""The compiler of .gidl interface files. Start reading at model.py; the command line is cli.py."""

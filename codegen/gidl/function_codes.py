@@ -1,0 +1,84 @@
+"""Function codes: what names an operation on the wire.
+
+A code is the 32-bit FNV-1a hash of a scoped name, never a position, so reordering an interface
+changes nothing:
+
+    operation `move` of robcl::Manipulator    "robcl::Manipulator::move"
+    attribute `base`: getter and stream       "robcl::Device::base"
+    attribute `base`: setter                  "robcl::Device::base="
+    exception `robcl::OutOfReach`             "robcl::OutOfReach"
+
+`@id(n)` replaces the hash (a setter then has n + 1). `@hash_as("old")` on an operation, attribute,
+exception or interface keeps the code it had under its old name. Codes 0 to 255 are reserved: 1 to
+255 belong to gecos::GecosObject, 0 means none. Inherited members keep the code of the interface
+that declares them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from gidl.model import Attribute, ExceptionStruct, Facts, Interface, Model, Operation
+
+RESERVED_INTERFACE = "gecos::GecosObject"
+LAST_RESERVED = 255
+
+
+@dataclass(frozen=True, slots=True)
+class CodeUse:
+    """One code and what it stands for: `what` is the hashed text or the scoped name with its @id."""
+
+    code: int
+    what: str
+    member: Operation | Attribute
+
+
+def fnv1a_32(text: str) -> int:
+    value = 0x811C9DC5
+    for byte in text.encode("utf-8"):
+        value = ((value ^ byte) * 0x01000193) & 0xFFFFFFFF
+    return value
+
+
+def hashed_name(model: Model, name: str, facts: Facts) -> str:
+    """`name` as it enters codes and hashes: @hash_as gives a sibling's name, or with "::" a whole one."""
+    if facts.hash_as is not None:
+        if "::" in facts.hash_as:
+            return facts.hash_as.removeprefix("::")
+        scope = name.rpartition("::")[0]
+        return f"{scope}::{facts.hash_as}" if scope else facts.hash_as
+    return name
+
+
+def member_name(model: Model, member: Operation | Attribute) -> str:
+    """Scoped name of an operation or attribute as it enters codes and hashes."""
+    interface = model.interface(member.interface)
+    owner = hashed_name(model, interface.name, interface.facts)
+    return hashed_name(model, f"{owner}::{member.name}", member.facts)
+
+
+def call_code(model: Model, member: Operation | Attribute) -> int:
+    """Code of an operation, or of an attribute's getter and stream."""
+    return member.id if member.id is not None else fnv1a_32(member_name(model, member))
+
+
+def setter_code(model: Model, attribute: Attribute) -> int:
+    if attribute.id is not None:
+        return attribute.id + 1
+    return fnv1a_32(member_name(model, attribute) + "=")
+
+
+def exception_code(model: Model, exception: ExceptionStruct) -> int:
+    """Which declared exception a reply carries."""
+    return fnv1a_32(hashed_name(model, exception.name, exception.facts))
+
+
+def codes_of(model: Model, interface: Interface) -> tuple[CodeUse, ...]:
+    """Every code the interface itself declares, in order."""
+    uses = []
+    for member in interface.members:
+        name = member_name(model, member)
+        uses.append(CodeUse(call_code(model, member), name, member))
+        if isinstance(member, Attribute) and member.has_setter:
+            uses.append(CodeUse(setter_code(model, member), f"{name}=", member))
+    return tuple(uses)

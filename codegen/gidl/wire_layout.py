@@ -1,0 +1,407 @@
+"""How the model lies on the wire: one explicit node per value, one layout per type and per call.
+
+The encoding is LCM's (big-endian, fields in order). What LCM lacks is lowered:
+
+    ScalarNode      1 to 8 bytes; unsigned and char are bit-cast to the signed type of their width
+    EnumNode        enum, bitmask or bitset as int32 (int64 above 32 bits)
+    StringNode      int32 length with NUL, UTF-8, NUL
+    StructNode      the fields of a final struct, inline, without fingerprint
+    AppendableNode  int32 size, then the fields in a block of that many bytes
+    UnionNode       tag, then per arm int8 0 or 1 and the arm where it is 1
+    ArrayNode       the elements
+    SequenceNode    int32 count, the elements
+    OptionalNode    int8 0 or 1, the value where it is 1
+    MapNode         int32 count, then key and value of each entry, sorted by key
+    ObjectNode      an object reference: the fields of gecos.ObjectRef, an empty name is nil
+
+The body of a request holds the `in` and `inout` parameters in order, that of a reply the result and
+then `inout` and `out` parameters. Readers of a body accept more bytes than they know at its end, and
+take default or absent for defaulted and optional fields missing there: both grow. A stream sample is
+the reply body of its attribute's getter.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum
+
+from gidl import function_codes, hashes
+from gidl.lcm_lowering import LcmStruct, Lowering, fingerprint
+from gidl.model import (
+    ArrayType,
+    Attribute,
+    Bitmask,
+    Bitset,
+    EnumDeclaration,
+    ExceptionStruct,
+    Interface,
+    MapType,
+    Model,
+    NamedType,
+    Operation,
+    Primitive,
+    PrimitiveType,
+    SequenceType,
+    StringType,
+    Struct,
+    Type,
+    Typedef,
+    Union,
+)
+from gidl.wire_nodes import (
+    AppendableNode,
+    ArrayNode,
+    EnumNode,
+    MapNode,
+    Node,
+    ObjectNode,
+    OptionalNode,
+    ScalarNode,
+    SequenceNode,
+    StringNode,
+    StructNode,
+    UnionNode,
+)
+
+# Smallest encoding of an object reference: two strings (length and NUL each) and two int64.
+_OBJECT_MIN_SIZE = 2 * 5 + 2 * 8
+
+
+@dataclass(frozen=True, slots=True)
+class FieldLayout:
+    """A member, parameter or result on the wire."""
+
+    name: str
+    node: Node
+    min_size: int
+    fixed_size: int | None  # bytes, when every value takes the same number
+
+
+@dataclass(frozen=True, slots=True)
+class StructLayout:
+    """A struct or exception. Sizes are those of the fields, without fingerprint or size prefix."""
+
+    name: str
+    fields: tuple[FieldLayout, ...]  # those of the bases first
+    appendable: bool
+    min_size: int
+    fixed_size: int | None
+    lcm: LcmStruct
+    fingerprint: int  # as lcm-gen computes it; signed 64 bit
+
+
+@dataclass(frozen=True, slots=True)
+class UnionLayout:
+    name: str
+    tag: ScalarNode | EnumNode  # as the user sees it
+    wire_tag: Primitive  # INT32, or INT64 for 64-bit and uint32 discriminators
+    arms: tuple[FieldLayout, ...]  # in the order of the model's cases; sizes of the bare value
+    appendable: bool
+    min_size: int
+    lcm: LcmStruct
+    fingerprint: int
+
+
+class CallKind(Enum):
+    OPERATION = "operation"
+    EVENT = "event"
+    GETTER = "getter"
+    SETTER = "setter"
+
+
+@dataclass(frozen=True, slots=True)
+class CallLayout:
+    """One function code of an interface."""
+
+    kind: CallKind
+    name: str  # scoped: "robcl::Manipulator::move"; a setter ends with "="
+    code: int
+    request: tuple[FieldLayout, ...]
+    reply: tuple[FieldLayout, ...]
+    exceptions: tuple[tuple[str, int], ...]  # scoped name and code of each declared exception
+    hash: int  # unsigned 64 bit; see hashes.py
+
+
+@dataclass(frozen=True, slots=True)
+class StreamLayout:
+    """Samples of an attribute; the code is that of its getter (also where there is no getter)."""
+
+    name: str
+    code: int
+    sample: FieldLayout
+    fingerprint: int | None  # of a struct sample: what an @open_stream puts in front
+    hash: int
+
+
+@dataclass(frozen=True, slots=True)
+class InterfaceLayout:
+    name: str
+    hash: int  # unsigned 64 bit
+    calls: tuple[CallLayout, ...]  # own ones; `Layout.all_calls` has the inherited ones first
+    streams: tuple[StreamLayout, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    structs: Mapping[str, StructLayout]
+    unions: Mapping[str, UnionLayout]
+    interfaces: Mapping[str, InterfaceLayout]
+    lcm_structs: Mapping[str, tuple[LcmStruct, ...]]  # per file, helpers before what uses them
+
+    def all_calls(self, model: Model, interface: Interface) -> tuple[CallLayout, ...]:
+        return tuple(c for i in model.lineage(interface) for c in self.interfaces[i.name].calls)
+
+    def call(self, scoped_name: str) -> CallLayout:
+        """By scoped name of an operation or attribute (getter), or that with "=" (setter)."""
+        owner = scoped_name.rpartition("::")[0]
+        return next(c for c in self.interfaces[owner].calls if c.name == scoped_name)
+
+    def stream(self, scoped_name: str) -> StreamLayout:
+        owner = scoped_name.rpartition("::")[0]
+        return next(s for s in self.interfaces[owner].streams if s.name == scoped_name)
+
+
+def build(model: Model) -> Layout:
+    """Lays out every type and interface of `model`. @pre the rules found no error in it."""
+    return _Builder(model).build()
+
+
+def node_of(model: Model, used: Type, optional: bool = False) -> Node:
+    """The node of a value of type `used`, typedefs followed."""
+    node = _bare_node(model, used)
+    return OptionalNode(node) if optional else node
+
+
+def _bare_node(model: Model, used: Type) -> Node:
+    match used:
+        case PrimitiveType(kind):
+            return ScalarNode(kind)
+        case StringType(bound):
+            return StringNode(bound)
+        case SequenceType(element, bound):
+            return SequenceNode(_bare_node(model, element), bound)
+        case MapType(key, value, bound):
+            return MapNode(_bare_node(model, key), _bare_node(model, value), bound)
+        case ArrayType(element, dimensions):
+            return ArrayNode(_bare_node(model, element), dimensions)
+        case NamedType(name):
+            return _named_node(model, name)
+
+
+def _named_node(model: Model, name: str) -> Node:
+    match model.find(name):
+        case Typedef(type=target):
+            return _bare_node(model, target)
+        case Struct() as struct:
+            return AppendableNode(name) if struct.is_appendable else StructNode(name)
+        case Union() as union:
+            return UnionNode(name, union.extensibility.value == "appendable")
+        case EnumDeclaration(bit_bound=bits) | Bitmask(bit_bound=bits) | Bitset(bit_size=bits):
+            return EnumNode(name, Primitive.INT64 if bits > 32 else Primitive.INT32)
+        case Interface():
+            return ObjectNode(name)
+        case other:
+            raise AssertionError(f"{other.name} is not a type")
+
+
+class _Builder:
+    def __init__(self, model: Model) -> None:
+        self._model = model
+        self._lowering = Lowering(model, node_of)
+        self._fields: dict[str, tuple[FieldLayout, ...]] = {}
+
+    def build(self) -> Layout:
+        structs: dict[str, StructLayout] = {}
+        unions: dict[str, UnionLayout] = {}
+        interfaces: dict[str, InterfaceLayout] = {}
+        for declaration in self._model.declarations():
+            if isinstance(declaration, Struct):
+                structs[declaration.name] = self._struct(declaration)
+            elif isinstance(declaration, Union):
+                unions[declaration.name] = self._union(declaration)
+            elif isinstance(declaration, Interface):
+                interfaces[declaration.name] = self._interface(declaration)
+        return Layout(structs, unions, interfaces, self._lowering.by_file())
+
+    def _struct(self, struct: Struct) -> StructLayout:
+        fields = self._struct_fields(struct)
+        return StructLayout(
+            struct.name,
+            fields,
+            struct.is_appendable,
+            sum(f.min_size for f in fields),
+            _sum_fixed(fields),
+            self._lowering.struct(struct.name),
+            fingerprint(self._lowering, struct.name),
+        )
+
+    def _struct_fields(self, struct: Struct) -> tuple[FieldLayout, ...]:
+        if struct.name not in self._fields:
+            members = self._model.all_members(struct)
+            self._fields[struct.name] = tuple(
+                self._field(m.name, m.type, m.optional) for m in members
+            )
+        return self._fields[struct.name]
+
+    def _union(self, union: Union) -> UnionLayout:
+        tag = node_of(self._model, union.discriminator)
+        assert isinstance(tag, ScalarNode | EnumNode)
+        arms = tuple(self._field(c.member.name, c.member.type, False) for c in union.cases)
+        wire_tag = wire_tag_of(tag)
+        return UnionLayout(
+            union.name,
+            tag,
+            wire_tag,
+            arms,
+            union.extensibility.value == "appendable",
+            self._union_min_size(union),
+            self._lowering.struct(union.name),
+            fingerprint(self._lowering, union.name),
+        )
+
+    def _field(self, name: str, used: Type, optional: bool) -> FieldLayout:
+        node = node_of(self._model, used, optional)
+        return FieldLayout(name, node, self._min_size(node), self._fixed_size(node))
+
+    def _min_size(self, node: Node) -> int:
+        match node:
+            case ScalarNode(primitive):
+                return primitive.size
+            case EnumNode(wire=wire):
+                return wire.size
+            case StringNode():
+                return 5
+            case StructNode(name):
+                return sum(f.min_size for f in self._struct_fields(self._model.struct(name)))
+            case AppendableNode() | SequenceNode() | MapNode():
+                return 4
+            case OptionalNode():
+                return 1
+            case UnionNode(name, appendable):
+                declaration = self._model.find(name)
+                assert isinstance(declaration, Union)
+                return 4 if appendable else self._union_min_size(declaration)
+            case ArrayNode(element=element, count=count):
+                return count * self._min_size(element)
+            case ObjectNode():
+                return _OBJECT_MIN_SIZE
+
+    def _union_min_size(self, union: Union) -> int:
+        tag = node_of(self._model, union.discriminator)
+        assert isinstance(tag, ScalarNode | EnumNode)
+        return wire_tag_of(tag).size + len(union.cases)
+
+    def _fixed_size(self, node: Node) -> int | None:
+        match node:
+            case ScalarNode() | EnumNode():
+                return self._min_size(node)
+            case StructNode(name):
+                return _sum_fixed(self._struct_fields(self._model.struct(name)))
+            case ArrayNode(element=element, count=count):
+                each = self._fixed_size(element)
+                return None if each is None else count * each
+            case _:
+                return None
+
+    def _interface(self, interface: Interface) -> InterfaceLayout:
+        calls: list[CallLayout] = []
+        streams: list[StreamLayout] = []
+        for member in interface.members:
+            if isinstance(member, Operation):
+                calls.append(self._operation(member))
+            else:
+                calls.extend(self._attribute_calls(member))
+                if member.stream is not None:
+                    streams.append(self._stream(member))
+        return InterfaceLayout(
+            interface.name,
+            hashes.interface_hash(self._model, interface),
+            tuple(calls),
+            tuple(streams),
+        )
+
+    def _operation(self, operation: Operation) -> CallLayout:
+        request = tuple(self._field(p.name, p.type, p.optional) for p in operation.inputs)
+        reply = [self._field(p.name, p.type, p.optional) for p in operation.outputs]
+        if operation.result is not None:
+            name = "result"
+            while any(f.name == name for f in reply):
+                name += "_"
+            reply.insert(0, self._field(name, operation.result, operation.result_optional))
+        return CallLayout(
+            CallKind.EVENT if operation.is_event else CallKind.OPERATION,
+            operation.scoped_name,
+            function_codes.call_code(self._model, operation),
+            request,
+            tuple(reply),
+            self._exceptions(operation.raises),
+            hashes.operation_hash(self._model, operation),
+        )
+
+    def _attribute_calls(self, attribute: Attribute) -> list[CallLayout]:
+        value = self._field("value", attribute.type, attribute.optional)
+        digest = hashes.attribute_hash(self._model, attribute)
+        calls = []
+        if attribute.has_getter:
+            calls.append(
+                CallLayout(
+                    CallKind.GETTER,
+                    attribute.scoped_name,
+                    function_codes.call_code(self._model, attribute),
+                    (),
+                    (value,),
+                    self._exceptions(attribute.get_raises),
+                    digest,
+                )
+            )
+        if attribute.has_setter:
+            calls.append(
+                CallLayout(
+                    CallKind.SETTER,
+                    attribute.scoped_name + "=",
+                    function_codes.setter_code(self._model, attribute),
+                    (value,),
+                    (),
+                    self._exceptions(attribute.set_raises),
+                    digest,
+                )
+            )
+        return calls
+
+    def _stream(self, attribute: Attribute) -> StreamLayout:
+        sample = self._field("value", attribute.type, attribute.optional)
+        node = sample.node
+        struct = node.name if isinstance(node, StructNode | AppendableNode) else None
+        return StreamLayout(
+            attribute.scoped_name,
+            function_codes.call_code(self._model, attribute),
+            sample,
+            None if struct is None else fingerprint(self._lowering, struct),
+            hashes.attribute_hash(self._model, attribute),
+        )
+
+    def _exceptions(self, names: tuple[str, ...]) -> tuple[tuple[str, int], ...]:
+        found = []
+        for name in names:
+            exception = self._model.find(name)
+            assert isinstance(exception, ExceptionStruct)
+            found.append((name, function_codes.exception_code(self._model, exception)))
+        return tuple(found)
+
+
+def wire_tag_of(tag: ScalarNode | EnumNode) -> Primitive:
+    """Integer type of a union's tag: int32, or int64 where int32 cannot hold every value."""
+    if isinstance(tag, EnumNode):
+        return tag.wire
+    wide = tag.primitive.size == 8 or tag.primitive is Primitive.UINT32
+    return Primitive.INT64 if wide else Primitive.INT32
+
+
+def _sum_fixed(fields: tuple[FieldLayout, ...]) -> int | None:
+    total = 0
+    for field in fields:
+        if field.fixed_size is None:
+            return None
+        total += field.fixed_size
+    return total
