@@ -1,0 +1,227 @@
+#include "robcl/frames/frame.hpp"
+
+#include <cmath>
+#include <iomanip>
+#include <ostream>
+#include <sstream>
+
+namespace robcl {
+namespace {
+
+// Below this half-turn two Euler angles turn about one axis, and only their sum is known.
+constexpr double parallel_axes = 1e-9;
+
+Eigen::Quaterniond about(const Eigen::Vector3d& axis, double angle) {
+  return Eigen::Quaterniond(Eigen::AngleAxisd(angle, axis));
+}
+
+double wrapped(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
+
+[[noreturn]] void refuse(const std::string& what) { throw InvalidFrame("frame: " + what); }
+
+template <typename Numbers>
+std::string listed(const Numbers& numbers) {
+  std::ostringstream text;
+  text << std::setprecision(9) << "(";
+  for (Eigen::Index i = 0; i < numbers.size(); ++i) text << (i ? ", " : "") << numbers.data()[i];
+  text << ")";
+  return text.str();
+}
+
+}  // namespace
+
+Frame::Frame(const Eigen::Vector3d& position, const Eigen::Quaterniond& orientation)
+    : position_(position), orientation_(orientation.normalized()) {
+  if (!position.allFinite()) refuse("position " + listed(position) + " m is not finite");
+  const double length = orientation.norm();
+  if (!(std::abs(length - 1) <= unit_tolerance)) {  // written so that NaN is refused, too
+    const Eigen::Vector4d wxyz(orientation.w(), orientation.x(), orientation.y(), orientation.z());
+    std::ostringstream text;
+    text << "quaternion w, x, y, z = " << listed(wxyz) << " has length " << std::setprecision(9)
+         << length << ", a rotation has 1: normalise it, and check the order of its numbers";
+    refuse(text.str());
+  }
+}
+
+Frame Frame::from_euler_zyz(double x, double y, double z, double a, double b, double c) {
+  return Frame({x, y, z}, about(Eigen::Vector3d::UnitZ(), a) * about(Eigen::Vector3d::UnitY(), b) *
+                              about(Eigen::Vector3d::UnitZ(), c));
+}
+
+Frame Frame::from_euler_zyx(double x, double y, double z, double a, double b, double c) {
+  return Frame({x, y, z}, about(Eigen::Vector3d::UnitZ(), a) * about(Eigen::Vector3d::UnitY(), b) *
+                              about(Eigen::Vector3d::UnitX(), c));
+}
+
+Frame Frame::from_fixed_xyz(double x, double y, double z, double rx, double ry, double rz) {
+  return from_euler_zyx(x, y, z, rz, ry, rx);
+}
+
+Frame Frame::from_quaternion(double x, double y, double z, double qw, double qx, double qy,
+                             double qz) {
+  return Frame({x, y, z}, Eigen::Quaterniond(qw, qx, qy, qz));
+}
+
+Frame Frame::from_matrix(const Eigen::Matrix4d& matrix) {
+  if (!matrix.allFinite()) refuse("the matrix has numbers that are not finite");
+  const Eigen::RowVector4d last = matrix.row(3);
+  if (!last.isApprox(Eigen::RowVector4d(0, 0, 0, 1), unit_tolerance)) {
+    refuse("last row of the matrix is " + listed(last) + ", it must be (0, 0, 0, 1)");
+  }
+  const Eigen::Matrix3d turn = matrix.topLeftCorner<3, 3>();
+  const double off =
+      (turn.transpose() * turn - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+  if (off > 2 * unit_tolerance) {
+    std::ostringstream text;
+    text << "the matrix stretches or shears by " << off << "; a rotation's columns are at right angles "
+         << "and of length 1";
+    refuse(text.str());
+  }
+  if (turn.determinant() < 0) refuse("the matrix mirrors (its determinant is -1)");
+  return Frame(matrix.topRightCorner<3, 1>(), Eigen::Quaterniond(turn).normalized());
+}
+
+std::array<double, 3> Frame::euler_zyz() const {
+  // q = (cos(b/2)·cos s, -sin(b/2)·sin d, sin(b/2)·cos d, cos(b/2)·sin s), s = (a+c)/2, d = (a-c)/2
+  const Quaternion& q = orientation_;
+  const double cosine = std::hypot(q.w(), q.z());
+  const double sine = std::hypot(q.x(), q.y());
+  const double sum = std::atan2(q.z(), q.w());
+  const double difference = std::atan2(-q.x(), q.y());
+  const double b = 2 * std::atan2(sine, cosine);
+  if (sine < parallel_axes) return {wrapped(2 * sum), b, 0};
+  if (cosine < parallel_axes) return {wrapped(2 * difference), b, 0};
+  return {wrapped(sum + difference), b, wrapped(sum - difference)};
+}
+
+std::array<double, 3> Frame::euler_zyx() const {
+  const Eigen::Matrix3d r = rotation();
+  const double cosine = std::hypot(r(0, 0), r(1, 0));
+  const double b = std::atan2(-r(2, 0), cosine);
+  if (cosine < parallel_axes) return {std::atan2(-r(0, 1), r(1, 1)), b, 0};
+  return {std::atan2(r(1, 0), r(0, 0)), b, std::atan2(r(2, 1), r(2, 2))};
+}
+
+std::array<double, 3> Frame::fixed_xyz() const {
+  const auto [rz, ry, rx] = euler_zyx();
+  return {rx, ry, rz};
+}
+
+std::array<double, 4> Frame::quaternion() const {
+  return {orientation_.w(), orientation_.x(), orientation_.y(), orientation_.z()};
+}
+
+Eigen::Matrix4d Frame::matrix() const {
+  Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
+  matrix.topLeftCorner<3, 3>() = rotation();
+  matrix.topRightCorner<3, 1>() = position_;
+  return matrix;
+}
+
+Frame operator*(const Frame& left, const Frame& right) {
+  Frame product;
+  product.position_ = left.transform(right.position_);
+  product.orientation_ = (left.orientation_ * right.orientation_).normalized();
+  return product;
+}
+
+Frame Frame::inverse() const {
+  Frame back;
+  back.orientation_ = orientation_.conjugate();
+  back.position_ = back.orientation_ * Eigen::Vector3d(-position_);
+  return back;
+}
+
+Eigen::Vector3d Frame::transform(const Eigen::Vector3d& point) const {
+  return position_ + orientation_ * point;
+}
+
+bool operator==(const Frame& left, const Frame& right) {
+  return left.position_ == right.position_ &&
+         left.orientation_.coeffs() == right.orientation_.coeffs();
+}
+
+void Frame::encode(gecos::wire::Encoder& to) const {
+  for (const double metres : {x(), y(), z()}) to.put(metres);
+  for (const double part : quaternion()) to.put(part);
+}
+
+bool Frame::decode(gecos::wire::Decoder& from) {
+  using gecos::wire::DecodeProblem;
+  const std::size_t position_at = from.offset();
+  Eigen::Vector3d position;
+  for (double& metres : position) {
+    if (!from.get(metres, "position")) return false;
+  }
+  const std::size_t orientation_at = from.offset();
+  double w = 0, i = 0, j = 0, k = 0;
+  for (double* part : {&w, &i, &j, &k}) {
+    if (!from.get(*part, "orientation")) return false;
+  }
+  if (!position.allFinite()) return from.fail(DecodeProblem::InvalidValue, "position", position_at);
+  const double length = std::sqrt(w * w + i * i + j * j + k * k);
+  if (!(std::abs(length - 1) <= unit_tolerance)) {
+    return from.fail(DecodeProblem::InvalidValue, "orientation", orientation_at);
+  }
+  position_ = position;
+  orientation_ = Quaternion(w, i, j, k);
+  return true;
+}
+
+std::int64_t Frame::fingerprint() {
+  // lcm-gen's, for struct Frame { Vector position; Quaternion orientation; } of seven doubles.
+  return 0x249634ce2aa17b5e;
+}
+
+Frame translate(double x, double y, double z) {
+  return Frame({x, y, z}, Eigen::Quaterniond::Identity());
+}
+
+Frame rotate_x(double angle) {
+  return Frame(Eigen::Vector3d::Zero(), about(Eigen::Vector3d::UnitX(), angle));
+}
+
+Frame rotate_y(double angle) {
+  return Frame(Eigen::Vector3d::Zero(), about(Eigen::Vector3d::UnitY(), angle));
+}
+
+Frame rotate_z(double angle) {
+  return Frame(Eigen::Vector3d::Zero(), about(Eigen::Vector3d::UnitZ(), angle));
+}
+
+double distance(const Frame& left, const Frame& right) {
+  return (left.position() - right.position()).norm();
+}
+
+double angle(const Frame& left, const Frame& right) {
+  const Eigen::Quaterniond between = left.orientation().conjugate() * right.orientation();
+  return 2 * std::atan2(between.vec().norm(), std::abs(between.w()));
+}
+
+bool near(const Frame& left, const Frame& right, double position_tolerance,
+          double angle_tolerance) {
+  return distance(left, right) <= position_tolerance && angle(left, right) <= angle_tolerance;
+}
+
+std::ostream& operator<<(std::ostream& out, const Frame& frame) { return out << to_string(frame); }
+
+std::string to_string(const Frame& frame) {
+  const auto [a, b, c] = frame.euler_zyz();
+  std::ostringstream text;
+  const auto put = [&text](double value, double unit) {
+    text << std::round(value / unit) * unit + 0.0;  // + 0.0: no "-0"
+    return ", ";
+  };
+  text << std::fixed << std::setprecision(1) << "(";
+  text << put(in_mm(frame.x()), 0.1);
+  text << put(in_mm(frame.y()), 0.1);
+  put(in_mm(frame.z()), 0.1);
+  text << ") mm, ZYZ (" << std::setprecision(2);
+  text << put(in_deg(a), 0.01);
+  text << put(in_deg(b), 0.01);
+  put(in_deg(c), 0.01);
+  text << ") deg";
+  return text.str();
+}
+
+}  // namespace robcl

@@ -1,0 +1,121 @@
+// Frames: where something is and how it is turned, seen from something else.
+//
+// One vocabulary in C++ and Python (`from robcl.frames import Frame, translate, mm, deg`):
+//
+//   make     translate(x, y, z)   rotate_x(a)   rotate_y(a)   rotate_z(a)   Frame() is "here"
+//            Frame.from_euler_zyz(x, y, z, a, b, c)     Rz(a)·Ry'(b)·Rz''(c): the paper's, and V+'s
+//            Frame.from_euler_zyx(x, y, z, a, b, c)     Rz(a)·Ry'(b)·Rx''(c)
+//            Frame.from_fixed_xyz(x, y, z, rx, ry, rz)  turns about the fixed axes X, then Y, then Z (the
+//                                                       paper's CXYZ, URDF's rpy) = ZYX(rz, ry, rx)
+//            Frame.from_quaternion(x, y, z, qw, qx, qy, qz)
+//            Frame.from_matrix(m)                       4×4, homogeneous
+//   read     f.x f.y f.z (in C++ calls)   f.euler_zyz()   f.euler_zyx()   f.fixed_xyz()   f.quaternion()   f.matrix()
+//   compute  a * b   f.inverse()   f.transform(point)   distance(a, b)   angle(a, b)
+//            near(a, b, position_tolerance, angle_tolerance)
+//   units    metres and radians; mm(200), deg(90), in C++ also 200_mm, 90_deg
+//
+// Names that cancel keep products right: world_from_tool = world_from_base * base_from_tool.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <iosfwd>
+#include <stdexcept>
+#include <string>
+
+#include "gecos/wire/decoder.hpp"
+#include "gecos/wire/encoder.hpp"
+#include "robcl/frames/units.hpp"
+
+namespace robcl {
+
+/// Numbers that do not describe a rigid placement: not finite, a quaternion that is not of unit
+/// length, a matrix that stretches, shears, mirrors or projects. The text says which and by how much.
+class InvalidFrame : public std::invalid_argument {
+ public:
+  using std::invalid_argument::invalid_argument;
+};
+
+/// Position (m) and orientation of a coordinate system seen from another. A value; 56 bytes, no
+/// alignment of its own. A quaternion and its negative are the same orientation but not `==`.
+class Frame {
+ public:
+  /// How far a quaternion's length, or a matrix's columns, may be from one: room for what single
+  /// precision loses. Beyond it construction throws and decoding fails.
+  static constexpr double unit_tolerance = 1e-6;
+
+  /// Identity: the other coordinate system itself.
+  Frame() = default;
+  /// Throws InvalidFrame. Makes `orientation` exactly of unit length.
+  Frame(const Eigen::Vector3d& position, const Eigen::Quaterniond& orientation);
+
+  /// All throw InvalidFrame where a number is not finite; metres and radians.
+  static Frame from_euler_zyz(double x, double y, double z, double a, double b, double c);
+  static Frame from_euler_zyx(double x, double y, double z, double a, double b, double c);
+  static Frame from_fixed_xyz(double x, double y, double z, double rx, double ry, double rz);
+  static Frame from_quaternion(double x, double y, double z, double qw, double qx, double qy,
+                               double qz);
+  static Frame from_matrix(const Eigen::Matrix4d& matrix);
+
+  double x() const { return position_.x(); }
+  double y() const { return position_.y(); }
+  double z() const { return position_.z(); }
+  const Eigen::Vector3d& position() const { return position_; }
+  Eigen::Quaterniond orientation() const { return Eigen::Quaterniond(orientation_); }
+
+  /// a, b, c with b in [0, pi], a and c in [-pi, pi]; c = 0 where b is 0 or pi.
+  std::array<double, 3> euler_zyz() const;
+  /// a, b, c with b in [-pi/2, pi/2], a and c in [-pi, pi]; c = 0 where b is ±pi/2.
+  std::array<double, 3> euler_zyx() const;
+  /// rx, ry, rz: the numbers of `euler_zyx` from back to front.
+  std::array<double, 3> fixed_xyz() const;
+  /// w, x, y, z.
+  std::array<double, 4> quaternion() const;
+  Eigen::Matrix4d matrix() const;
+  Eigen::Matrix3d rotation() const { return orientation().toRotationMatrix(); }
+
+  /// What `right` describes, seen from where `left` is seen from.
+  friend Frame operator*(const Frame& left, const Frame& right);
+  Frame inverse() const;
+  /// A point of this coordinate system, seen from the other.
+  Eigen::Vector3d transform(const Eigen::Vector3d& point) const;
+
+  /// Number by number; for "the same place" take `near`.
+  friend bool operator==(const Frame& left, const Frame& right);
+  friend bool operator!=(const Frame& left, const Frame& right) { return !(left == right); }
+
+  // GeneralContents, in the layout of `robcl::Frame` in idl/robcl/geometry.gidl: x, y, z, then
+  // w, x, y, z of the quaternion. What is decoded keeps its exact numbers, so that it encodes to
+  // the same bytes again.
+  std::size_t encoded_size() const { return 7 * sizeof(double); }
+  void encode(gecos::wire::Encoder& to) const;
+  bool decode(gecos::wire::Decoder& from);
+  static std::int64_t fingerprint();
+
+ private:
+  using Quaternion = Eigen::Quaternion<double, Eigen::DontAlign>;
+
+  Eigen::Vector3d position_ = Eigen::Vector3d::Zero();
+  Quaternion orientation_ = Quaternion::Identity();
+};
+
+Frame translate(double x, double y, double z);
+Frame rotate_x(double angle);
+Frame rotate_y(double angle);
+Frame rotate_z(double angle);
+
+/// Between the two origins, m.
+double distance(const Frame& left, const Frame& right);
+/// Of the single turn that brings one orientation to the other, rad in [0, pi]. Exact for small ones.
+double angle(const Frame& left, const Frame& right);
+bool near(const Frame& left, const Frame& right, double position_tolerance,
+          double angle_tolerance);
+
+/// "(452.1, -150.0, 431.8) mm, ZYZ (0.00, 90.00, 0.00) deg": for people; machines take the encoding.
+std::ostream& operator<<(std::ostream& out, const Frame& frame);
+std::string to_string(const Frame& frame);
+
+}  // namespace robcl
