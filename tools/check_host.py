@@ -1,4 +1,4 @@
-"""Looks whether this machine has what the media need, and names the setting that mends what it has not."""
+"""Looks whether this machine has what the media need, and names what mends the rest."""
 
 import os
 import socket
@@ -15,7 +15,10 @@ def sealed_memory() -> str | None:
     try:
         descriptor = os.memfd_create("check_host", os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING)
     except OSError as error:
-        return f"shm: memfd_create fails ({error}). Allow the system call in the container's seccomp profile."
+        return (
+            f"shm: memfd_create fails ({error}). "
+            "Allow the system call in the container's seccomp profile."
+        )
     os.close(descriptor)
     return None
 
@@ -46,7 +49,10 @@ def unix_sockets() -> str | None:
                     size = struct.calcsize("3i")
                     raw = server.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, size)
                     if struct.unpack("3i", raw)[1] != os.getuid():
-                        return "shm: the kernel names another user than ours (SO_PEERCRED); check user namespaces."
+                        return (
+                            "shm: the kernel names another user than ours (SO_PEERCRED). "
+                            "Map this user in the container's user namespace."
+                        )
     except OSError as error:
         return f"shm: Unix sockets fail ({error}). Set TMPDIR to a folder on a local file system."
     return None
@@ -87,7 +93,8 @@ def main() -> int:
     problems = [problem for check in CHECKS if (problem := check()) is not None]
     for problem in problems:
         print(problem)
-    print(f"check_host: {len(CHECKS) - len(problems)} of {len(CHECKS)} things that the media need work")
+    working = len(CHECKS) - len(problems)
+    print(f"check_host: {working} of {len(CHECKS)} things that the media need work")
     return 1 if problems else 0
 
 

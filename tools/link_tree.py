@@ -1,7 +1,7 @@
-"""Makes the virtual environment that runs this see the tree: its packages, and the commands they declare.
+"""Makes the virtual environment that runs this see the tree: its packages and their commands.
 
-An editable install would do the same for each package and build the C++ once more; this takes no time, and the
-extension module is where CMake puts it anyway.
+An editable install would do the same for each package and build the C++ once more; this takes no
+time, and the extension module is where CMake puts it anyway.
 """
 
 import stat

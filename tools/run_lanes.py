@@ -1,7 +1,8 @@
-"""Runs every lane of `make test`, one after the other, and says at the end what each of them said last.
+"""Runs every lane of `make test` in turn, and says at the end what each of them said last.
 
-A lane is one runner (ctest, pytest, mypy, …). All lanes run, whatever the others said; the exit status is 0 exactly
-when all of them passed. A lane that cannot run on this machine fails: nothing is skipped.
+A lane is one runner (ctest, pytest, mypy, …). All lanes run, whatever the others said; the exit
+status is 0 exactly when all of them passed. A lane that cannot run on this machine fails: nothing
+is skipped.
 """
 
 import argparse
@@ -55,7 +56,7 @@ def all_lanes(build: str, jobs: int) -> list[Lane]:
 
 
 def run(lane: Lane, limit: float = LONGEST_LANE) -> Verdict:
-    """Runs `lane` with its output passed on as it comes; ends it, and all it started, after `limit` seconds."""
+    """Runs `lane`, its output passed on as it comes; after `limit` seconds ends all of it."""
     print(f"\n──── {lane.name}: {' '.join(lane.command)}", flush=True)
     started = time.monotonic()
     try:
@@ -81,14 +82,15 @@ def run(lane: Lane, limit: float = LONGEST_LANE) -> Verdict:
     watch = threading.Timer(limit, end)
     watch.start()
     closing = last = ""
-    assert process.stdout is not None
-    for line in process.stdout:
-        print(line, end="", flush=True)
-        text = line.strip()
-        last = text or last
-        if re.search(lane.closing, text):
-            closing = text
-    status = process.wait()
+    with process:
+        assert process.stdout is not None
+        for line in process.stdout:
+            print(line, end="", flush=True)
+            text = line.strip()
+            last = text or last
+            if re.search(lane.closing, text):
+                closing = text
+        status = process.wait()
     watch.cancel()
 
     if late.is_set():
@@ -120,7 +122,8 @@ def main() -> int:
     lanes = all_lanes(asked.build, asked.jobs)
     unknown = set(asked.lanes) - {lane.name for lane in lanes}
     if unknown:
-        parser.error(f"no lane {', '.join(sorted(unknown))}; there are {', '.join(x.name for x in lanes)}")
+        known = ", ".join(lane.name for lane in lanes)
+        parser.error(f"no lane {', '.join(sorted(unknown))}; there are {known}")
     verdicts = [run(lane) for lane in lanes if not asked.lanes or lane.name in asked.lanes]
     print("\n" + summary(verdicts), flush=True)
     return 0 if all(verdict.passed for verdict in verdicts) else 1

@@ -1,0 +1,174 @@
+"""The layer check finds what is planted, and nothing else."""
+
+from pathlib import Path
+
+import check_layers
+import layers_cpp
+import layers_python
+import pytest
+from layers_rule import Violation
+
+
+def cpp(path: str, text: str) -> list[Violation]:
+    return layers_cpp.violations(path, text)
+
+
+def python(path: str, text: str) -> list[Violation]:
+    return layers_python.violations(path, text)
+
+
+@pytest.mark.parametrize(
+    ("path", "header"),
+    [
+        ("runtime/cpp/gecos/base/ids.hpp", '"gecos/wire/encoder.hpp"'),
+        ("runtime/cpp/gecos/wire/packet.cpp", '"gecos/media/medium.hpp"'),
+        ("runtime/cpp/gecos/qos/match.cpp", '"gecos/media/medium.hpp"'),
+        ("runtime/cpp/gecos/access/lease_table.cpp", '"gecos/session/command.hpp"'),
+        ("runtime/cpp/gecos/access/lease_table.cpp", '"gecos/object_types.hpp"'),
+        ("runtime/cpp/gecos/media/shm/ring.cpp", '"gecos/wire/encoder.hpp"'),
+        ("runtime/cpp/gecos/media/inproc.cpp", '"gecos/access/status.hpp"'),
+        ("runtime/cpp/gecos/session/select.cpp", '"gecos/media/lcm.hpp"'),
+        ("runtime/cpp/gecos/session/select.cpp", '"gecos/media/shm/connection.hpp"'),
+        ("runtime/cpp/gecos/session/lookup.cpp", '"gecos/broker_client.hpp"'),
+        ("runtime/cpp/gecos/session/lookup.cpp", '"robcl/frames/frame.hpp"'),
+        ("runtime/cpp/gecos/broker/broker.cpp", '"gecos/media/inproc.hpp"'),
+        ("runtime/cpp/robcl/frames/frame.cpp", '"gecos/session/command.hpp"'),
+        ("runtime/cpp/robcl/arm/chain.cpp", '"robcl/motion/straight.hpp"'),
+        ("runtime/cpp/robcl/motion/straight.cpp", '"robcl/manipulator_types.hpp"'),
+        ("generated/cpp/robcl/gripper_types.cpp", '"gecos/session/command.hpp"'),
+        ("generated/cpp/robcl/gripper_client.cpp", '"gecos/media/inproc.hpp"'),
+        ("devices/rx90/server.cpp", '"gecos/media/shm/ring.hpp"'),
+        ("devices/rx90/server.cpp", '"gecos/broker/broker.hpp"'),
+        ("runtime/python/src/core.cpp", '"robcl/gripper_client.hpp"'),
+        ("runtime/cpp/gecos/media/shm/ring.cpp", "<lcm/lcm.h>"),
+        ("runtime/cpp/gecos/session/select.cpp", "<Eigen/Dense>"),
+        ("runtime/cpp/gecos/wire/encoder.hpp", "<kdl/frames.hpp>"),
+        ("runtime/cpp/gecos/session/command.hpp", "<nanobind/nanobind.h>"),
+        ("runtime/cpp/gecos/session/command.hpp", "<Python.h>"),
+        ("runtime/cpp/gecos/session/command.hpp", "<sodium.h>"),
+        ("runtime/cpp/gecos/wire/encoder.hpp", "<thread>"),
+        ("runtime/cpp/gecos/access/lease_table.cpp", "<sys/socket.h>"),
+    ],
+)
+def test_a_forbidden_include_is_found(path: str, header: str) -> None:
+    (violation,) = cpp(path, f"#pragma once\n#include <vector>\n  #  include {header}\n")
+    assert violation.line == 3
+    assert violation.path == path
+    assert header.strip('"<>') in violation.what
+    assert violation.rule
+    assert violation.do
+
+
+@pytest.mark.parametrize(
+    ("path", "header"),
+    [
+        ("runtime/cpp/gecos/wire/packet.cpp", '"gecos/base/bytes.hpp"'),
+        ("runtime/cpp/gecos/media/lcm.cpp", "<lcm/lcm.h>"),
+        ("runtime/cpp/gecos/media/shm/ring.cpp", '"gecos/media/medium.hpp"'),
+        ("runtime/cpp/gecos/media/shm/ring.cpp", "<sys/mman.h>"),
+        ("runtime/cpp/gecos/session/select.cpp", '"gecos/media/medium.hpp"'),
+        ("runtime/cpp/gecos/session/reserved.hpp", '"gecos/object_types.hpp"'),
+        ("runtime/cpp/gecos/broker/broker.hpp", '"gecos/broker_server.hpp"'),
+        ("runtime/cpp/robcl/arm/chain.cpp", "<kdl/chain.hpp>"),
+        ("devices/rx90/server.cpp", '"robcl/rx90_server.hpp"'),
+        ("devices/rx90/server.cpp", "<urdf_parser/urdf_parser.h>"),
+        ("generated/cpp/robcl/device_types.hpp", '"robcl/frames/frame.hpp"'),
+        ("generated/cpp/robcl/device_client.hpp", '"gecos/session/object.hpp"'),
+        ("runtime/python/src/core.cpp", "<nanobind/nanobind.h>"),
+        ("runtime/cpp/gecos/base/result.hpp", "<tl/expected.hpp>"),
+    ],
+)
+def test_an_allowed_include_passes(path: str, header: str) -> None:
+    assert cpp(path, f"#include {header}\n") == []
+
+
+def test_a_pure_room_that_reads_a_clock_is_found_but_not_in_a_comment() -> None:
+    path = "runtime/cpp/gecos/access/lease_table.cpp"
+    (violation,) = cpp(
+        path, "// std::chrono::steady_clock::now() is the caller's\nauto t = Clock::now();\n"
+    )
+    assert violation.line == 2
+    assert "take the time as an argument" in violation.do
+
+
+def test_a_file_in_no_room_is_found() -> None:
+    (violation,) = cpp("runtime/cpp/gecos/helpers/util.hpp", "#pragma once\n")
+    assert "no room" in violation.what
+
+
+@pytest.mark.parametrize(
+    ("path", "statement", "named"),
+    [
+        ("codegen/gidl/model.py", "from gidl import wire_layout", "gidl.wire_layout"),
+        ("codegen/gidl/model.py", "from .syntax import Struct", "gidl.syntax"),
+        ("codegen/gidl/parser.py", "import gidl.resolve", "gidl.resolve"),
+        ("codegen/gidl/wire_layout.py", "from .targets.cpp import view", "gidl.targets.cpp"),
+        ("codegen/gidl/rules/unit.py", "from ..parser import parse", "gidl.parser"),
+        ("codegen/gidl/targets/cpp/view.py", "from gidl.model import Struct", "gidl.model"),
+        ("codegen/gidl/targets/cpp/lower.py", "import jinja2", "jinja2"),
+        ("codegen/gidl/cli.py", "import jinja2", "jinja2"),
+        ("codegen/gidl/cli.py", "import gecos", "gecos"),
+        ("codegen/gidl/emit.py", "import numpy as np", "numpy"),
+        ("runtime/python/gecos/wire.py", "from gecos import command", "gecos.command"),
+        ("runtime/python/gecos/wire.py", "from . import _core", "gecos._core"),
+        ("runtime/python/gecos/command.py", "import robcl.frames", "robcl.frames"),
+        ("runtime/python/gecos/command.py", "import lcm", "lcm"),
+        ("runtime/python/gecos/command.py", "from rich import print", "rich"),
+        ("runtime/python/robcl/frames/frame.py", "from gecos import lab", "gecos.lab"),
+        (
+            "runtime/python/robcl/frames/frame.py",
+            "from robcl.gripper import Gripper",
+            "robcl.gripper",
+        ),
+        ("generated/python/robcl/gripper_types.py", "from gecos.command import X", "gecos.command"),
+        ("generated/python/robcl/gripper.py", "from gecos._core import call", "gecos._core"),
+    ],
+)
+def test_a_forbidden_import_is_found(path: str, statement: str, named: str) -> None:
+    (violation,) = python(path, f'"""Doc."""\n\ndef late() -> None:\n    {statement}\n')
+    assert violation.line == 4
+    assert named in violation.what
+    assert violation.rule
+    assert violation.do
+
+
+@pytest.mark.parametrize(
+    ("path", "statement"),
+    [
+        ("codegen/gidl/parser.py", "from gidl.syntax import Struct"),
+        ("codegen/gidl/emit.py", "import jinja2"),
+        ("codegen/gidl/cli.py", "from gidl import emit, resolve"),
+        ("codegen/gidl/targets/cpp/lower.py", "from gidl.targets.cpp.view import File"),
+        ("runtime/python/gecos/wire.py", "import numpy as np, struct"),
+        ("runtime/python/gecos/command.py", "from gecos import _core"),
+        ("runtime/python/gecos/cli/main.py", "import typer"),
+        ("runtime/python/robcl/frames/__init__.py", "from .frame import Frame"),
+        ("generated/python/robcl/gripper_types.py", "from robcl.frames import Frame"),
+        ("generated/python/robcl/gripper_types.py", "from gecos.wire import Decoder"),
+        ("generated/python/robcl/gripper.py", "from gecos import Command"),
+        ("generated/python/robcl/gripper.py", "from .gripper_types import GripperState"),
+    ],
+)
+def test_an_allowed_import_passes(path: str, statement: str) -> None:
+    assert python(path, statement) == []
+
+
+def test_the_report_says_where_what_why_and_what_to_do(tmp_path: Path) -> None:
+    planted = tmp_path / "runtime/cpp/gecos/session/select.cpp"
+    planted.parent.mkdir(parents=True)
+    planted.write_text('#include "gecos/media/lcm.hpp"\n')
+    assert check_layers.report(*check_layers.check(tmp_path)) == (
+        "runtime/cpp/gecos/session/select.cpp:1: error: "
+        'session includes "gecos/media/lcm.hpp" of media\n'
+        "    = rule: session knows media by their contract alone (gecos/media/medium.hpp), "
+        "and generated types, never clients\n"
+        "    = help: it may include access, base, crypto, generated-types, medium, qos, wire: "
+        "pass in what it needs, or move the code to a room that may\n"
+        "check_layers: 1 files, 1 violations"
+    )
+
+
+def test_the_tree_itself_is_clean() -> None:
+    files, violations = check_layers.check(check_layers.TREE)
+    assert files > 0
+    assert [str(violation) for violation in violations] == []

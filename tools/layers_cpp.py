@@ -1,0 +1,221 @@
+"""Who may include whom in C++. Every file belongs to a room; a room lists the rooms it may know."""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from layers_rule import Violation
+
+ROOTS = ("runtime/cpp", "runtime/python/src", "devices", "generated/cpp")
+SUFFIXES = (".hpp", ".cpp", ".h", ".cc")
+
+INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
+HAND_WRITTEN = re.compile(
+    r"^(?:gecos/(base|wire|qos|access|crypto|media|session|broker)|robcl/(frames|arm|motion))/"
+)
+GENERATED = re.compile(r"^(?:[\w]+/)*\w+_(types|client|server)\.[hc]pp$")
+
+
+@dataclass(frozen=True, slots=True)
+class Room:
+    """`knows`: the rooms whose headers it may include. `why`: the rule, for people."""
+
+    knows: frozenset[str]
+    why: str
+
+
+def _room(knows: str, why: str) -> Room:
+    return Room(frozenset(knows.split()), why)
+
+
+_BELOW_SESSION = "base wire qos access crypto medium generated-types"
+
+ROOMS: dict[str, Room] = {
+    "base": _room("", "base stands on the standard library alone"),
+    "wire": _room("base", "wire knows base alone"),
+    "qos": _room("base", "qos knows base alone"),
+    "access": _room("base", "access knows base alone: what it needs is passed in"),
+    "crypto": _room("base", "crypto knows base alone: bytes in, bytes out"),
+    "medium": _room("base qos", "the contract of a medium speaks of bytes and quality alone"),
+    "media": _room("base qos medium", "a medium moves opaque bytes: base, qos and the contract"),
+    "session": _room(
+        _BELOW_SESSION,
+        "session knows media by their contract alone (gecos/media/medium.hpp), "
+        "and generated types, never clients",
+    ),
+    "umbrella": _room("base session", "gecos.hpp gathers what programs use: base and session"),
+    "broker": _room(
+        _BELOW_SESSION + " session generated-stubs",
+        "the broker is an object like any other: session and generated code, no medium",
+    ),
+    "frames": _room("base wire", "robcl/frames knows neither session nor generated code"),
+    "arm": _room("base wire frames", "robcl/arm knows no session, no generated code, no motion"),
+    "motion": _room("base wire frames arm", "robcl/motion knows no session and no generated code"),
+    "generated-types": _room(
+        "base wire frames", "generated types know the codec and hand-written values"
+    ),
+    "generated-stubs": _room(
+        _BELOW_SESSION + " frames session", "generated clients and servers know session and types"
+    ),
+    "devices": _room(
+        _BELOW_SESSION + " session frames arm motion generated-stubs",
+        "a device is a generated skeleton, robcl and one piece of hardware: no medium, no broker",
+    ),
+    "binding": _room(
+        _BELOW_SESSION + " session broker",
+        "the binding sits on session and broker, at the byte seam: no generated client",
+    ),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Guest:
+    """A library that only some files may include."""
+
+    header: re.Pattern[str]
+    where: re.Pattern[str]
+    name: str
+    rule: str
+
+
+GUESTS = (
+    Guest(
+        re.compile(r"^lcm/"),
+        re.compile(r"^runtime/cpp/gecos/media/lcm\.cpp$"),
+        "LCM",
+        "lcm.h appears in gecos/media/lcm.cpp alone",
+    ),
+    Guest(
+        re.compile(r"^(kdl|kdl_parser|Eigen|eigen3|unsupported/Eigen|urdf\w*)/"),
+        re.compile(r"^(runtime/cpp/robcl|devices)/"),
+        "KDL, Eigen or urdfdom",
+        "KDL, Eigen and urdfdom appear in robcl/ and devices/ alone",
+    ),
+    Guest(
+        re.compile(r"^nanobind/"),
+        re.compile(r"^runtime/python/src/"),
+        "nanobind",
+        "nanobind appears in runtime/python/src alone",
+    ),
+    Guest(
+        re.compile(r"^Python\.h$"),
+        re.compile(r"^runtime/python/src/"),
+        "the Python C API",
+        "C++ outside runtime/python/src never calls Python",
+    ),
+    Guest(
+        re.compile(r"^sodium(\.h|/)"),
+        re.compile(r"^runtime/cpp/gecos/crypto/"),
+        "libsodium",
+        "libsodium appears in gecos/crypto alone",
+    ),
+)
+
+PURE_ROOMS = ("wire", "qos", "access", "crypto")
+IMPURE_HEADER = re.compile(
+    r"^(thread|mutex|shared_mutex|condition_variable|future|fstream|iostream|filesystem|"
+    r"sys/.*|unistd\.h|poll\.h|fcntl\.h|pthread\.h|netinet/.*|arpa/.*|time\.h|ctime)$"
+)
+IMPURE_CALL = re.compile(r"\b(?:\w*[cC]lock::now|clock_gettime|gettimeofday)\s*\(")
+PURE_RULE = "wire, qos, access and crypto do no I/O, own no thread and read no clock"
+
+
+def room_of_file(path: str) -> str | None:
+    """Room of a file of the tree."""
+    if path.startswith("runtime/python/src/"):
+        return "binding"
+    if path.startswith("devices/"):
+        return "devices"
+    for root in ("runtime/cpp/", "generated/cpp/"):
+        if path.startswith(root):
+            return room_of_header(path.removeprefix(root))
+    return None
+
+
+def room_of_header(header: str) -> str | None:
+    """Room of a header as it is written in an include; None when it is not one of ours."""
+    if header in ("gecos/media/medium.hpp", "gecos/media/medium.cpp"):
+        return "medium"
+    if header == "gecos/gecos.hpp":
+        return "umbrella"
+    hand_written = HAND_WRITTEN.match(header)
+    if hand_written:
+        return hand_written[1] or hand_written[2]
+    generated = GENERATED.match(header)
+    if generated:
+        return "generated-types" if generated[1] == "types" else "generated-stubs"
+    if header.startswith("devices/"):
+        return "devices"
+    return None
+
+
+def files(tree: Path) -> Iterator[Path]:
+    for root in ROOTS:
+        for path in sorted((tree / root).rglob("*")):
+            if path.suffix in SUFFIXES and path.is_file():
+                yield path
+
+
+def violations(path: str, text: str) -> list[Violation]:
+    room = room_of_file(path)
+    if room is None:
+        return [
+            Violation(
+                path,
+                1,
+                "this file stands in no room",
+                "every C++ file of runtime/ and devices/ belongs to a room of docs/architecture.md",
+                "move it into a room, or give its room a line in ROOMS of tools/layers_cpp.py",
+            )
+        ]
+    found: list[Violation] = []
+    for number, line in enumerate(text.splitlines(), start=1):
+        include = INCLUDE.match(line)
+        if include:
+            found += _include(path, number, room, include[2])
+        elif room in PURE_ROOMS and IMPURE_CALL.search(line.split("//")[0]):
+            found.append(
+                Violation(
+                    path, number, f"{room} reads a clock", PURE_RULE, "take the time as an argument"
+                )
+            )
+    return found
+
+
+def _include(path: str, line: int, room: str, header: str) -> list[Violation]:
+    for guest in GUESTS:
+        if guest.header.match(header) and not guest.where.match(path):
+            return [
+                Violation(
+                    path,
+                    line,
+                    f"<{header}>: {guest.name} has no place here",
+                    guest.rule,
+                    "use what the room that owns it offers, or extend that room",
+                )
+            ]
+    if room in PURE_ROOMS and IMPURE_HEADER.match(header):
+        return [
+            Violation(
+                path,
+                line,
+                f"<{header}> in {room}",
+                PURE_RULE,
+                "let the caller do it and pass the result in",
+            )
+        ]
+    target = room_of_header(header)
+    allowed = ROOMS[room].knows
+    if target is None or target == room or target in allowed:
+        return []
+    choice = ", ".join(sorted(allowed)) or "nothing of ours"
+    return [
+        Violation(
+            path,
+            line,
+            f'{room} includes "{header}" of {target}',
+            ROOMS[room].why,
+            f"it may include {choice}: pass in what it needs, or move the code to a room that may",
+        )
+    ]

@@ -1,0 +1,165 @@
+"""Who may import whom in Python. The first row that matches a module says what it may import."""
+
+import ast
+import re
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from layers_rule import Violation
+
+ROOTS = ("codegen", "runtime/python", "generated/python")
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """`imports`: what a module may import beside the standard library, by whole dotted name."""
+
+    module: re.Pattern[str]
+    imports: re.Pattern[str]
+    why: str
+
+
+def _row(module: str, imports: str, why: str) -> Row:
+    return Row(re.compile(module), re.compile(imports), why)
+
+
+def _gidl(*names: str) -> str:
+    return r"gidl\.(?:" + "|".join(names) + r")(?:\..*)?"
+
+
+_FOUNDATION = ("source", "diagnostics")
+_MODEL = ("model", "policy")
+_LAYOUT = ("wire_layout", "wire_nodes", "lcm_lowering", "function_codes", "hashes")
+_COMPILER = "the compiler stands alone: standard library, and jinja2 in emit.py"
+
+ROWS = (
+    _row(
+        r"gidl\.(source|diagnostics)",
+        _gidl(*_FOUNDATION),
+        "source and diagnostics are the foundation",
+    ),
+    _row(
+        r"gidl\.(lexer|syntax)",
+        _gidl(*_FOUNDATION, "lexer", "syntax"),
+        "text comes first, meaning later",
+    ),
+    _row(r"gidl\.parser", _gidl(*_FOUNDATION, "lexer", "syntax"), "parser -> syntax"),
+    _row(
+        _gidl(*_MODEL),
+        _gidl("source", *_MODEL),
+        "the model is the meaning: it knows neither syntax nor targets",
+    ),
+    _row(_gidl(*_LAYOUT), _gidl(*_LAYOUT, *_MODEL), "wire_layout -> model"),
+    _row(r"gidl\.rules(\..*)?", _gidl(*_FOUNDATION, *_MODEL, "rules"), "rules -> model"),
+    _row(
+        r"gidl\.targets\.\w+\.view",
+        r"(?!)",
+        "a view is strings and booleans ready to print: it knows nobody",
+    ),
+    _row(
+        r"gidl\.targets(\..*)?",
+        _gidl("targets", *_LAYOUT, *_MODEL),
+        "targets -> wire_layout -> model",
+    ),
+    _row(
+        r"gidl\.emit",
+        r"jinja2(\..*)?|" + _gidl("targets", *_LAYOUT, *_MODEL, *_FOUNDATION),
+        "cli -> emit -> targets",
+    ),
+    _row(r"gidl(\..*)?", r"gidl(\..*)?", _COMPILER),
+    _row(r"gecos\.wire", r"numpy(\..*)?", "gecos.wire is standard library and numpy"),
+    _row(
+        r"robcl\.frames(\..*)?",
+        r"numpy(\..*)?|gecos\.wire|robcl\.frames(\..*)?",
+        "robcl.frames knows gecos.wire and numpy, no generated code",
+    ),
+    _row(
+        r"(robcl|gecos_idl)\.\w+_types",
+        r"numpy(\..*)?|gecos\.wire|robcl\.frames(\..*)?|(robcl|gecos_idl)\.\w+_types",
+        "generated types know the codec and hand-written values alone",
+    ),
+    _row(
+        r"gecos\.cli(\..*)?",
+        r"typer(\..*)?|rich(\..*)?|gecos(\..*)?|gecos_idl\.\w+",
+        "the command stands on gecos, with typer and rich",
+    ),
+    _row(
+        r"gecos(\..*)?",
+        r"numpy(\..*)?|gecos(\..*)?|gecos_idl\.\w+_types",
+        "gecos knows _core and generated types, no robcl, no generated client",
+    ),
+    _row(
+        r"(robcl|gecos_idl)(\..*)?",
+        r"numpy(\..*)?|gecos|gecos\.(?!_core|cli).*|robcl(\..*)?|gecos_idl(\..*)?",
+        "generated clients and servers know gecos and types, never _core",
+    ),
+)
+
+
+def module_of(path: str) -> str:
+    """`codegen/gidl/targets/cpp/view.py` -> `gidl.targets.cpp.view`."""
+    for root in ROOTS:
+        path = path.removeprefix(root + "/")
+    return path.removesuffix(".py").removesuffix("/__init__").replace("/", ".")
+
+
+def files(tree: Path) -> Iterator[Path]:
+    for root in ROOTS:
+        for path in sorted((tree / root).rglob("*.py")):
+            if "templates" not in path.parts:
+                yield path
+
+
+def imported(path: str, text: str) -> Iterator[tuple[int, str]]:
+    """Line and dotted name of everything that is imported, wherever in the file it stands."""
+    package = module_of(path)
+    if not path.endswith("/__init__.py"):
+        package = package.rpartition(".")[0]
+    for node in ast.walk(ast.parse(text, filename=path)):
+        if isinstance(node, ast.Import):
+            for name in node.names:
+                yield node.lineno, name.name
+        elif isinstance(node, ast.ImportFrom):
+            base = node.module or ""
+            if node.level:
+                parts = package.split(".")
+                above = parts[: len(parts) - node.level + 1]
+                base = ".".join([*above, base] if base else above)
+            for name in node.names:
+                yield node.lineno, f"{base}.{name.name}"
+
+
+def violations(path: str, text: str) -> list[Violation]:
+    module = module_of(path)
+    row = next((row for row in ROWS if row.module.fullmatch(module)), None)
+    if row is None:
+        return [
+            Violation(
+                path,
+                1,
+                f"module {module} has no row",
+                "every package of ours has a row in tools/layers_python.py",
+                "move it into a package that has one, or add a row with its reason",
+            )
+        ]
+    found: dict[tuple[int, str], Violation] = {}
+    for line, name in imported(path, text):
+        if name.partition(".")[0] in sys.stdlib_module_names or _allowed(row, name):
+            continue
+        whole = name.rpartition(".")[0]
+        name = whole if "." in whole else name
+        found[line, name] = Violation(
+            path,
+            line,
+            f"{module} imports {name}",
+            row.why,
+            "pass in what it needs, or move the code to a module that may import it",
+        )
+    return list(found.values())
+
+
+def _allowed(row: Row, name: str) -> bool:
+    # `from gecos.wire import Decoder` reads as gecos.wire.Decoder: the module or what is in it.
+    return bool(row.imports.fullmatch(name) or row.imports.fullmatch(name.rpartition(".")[0]))
