@@ -1,0 +1,47 @@
+"""Frames: where something is and how it is turned, seen from something else.
+
+One vocabulary in C++ (`robcl/frames/frame.hpp`) and Python::
+
+    make     translate(x, y, z)   rotate_x(a)   rotate_y(a)   rotate_z(a)   Frame() is "here"
+             Frame.from_euler_zyz(x, y, z, a, b, c)     Rz(a)·Ry'(b)·Rz''(c): the paper's, and V+'s
+             Frame.from_euler_zyx(x, y, z, a, b, c)     Rz(a)·Ry'(b)·Rx''(c)
+             Frame.from_fixed_xyz(x, y, z, rx, ry, rz)  turns about the fixed axes X, then Y, then Z
+                                                        (the paper's CXYZ, URDF's rpy)
+             Frame.from_quaternion(x, y, z, qw, qx, qy, qz)
+             Frame.from_matrix(m)                       4x4, homogeneous
+    read     f.x f.y f.z  f.euler_zyz()  f.euler_zyx()  f.fixed_xyz()  f.quaternion()  f.matrix()
+    compute  a * b (or a @ b)   f.inverse()   f.transform(point)   distance(a, b)   angle(a, b)
+             near(a, b, position_tolerance, angle_tolerance)
+    units    metres and radians; mm(200), deg(90)
+
+Names that cancel keep products right: world_from_tool = world_from_base * base_from_tool.
+"""
+
+from robcl.frames.frame import (
+    Frame,
+    InvalidFrame,
+    angle,
+    distance,
+    near,
+    rotate_x,
+    rotate_y,
+    rotate_z,
+    translate,
+)
+from robcl.frames.units import deg, in_deg, in_mm, mm
+
+__all__ = [
+    "Frame",
+    "InvalidFrame",
+    "angle",
+    "deg",
+    "distance",
+    "in_deg",
+    "in_mm",
+    "mm",
+    "near",
+    "rotate_x",
+    "rotate_y",
+    "rotate_z",
+    "translate",
+]

@@ -1,0 +1,356 @@
+"""Position and orientation of a coordinate system seen from another."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import atan2, cos, hypot, isfinite, pi, remainder, sin
+from typing import TYPE_CHECKING, Any, NoReturn
+
+import numpy as np
+import numpy.typing as npt
+from gecos.wire import DecodeProblem, Fields
+from robcl.frames.units import in_deg, in_mm
+
+if TYPE_CHECKING:
+    from gecos.wire import Decoder, Parts
+
+Vector = npt.NDArray[np.float64]
+_Quaternion = tuple[float, float, float, float]
+
+# Below this half-turn two Euler angles turn about one axis, and only their sum is known.
+_PARALLEL_AXES = 1e-9
+
+# The layout of robcl::Frame in idl/robcl/geometry.gidl.
+_LAYOUT = Fields("ddddddd", ("position",) * 3 + ("orientation",) * 4)
+
+_HERE = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
+
+
+class InvalidFrame(ValueError):
+    """Numbers that do not describe a rigid placement; the text says which and by how much."""
+
+
+class Frame:
+    """Position (m) and orientation of a coordinate system seen from another.
+
+    Immutable. `==` compares number by number; for "the same place" take `near`. A quaternion and
+    its negative are the same orientation but not `==`.
+    """
+
+    __slots__ = ("_numbers",)
+
+    UNIT_TOLERANCE = 1e-6
+    """How far a quaternion's length, or a matrix's columns, may be from one."""
+
+    _numbers: tuple[float, ...]  # x, y, z, qw, qx, qy, qz
+
+    def __init__(
+        self,
+        position: Sequence[float] | Vector = (0.0, 0.0, 0.0),
+        orientation: Sequence[float] | Vector = (1.0, 0.0, 0.0, 0.0),
+    ) -> None:
+        """Raises InvalidFrame. `orientation` is w, x, y, z and is made exactly of unit length."""
+        x, y, z = map(float, position)
+        w, i, j, k = map(float, orientation)
+        if not (isfinite(x) and isfinite(y) and isfinite(z)):
+            _refuse(f"position {_listed((x, y, z))} m is not finite")
+        length = hypot(w, i, j, k)
+        if not abs(length - 1) <= self.UNIT_TOLERANCE:
+            _refuse(
+                f"quaternion w, x, y, z = {_listed((w, i, j, k))} has length {length:.9g}, "
+                "a rotation has 1: normalise it, and check the order of its numbers"
+            )
+        numbers = (x, y, z, w / length, i / length, j / length, k / length)
+        object.__setattr__(self, "_numbers", numbers)
+
+    @classmethod
+    def _of(cls, numbers: tuple[float, ...]) -> Frame:
+        frame = cls.__new__(cls)
+        object.__setattr__(frame, "_numbers", numbers)
+        return frame
+
+    @staticmethod
+    def from_euler_zyz(x: float, y: float, z: float, a: float, b: float, c: float) -> Frame:
+        """Rz(a)·Ry'(b)·Rz''(c), as the paper and V+ count (yaw, pitch, roll)."""
+        return Frame((x, y, z), _product(_product(_about_z(a), _about_y(b)), _about_z(c)))
+
+    @staticmethod
+    def from_euler_zyx(x: float, y: float, z: float, a: float, b: float, c: float) -> Frame:
+        """Rz(a)·Ry'(b)·Rx''(c)."""
+        return Frame((x, y, z), _product(_product(_about_z(a), _about_y(b)), _about_x(c)))
+
+    @staticmethod
+    def from_fixed_xyz(x: float, y: float, z: float, rx: float, ry: float, rz: float) -> Frame:
+        """Turns about the fixed axes X, then Y, then Z: the paper's CXYZ, URDF's rpy."""
+        return Frame.from_euler_zyx(x, y, z, rz, ry, rx)
+
+    @staticmethod
+    def from_quaternion(
+        x: float, y: float, z: float, qw: float, qx: float, qy: float, qz: float
+    ) -> Frame:
+        return Frame((x, y, z), (qw, qx, qy, qz))
+
+    @staticmethod
+    def from_matrix(matrix: npt.ArrayLike) -> Frame:
+        """From a homogeneous 4x4 matrix."""
+        m = np.asarray(matrix, dtype=np.float64)
+        if m.shape != (4, 4):
+            _refuse(f"the matrix has shape {m.shape}, it must be (4, 4)")
+        if not np.isfinite(m).all():
+            _refuse("the matrix has numbers that are not finite")
+        tolerance = Frame.UNIT_TOLERANCE
+        last = m[3]
+        if np.linalg.norm(last - (0, 0, 0, 1)) > tolerance * min(1.0, float(np.linalg.norm(last))):
+            _refuse(f"last row of the matrix is {_listed(last)}, it must be (0, 0, 0, 1)")
+        turn = m[:3, :3]
+        off = float(np.abs(turn.T @ turn - np.eye(3)).max())
+        if off > 2 * tolerance:
+            _refuse(
+                f"the matrix stretches or shears by {off:.6g}; a rotation's columns are at right "
+                "angles and of length 1"
+            )
+        if np.linalg.det(turn) < 0:
+            _refuse("the matrix mirrors (its determinant is -1)")
+        return Frame(m[:3, 3], _from_rotation(turn))
+
+    @property
+    def x(self) -> float:
+        return self._numbers[0]
+
+    @property
+    def y(self) -> float:
+        return self._numbers[1]
+
+    @property
+    def z(self) -> float:
+        return self._numbers[2]
+
+    @property
+    def position(self) -> Vector:
+        return np.array(self._numbers[:3])
+
+    @property
+    def orientation(self) -> Vector:
+        """w, x, y, z."""
+        return np.array(self._numbers[3:])
+
+    def quaternion(self) -> _Quaternion:
+        """w, x, y, z."""
+        _, _, _, w, x, y, z = self._numbers
+        return w, x, y, z
+
+    def euler_zyz(self) -> tuple[float, float, float]:
+        """a, b, c with b in [0, pi], a and c in [-pi, pi]; c = 0 where b is 0 or pi."""
+        # q = (cos(b/2)·cos s, -sin(b/2)·sin d, sin(b/2)·cos d, cos(b/2)·sin s)
+        # with s = (a + c)/2 and d = (a - c)/2
+        w, x, y, z = self.quaternion()
+        cosine = hypot(w, z)
+        sine = hypot(x, y)
+        total = atan2(z, w)
+        difference = atan2(-x, y)
+        b = 2 * atan2(sine, cosine)
+        if sine < _PARALLEL_AXES:
+            return _wrapped(2 * total), b, 0.0
+        if cosine < _PARALLEL_AXES:
+            return _wrapped(2 * difference), b, 0.0
+        return _wrapped(total + difference), b, _wrapped(total - difference)
+
+    def euler_zyx(self) -> tuple[float, float, float]:
+        """a, b, c with b in [-pi/2, pi/2], a and c in [-pi, pi]; c = 0 where b is ±pi/2."""
+        r = _rotation(self.quaternion())
+        cosine = hypot(r[0][0], r[1][0])
+        b = atan2(-r[2][0], cosine)
+        if cosine < _PARALLEL_AXES:
+            return atan2(-r[0][1], r[1][1]), b, 0.0
+        return atan2(r[1][0], r[0][0]), b, atan2(r[2][1], r[2][2])
+
+    def fixed_xyz(self) -> tuple[float, float, float]:
+        """rx, ry, rz: the numbers of `euler_zyx` from back to front."""
+        rz, ry, rx = self.euler_zyx()
+        return rx, ry, rz
+
+    def rotation(self) -> Vector:
+        """3x3."""
+        return np.array(_rotation(self.quaternion()))
+
+    def matrix(self) -> Vector:
+        """4x4, homogeneous."""
+        matrix = np.eye(4)
+        matrix[:3, :3] = self.rotation()
+        matrix[:3, 3] = self._numbers[:3]
+        return matrix
+
+    def __mul__(self, right: Frame) -> Frame:
+        """What `right` describes, seen from where `self` is seen from."""
+        if not isinstance(right, Frame):
+            return NotImplemented
+        x, y, z = self._moved(*right._numbers[:3])
+        w, i, j, k = _product(self.quaternion(), right.quaternion())
+        length = hypot(w, i, j, k)
+        return Frame._of((x, y, z, w / length, i / length, j / length, k / length))
+
+    __matmul__ = __mul__
+
+    def inverse(self) -> Frame:
+        x, y, z, w, i, j, k = self._numbers
+        turned_back = Frame._of((0.0, 0.0, 0.0, w, -i, -j, -k))
+        return Frame._of((*turned_back._moved(-x, -y, -z), w, -i, -j, -k))
+
+    def transform(self, point: npt.ArrayLike) -> Vector:
+        """A point of this coordinate system, or an array (…, 3) of them, seen from the other."""
+        points = np.asarray(point, dtype=np.float64)
+        if points.shape[-1:] != (3,):
+            raise ValueError(f"a point has 3 numbers; this array has shape {points.shape}")
+        if points.ndim == 1:
+            return np.array(self._moved(*points.tolist()))
+        moved: Vector = points @ self.rotation().T + self._numbers[:3]
+        return moved
+
+    def _moved(self, px: float, py: float, pz: float) -> tuple[float, float, float]:
+        x, y, z, w, i, j, k = self._numbers
+        # p + w·t + q x t, with t = 2·(q x p)
+        tx = 2 * (j * pz - k * py)
+        ty = 2 * (k * px - i * pz)
+        tz = 2 * (i * py - j * px)
+        return (
+            x + px + w * tx + j * tz - k * ty,
+            y + py + w * ty + k * tx - i * tz,
+            z + pz + w * tz + i * ty - j * tx,
+        )
+
+    # GeneralContents: x, y, z, then w, x, y, z of the quaternion. What is decoded keeps its exact
+    # numbers, so that it encodes to the same bytes again.
+
+    def encode(self, out: Parts) -> None:
+        out.append(_LAYOUT.pack(*self._numbers))
+
+    @classmethod
+    def decode(cls, source: Decoder) -> Frame:
+        start = source.offset
+        numbers = _LAYOUT.unpack(source)
+        x, y, z, w, i, j, k = numbers
+        if not (isfinite(x) and isfinite(y) and isfinite(z)):
+            source.refuse(DecodeProblem.INVALID_VALUE, "position", start)
+        if not abs(hypot(w, i, j, k) - 1) <= cls.UNIT_TOLERANCE:
+            source.refuse(DecodeProblem.INVALID_VALUE, "orientation", start + 24)
+        return cls._of(numbers)
+
+    @staticmethod
+    def fingerprint() -> int:
+        """lcm-gen's, for struct Frame { Vector position; Quaternion orientation; }."""
+        return 0x249634CE2AA17B5E
+
+    def __setattr__(self, name: str, value: Any) -> NoReturn:
+        raise AttributeError(f"a Frame does not change (tried to set {name}); make a new one")
+
+    def __delattr__(self, name: str) -> NoReturn:
+        raise AttributeError(f"a Frame does not change (tried to delete {name}); make a new one")
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Frame) and self._numbers == other._numbers
+
+    def __hash__(self) -> int:
+        return hash(self._numbers)
+
+    def __reduce__(self) -> tuple[Any, tuple[tuple[float, ...]]]:
+        return Frame._of, (self._numbers,)
+
+    def __repr__(self) -> str:
+        return f"Frame.from_quaternion({', '.join(map(repr, self._numbers))})"
+
+    def __str__(self) -> str:
+        """For people: "(452.1, -150.0, 431.8) mm, ZYZ (0.00, 90.00, 0.00) deg"."""
+        place = ", ".join(f"{in_mm(number) + 0.0:.1f}" for number in self._numbers[:3])
+        turn = ", ".join(f"{in_deg(number) + 0.0:.2f}" for number in self.euler_zyz())
+        return f"({place}) mm, ZYZ ({turn}) deg"
+
+
+def translate(x: float, y: float, z: float) -> Frame:
+    return Frame((x, y, z))
+
+
+def rotate_x(angle: float) -> Frame:
+    return Frame(orientation=_about_x(angle))
+
+
+def rotate_y(angle: float) -> Frame:
+    return Frame(orientation=_about_y(angle))
+
+
+def rotate_z(angle: float) -> Frame:
+    return Frame(orientation=_about_z(angle))
+
+
+def distance(left: Frame, right: Frame) -> float:
+    """Between the two origins, m."""
+    return hypot(left.x - right.x, left.y - right.y, left.z - right.z)
+
+
+def angle(left: Frame, right: Frame) -> float:
+    """Of the single turn that brings one orientation to the other, rad in [0, pi]."""
+    w, i, j, k = left.quaternion()
+    between = _product((w, -i, -j, -k), right.quaternion())
+    return 2 * atan2(hypot(*between[1:]), abs(between[0]))
+
+
+def near(left: Frame, right: Frame, position_tolerance: float, angle_tolerance: float) -> bool:
+    return distance(left, right) <= position_tolerance and angle(left, right) <= angle_tolerance
+
+
+def _about_x(angle: float) -> _Quaternion:
+    return cos(angle / 2), sin(angle / 2), 0.0, 0.0
+
+
+def _about_y(angle: float) -> _Quaternion:
+    return cos(angle / 2), 0.0, sin(angle / 2), 0.0
+
+
+def _about_z(angle: float) -> _Quaternion:
+    return cos(angle / 2), 0.0, 0.0, sin(angle / 2)
+
+
+def _product(left: _Quaternion, right: _Quaternion) -> _Quaternion:
+    aw, ax, ay, az = left
+    bw, bx, by, bz = right
+    return (
+        aw * bw - ax * bx - ay * by - az * bz,
+        aw * bx + ax * bw + ay * bz - az * by,
+        aw * by + ay * bw + az * bx - ax * bz,
+        aw * bz + az * bw + ax * by - ay * bx,
+    )
+
+
+def _rotation(q: _Quaternion) -> tuple[tuple[float, ...], ...]:
+    w, x, y, z = q
+    return (
+        (1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)),
+        (2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)),
+        (2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)),
+    )
+
+
+def _from_rotation(turn: Vector) -> _Quaternion:
+    """Divides by the largest of the four parts, so that none is lost to rounding."""
+    (a, b, c), (d, e, f), (g, h, i) = turn.tolist()
+    candidates = (
+        (1 + a + e + i, h - f, c - g, d - b),
+        (h - f, 1 + a - e - i, b + d, c + g),
+        (c - g, b + d, 1 - a + e - i, f + h),
+        (d - b, c + g, f + h, 1 - a - e + i),
+    )
+    largest = max(range(4), key=lambda part: candidates[part][part])
+    w, x, y, z = candidates[largest]
+    length = hypot(w, x, y, z)
+    return w / length, x / length, y / length, z / length
+
+
+def _wrapped(angle: float) -> float:
+    return remainder(angle, 2 * pi)
+
+
+def _listed(numbers: Sequence[float] | Vector) -> str:
+    return f"({', '.join(f'{number:.9g}' for number in numbers)})"
+
+
+def _refuse(what: str) -> NoReturn:
+    raise InvalidFrame(f"frame: {what}")
