@@ -12,9 +12,11 @@ from __future__ import annotations
 import struct
 from collections.abc import Sequence
 from enum import Enum, IntEnum
+from functools import cache
 from typing import TYPE_CHECKING, Any, NoReturn, Protocol, Self, TypeAlias, TypeVar
 
 if TYPE_CHECKING:
+    import numpy as np
     import numpy.typing as npt
 
     Array: TypeAlias = npt.NDArray[Any]
@@ -26,7 +28,8 @@ MAX_ZERO_WIDTH = 65_536
 MAX_COUNT = 2**31 - 1
 
 _INT32 = struct.Struct(">i")
-_INT64 = struct.Struct(">q")
+_pack_int32 = _INT32.pack
+_read_int32 = _INT32.unpack_from
 _EnumT = TypeVar("_EnumT", bound=IntEnum)
 
 
@@ -209,6 +212,15 @@ _CODE_MEANING = {
 _READERS = {code: struct.Struct(">" + code.replace("?", "B")) for code in _CODE_MEANING}
 
 
+@cache
+def _dtypes(code: str) -> tuple[np.dtype[Any], np.dtype[Any]]:
+    """In the wire's byte order, and in the machine's."""
+    import numpy as np
+
+    wire = np.dtype(">" + code)
+    return wire, wire.newbyteorder("=")
+
+
 # Encoding ---------------------------------------------------------------------------------------
 
 
@@ -216,7 +228,7 @@ def count(number: int, most: int = MAX_COUNT, field: str = "") -> bytes:
     """How many elements follow."""
     if number > most:
         raise EncodeError(field, f"{number} elements, at most {most} are allowed")
-    return _INT32.pack(number)
+    return _pack_int32(number)
 
 
 def string(text: str, most: int = MAX_COUNT - 1, field: str = "") -> bytes:
@@ -230,7 +242,7 @@ def string(text: str, most: int = MAX_COUNT - 1, field: str = "") -> bytes:
         raise EncodeError(field, f"{size} bytes of text, at most {most} are allowed")
     if b"\0" in raw:
         raise EncodeError(field, f"{text!r} contains NUL")
-    return b"%b%b\0" % (_INT32.pack(size + 1), raw)
+    return _pack_int32(size + 1) + raw + b"\0"
 
 
 def array(values: npt.ArrayLike, code: str, field: str = "") -> memoryview:
@@ -241,10 +253,8 @@ def array(values: npt.ArrayLike, code: str, field: str = "") -> memoryview:
     import numpy as np
 
     given = np.asarray(values)
-    wanted = np.dtype(">" + code)
-    if given.dtype == wanted.newbyteorder("="):
-        return given.astype(wanted, order="C").data
-    if given.size == 0 or np.can_cast(given.dtype, wanted, "safe"):
+    wanted, native = _dtypes(code)
+    if given.dtype == native or given.size == 0 or np.can_cast(given.dtype, wanted, "safe"):
         return given.astype(wanted, order="C").data
     if given.dtype.kind in "iuf" and wanted.kind == "f":
         return given.astype(wanted, order="C").data
@@ -261,7 +271,7 @@ def array(values: npt.ArrayLike, code: str, field: str = "") -> memoryview:
 def block(parts: Parts) -> bytes:
     """An appendable struct: its size in bytes, then its fields."""
     fields = b"".join(parts)
-    return _INT32.pack(len(fields)) + fields
+    return _pack_int32(len(fields)) + fields
 
 
 # Decoding ---------------------------------------------------------------------------------------
@@ -281,7 +291,7 @@ class Decoder:
     depth: int
 
     def __init__(self, data: bytes | bytearray | memoryview) -> None:
-        if isinstance(data, memoryview) and (data.format != "B" or data.ndim != 1):
+        if type(data) is memoryview and (data.format != "B" or data.ndim != 1):
             data = data.cast("B")
         self.data = data
         self.offset = 0
@@ -310,34 +320,43 @@ class Decoder:
         """`most` counts bytes of UTF-8 without the NUL."""
         start = self.offset
         first = start + 4
-        if first > self.end:
+        if first <= self.end:
+            data = self.data
+            last: int = first + _read_int32(data, start)[0] - 1
+            if first <= last < self.end and last - first <= most and data[last] == 0:
+                try:
+                    text = str(data[first:last], "utf-8")
+                except UnicodeDecodeError:
+                    self._refuse_string(most, field)
+                if "\0" not in text:
+                    self.offset = last + 1
+                    return text
+        self._refuse_string(most, field)
+
+    def _refuse_string(self, most: int, field: str) -> NoReturn:
+        size = self.remaining - 4
+        if size < 0:
             self.refuse(DecodeProblem.TRUNCATED, field)
-        length: int = _INT32.unpack_from(self.data, start)[0]
-        last = first + length - 1
+        length: int = _read_int32(self.data, self.offset)[0]
         if length < 1:
             self.refuse(DecodeProblem.NEGATIVE_COUNT, field)
         if length - 1 > most:
             self.refuse(DecodeProblem.OVER_BOUND, field)
-        if last >= self.end:
+        if length > size:
             self.refuse(DecodeProblem.TRUNCATED, field)
-        if self.data[last] != 0:
+        raw = bytes(self.data[self.offset + 4 : self.offset + 4 + length])
+        if raw[-1] != 0:
             self.refuse(DecodeProblem.MISSING_NUL, field)
-        raw = bytes(self.data[first:last])
-        if b"\0" in raw:
+        if b"\0" in raw[:-1]:
             self.refuse(DecodeProblem.NUL_IN_STRING, field)
-        try:
-            text = raw.decode()
-        except UnicodeDecodeError:
-            self.refuse(DecodeProblem.INVALID_UTF8, field)
-        self.offset = last + 1
-        return text
+        self.refuse(DecodeProblem.INVALID_UTF8, field)
 
     def count(self, min_bytes_each: int, most: int = MAX_COUNT, field: str = "") -> int:
         """A count of elements of at least so many bytes each, which are there."""
         start = self.offset
         if start + 4 > self.end:
             self.refuse(DecodeProblem.TRUNCATED, field)
-        number: int = _INT32.unpack_from(self.data, start)[0]
+        number: int = _read_int32(self.data, start)[0]
         if number < 0:
             self.refuse(DecodeProblem.NEGATIVE_COUNT, field)
         if number > most or (min_bytes_each == 0 and number > MAX_ZERO_WIDTH):
@@ -351,17 +370,18 @@ class Decoder:
         """So many numbers, in an array of its own in the machine's byte order."""
         import numpy as np
 
-        kind = np.dtype(">" + code.replace("?", "B"))
+        kind, native = _dtypes(code)
         offset = self.offset
         after = offset + number * kind.itemsize
         if after > self.end:
             self.refuse(DecodeProblem.TRUNCATED, field)
-        numbers = np.frombuffer(self.data, kind, number, offset)
-        if code == "?" and numbers.size and int(numbers.max()) > 1:
-            at = offset + int((numbers > 1).argmax())
-            raise DecodeError(DecodeProblem.INVALID_BOOLEAN, at, field)
+        if code == "?":
+            raw = np.frombuffer(self.data, np.uint8, number, offset)
+            if number and int(raw.max()) > 1:
+                at = offset + int((raw > 1).argmax())
+                raise DecodeError(DecodeProblem.INVALID_BOOLEAN, at, field)
         self.offset = after
-        return numbers.astype(np.dtype(code).newbyteorder("="))
+        return np.frombuffer(self.data, kind, number, offset).astype(native)
 
     def octets(self, number: int, field: str = "") -> bytes:
         """So many bytes as they are."""
