@@ -1,0 +1,27 @@
+// What must not be sent, in words. An empty text means: nothing is wrong.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+#include "gecos/wire/text.hpp"
+
+namespace gecos::wire {
+
+/// "Trajectory.speed: 3 is outside [0.01, 1.0]".
+std::string out_of_range(std::string_view field, double value, std::string_view range);
+std::string out_of_range(std::string_view field, long long value, std::string_view range);
+std::string out_of_range(std::string_view field, unsigned long long value, std::string_view range);
+
+/// "Scan.echoes: 500 elements, at most 360 fit". `what` is "elements" or "bytes".
+std::string over_bound(std::string_view field, std::size_t size, std::size_t bound,
+                       std::string_view what);
+
+/// "Pose.name: a string is UTF-8 without NUL".
+std::string bad_text(std::string_view field);
+
+/// "Shape: tag 3 does not select 'circle'".
+std::string wrong_arm(std::string_view type, std::string_view arm);
+
+}  // namespace gecos::wire

@@ -1,0 +1,102 @@
+// Decoding of values made of others, one expression each: what generated decoders are written in.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "gecos/wire/decoder.hpp"
+
+namespace gecos::wire {
+
+/// An appendable value in its block. What a newer writer put at its end is skipped.
+template <class T>
+[[nodiscard]] bool get_block(Decoder& from, T& value, const char* field) {
+  Decoder block;
+  if (!from.open_block(block, field)) return false;
+  const bool decoded = value.decode(block);
+  return from.close_block(block) && decoded;
+}
+
+/// Skips what a newer writer put at the end of an appendable value. @pre `from` is its own window.
+inline bool skip_rest(Decoder& from) {
+  ByteView rest;
+  return from.get_view(rest, from.remaining());
+}
+
+/// Numbers with their count in front, swapped in bulk.
+template <class T>
+[[nodiscard]] bool get_numbers(Decoder& from, std::vector<T>& numbers, std::size_t max,
+                               const char* field) {
+  std::size_t count = 0;
+  if (!from.get_count(count, sizeof(T), max, field)) return false;
+  numbers.resize(count);
+  return from.get_array(numbers, field);
+}
+
+/// Elements with their count in front, each read by `get(T&)`.
+template <class T, class Get>
+[[nodiscard]] bool get_sequence(Decoder& from, std::vector<T>& elements, std::size_t min_bytes_each,
+                                std::size_t max, const char* field, Get&& get) {
+  std::size_t count = 0;
+  if (!from.get_count(count, min_bytes_each, max, field)) return false;
+  elements.assign(count, T{});
+  for (std::size_t i = 0; i < count; ++i) {
+    if constexpr (std::is_same_v<T, bool>) {
+      bool element = false;
+      if (!get(element)) return false;
+      elements[i] = element;
+    } else {
+      if (!get(elements[i])) return false;
+    }
+  }
+  return true;
+}
+
+/// Every element of a fixed array, each read by `get(T&)`.
+template <class Array, class Get>
+[[nodiscard]] bool get_each(Array& elements, Get&& get) {
+  for (auto& element : elements) {
+    if (!get(element)) return false;
+  }
+  return true;
+}
+
+/// Present or not, then the value read by `get(T&)`.
+template <class T, class Get>
+[[nodiscard]] bool get_optional(Decoder& from, std::optional<T>& value, const char* field,
+                                Get&& get) {
+  bool present = false;
+  value.reset();
+  if (!from.get(present, field)) return false;
+  return !present || get(value.emplace());
+}
+
+/// Entries with their count in front, keys strictly ascending: a map has one encoding.
+template <class Key, class T, class GetKey, class Get>
+[[nodiscard]] bool get_map(Decoder& from, std::map<Key, T>& entries, std::size_t min_bytes_each,
+                           std::size_t max, const char* field, GetKey&& get_key, Get&& get) {
+  std::size_t count = 0;
+  entries.clear();
+  if (!from.get_count(count, min_bytes_each, max, field)) return false;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t offset = from.offset();
+    Key key{};
+    if (!get_key(key)) return false;
+    if (!entries.empty() && !(entries.rbegin()->first < key)) {
+      return from.fail(DecodeProblem::UnsortedMap, field, offset);
+    }
+    if (!get(entries.emplace_hint(entries.end(), std::move(key), T{})->second)) return false;
+  }
+  return true;
+}
+
+/// Refuses the number of `size` bytes that was just read, unless `valid`.
+[[nodiscard]] inline bool in_range(Decoder& from, bool valid, std::size_t size, const char* field) {
+  return valid || from.fail(DecodeProblem::OutOfRange, field, from.offset() - size);
+}
+
+}  // namespace gecos::wire

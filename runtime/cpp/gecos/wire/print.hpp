@@ -1,0 +1,88 @@
+// How generated types print what they are made of: for people and logs, never read back.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <iomanip>
+#include <map>
+#include <optional>
+#include <ostream>
+#include <string>
+#include <vector>
+
+namespace gecos::wire {
+
+template <class T>
+void print(std::ostream& out, const T& value) {
+  out << value;
+}
+inline void print(std::ostream& out, bool value) { out << (value ? "true" : "false"); }
+inline void print(std::ostream& out, std::uint8_t value) { out << static_cast<int>(value); }
+inline void print(std::ostream& out, std::int8_t value) { out << static_cast<int>(value); }
+inline void print(std::ostream& out, const std::string& value) { out << std::quoted(value); }
+
+template <class T>
+void print(std::ostream& out, const std::optional<T>& value);
+template <class T>
+void print(std::ostream& out, const std::vector<T>& values);
+template <class T, std::size_t size>
+void print(std::ostream& out, const std::array<T, size>& values);
+template <class Key, class T>
+void print(std::ostream& out, const std::map<Key, T>& entries);
+
+template <class Range>
+void print_range(std::ostream& out, const Range& values) {
+  const char* separator = "";
+  out << '[';
+  for (const auto& value : values) {
+    out << separator;
+    print(out, value);
+    separator = ", ";
+  }
+  out << ']';
+}
+
+template <class T>
+void print(std::ostream& out, const std::optional<T>& value) {
+  if (value) {
+    print(out, *value);
+  } else {
+    out << "none";
+  }
+}
+
+template <class T>
+void print(std::ostream& out, const std::vector<T>& values) {
+  print_range(out, values);
+}
+
+inline void print(std::ostream& out, const std::vector<bool>& values) {
+  const char* separator = "";
+  out << '[';
+  for (const bool value : values) {
+    out << separator << (value ? "true" : "false");
+    separator = ", ";
+  }
+  out << ']';
+}
+
+template <class T, std::size_t size>
+void print(std::ostream& out, const std::array<T, size>& values) {
+  print_range(out, values);
+}
+
+template <class Key, class T>
+void print(std::ostream& out, const std::map<Key, T>& entries) {
+  const char* separator = "";
+  out << '{';
+  for (const auto& [key, value] : entries) {
+    out << separator;
+    print(out, key);
+    out << ": ";
+    print(out, value);
+    separator = ", ";
+  }
+  out << '}';
+}
+
+}  // namespace gecos::wire
