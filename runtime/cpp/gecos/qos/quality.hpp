@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 
 #include "gecos/base/clock.hpp"
 
@@ -9,6 +10,8 @@ namespace gecos::qos {
 
 enum class Class : std::uint8_t { TimeIndependent, SoftRealtime, HardRealtime };
 enum class Reliability : std::uint8_t { Reliable, BestEffort };
+std::string_view to_string(Class line);  ///< "HARD_REALTIME", as in the interface
+std::string_view to_string(Reliability reliability);
 
 /// A duration of zero means: not asked.
 struct Quality {

@@ -1,0 +1,215 @@
+#include "gecos/access/lease_table.hpp"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace gecos::access {
+namespace {
+
+std::string seconds(Duration duration) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f s",
+                std::chrono::duration<double>(std::max(duration, Duration::zero())).count());
+  return text;
+}
+
+std::string needs(Status needed) {
+  const std::string status(to_string(needed));
+  return "needs " + status + " status";
+}
+
+std::string how_to_get(Status needed) {
+  return "take it with gecos::" + std::string(to_string(needed)) + "(object)";
+}
+
+}  // namespace
+
+std::string describe(const Holder& holder, TimePoint now) {
+  std::string text = std::string(to_string(holder.status)) + " status is held by " +
+                     holder.client.user + " on " + holder.client.host + " (" +
+                     holder.client.program + ", pid " + std::to_string(holder.client.pid) +
+                     ") for " + seconds(now - holder.since);
+  text += holder.releasing ? ", released: its last commands are still running"
+                           : ", lost in " + seconds(holder.expires - now) + " if silent";
+  return text;
+}
+
+LeaseTable::LeaseTable(BootId boot, Duration ttl) : boot_(boot), ttl_(ttl) {}
+
+Epoch LeaseTable::epoch() const {
+  const std::uint64_t life = (number(boot_) * 0x9e37'79b9'7f4a'7c15U) & 0xffff'ffff'0000'0000U;
+  return Epoch{life | changes_};
+}
+
+std::vector<LeaseTable::Member>::iterator LeaseTable::find(SessionId session) {
+  return std::ranges::find_if(members_,
+                              [&](const Member& m) { return m.holder.session == session; });
+}
+
+const LeaseTable::Member* LeaseTable::find(SessionId session) const {
+  for (const Member& member : members_) {
+    if (member.holder.session == session) return &member;
+  }
+  return nullptr;
+}
+
+std::vector<Holder> LeaseTable::roster() const {
+  std::vector<Holder> holders;
+  holders.reserve(members_.size());
+  for (const Member& member : members_) holders.push_back(member.holder);
+  return holders;
+}
+
+LeaseRefusal LeaseTable::refuse(LeaseRefusal::Reason reason, std::string_view why,
+                                TimePoint now) const {
+  LeaseRefusal refusal{reason, std::string(why), roster()};
+  for (const Holder& holder : refusal.holders) refusal.text += "; " + describe(holder, now);
+  return refusal;
+}
+
+tl::expected<Grant, LeaseRefusal> LeaseTable::acquire(SessionId session, const Client& client,
+                                                      Status wanted, const Proof& password,
+                                                      TimePoint now) {
+  using Reason = LeaseRefusal::Reason;
+  const std::string status(to_string(wanted));
+  const auto mine = find(session);
+  const Status target = mine == members_.end() ? wanted : std::max(wanted, mine->holder.status);
+  for (const Member& other : members_) {
+    if (other.holder.session == session) continue;
+    if (other.holder.status != target) {
+      return tl::unexpected(refuse(Reason::HeldByOther,
+                                   status + " status refused while others have another one", now));
+    }
+    if (mine != members_.end()) continue;  // a member already: it knew the password
+    if (password_.empty()) {
+      return tl::unexpected(
+          refuse(Reason::HeldByOther, status + " status refused: it is not shared", now));
+    }
+    if (!password_.proves_the_same_as(password)) {
+      return tl::unexpected(refuse(
+          Reason::WrongPassword,
+          status + " status refused: it is shared by password, and this is not the one", now));
+    }
+  }
+
+  if (mine != members_.end()) {
+    mine->claims = mine->holder.releasing ? 1 : mine->claims + 1;
+    mine->holder.releasing = false;
+    mine->holder.status = target;
+    mine->holder.expires = now + ttl_;
+    if (members_.size() == 1 && !password.empty()) password_ = password;
+  } else {
+    if (members_.empty()) password_ = password;
+    members_.push_back({{session, wanted, client, now, now + ttl_, false}, 1});
+  }
+  return Grant{target, epoch()};
+}
+
+void LeaseTable::renew(SessionId session, TimePoint now) {
+  if (const auto mine = find(session); mine != members_.end()) mine->holder.expires = now + ttl_;
+}
+
+void LeaseTable::remove(std::vector<Member>::iterator member) {
+  members_.erase(member);
+  if (!members_.empty()) return;
+  ++changes_;
+  password_ = Proof();
+}
+
+bool LeaseTable::release(SessionId session, Epoch epoch, Commands commands) {
+  const auto mine = find(session);
+  if (mine == members_.end()) return true;
+  if (epoch != this->epoch() || mine->holder.releasing) return false;
+  if (--mine->claims > 0) return false;
+  if (commands == Commands::Pending) {
+    mine->holder.releasing = true;
+    return false;
+  }
+  remove(mine);
+  return true;
+}
+
+void LeaseTable::drained(SessionId session) {
+  const auto mine = find(session);
+  if (mine != members_.end() && mine->holder.releasing) remove(mine);
+}
+
+bool LeaseTable::lose(SessionId session) {
+  const auto mine = find(session);
+  if (mine == members_.end() || mine->holder.releasing) return false;
+  remove(mine);
+  return true;
+}
+
+std::vector<Holder> LeaseTable::expire(TimePoint now) {
+  std::vector<Holder> silent;
+  for (const Member& member : members_) {
+    if (!member.holder.releasing && member.holder.expires <= now) silent.push_back(member.holder);
+  }
+  for (const Holder& holder : silent) remove(find(holder.session));
+  return silent;
+}
+
+std::vector<Holder> LeaseTable::stop(SessionId by) {
+  std::vector<Holder> ended;
+  std::erase_if(members_, [&](const Member& member) {
+    if (member.holder.session == by && !member.holder.releasing) return false;
+    ended.push_back(member.holder);
+    return true;
+  });
+  ++changes_;
+  if (members_.empty()) password_ = Proof();
+  return ended;
+}
+
+tl::expected<void, Denial> LeaseTable::authorise(const Member* member, SessionId session,
+                                                 Epoch epoch, Status needed, TimePoint now) const {
+  using Reason = Denial::Reason;
+  for (const Member& other : members_) {
+    if (other.holder.session == session || other.holder.status != Status::Master) continue;
+    if (member != nullptr) continue;  // master is shared with this session
+    return tl::unexpected(
+        Denial{Reason::OthersMaster, "refused to everybody else: " + describe(other.holder, now)});
+  }
+  if (needed == Status::Sensor) return {};
+  if (epoch != Epoch{} && epoch != this->epoch()) {
+    return tl::unexpected(
+        Denial{Reason::LeaseEnded,
+               "the status under which it was issued has ended; " + how_to_get(needed) + " again"});
+  }
+  if (member != nullptr && member->holder.status >= needed && epoch != Epoch{}) return {};
+  Denial denial{Reason::NeedsStatus, needs(needed)};
+  for (const Member& other : members_) {
+    if (other.holder.session != session) denial.text += "; " + describe(other.holder, now);
+  }
+  if (members_.empty() || member != nullptr) denial.text += "; " + how_to_get(needed);
+  return tl::unexpected(std::move(denial));
+}
+
+tl::expected<void, Denial> LeaseTable::may_queue(SessionId session, Epoch epoch, Status needed,
+                                                 TimePoint now) const {
+  const Member* const member = find(session);
+  if (member != nullptr && member->holder.releasing && needed != Status::Sensor) {
+    return tl::unexpected(
+        Denial{Denial::Reason::LeaseEnded,
+               "the status was given back and only drains; " + how_to_get(needed) + " again"});
+  }
+  return authorise(member, session, epoch, needed, now);
+}
+
+tl::expected<void, Denial> LeaseTable::may_start(SessionId session, Epoch epoch, Status needed,
+                                                 TimePoint now) const {
+  return authorise(find(session), session, epoch, needed, now);
+}
+
+Status LeaseTable::status_of(SessionId session) const {
+  const Member* const member = find(session);
+  return member == nullptr ? Status::Sensor : member->holder.status;
+}
+
+bool LeaseTable::releasing(SessionId session) const {
+  const Member* const member = find(session);
+  return member != nullptr && member->holder.releasing;
+}
+
+}  // namespace gecos::access

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <string_view>
+#include <utility>
+
+#include "gecos/base/bytes.hpp"
+
+namespace gecos::access {
+
+/// Finished proof that a client knows a password: two that come from the same password are equal.
+///
+/// Nothing here prints or logs one. Compared in a time that tells nothing about where they differ,
+/// and wiped from memory at the end.
+class Proof {
+ public:
+  Proof() = default;  ///< of no password
+  explicit Proof(Bytes bytes) : bytes_(std::move(bytes)) {}
+  Proof(const Proof&) = default;
+  Proof(Proof&&) noexcept = default;
+  Proof& operator=(const Proof& other);
+  Proof& operator=(Proof&& other) noexcept;
+  ~Proof();
+
+  bool empty() const { return bytes_.empty(); }
+  bool proves_the_same_as(const Proof& other) const;
+
+ private:
+  void wipe();
+  Bytes bytes_;
+};
+
+/// The proof that the password itself is. What arrives in a session's authenticated channel may be
+/// compared so; whoever derives a key from it first passes that to Proof instead.
+Proof plain_proof(std::string_view password);
+
+}  // namespace gecos::access

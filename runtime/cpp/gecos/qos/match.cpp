@@ -1,0 +1,72 @@
+#include "gecos/qos/match.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <tuple>
+
+namespace gecos::qos {
+namespace {
+
+std::string milliseconds(Duration duration) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3gms",
+                std::chrono::duration<double, std::milli>(duration).count());
+  return text;
+}
+
+}  // namespace
+
+std::vector<Violation> violations(const Quality& asked, const LineOffer& offer) {
+  std::vector<Violation> found;
+  if (asked.line == Class::HardRealtime && !offer.real_time) {
+    found.push_back({"class=" + std::string(to_string(asked.line)),
+                     offer.name + " shares its queue with others and may lose packets"});
+  }
+  if (asked.reliability == Reliability::Reliable && !offer.reliable) {
+    found.push_back({"reliability=" + std::string(to_string(asked.reliability)),
+                     offer.name + " may lose packets and nobody repeats them"});
+  }
+  if (asked.shm_only_media && offer.between_hosts) {
+    found.push_back({"media", offer.name + " is not among the media that the interface allows"});
+  }
+  const bool latency_binds = asked.line != Class::TimeIndependent && asked.latency > Duration{};
+  if (latency_binds && offer.latency && *offer.latency > asked.latency) {
+    found.push_back({"latency=" + milliseconds(asked.latency),
+                     offer.name + " was measured at " + milliseconds(*offer.latency)});
+  }
+  return found;
+}
+
+std::vector<std::size_t> rank(const Quality& asked, std::span<const LineOffer> offers) {
+  std::vector<std::size_t> fitting;
+  for (std::size_t i = 0; i < offers.size(); ++i) {
+    if (violations(asked, offers[i]).empty()) fitting.push_back(i);
+  }
+  std::ranges::stable_sort(fitting, [&](std::size_t left, std::size_t right) {
+    const LineOffer& a = offers[left];
+    const LineOffer& b = offers[right];
+    const auto promises = [](const LineOffer& offer) {
+      return std::tuple(!offer.real_time, !offer.reliable, !offer.reports_death,
+                        offer.between_hosts);
+    };
+    if (promises(a) != promises(b)) return promises(a) < promises(b);
+    return a.latency.value_or(Duration::max()) < b.latency.value_or(Duration::max());
+  });
+  return fitting;
+}
+
+tl::expected<std::size_t, std::string> choose(const Quality& asked,
+                                              std::span<const LineOffer> offers) {
+  if (offers.empty()) return tl::unexpected(std::string("there is no medium to choose from"));
+  const std::vector<std::size_t> best_first = rank(asked, offers);
+  if (!best_first.empty()) return best_first.front();
+  std::string text = "no medium meets the quality asked for";
+  for (const LineOffer& offer : offers) {
+    for (const Violation& violation : violations(asked, offer)) {
+      text += "; " + violation.term + ": " + violation.why;
+    }
+  }
+  return tl::unexpected(std::move(text));
+}
+
+}  // namespace gecos::qos

@@ -1,0 +1,299 @@
+#include "gecos/access/lease_table.hpp"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace gecos::access {
+namespace {
+
+using namespace std::chrono_literals;
+using Commands = LeaseTable::Commands;
+
+constexpr SessionId kAda{1};
+constexpr SessionId kBob{2};
+constexpr SessionId kEve{3};
+const Client ada{"ada", "lab1", "grip_block", 4711};
+const Client bob{"bob", "lab2", "watch", 4712};
+const Proof kNoPassword;
+
+class LeaseTableTest : public ::testing::Test {
+ protected:
+  bool holds(SessionId session, Status status = Status::Actor) {
+    return table.may_start(session, table.epoch(), status, now).has_value();
+  }
+  Grant give(SessionId session, Status status, const Proof& password = kNoPassword) {
+    auto grant = table.acquire(session, ada, status, password, now);
+    EXPECT_TRUE(grant) << grant.error().text;
+    return grant.value_or(Grant{});
+  }
+
+  TimePoint now{10s};
+  LeaseTable table{BootId{0x1234'5678'9abc'def0U}, 500ms};
+};
+
+TEST_F(LeaseTableTest, EverybodyMayReadWithoutALease) {
+  give(kAda, Status::Actor);
+  EXPECT_TRUE(table.may_queue(kBob, Epoch{}, Status::Sensor, now));
+}
+
+TEST_F(LeaseTableTest, MovingWithoutALeaseIsDeniedAndSaysHowToGetOne) {
+  const auto denied = table.may_queue(kAda, Epoch{}, Status::Actor, now);
+  ASSERT_FALSE(denied);
+  EXPECT_EQ(denied.error().reason, Denial::Reason::NeedsStatus);
+  EXPECT_EQ(denied.error().text, "needs actor status; take it with gecos::actor(object)");
+}
+
+TEST_F(LeaseTableTest, AHolderMayMove) {
+  const Grant grant = give(kAda, Status::Actor);
+  EXPECT_EQ(grant.status, Status::Actor);
+  EXPECT_TRUE(table.may_queue(kAda, grant.epoch, Status::Actor, now));
+  EXPECT_TRUE(table.may_start(kAda, grant.epoch, Status::Actor, now));
+}
+
+TEST_F(LeaseTableTest, AHolderStillNamesTheEpoch) {
+  give(kAda, Status::Actor);
+  EXPECT_FALSE(table.may_queue(kAda, Epoch{}, Status::Actor, now));
+}
+
+TEST_F(LeaseTableTest, ActorDoesNotDoWhatNeedsMaster) {
+  const Grant grant = give(kAda, Status::Actor);
+  const auto denied = table.may_queue(kAda, grant.epoch, Status::Master, now);
+  ASSERT_FALSE(denied);
+  EXPECT_EQ(denied.error().text, "needs master status; take it with gecos::master(object)");
+}
+
+TEST_F(LeaseTableTest, ASecondClientIsRefusedAndToldWhoHoldsItSinceAndUntilWhen) {
+  give(kAda, Status::Actor);
+  now += 100ms;
+  const auto refused = table.acquire(kBob, bob, Status::Actor, kNoPassword, now);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().reason, LeaseRefusal::Reason::HeldByOther);
+  EXPECT_EQ(refused.error().text,
+            "actor status refused: it is not shared; actor status is held by ada on lab1 "
+            "(grip_block, pid 4711) for 0.1 s, lost in 0.4 s if silent");
+  ASSERT_EQ(refused.error().holders.size(), 1U);
+  EXPECT_EQ(refused.error().holders[0].client.pid, 4711);
+}
+
+TEST_F(LeaseTableTest, WhoIsRefusedToMoveIsToldWhoMoves) {
+  const Grant grant = give(kAda, Status::Actor);
+  const auto denied = table.may_queue(kBob, grant.epoch, Status::Actor, now);
+  ASSERT_FALSE(denied);
+  EXPECT_EQ(denied.error().text,
+            "needs actor status; actor status is held by ada on lab1 (grip_block, pid 4711) "
+            "for 0.0 s, lost in 0.5 s if silent");
+}
+
+TEST_F(LeaseTableTest, MasterIsRefusedWhileAnotherHoldsActor) {
+  give(kAda, Status::Actor);
+  const auto refused = table.acquire(kBob, bob, Status::Master, kNoPassword, now);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().reason, LeaseRefusal::Reason::HeldByOther);
+}
+
+TEST_F(LeaseTableTest, MasterRefusesReadingToOthersOnly) {
+  const Grant grant = give(kAda, Status::Master);
+  EXPECT_TRUE(table.may_queue(kAda, grant.epoch, Status::Sensor, now));
+  const auto denied = table.may_queue(kBob, Epoch{}, Status::Sensor, now);
+  ASSERT_FALSE(denied);
+  EXPECT_EQ(denied.error().reason, Denial::Reason::OthersMaster);
+}
+
+TEST_F(LeaseTableTest, TheOnlyHolderMayBecomeMaster) {
+  give(kAda, Status::Actor);
+  EXPECT_EQ(give(kAda, Status::Master).status, Status::Master);
+  EXPECT_EQ(give(kAda, Status::Actor).status, Status::Master);
+}
+
+TEST_F(LeaseTableTest, OneOfSeveralHoldersMayNotBecomeMaster) {
+  const Proof password = plain_proof("sesame");
+  give(kAda, Status::Actor, password);
+  ASSERT_TRUE(table.acquire(kBob, bob, Status::Actor, password, now));
+  EXPECT_FALSE(table.acquire(kBob, bob, Status::Master, password, now));
+}
+
+TEST_F(LeaseTableTest, WhoKnowsThePasswordJoinsUnderTheSameEpoch) {
+  const Proof password = plain_proof("sesame");
+  const Grant first = give(kAda, Status::Actor, password);
+  const auto joined = table.acquire(kBob, bob, Status::Actor, password, now);
+  ASSERT_TRUE(joined);
+  EXPECT_EQ(joined->epoch, first.epoch);
+  EXPECT_TRUE(holds(kAda));
+  EXPECT_TRUE(holds(kBob));
+  EXPECT_EQ(table.roster().size(), 2U);
+}
+
+TEST_F(LeaseTableTest, AWrongPasswordIsRefusedWithoutBeingRepeated) {
+  give(kAda, Status::Actor, plain_proof("sesame"));
+  const auto refused = table.acquire(kBob, bob, Status::Actor, plain_proof("password1"), now);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().reason, LeaseRefusal::Reason::WrongPassword);
+  EXPECT_EQ(refused.error().text.find("password1"), std::string::npos);
+  EXPECT_EQ(refused.error().text.find("sesame"), std::string::npos);
+}
+
+TEST_F(LeaseTableTest, ThePasswordDoesNotOutliveTheLastMember) {
+  const Proof password = plain_proof("sesame");
+  const Grant grant = give(kAda, Status::Actor, password);
+  table.release(kAda, grant.epoch, Commands::None);
+  give(kAda, Status::Actor);
+  EXPECT_FALSE(table.acquire(kBob, bob, Status::Actor, password, now));
+  EXPECT_FALSE(table.acquire(kBob, bob, Status::Actor, kNoPassword, now));
+}
+
+TEST_F(LeaseTableTest, MasterCanBeSharedByPasswordToo) {
+  const Proof password = plain_proof("sesame");
+  give(kAda, Status::Master, password);
+  ASSERT_TRUE(table.acquire(kBob, bob, Status::Master, password, now));
+  EXPECT_TRUE(holds(kBob, Status::Sensor));
+  EXPECT_TRUE(holds(kBob, Status::Master));
+  EXPECT_FALSE(holds(kEve, Status::Sensor));
+}
+
+TEST_F(LeaseTableTest, SilentHolderLosesTheRobot) {
+  const Grant grant = give(kAda, Status::Actor);
+  EXPECT_TRUE(table.expire(now + 499ms).empty());
+  const auto lost = table.expire(now + 500ms);
+  ASSERT_EQ(lost.size(), 1U);
+  EXPECT_EQ(lost[0].session, kAda);
+  const auto denied = table.may_start(kAda, grant.epoch, Status::Actor, now + 500ms);
+  ASSERT_FALSE(denied);
+  EXPECT_EQ(denied.error().reason, Denial::Reason::LeaseEnded);
+}
+
+TEST_F(LeaseTableTest, ASignOfLifeKeepsTheRobot) {
+  give(kAda, Status::Actor);
+  table.renew(kAda, now + 400ms);
+  EXPECT_TRUE(table.expire(now + 899ms).empty());
+  EXPECT_EQ(table.expire(now + 900ms).size(), 1U);
+}
+
+TEST_F(LeaseTableTest, ASignOfLifeOfAnotherDoesNotKeepIt) {
+  give(kAda, Status::Actor);
+  table.renew(kBob, now + 400ms);
+  EXPECT_EQ(table.expire(now + 500ms).size(), 1U);
+}
+
+TEST_F(LeaseTableTest, OneSilentHolderLosesItsOwnShareOnly) {
+  const Proof password = plain_proof("sesame");
+  const Epoch epoch = give(kAda, Status::Actor, password).epoch;
+  ASSERT_TRUE(table.acquire(kBob, bob, Status::Actor, password, now));
+  table.renew(kBob, now + 400ms);
+  EXPECT_EQ(table.expire(now + 500ms).size(), 1U);
+  EXPECT_EQ(table.epoch(), epoch);
+  EXPECT_TRUE(holds(kBob));
+  EXPECT_FALSE(holds(kAda));
+}
+
+TEST_F(LeaseTableTest, EpochRisesWhenTheObjectBecomesFree) {
+  const Epoch first = give(kAda, Status::Actor).epoch;
+  EXPECT_TRUE(table.release(kAda, first, Commands::None));
+  EXPECT_GT(number(table.epoch()), number(first));
+  EXPECT_FALSE(table.may_queue(kAda, first, Status::Actor, now));
+}
+
+TEST_F(LeaseTableTest, ReleaseDrainsBeforeAnybodyElseGetsIn) {
+  const Epoch epoch = give(kAda, Status::Actor).epoch;
+  EXPECT_FALSE(table.release(kAda, epoch, Commands::Pending));
+  EXPECT_TRUE(table.releasing(kAda));
+  EXPECT_TRUE(table.may_start(kAda, epoch, Status::Actor, now)) << "what it issued still starts";
+  EXPECT_FALSE(table.may_queue(kAda, epoch, Status::Actor, now)) << "nothing new is taken";
+  EXPECT_TRUE(table.may_queue(kAda, epoch, Status::Sensor, now));
+  const auto refused = table.acquire(kBob, bob, Status::Actor, kNoPassword, now);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().text.find("released: its last commands are still running"),
+            std::string::npos);
+  table.drained(kAda);
+  EXPECT_TRUE(table.acquire(kBob, bob, Status::Actor, kNoPassword, now));
+}
+
+TEST_F(LeaseTableTest, AProgramThatEndsWhileItDrainsStillLiftsItsBlock) {
+  const Epoch epoch = give(kAda, Status::Actor).epoch;
+  table.release(kAda, epoch, Commands::Pending);
+  EXPECT_FALSE(table.lose(kAda));
+  EXPECT_TRUE(table.expire(now + 1h).empty());
+  EXPECT_TRUE(table.may_start(kAda, epoch, Status::Actor, now + 1h));
+}
+
+TEST_F(LeaseTableTest, AReleasingHolderThatAcquiresAgainGoesOn) {
+  const Epoch epoch = give(kAda, Status::Actor).epoch;
+  table.release(kAda, epoch, Commands::Pending);
+  EXPECT_EQ(give(kAda, Status::Actor).epoch, epoch);
+  EXPECT_FALSE(table.releasing(kAda));
+  table.drained(kAda);
+  EXPECT_TRUE(holds(kAda));
+  EXPECT_TRUE(table.release(kAda, epoch, Commands::None));
+}
+
+TEST_F(LeaseTableTest, AcquiredTwiceIsReleasedTwice) {
+  const Epoch epoch = give(kAda, Status::Actor).epoch;
+  give(kAda, Status::Actor);
+  EXPECT_FALSE(table.release(kAda, epoch, Commands::None));
+  EXPECT_TRUE(holds(kAda));
+  EXPECT_TRUE(table.release(kAda, epoch, Commands::None));
+  EXPECT_FALSE(holds(kAda));
+}
+
+TEST_F(LeaseTableTest, AStaleReleaseChangesNothing) {
+  const Epoch stale = give(kAda, Status::Actor).epoch;
+  table.stop(kBob);
+  give(kAda, Status::Actor);
+  EXPECT_FALSE(table.release(kAda, stale, Commands::None));
+  EXPECT_TRUE(holds(kAda));
+}
+
+TEST_F(LeaseTableTest, ALostHolderIsGoneAtOnce) {
+  give(kAda, Status::Actor);
+  EXPECT_TRUE(table.lose(kAda));
+  EXPECT_FALSE(table.lose(kAda));
+  EXPECT_TRUE(table.acquire(kBob, bob, Status::Actor, kNoPassword, now));
+}
+
+TEST_F(LeaseTableTest, StopEndsEveryLeaseAndNothingOfThemStarts) {
+  const Epoch epoch = give(kAda, Status::Actor).epoch;
+  const auto ended = table.stop(kBob);
+  ASSERT_EQ(ended.size(), 1U);
+  EXPECT_EQ(ended[0].session, kAda);
+  EXPECT_FALSE(table.may_start(kAda, epoch, Status::Actor, now));
+  EXPECT_TRUE(table.acquire(kBob, bob, Status::Actor, kNoPassword, now)) << "there is no reset";
+}
+
+TEST_F(LeaseTableTest, StopByAMemberKeepsItsOwnUnderTheNewEpoch) {
+  const Proof password = plain_proof("sesame");
+  const Epoch epoch = give(kAda, Status::Actor, password).epoch;
+  ASSERT_TRUE(table.acquire(kBob, bob, Status::Actor, password, now));
+  EXPECT_EQ(table.stop(kAda).size(), 1U);
+  EXPECT_GT(number(table.epoch()), number(epoch));
+  EXPECT_FALSE(table.may_start(kAda, epoch, Status::Actor, now)) << "issued before the stop";
+  EXPECT_TRUE(holds(kAda));
+  EXPECT_FALSE(holds(kBob));
+}
+
+TEST_F(LeaseTableTest, StopEndsDrainingToo) {
+  const Epoch epoch = give(kAda, Status::Actor).epoch;
+  table.release(kAda, epoch, Commands::Pending);
+  EXPECT_EQ(table.stop(kAda).size(), 1U);
+  EXPECT_FALSE(table.may_start(kAda, epoch, Status::Actor, now));
+}
+
+TEST_F(LeaseTableTest, StopOfAFreeObjectStillFencesWhatWasIssuedBefore) {
+  const Epoch epoch = table.epoch();
+  EXPECT_TRUE(table.stop(kBob).empty());
+  EXPECT_NE(table.epoch(), epoch);
+}
+
+TEST_F(LeaseTableTest, EpochsOfTwoServerLivesDiffer) {
+  const LeaseTable restarted{BootId{0x0fed'cba9'8765'4321U}, 500ms};
+  EXPECT_NE(restarted.epoch(), table.epoch());
+  EXPECT_NE(table.epoch(), Epoch{});
+}
+
+TEST(Status, IsNamedAsPeopleSayIt) {
+  EXPECT_EQ(to_string(Status::Sensor), "sensor");
+  EXPECT_EQ(to_string(Status::Actor), "actor");
+  EXPECT_EQ(to_string(Status::Master), "master");
+}
+
+}  // namespace
+}  // namespace gecos::access

@@ -1,0 +1,114 @@
+#include "gecos/qos/match.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+
+namespace gecos::qos {
+namespace {
+
+using namespace std::chrono_literals;
+
+const LineOffer shm{.name = "shm"};
+const LineOffer lcm{.name = "lcm",
+                    .between_hosts = true,
+                    .reliable = true,
+                    .real_time = false,
+                    .reports_death = false};
+
+LineOffer measured(LineOffer offer, Duration latency) {
+  offer.latency = latency;
+  return offer;
+}
+
+TEST(Match, AnyMediumIsTimeIndependent) {
+  EXPECT_TRUE(violations({}, shm).empty());
+  EXPECT_TRUE(violations({}, lcm).empty());
+}
+
+TEST(Match, HardRealtimeNeedsAMediumWithoutLossOrSharedQueue) {
+  const Quality asked{.line = Class::HardRealtime};
+  EXPECT_TRUE(violations(asked, shm).empty());
+  const auto found = violations(asked, lcm);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].term, "class=HARD_REALTIME");
+  EXPECT_EQ(found[0].why, "lcm shares its queue with others and may lose packets");
+}
+
+TEST(Match, ReliableNeedsSomebodyWhoRepeats) {
+  LineOffer bare = lcm;
+  bare.reliable = false;
+  ASSERT_EQ(violations({}, bare).size(), 1U);
+  EXPECT_EQ(violations({}, bare)[0].term, "reliability=RELIABLE");
+  EXPECT_TRUE(violations({.reliability = Reliability::BestEffort}, bare).empty());
+}
+
+TEST(Match, MediaOfOneHostRuleOutThoseBetweenHosts) {
+  const Quality asked{.shm_only_media = true};
+  EXPECT_TRUE(violations(asked, shm).empty());
+  ASSERT_EQ(violations(asked, lcm).size(), 1U);
+  EXPECT_EQ(violations(asked, lcm)[0].term, "media");
+}
+
+TEST(Match, MeasuredLatencyIsHeldAgainstASoftRealtimeLine) {
+  const Quality asked{.line = Class::SoftRealtime, .latency = 5ms};
+  EXPECT_TRUE(violations(asked, measured(lcm, 5ms)).empty());
+  const auto found = violations(asked, measured(lcm, 7ms));
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].term, "latency=5ms");
+  EXPECT_EQ(found[0].why, "lcm was measured at 7ms");
+}
+
+TEST(Match, WhatIsNotMeasuredIsNotHeldAgainstIt) {
+  EXPECT_TRUE(violations({.line = Class::SoftRealtime, .latency = 1us}, lcm).empty());
+}
+
+TEST(Match, LatencyDoesNotBindATimeIndependentLine) {
+  EXPECT_TRUE(violations({.latency = 1us}, measured(lcm, 1s)).empty());
+}
+
+TEST(Match, AllViolatedTermsAreFound) {
+  const Quality asked{.line = Class::HardRealtime, .latency = 1ms, .shm_only_media = true};
+  EXPECT_EQ(violations(asked, measured(lcm, 2ms)).size(), 3U);
+}
+
+TEST(Rank, StaticPromisesComeBeforeMeasuredLatency) {
+  const std::array offers{measured(lcm, 1us), measured(shm, 1ms)};
+  EXPECT_EQ(rank({}, offers), (std::vector<std::size_t>{1, 0}));
+}
+
+TEST(Rank, LowerLatencyComesFirstAmongEquals) {
+  const std::array offers{measured(shm, 2us), shm, measured(shm, 1us)};
+  EXPECT_EQ(rank({}, offers), (std::vector<std::size_t>{2, 0, 1}));
+}
+
+TEST(Rank, OrderGivenDecidesTheRest) {
+  const std::array offers{lcm, shm, shm};
+  EXPECT_EQ(rank({}, offers), (std::vector<std::size_t>{1, 2, 0}));
+}
+
+TEST(Rank, WhatDoesNotFitIsLeftOut) {
+  const std::array offers{lcm, shm};
+  EXPECT_EQ(rank({.line = Class::HardRealtime}, offers), (std::vector<std::size_t>{1}));
+}
+
+TEST(Choose, GivesTheBest) {
+  const std::array offers{lcm, shm};
+  EXPECT_EQ(choose({}, offers).value(), 1U);
+}
+
+TEST(Choose, ListsEveryMediumAndTheTermItViolates) {
+  const std::array offers{measured(shm, 3ms), lcm};
+  const auto chosen = choose({.line = Class::HardRealtime, .latency = 1ms}, offers);
+  ASSERT_FALSE(chosen);
+  EXPECT_EQ(chosen.error(),
+            "no medium meets the quality asked for; latency=1ms: shm was measured at 3ms; "
+            "class=HARD_REALTIME: lcm shares its queue with others and may lose packets");
+}
+
+TEST(Choose, SaysWhenThereIsNothingToChooseFrom) {
+  EXPECT_EQ(choose({}, {}).error(), "there is no medium to choose from");
+}
+
+}  // namespace
+}  // namespace gecos::qos
