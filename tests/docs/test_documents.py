@@ -1,0 +1,50 @@
+"""What the documents name exists."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+TREE = Path(__file__).resolve().parents[2]
+DOCUMENTS = sorted([*TREE.glob("*.md"), *TREE.glob("docs/**/*.md"), *TREE.glob("[a-z]*/README.md")])
+
+LINK = re.compile(r"\]\(([^)#\s]+)(#[^)\s]*)?\)")
+# A file of ours in backticks: `tools/setup.sh`, `docs/protocol.md`.
+QUOTED = re.compile(
+    r"`((?:idl|codegen|runtime|devices|generated|examples|tests|benchmarks|docs|cmake|tools)"
+    r"/[\w./-]*)`"
+)
+TARGET = re.compile(r"\bmake ([a-z][a-z-]*)")
+
+
+def text_of(document: Path) -> str:
+    return document.read_text(encoding="utf-8")
+
+
+def name(document: Path) -> str:
+    return document.relative_to(TREE).as_posix()
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=name)
+def test_every_link_leads_somewhere(document: Path) -> None:
+    links = [link[1] for link in LINK.finditer(text_of(document)) if "://" not in link[1]]
+    assert [link for link in links if not (document.parent / link).exists()] == []
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=name)
+def test_every_file_in_backticks_exists(document: Path) -> None:
+    named = [match[1] for match in QUOTED.finditer(text_of(document))]
+    assert [path for path in named if not (TREE / path).exists()] == []
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=name)
+def test_every_make_target_exists(document: Path) -> None:
+    makefile = text_of(TREE / "Makefile")
+    code = re.findall(r"`[^`]+`|```.*?```", text_of(document), flags=re.DOTALL)
+    asked = {match[1] for part in code for match in TARGET.finditer(part)}
+    assert sorted(x for x in asked if not re.search(rf"^{x}:", makefile, re.MULTILINE)) == []
+
+
+def test_the_documents_that_visitors_look_for_are_there() -> None:
+    present = {name(document) for document in DOCUMENTS}
+    assert {"README.md", "CONTRIBUTING.md", "CHANGELOG.md", "docs/architecture.md"} <= present
