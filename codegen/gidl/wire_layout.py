@@ -255,54 +255,16 @@ class _Builder:
             wire_tag,
             arms,
             union.extensibility.value == "appendable",
-            self._union_min_size(union),
+            _union_min_size(self._model, union),
             self._lowering.struct(union.name),
             fingerprint(self._lowering, union.name),
         )
 
     def _field(self, name: str, used: Type, optional: bool) -> FieldLayout:
         node = node_of(self._model, used, optional)
-        return FieldLayout(name, node, self._min_size(node), self._fixed_size(node))
-
-    def _min_size(self, node: Node) -> int:
-        match node:
-            case ScalarNode(primitive):
-                return primitive.size
-            case EnumNode(wire=wire):
-                return wire.size
-            case StringNode():
-                return 5
-            case StructNode(name):
-                return sum(f.min_size for f in self._struct_fields(self._model.struct(name)))
-            case AppendableNode() | SequenceNode() | MapNode():
-                return 4
-            case OptionalNode():
-                return 1
-            case UnionNode(name, appendable):
-                declaration = self._model.find(name)
-                assert isinstance(declaration, Union)
-                return 4 if appendable else self._union_min_size(declaration)
-            case ArrayNode(element=element, count=count):
-                return count * self._min_size(element)
-            case ObjectNode():
-                return _OBJECT_MIN_SIZE
-
-    def _union_min_size(self, union: Union) -> int:
-        tag = node_of(self._model, union.discriminator)
-        assert isinstance(tag, ScalarNode | EnumNode)
-        return wire_tag_of(tag).size + len(union.cases)
-
-    def _fixed_size(self, node: Node) -> int | None:
-        match node:
-            case ScalarNode() | EnumNode():
-                return self._min_size(node)
-            case StructNode(name):
-                return _sum_fixed(self._struct_fields(self._model.struct(name)))
-            case ArrayNode(element=element, count=count):
-                each = self._fixed_size(element)
-                return None if each is None else count * each
-            case _:
-                return None
+        return FieldLayout(
+            name, node, min_size_of(self._model, node), fixed_size_of(self._model, node)
+        )
 
     def _interface(self, interface: Interface) -> InterfaceLayout:
         calls: list[CallLayout] = []
@@ -396,6 +358,54 @@ def wire_tag_of(tag: ScalarNode | EnumNode) -> Primitive:
         return tag.wire
     wide = tag.primitive.size == 8 or tag.primitive is Primitive.UINT32
     return Primitive.INT64 if wide else Primitive.INT32
+
+
+def min_size_of(model: Model, node: Node) -> int:
+    """Bytes that the smallest value takes: what a reader may expect of every element."""
+    match node:
+        case ScalarNode(primitive):
+            return primitive.size
+        case EnumNode(wire=wire):
+            return wire.size
+        case StringNode():
+            return 5
+        case StructNode(name):
+            members = model.all_members(model.struct(name))
+            return sum(min_size_of(model, node_of(model, m.type, m.optional)) for m in members)
+        case AppendableNode() | SequenceNode() | MapNode() | UnionNode(appendable=True):
+            return 4
+        case OptionalNode():
+            return 1
+        case UnionNode(name):
+            declaration = model.find(name)
+            assert isinstance(declaration, Union)
+            return _union_min_size(model, declaration)
+        case ArrayNode(element=element, count=count):
+            return count * min_size_of(model, element)
+        case ObjectNode():
+            return _OBJECT_MIN_SIZE
+
+
+def fixed_size_of(model: Model, node: Node) -> int | None:
+    """Bytes that every value takes, when that is the same number."""
+    match node:
+        case ScalarNode() | EnumNode():
+            return min_size_of(model, node)
+        case StructNode(name):
+            members = model.all_members(model.struct(name))
+            sizes = [fixed_size_of(model, node_of(model, m.type, m.optional)) for m in members]
+            return None if None in sizes else sum(size for size in sizes if size is not None)
+        case ArrayNode(element=element, count=count):
+            each = fixed_size_of(model, element)
+            return None if each is None else count * each
+        case _:
+            return None
+
+
+def _union_min_size(model: Model, union: Union) -> int:
+    tag = node_of(model, union.discriminator)
+    assert isinstance(tag, ScalarNode | EnumNode)
+    return wire_tag_of(tag).size + len(union.cases)
 
 
 def _sum_fixed(fields: tuple[FieldLayout, ...]) -> int | None:
