@@ -31,26 +31,24 @@ def _gidl(*names: str) -> str:
 
 _FOUNDATION = ("source", "diagnostics")
 _MODEL = ("model", "policy")
+_TEXT = ("lexer", "preprocess", "keywords", "docs_text", "token_reader", "syntax")
+_PARSER = ("parser", r"\w+_parser")
 _LAYOUT = ("wire_layout", "wire_nodes", "lcm_lowering", "function_codes", "hashes")
 _COMPILER = "the compiler stands alone: standard library, and jinja2 in emit.py"
 
 ROWS = (
     _row(
-        r"gidl\.(source|diagnostics)",
-        _gidl(*_FOUNDATION),
-        "source and diagnostics are the foundation",
-    ),
-    _row(
-        r"gidl\.(lexer|syntax)",
-        _gidl(*_FOUNDATION, "lexer", "syntax"),
-        "text comes first, meaning later",
-    ),
-    _row(r"gidl\.parser", _gidl(*_FOUNDATION, "lexer", "syntax"), "parser -> syntax"),
-    _row(
         _gidl(*_MODEL),
-        _gidl("source", *_MODEL),
-        "the model is the meaning: it knows neither syntax nor targets",
+        _gidl(*_MODEL),
+        "the model is the meaning: it knows neither text nor targets",
     ),
+    _row(
+        _gidl(*_FOUNDATION),
+        _gidl(*_FOUNDATION, "model"),
+        "source and diagnostics know places in files, and nothing of what stands there",
+    ),
+    _row(_gidl(*_TEXT), _gidl(*_FOUNDATION, *_TEXT), "text comes first, meaning later"),
+    _row(_gidl(*_PARSER), _gidl(*_FOUNDATION, *_TEXT, *_PARSER), "parser -> syntax"),
     _row(_gidl(*_LAYOUT), _gidl(*_LAYOUT, *_MODEL), "wire_layout -> model"),
     _row(r"gidl\.rules(\..*)?", _gidl(*_FOUNDATION, *_MODEL, "rules"), "rules -> model"),
     _row(
