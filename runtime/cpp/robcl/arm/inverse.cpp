@@ -1,0 +1,61 @@
+#include "robcl/arm/inverse.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "robcl/arm/numeric_inverse.hpp"
+#include "robcl/arm/spherical_wrist.hpp"
+
+namespace robcl::arm {
+namespace {
+
+constexpr double whole_turn = 2 * std::numbers::pi;
+constexpr double rounding = 1e-9;  // rad by which a computed angle may be outside a limit
+
+double outside(double angle, const JointLimits& limits) {
+  return std::max({0.0, limits.lower - angle - rounding, angle - limits.upper - rounding});
+}
+
+}  // namespace
+
+std::unique_ptr<InverseKinematics> make_inverse(const ArmModel& model) {
+  if (auto closed_form = SphericalWristInverse::for_arm(model)) return closed_form;
+  return std::make_unique<NumericInverse>(model);
+}
+
+double travel_time(const ArmModel& model, const JointValues& from, const JointValues& to) {
+  double seconds = 0;
+  for (Eigen::Index i = 0; i < from.size(); ++i) {
+    const double speed = model.limits()[static_cast<std::size_t>(i)].speed;
+    seconds = std::max(seconds, std::abs(to[i] - from[i]) / speed);
+  }
+  return seconds;
+}
+
+double nearest_turn(double angle, double reference, const JointLimits& limits) {
+  const double nearest = reference + std::remainder(angle - reference, whole_turn);
+  double best = nearest;
+  // The nearest copy, else the next ones on both sides; travel beyond two turns is not known.
+  for (const int turns : {1, -1, 2, -2}) {
+    if (outside(best, limits) == 0) break;
+    const double copy = nearest + turns * whole_turn;
+    if (outside(copy, limits) < outside(best, limits)) best = copy;
+  }
+  if (outside(best, limits) > 0) return best;
+  return std::clamp(best, limits.lower, limits.upper);
+}
+
+std::optional<JointLimit> first_outside(const ArmModel& model, const JointValues& joints) {
+  std::optional<JointLimit> worst;
+  double by = 0;
+  for (Eigen::Index i = 0; i < joints.size(); ++i) {
+    const JointLimits& limits = model.limits()[static_cast<std::size_t>(i)];
+    if (outside(joints[i], limits) <= by) continue;
+    by = outside(joints[i], limits);
+    worst = JointLimit{static_cast<std::size_t>(i) + 1, joints[i], limits.lower, limits.upper};
+  }
+  return worst;
+}
+
+}  // namespace robcl::arm

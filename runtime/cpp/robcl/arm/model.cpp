@@ -1,0 +1,112 @@
+#include "robcl/arm/model.hpp"
+
+#include <urdf_model/model.h>
+#include <urdf_parser/urdf_parser.h>
+
+#include <algorithm>
+#include <fstream>
+#include <limits>
+#include <sstream>
+
+namespace robcl::arm {
+namespace {
+
+KDL::Vector to_kdl(const urdf::Vector3& v) { return {v.x, v.y, v.z}; }
+
+KDL::Frame to_kdl(const urdf::Pose& pose) {
+  const urdf::Rotation& q = pose.rotation;
+  return {KDL::Rotation::Quaternion(q.x, q.y, q.z, q.w), to_kdl(pose.position)};
+}
+
+tl::unexpected<ModelError> refuse(const std::string& what) {
+  return tl::unexpected(ModelError{what});
+}
+
+/// The joints between two links, base first; empty when flange is not beyond base.
+std::vector<urdf::JointConstSharedPtr> joints_between(const urdf::ModelInterface& robot,
+                                                      const std::string& base,
+                                                      const std::string& flange) {
+  std::vector<urdf::JointConstSharedPtr> joints;
+  std::string link = flange;
+  while (link != base) {
+    const urdf::JointConstSharedPtr joint = robot.getLink(link)->parent_joint;
+    if (!joint) return {};
+    joints.push_back(joint);
+    link = joint->parent_link_name;
+  }
+  std::reverse(joints.begin(), joints.end());
+  return joints;
+}
+
+tl::expected<JointLimits, ModelError> limits_of(const urdf::Joint& joint,
+                                                double seconds_to_full_speed) {
+  const bool endless = joint.type == urdf::Joint::CONTINUOUS;
+  if (!joint.limits) return refuse("joint '" + joint.name + "' has no <limit>");
+  const urdf::JointLimits& given = *joint.limits;
+  if (!(given.velocity > 0)) return refuse("joint '" + joint.name + "' needs a velocity above 0");
+  if (!endless && !(given.lower < given.upper)) {
+    return refuse("joint '" + joint.name + "': lower limit is not below the upper one");
+  }
+  constexpr double infinite = std::numeric_limits<double>::infinity();
+  return JointLimits{endless ? -infinite : given.lower, endless ? infinite : given.upper,
+                     given.velocity, given.velocity / seconds_to_full_speed};
+}
+
+}  // namespace
+
+tl::expected<ArmModel, ModelError> ArmModel::from_urdf(const std::string& xml,
+                                                       const std::string& base_link,
+                                                       const std::string& flange_link,
+                                                       double seconds_to_full_speed) {
+  const urdf::ModelInterfaceSharedPtr robot = urdf::parseURDF(xml);
+  if (!robot) return refuse("not a URDF robot; the parser's own message is above");
+  for (const std::string& link : {base_link, flange_link}) {
+    if (!robot->getLink(link)) return refuse("there is no link '" + link + "'");
+  }
+  const auto joints = joints_between(*robot, base_link, flange_link);
+  if (joints.empty()) {
+    return refuse("link '" + flange_link + "' is not carried by link '" + base_link + "'");
+  }
+
+  ArmModel model;
+  model.name_ = robot->getName();
+  for (const urdf::JointConstSharedPtr& joint : joints) {
+    const KDL::Frame place = to_kdl(joint->parent_to_joint_origin_transform);
+    model.reach_ += place.p.Norm();
+    if (joint->type == urdf::Joint::FIXED) {
+      model.chain_.addSegment(
+          KDL::Segment(joint->child_link_name, KDL::Joint(joint->name, KDL::Joint::None), place));
+      continue;
+    }
+    if (joint->type != urdf::Joint::REVOLUTE && joint->type != urdf::Joint::CONTINUOUS) {
+      return refuse("joint '" + joint->name + "' does not turn; arms here have revolute joints only");
+    }
+    auto limits = limits_of(*joint, seconds_to_full_speed);
+    if (!limits) return tl::unexpected(limits.error());
+    const KDL::Joint turning(joint->name, place.p, place.M * to_kdl(joint->axis),
+                             KDL::Joint::RotAxis);
+    model.chain_.addSegment(KDL::Segment(joint->child_link_name, turning, place));
+    model.limits_.push_back(*limits);
+    model.joint_names_.push_back(joint->name);
+  }
+  if (model.axes() == 0 || model.axes() > max_axes) {
+    return refuse("it has " + std::to_string(model.axes()) + " joints, 1 to " +
+                  std::to_string(max_axes) + " are supported");
+  }
+  return model;
+}
+
+tl::expected<ArmModel, ModelError> ArmModel::from_urdf_file(const std::filesystem::path& file,
+                                                            const std::string& base_link,
+                                                            const std::string& flange_link,
+                                                            double seconds_to_full_speed) {
+  std::ifstream in(file);
+  std::ostringstream xml;
+  if (in) xml << in.rdbuf();
+  if (!in) return refuse(file.string() + ": cannot be read");
+  auto model = from_urdf(xml.str(), base_link, flange_link, seconds_to_full_speed);
+  if (!model) return refuse(file.string() + ": " + model.error().text);
+  return model;
+}
+
+}  // namespace robcl::arm

@@ -1,0 +1,79 @@
+#include "robcl/arm/numeric_inverse.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <numbers>
+#include <sstream>
+
+namespace robcl::arm {
+namespace {
+
+// A radian of error counts like a tenth of a metre.
+Eigen::Matrix<double, 6, 1> weights() {
+  Eigen::Matrix<double, 6, 1> each;
+  each << 1, 1, 1, 0.1, 0.1, 0.1;
+  return each;
+}
+
+constexpr double solver_error = 1e-8;
+constexpr int solver_steps = 500;
+constexpr double position_error = 1e-6;  // m, of an answer that counts
+constexpr double angle_error = 1e-5;     // rad
+
+}  // namespace
+
+NumericInverse::NumericInverse(const ArmModel& model)
+    : model_(model),
+      forward_(model),
+      chain_(model.chain()),
+      solver_(chain_, weights(), solver_error, solver_steps) {}
+
+JointValues NumericInverse::start(int attempt, const JointValues& reference) const {
+  if (attempt == 0) return reference;
+  JointValues joints(reference.size());
+  for (Eigen::Index i = 0; i < joints.size(); ++i) {
+    const JointLimits& limits = model_.limits()[static_cast<std::size_t>(i)];
+    const double lower = std::max(limits.lower, -std::numbers::pi);
+    const double upper = std::min(limits.upper, std::numbers::pi);
+    // Steps by multiples of irrational numbers fill the box evenly (Weyl's sequence).
+    const double step = std::sqrt(static_cast<double>(2 + 3 * i));
+    joints[i] = lower + (upper - lower) * std::fmod(attempt * step, 1.0);
+  }
+  return joints;
+}
+
+tl::expected<JointValues, Failure> NumericInverse::solve(const Frame& base_from_flange,
+                                                         const JointValues& reference,
+                                                         const Configuration& wanted) {
+  if (wanted != Configuration{}) {
+    return tl::unexpected(OutOfReach{"this arm has no configurations to choose from"});
+  }
+  const KDL::Frame goal = to_kdl(base_from_flange);
+  KDL::JntArray from(static_cast<unsigned>(reference.size()));
+  KDL::JntArray answer(from.rows());
+  std::optional<JointLimit> nearest_miss;
+  for (int attempt = 0; attempt < starts; ++attempt) {
+    from.data = start(attempt, reference);
+    if (solver_.CartToJnt(from, goal, answer) != KDL::SolverI::E_NOERROR) continue;
+    JointValues joints = answer.data;
+    for (Eigen::Index i = 0; i < joints.size(); ++i) {
+      joints[i] =
+          nearest_turn(joints[i], reference[i], model_.limits()[static_cast<std::size_t>(i)]);
+    }
+    if (!near(forward_.base_from_flange(joints), base_from_flange, position_error, angle_error)) {
+      continue;
+    }
+    const auto outside = first_outside(model_, joints);
+    if (!outside) return joints;
+    if (!nearest_miss) nearest_miss = outside;
+  }
+  if (nearest_miss) return tl::unexpected(*nearest_miss);
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(1) << "no joint positions found for a flange "
+       << in_mm(base_from_flange.position().norm()) << " mm from the base (reach "
+       << in_mm(model_.reach()) << " mm), trying from " << starts << " places";
+  return tl::unexpected(OutOfReach{text.str()});
+}
+
+}  // namespace robcl::arm

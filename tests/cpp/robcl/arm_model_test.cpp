@@ -1,0 +1,128 @@
+#include "robcl/arm/model.hpp"
+
+#include <gtest/gtest.h>
+
+#include "arms.hpp"
+#include "robcl/arm/kinematics.hpp"
+
+namespace robcl::arm {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+Frame khalil_link(double alpha, double d, double theta, double r) {
+  return rotate_x(alpha) * translate(d, 0, 0) * rotate_z(theta) * translate(0, 0, r);
+}
+
+/// The RX90 by the published modified Denavit-Hartenberg table, from its shoulder to its wrist centre.
+Frame khalil(const JointValues& k) {
+  return khalil_link(0, 0, k[0], 0) * khalil_link(90_deg, 0, k[1], 0) *
+         khalil_link(0, 450_mm, k[2], 0) * khalil_link(-90_deg, 0, k[3], 450_mm) *
+         khalil_link(90_deg, 0, k[4], 0) * khalil_link(-90_deg, 0, k[5], 0);
+}
+
+TEST(Rx90Model, StandsStraightUpWithAllJointsAtZero) {
+  const ArmModel model = rx90();
+  EXPECT_TRUE(near(Kinematics(model).base_from_flange(joints({0, 0, 0, 0, 0, 0})),
+                   translate(0, 0, 1405_mm), 1e-12, 1e-12));
+  EXPECT_NEAR(model.reach(), 1405_mm, 1e-12);
+}
+
+TEST(Rx90Model, IsTheArmOfKhalilsTableUnderTheDocumentedMapOfJointZeros) {
+  const ArmModel model = rx90();
+  Kinematics kinematics(model);
+  RandomJoints random(model, 1);
+  for (int i = 0; i < 1000; ++i) {
+    const JointValues q = random();
+    JointValues k = q;
+    k[1] = pi / 2 - q[1];
+    k[2] = -pi / 2 - q[2];
+    k[4] = -q[4];
+    const Frame expected = translate(0, 0, 420_mm) * khalil(k) * translate(0, 0, 85_mm);
+    ASSERT_TRUE(near(kinematics.base_from_flange(q), expected, 1e-12, 1e-9));
+  }
+}
+
+TEST(Rx90Model, HasTheTravelAndTheSpeedsOfItsDataSheet) {
+  const ArmModel model = rx90();
+  const double lower[] = {-160, -137.5, -142.5, -270, -105, -270};
+  const double upper[] = {160, 137.5, 142.5, 270, 120, 270};
+  const double speed[] = {236, 200, 286, 401, 320, 580};
+  ASSERT_EQ(model.axes(), 6);
+  for (std::size_t i = 0; i < 6; ++i) {
+    EXPECT_NEAR(model.limits()[i].lower, deg(lower[i]), 1e-12);
+    EXPECT_NEAR(model.limits()[i].upper, deg(upper[i]), 1e-12);
+    EXPECT_NEAR(model.limits()[i].speed, deg(speed[i]), 1e-12);
+    EXPECT_NEAR(model.limits()[i].acceleration, deg(speed[i]) / 0.25, 1e-12);
+  }
+}
+
+TEST(Puma560Model, StandsWhereThePublishedPosesSay) {
+  const ArmModel model = puma560();
+  Kinematics kinematics(model);
+  struct Published {
+    JointValues joints;
+    Frame pose;
+  };
+  for (const auto& [q, pose] : std::vector<Published>{
+           {joints({0, 0, 0, 0, 0, 0}), translate(.4521, -.15005, .4318)},
+           {joints({0, 90, -90, 0, 0, 0}), translate(.0203, -.15005, .8636)},
+           {joints({0, 0, -90, 0, 0, 0}), translate(.8636, -.15005, -.0203) * rotate_y(90_deg)},
+           {joints({0, 45, -180, 0, 45, 0}),
+            translate(.596303, -.15005, -.014354) * rotate_y(90_deg)}}) {
+    EXPECT_TRUE(near(kinematics.base_from_flange(q), pose, 1e-6, 1e-9))
+        << kinematics.base_from_flange(q) << " is not " << pose;
+  }
+}
+
+TEST(Kinematics, JacobianIsTheDerivativeOfTheFlangePose) {
+  const ArmModel model = puma560();
+  Kinematics kinematics(model);
+  RandomJoints random(model, 2);
+  constexpr double step = 1e-6;
+  for (int i = 0; i < 100; ++i) {
+    const JointValues q = random();
+    const Jacobian jacobian = kinematics.jacobian(q);
+    for (Eigen::Index axis = 0; axis < 6; ++axis) {
+      JointValues before = q, after = q;
+      before[axis] -= step;
+      after[axis] += step;
+      const Frame from = kinematics.base_from_flange(before);
+      const Frame to = kinematics.base_from_flange(after);
+      const Eigen::Vector3d speed = (to.position() - from.position()) / (2 * step);
+      const Eigen::AngleAxisd turn(to.orientation() * from.orientation().conjugate());
+      const Eigen::Vector3d rate = turn.axis() * turn.angle() / (2 * step);
+      ASSERT_LT((jacobian.col(axis).head<3>() - speed).norm(), 1e-8);
+      ASSERT_LT((jacobian.col(axis).tail<3>() - rate).norm(), 1e-8);
+    }
+  }
+}
+
+std::string refusal(const std::string& xml, const std::string& base, const std::string& flange) {
+  const auto model = ArmModel::from_urdf(xml, base, flange, 0.25);
+  return model ? "accepted" : model.error().text;
+}
+
+TEST(ArmModel, RefusesWhatIsNoArmAndSaysWhy) {
+  const auto robot = [](const std::string& joint) {
+    return "<robot name='r'><link name='a'/><link name='b'/><joint name='j' " + joint +
+           "<parent link='a'/><child link='b'/></joint></robot>";
+  };
+  EXPECT_EQ(refusal(robot("type='prismatic'><limit lower='0' upper='1' velocity='1' effort='1'/>"),
+                    "a", "b"),
+            "joint 'j' does not turn; arms here have revolute joints only");
+  EXPECT_EQ(refusal(robot("type='revolute'><limit lower='0' upper='1' velocity='0' effort='1'/>"),
+                    "a", "b"),
+            "joint 'j' needs a velocity above 0");
+  EXPECT_EQ(refusal(robot("type='revolute'><limit lower='1' upper='1' velocity='1' effort='1'/>"),
+                    "a", "b"),
+            "joint 'j': lower limit is not below the upper one");
+  EXPECT_EQ(refusal(robot("type='fixed'>"), "a", "tip"), "there is no link 'tip'");
+  EXPECT_EQ(refusal(robot("type='fixed'>"), "b", "a"), "link 'a' is not carried by link 'b'");
+  EXPECT_EQ(refusal(robot("type='fixed'>"), "a", "b"), "it has 0 joints, 1 to 8 are supported");
+  const auto missing = ArmModel::from_urdf_file("/nowhere/x.urdf", "a", "b", 0.25);
+  EXPECT_EQ(missing.error().text, "/nowhere/x.urdf: cannot be read");
+}
+
+}  // namespace
+}  // namespace robcl::arm

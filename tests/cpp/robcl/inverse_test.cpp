@@ -1,0 +1,182 @@
+#include "robcl/arm/inverse.hpp"
+
+#include <gtest/gtest.h>
+
+#include <set>
+#include <sstream>
+
+#include "arms.hpp"
+#include "robcl/arm/kinematics.hpp"
+#include "robcl/arm/numeric_inverse.hpp"
+#include "robcl/arm/spherical_wrist.hpp"
+
+namespace robcl::arm {
+namespace {
+
+bool inside(const ArmModel& model, const JointValues& q) { return !first_outside(model, q); }
+
+std::string words(const Configuration& configuration) {
+  std::ostringstream text;
+  text << configuration;
+  return text.str();
+}
+
+class ClosedForm : public ::testing::TestWithParam<ArmModel (*)()> {
+ protected:
+  const ArmModel model_ = GetParam()();
+  Kinematics forward_{model_};
+  const std::unique_ptr<SphericalWristInverse> inverse_ = SphericalWristInverse::for_arm(model_);
+};
+
+TEST_P(ClosedForm, ReachesEveryPoseThatTheArmReaches) {
+  ASSERT_NE(inverse_, nullptr);
+  RandomJoints random(model_, 3);
+  for (int i = 0; i < 5000; ++i) {
+    const Frame pose = forward_.base_from_flange(random());
+    const auto solution = inverse_->solve(pose, random(), {});
+    ASSERT_TRUE(solution.has_value()) << to_string(solution.error());
+    ASSERT_TRUE(inside(model_, *solution));
+    ASSERT_TRUE(near(forward_.base_from_flange(*solution), pose, 1e-9, 1e-9));
+  }
+}
+
+TEST_P(ClosedForm, GivesEightDifferentSolutionsEachInTheConfigurationOfItsLabel) {
+  RandomJoints random(model_, 4);
+  int eight = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const JointValues q = random();
+    const Frame pose = forward_.base_from_flange(q);
+    const auto found = inverse_->all(pose, q);
+    std::set<std::string> labels;
+    for (std::size_t k = 0; k < found.count; ++k) {
+      ASSERT_TRUE(near(forward_.base_from_flange(found.each[k].joints), pose, 1e-8, 1e-8));
+      ASSERT_EQ(inverse_->configuration(found.each[k].joints), found.each[k].configuration);
+      labels.insert(words(found.each[k].configuration));
+    }
+    ASSERT_EQ(labels.size(), found.count);
+    eight += found.count == 8 ? 1 : 0;
+  }
+  EXPECT_GT(eight, 500);
+}
+
+TEST_P(ClosedForm, StaysInTheConfigurationAskedFor) {
+  RandomJoints random(model_, 5);
+  for (int i = 0; i < 2000; ++i) {
+    const JointValues q = random();
+    const Configuration wanted = inverse_->configuration(q);
+    const auto solution = inverse_->solve(forward_.base_from_flange(q), random(), wanted);
+    ASSERT_TRUE(solution.has_value()) << to_string(solution.error());
+    ASSERT_EQ(inverse_->configuration(*solution), wanted);
+  }
+}
+
+TEST_P(ClosedForm, StaysWhereItStandsWhenTheGoalIsWhereItStands) {
+  RandomJoints random(model_, 6);
+  for (int i = 0; i < 2000; ++i) {
+    const JointValues q = random();
+    const auto solution = inverse_->solve(forward_.base_from_flange(q), q, {});
+    ASSERT_TRUE(solution.has_value());
+    ASSERT_LT((*solution - q).cwiseAbs().maxCoeff(), 1e-6);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(OnArms, ClosedForm, ::testing::Values(&rx90, &puma560),
+                         [](const auto& arm) { return arm.index == 0 ? "Rx90" : "Puma560"; });
+
+class Rx90Inverse : public ::testing::Test {
+ protected:
+  const ArmModel model_ = rx90();
+  Kinematics forward_{model_};
+  const std::unique_ptr<InverseKinematics> inverse_ = make_inverse(model_);
+};
+
+TEST_F(Rx90Inverse, SolvesTheStretchedArmAndKeepsJointsThatDoNotMatter) {
+  const JointValues up = joints({20, 0, 0, 30, 0, -10});
+  const auto solution = inverse_->solve(forward_.base_from_flange(up), up);
+  ASSERT_TRUE(solution.has_value()) << to_string(solution.error());
+  EXPECT_TRUE(near(forward_.base_from_flange(*solution), forward_.base_from_flange(up), 1e-7, 1e-7));
+  EXPECT_NEAR((*solution)[0], up[0], 1e-6);
+  EXPECT_NEAR((*solution)[3], up[3], 1e-6);
+  EXPECT_NEAR((*solution)[5], up[5], 1e-6);
+}
+
+TEST_F(Rx90Inverse, TellsNoConfigurationAtASingularity) {
+  EXPECT_EQ(inverse_->configuration(joints({0, 0, 0, 0, 0, 0})), Configuration{});
+  EXPECT_EQ(words(inverse_->configuration(joints({0, 0, 90, 0, 90, 0}))), "righty, above, noflip");
+  EXPECT_EQ(words(inverse_->configuration(joints({0, 0, -90, 0, -90, 0}))), "lefty, above, flip");
+  EXPECT_EQ(words(inverse_->configuration(joints({0, 90, -90, 0, 0, 0}))), "righty, below, any");
+}
+
+TEST_F(Rx90Inverse, TakesTheTurnOfTheLongTravellingJointsThatIsNearest) {
+  const JointValues near_end = joints({0, -30, 120, 250, 60, 260});
+  const auto solution = inverse_->solve(forward_.base_from_flange(near_end), near_end);
+  ASSERT_TRUE(solution.has_value());
+  EXPECT_LT((*solution - near_end).cwiseAbs().maxCoeff(), 1e-9);
+}
+
+TEST_F(Rx90Inverse, SaysHowFarTheWristWouldBeWhenAGoalIsOutOfReach) {
+  const auto solution = inverse_->solve(translate(2, 0, 0.42), joints({0, 0, 90, 0, 90, 0}));
+  ASSERT_FALSE(solution.has_value());
+  EXPECT_EQ(to_string(solution.error()),
+            "out of reach: the wrist centre would be 2001.8 mm from the shoulder, it can be 0.0 to "
+            "900.0 mm");
+}
+
+TEST_F(Rx90Inverse, NamesTheJointThatWouldHaveToTurnTooFar) {
+  // Upper arm and forearm folded onto each other further than joint 3 turns.
+  const auto folded = forward_.base_from_flange(joints({0, 0, 160, 0, 60, 0}));
+  const auto solution = inverse_->solve(folded, joints({0, 0, 90, 0, 90, 0}));
+  ASSERT_FALSE(solution.has_value());
+  const auto* limit = std::get_if<JointLimit>(&solution.error());
+  ASSERT_NE(limit, nullptr) << to_string(solution.error());
+  EXPECT_EQ(limit->axis, 3u);
+  EXPECT_NEAR(limit->upper, 142.5_deg, 1e-9);
+}
+
+TEST_F(Rx90Inverse, RefusesAConfigurationThatCannotReachTheGoal) {
+  const JointValues q = joints({0, 60, 30, 0, 45, 0});  // far in front: lefty would need joint 1 at 180
+  const auto lefty = inverse_->solve(forward_.base_from_flange(q), q, {.shoulder = Shoulder::Lefty});
+  ASSERT_FALSE(lefty.has_value());
+  EXPECT_EQ(std::get<JointLimit>(lefty.error()).axis, 1u);
+}
+
+TEST(NearestTurn, PrefersTheNearestCopyInsideTheLimits) {
+  const JointLimits limits{-270_deg, 270_deg, 1, 1};
+  EXPECT_NEAR(nearest_turn(10_deg, 200_deg, limits), 10_deg, 1e-12);
+  EXPECT_NEAR(nearest_turn(-100_deg, 200_deg, limits), 260_deg, 1e-12);
+  EXPECT_NEAR(nearest_turn(-80_deg, 200_deg, limits), -80_deg, 1e-12);
+  EXPECT_NEAR(nearest_turn(100_deg, 0, {-45_deg, 45_deg, 1, 1}), 100_deg, 1e-12);
+}
+
+TEST(NumericInverse, ReachesNearlyEveryPoseAndNeverLies) {
+  const ArmModel model = rx90();
+  Kinematics forward(model);
+  NumericInverse inverse(model);
+  RandomJoints random(model, 7);
+  int reached = 0;
+  for (int i = 0; i < 200; ++i) {
+    const Frame pose = forward.base_from_flange(random());
+    const auto solution = inverse.solve(pose, random(), {});
+    if (!solution) continue;
+    ++reached;
+    ASSERT_TRUE(inside(model, *solution));
+    ASSERT_TRUE(near(forward.base_from_flange(*solution), pose, 1e-6, 1e-5));
+  }
+  EXPECT_GE(reached, 190);
+}
+
+TEST(MakeInverse, FallsBackToTheNumericSolverForAnArmOfAnotherGeometry) {
+  const auto two_joints = ArmModel::from_urdf(
+      "<robot name='short'><link name='a'/><link name='b'/><link name='c'/>"
+      "<joint name='1' type='revolute'><parent link='a'/><child link='b'/><axis xyz='0 0 1'/>"
+      "<limit lower='-3' upper='3' velocity='1' effort='0'/></joint>"
+      "<joint name='2' type='revolute'><parent link='b'/><child link='c'/><origin xyz='1 0 0'/>"
+      "<axis xyz='0 0 1'/><limit lower='-3' upper='3' velocity='1' effort='0'/></joint></robot>",
+      "a", "c", 0.25);
+  ASSERT_TRUE(two_joints.has_value());
+  EXPECT_NE(dynamic_cast<NumericInverse*>(make_inverse(*two_joints).get()), nullptr);
+  EXPECT_NE(dynamic_cast<SphericalWristInverse*>(make_inverse(rx90()).get()), nullptr);
+}
+
+}  // namespace
+}  // namespace robcl::arm
