@@ -26,7 +26,7 @@ LAST_RESERVED = 255
 
 @dataclass(frozen=True, slots=True)
 class CodeUse:
-    """One code and what it stands for: `what` is the hashed text or the scoped name with its @id."""
+    """One code and the name it stands for; a setter's ends with "="."""
 
     code: int
     what: str
@@ -41,7 +41,7 @@ def fnv1a_32(text: str) -> int:
 
 
 def hashed_name(model: Model, name: str, facts: Facts) -> str:
-    """`name` as it enters codes and hashes: @hash_as gives a sibling's name, or with "::" a whole one."""
+    """`name` as it enters codes and hashes: @hash_as gives a sibling, or with "::" a whole name."""
     if facts.hash_as is not None:
         if "::" in facts.hash_as:
             return facts.hash_as.removeprefix("::")

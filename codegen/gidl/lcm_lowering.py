@@ -65,7 +65,9 @@ class LcmMember:
     name: str
     type: str  # LCM primitive, or full name of a struct
     dimensions: tuple[LcmDimension, ...] = ()
-    source: str | None = None  # member of the .gidl type this is; None for counts and helpers' parts
+    source: str | None = (
+        None  # member of the .gidl type this is; None for counts and helpers' parts
+    )
 
 
 @dataclass(frozen=True, slots=True)

@@ -273,7 +273,9 @@ class Bitfield:
     name: str | None  # None is padding
     position: int  # lowest bit, those of the bases counted
     width: int
-    type: PrimitiveType  # as written, else the smallest unsigned (boolean for one bit) that holds it
+    type: (
+        PrimitiveType  # as written, else the smallest unsigned (boolean for one bit) that holds it
+    )
     facts: Facts
 
 

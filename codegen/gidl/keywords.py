@@ -1,0 +1,17 @@
+"""Words of IDL 4.2. They are compared without regard to case; a leading underscore escapes them."""
+
+from __future__ import annotations
+
+# Words with a meaning here, or refused by name: never an identifier.
+USED = frozenset(
+    ["any", "attribute", "bitfield", "bitmask", "bitset", "boolean", "case", "char", "const", "context", "default", "double", "enum", "exception", "FALSE", "fixed", "float", "getraises", "import", "in", "inout", "int8", "int16", "int32", "int64", "interface", "local", "long", "map", "module", "native", "Object", "octet", "oneway", "out", "raises", "readonly", "sequence", "setraises", "short", "string", "struct", "switch", "TRUE", "typedef", "typeid", "typeprefix", "uint8", "uint16", "uint32", "uint64", "union", "unsigned", "ValueBase", "valuetype", "void", "wchar", "wstring", "abstract"]
+)
+
+# Words of building blocks that are not part of .gidl: allowed as identifiers, with a warning,
+# because a tool for the whole of IDL will refuse them.
+UNUSED = frozenset(
+    ["alias", "component", "connector", "consumes", "custom", "emits", "eventtype", "factory", "finder", "home", "manages", "mirrorport", "multiple", "port", "porttype", "primarykey", "private", "provides", "public", "publishes", "supports", "truncatable", "typename", "uses"]
+)
+
+USED_BY_LOWER = {word.lower(): word for word in USED}
+UNUSED_BY_LOWER = {word.lower(): word for word in UNUSED}

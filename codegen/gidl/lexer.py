@@ -1,0 +1,218 @@
+"""Text to tokens. Never fails: what is wrong becomes a finding, and reading goes on.
+
+Comments are kept aside: documentation is looked up by the parser through the token it stands next
+to. `//@name(...)` comments become annotation tokens: in the stream when they stand alone on a line,
+under `trailing` of the token before them when they follow code.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from gidl.diagnostics import Findings
+from gidl.source import Source, Span
+
+
+class Token(NamedTuple):
+    kind: str  # "id" "escaped" "int" "float" "string" "char" "wide" "op" "directive" "eof"
+    text: str  # identifiers without escape, literals with their quotes
+    start: int
+    end: int
+
+
+class Comment(NamedTuple):
+    text: str  # with its marks
+    start: int
+    end: int
+    own_line: bool  # nothing but white space before it on its line
+
+
+@dataclass(slots=True)
+class Lexed:
+    source: Source
+    tokens: list[Token]  # ends with "eof"
+    comments: list[Comment] = field(default_factory=list)
+    trailing: dict[int, list[Token]] = field(default_factory=dict)  # by start of the token before
+
+
+_TOKEN = re.compile(
+    r"""
+      (?P<space>[ \t\r\n\f\v\ufeff]+)
+    | (?P<comment>//[^\n]*|/\*.*?\*/)
+    | (?P<open_comment>/\*)
+    | (?P<wide>L(?:"|'))
+    | (?P<escaped>_[A-Za-z][A-Za-z0-9_]*)
+    | (?P<id>[A-Za-z][A-Za-z0-9_]*)
+    | (?P<float>(?:[0-9]+\.[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?|[0-9]+[eE][+-]?[0-9]+)
+    | (?P<int>0[xX][0-9A-Fa-f]+|[0-9]+)
+    | (?P<string>"(?:[^"\\\n]|\\[^\n])*")
+    | (?P<char>'(?:[^'\\\n]|\\[^\n])[^'\n]{0,7}')
+    | (?P<op>::|<<|>>|[{}()\[\]<>;:,=@+\-*/%&|^~])
+    | (?P<directive>\#)
+    """,
+    re.VERBOSE | re.DOTALL,
+)
+_DIRECTIVE_LINE = re.compile(r"[^\n\\]*(?:\\\r?\n[^\n\\]*|\\[^\n])*")
+_IDENTIFIER_TAIL = re.compile(r"[A-Za-z0-9_]+")
+
+
+def lex(source: Source, findings: Findings) -> Lexed:
+    return _Lexer(source, findings).run()
+
+
+class _Lexer:
+    def __init__(self, source: Source, findings: Findings) -> None:
+        self._source = source
+        self._findings = findings
+        self._lexed = Lexed(source, [])
+
+    def run(self) -> Lexed:
+        text = self._source.text
+        end = len(text)
+        at = 0
+        tokens = self._lexed.tokens
+        match_at = _TOKEN.match
+        while at < end:
+            match = match_at(text, at)
+            if match is None:
+                at = self._unknown(at)
+                continue
+            kind = match.lastgroup
+            stop = match.end()
+            if kind == "space":
+                pass
+            elif kind == "comment":
+                self._comment(match.group(), at, stop)
+            elif kind == "escaped":
+                tokens.append(Token("escaped", text[at + 1 : stop], at, stop))
+            elif kind == "directive":
+                stop = self._directive(at)
+            elif kind == "open_comment":
+                self._error("G0006", at, at + 2, "this comment is never closed", "write '*/'")
+                stop = end
+            elif kind == "wide":
+                stop = at + 1
+                self._error(
+                    "G0206",
+                    at,
+                    at + 2,
+                    "wide characters and strings are not part of .gidl",
+                    "leave out the L: strings are UTF-8",
+                )
+            else:
+                if kind in ("int", "float"):
+                    stop = self._number(at, stop)
+                tokens.append(Token(kind or "", text[at:stop], at, stop))
+            at = stop
+        tokens.append(Token("eof", "", end, end))
+        return self._lexed
+
+    def _error(self, code: str, start: int, end: int, message: str, *help_lines: str) -> None:
+        self._findings.error(code, Span(self._source, start, end), message, *help_lines)
+
+    def _unknown(self, at: int) -> int:
+        text = self._source.text
+        char = text[at]
+        line_end = text.find("\n", at)
+        line_end = len(text) if line_end < 0 else line_end
+        if char in "\"'":
+            name = "string" if char == '"' else "character"
+            self._error("G0007", at, line_end, f"this {name} literal is not closed on its line")
+            return line_end
+        end = at + 1
+        while end < line_end and not text[end].isascii() and not char.isascii():
+            end += 1
+        shown = text[at:end] if text[at:end].isprintable() else f"U+{ord(char):04X}"
+        self._error(
+            "G0008",
+            at,
+            end,
+            f"'{shown}' is no character of the language",
+            "identifiers are ASCII letters, digits and '_'; other text belongs into comments and "
+            "strings",
+        )
+        return end
+
+    def _number(self, start: int, end: int) -> int:
+        """A number may not run into letters, and 089 is no octal number."""
+        text = self._source.text
+        tail = _IDENTIFIER_TAIL.match(text, end)
+        if tail is not None:
+            if tail.group() in ("d", "D"):
+                message = "fixed-point literals are not part of .gidl"
+                self._error("G0203", start, tail.end(), message, "write a double, without the d")
+            else:
+                shown = text[start : tail.end()]
+                self._error(
+                    "G0009",
+                    start,
+                    tail.end(),
+                    f"'{shown}' is no number",
+                    'quantities with a unit are strings: "5ms", "250Hz"',
+                )
+            return tail.end()
+        digits = text[start:end]
+        if len(digits) > 1 and digits[0] == "0" and digits.isdigit() and set(digits) & {"8", "9"}:
+            self._error(
+                "G0009",
+                start,
+                end,
+                f"'{digits}' starts with 0, so it is octal, where 8 and 9 are no digits",
+                f"write {digits.lstrip('0')}",
+            )
+        elif len(digits) > 300:
+            self._error("G0009", start, end, "this number is too long")
+        return end
+
+    def _directive(self, at: int) -> int:
+        text = self._source.text
+        line_start = text.rfind("\n", 0, at) + 1
+        match = _DIRECTIVE_LINE.match(text, at)
+        stop = match.end() if match else at + 1
+        if text[line_start:at].strip(" \t\ufeff"):
+            self._error("G0008", at, at + 1, "'#' stands at the beginning of a line only")
+            return at + 1
+        comment = re.search(r"//|/\*", text[at:stop])
+        if comment is not None and not _inside_quotes(text[at:stop], comment.start()):
+            stop = at + comment.start()
+        self._lexed.tokens.append(Token("directive", text[at:stop].rstrip(), at, stop))
+        return stop
+
+    def _comment(self, comment: str, start: int, end: int) -> None:
+        text = self._source.text
+        line_start = text.rfind("\n", 0, start) + 1
+        own_line = not text[line_start:start].strip()
+        if comment.startswith("//@"):
+            self._annotation_comment(start, end, own_line)
+            return
+        self._lexed.comments.append(Comment(comment, start, end, own_line))
+
+    def _annotation_comment(self, start: int, end: int, own_line: bool) -> None:
+        """Lexes what follows the `//` as code; a further `//` ends it."""
+        at = start + 2
+        text = self._source.text
+        found: list[Token] = []
+        while at < end:
+            match = _TOKEN.match(text, at, end)
+            if match is None:
+                at = min(self._unknown(at), end)
+                continue
+            kind, stop = match.lastgroup or "", match.end()
+            if kind == "comment":
+                self._comment(match.group(), at, stop)
+            elif kind in ("id", "int", "float", "string", "char", "op"):
+                found.append(Token(kind, match.group(), at, stop))
+            elif kind == "escaped":
+                found.append(Token(kind, match.group()[1:], at, stop))
+            at = stop
+        tokens = self._lexed.tokens
+        if own_line or not tokens:
+            tokens.extend(found)
+        else:
+            self._lexed.trailing.setdefault(tokens[-1].start, []).extend(found)
+
+
+def _inside_quotes(line: str, at: int) -> bool:
+    return line[:at].count('"') % 2 == 1

@@ -1,0 +1,337 @@
+"""Tokens to the syntax tree: recursive descent, one function per rule of the grammar.
+
+An error is reported, and reading goes on at the next declaration, so one run shows all of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from gidl.diagnostics import Findings
+from gidl.docs_text import DocReader, joined
+from gidl.interface_parser import InterfaceParser
+from gidl.lexer import Lexed, Token, lex
+from gidl.preprocess import Macros, preprocess
+from gidl.source import Source
+from gidl.syntax import (
+    AnnotationParameterSyntax,
+    AnnotationSyntax,
+    ConstSyntax,
+    DeclarationSyntax,
+    Extras,
+    FileSyntax,
+    ImportSyntax,
+    Include,
+    ModuleSyntax,
+    Name,
+    RepositorySyntax,
+    ScopedName,
+    TypedefSyntax,
+    TypeUse,
+)
+from gidl.token_reader import GiveUp, Skip, keyword_hint
+
+_REFUSED = {
+    "valuetype": ("G0202", "'valuetype' is", "use a struct"),
+    "native": ("G0205", "'native' is", "use a struct with @maps_to for a hand-written type"),
+    "component": ("G0210", "components are", "use an interface"),
+    "home": ("G0210", "components are", "use an interface"),
+    "eventtype": ("G0210", "components are", "use an @event operation"),
+    "connector": ("G0210", "components are", "use an interface"),
+    "porttype": ("G0210", "components are", "use an interface"),
+    "custom": ("G0202", "'valuetype' is", "use a struct"),
+}
+
+_STARTS = (
+    "module", "interface", "struct", "union", "enum", "exception", "typedef", "const", "bitmask",
+    "bitset", "import", "typeid", "typeprefix", "abstract", "local",
+)  # fmt: skip
+
+
+def parse(
+    source: Source,
+    findings: Findings,
+    macros: Macros,
+    on_include: Callable[[Include], None],
+) -> FileSyntax:
+    """Reads one file. Never raises: what cannot be read is missing from the tree and reported."""
+    lexed = lex(source, findings)
+    done = preprocess(lexed, findings, macros, on_include)
+    parser = Parser(lexed, done.tokens, DocReader(lexed, done.skipped), findings)
+    tree = parser.file()
+    tree.includes = done.includes
+    if done.first_directive is not None:
+        tree.doc = DocReader(lexed, done.skipped).head(done.first_directive)
+    return tree
+
+
+class Parser(InterfaceParser):
+    def __init__(
+        self, lexed: Lexed, tokens: list[Token], docs: DocReader, findings: Findings
+    ) -> None:
+        super().__init__(lexed.source, tokens, findings)
+        self._docs = docs
+        self._trailing = dict(lexed.trailing)
+
+    # -- specification -------------------------------------------------------------------------
+
+    def file(self) -> FileSyntax:
+        tree = FileSyntax()
+        try:
+            while self._now.kind != "eof":
+                if self._is("}"):
+                    self._findings.error("G0100", self._span(self._now), "this '}' closes nothing")
+                    self._advance()
+                    self._accept(";")
+                    continue
+                self._one_definition(tree.body)
+        except GiveUp:
+            return tree
+        for tokens in self._trailing.values():
+            self._findings.error(
+                "G0502",
+                self._span(tokens[0]),
+                "this //@ comment annotates nothing",
+                "it stands behind the ';' or ',' of what it annotates, or alone on the line before",
+            )
+        return tree
+
+    def _one_definition(self, into: list[DeclarationSyntax]) -> None:
+        before = self._at
+        try:
+            into.extend(self._definition())
+        except Skip:
+            self._skip_statement()
+        if self._at == before and not self._is("}"):
+            self._advance()
+
+    def _body(self, what: str) -> list[DeclarationSyntax]:
+        """`{ definition ... }` of a module."""
+        opened = self._expect("{", f"to open {what}")
+        body: list[DeclarationSyntax] = []
+        with self._nested():
+            while not self._is("}") and self._now.kind != "eof":
+                self._one_definition(body)
+        self._close_body(opened, what)
+        return body
+
+    # -- definition ----------------------------------------------------------------------------
+
+    def _definition(self) -> list[DeclarationSyntax]:
+        extras = self._extras()
+        token = self._now
+        if self._is("@"):
+            return [self._annotation_declaration(extras)]
+        if token.kind == "id":
+            match token.text:
+                case "module":
+                    return [self._module(extras)]
+                case "const":
+                    return [self._const(extras)]
+                case "interface" | "abstract" | "local":
+                    return self._interface(extras)
+                case "exception":
+                    return [self._exception(extras)]
+                case "import":
+                    return [self._import()]
+                case "typeid" | "typeprefix":
+                    return [self._repository()]
+            if token.text in _REFUSED and self._ahead.kind in ("id", "escaped"):
+                code, what, instead = _REFUSED[token.text]
+                self._refuse(code, self._span(token), what, instead)
+                raise Skip
+            found = self._type_declaration(extras)
+            if found is not None:
+                return found
+        if self._is(";"):
+            self._findings.error(
+                "G0100", self._span(token), "this ';' ends nothing", "leave it out"
+            )
+            self._advance()
+            return []
+        self._syntax_error("a declaration", "", _start_hint(token.text))
+        raise Skip
+
+    def _type_declaration(self, extras: Extras) -> list[DeclarationSyntax] | None:
+        """type_dcl: what may stand in modules and in interfaces alike."""
+        match self._now.text if self._now.kind == "id" else "":
+            case "struct":
+                return [self._struct(extras)]
+            case "union":
+                return [self._union(extras)]
+            case "enum":
+                return [self._enum(extras)]
+            case "bitmask":
+                return [self._bitmask(extras)]
+            case "bitset":
+                return [self._bitset(extras)]
+            case "typedef":
+                return self._typedef(extras)
+            case _:
+                return None
+
+    def _module(self, extras: Extras) -> ModuleSyntax:
+        self._advance()
+        name = self._identifier("the module's name")
+        self._opened(extras)
+        body = self._body(f"module '{name.text}'")
+        self._finish(extras, "the module's '}'")
+        return ModuleSyntax(name, body, extras)
+
+    def _const(self, extras: Extras) -> ConstSyntax:
+        self._advance()
+        const_type = self._type("the constant's type")
+        name = self._identifier("the constant's name")
+        self._expect("=", "after the constant's name")
+        value = self._expression()
+        self._finish(extras, "the constant")
+        return ConstSyntax(const_type, name, value, extras)
+
+    def _typedef(self, extras: Extras) -> list[DeclarationSyntax]:
+        """With a struct, union or enum declared in it, that declaration stands before the typedef."""
+        self._advance()
+        found: list[DeclarationSyntax] = []
+        is_constructed = self._is("struct") or self._is("union") or self._is("enum")
+        if is_constructed and self._tokens[min(self._at + 2, len(self._tokens) - 1)].text in (
+            "{",
+            "switch",
+            ":",
+        ):
+            name_token = self._ahead
+            self._inside_typedef = True
+            try:
+                found.extend(self._type_declaration(Extras()) or [])
+            finally:
+                self._inside_typedef = False
+            span = self._span(name_token)
+            target: TypeUse = TypeUse(ScopedName((name_token.text,), False, span), span)
+            declarators = self._declarators("the new type's name")
+            self._finish(extras, "the typedef")
+            return [*found, TypedefSyntax(target, declarators, extras)]
+        aliased = self._type()
+        declarators = self._declarators("the new type's name")
+        self._finish(extras, "the typedef")
+        return [TypedefSyntax(aliased, declarators, extras)]
+
+    def _import(self) -> ImportSyntax:
+        self._advance()
+        if self._now.kind == "string":
+            token = self._now
+            literal = self._literal()
+            text = str(literal.value)
+            if not text.startswith("IDL:"):
+                self._findings.error(
+                    "G0100",
+                    self._span(token),
+                    'an imported string is a repository identifier, "IDL:robcl/Frame:1.0"',
+                    "to read another file write #include",
+                )
+                raise Skip
+            parts = tuple(text.removeprefix("IDL:").rpartition(":")[0].split("/"))
+            name = ScopedName(parts, True, literal.span)
+        else:
+            name = self._scoped_name("the name to import")
+        self._expect_semicolon("the import")
+        return ImportSyntax(name)
+
+    def _repository(self) -> RepositorySyntax:
+        kind = self._advance().text
+        name = self._scoped_name("a name")
+        if self._now.kind != "string":
+            self._syntax_error("a string")
+            raise Skip
+        text = str(self._literal().value)
+        self._expect_semicolon(kind)
+        return RepositorySyntax(kind, name, text)
+
+    # -- annotation_dcl ------------------------------------------------------------------------
+
+    def _annotation_declaration(self, extras: Extras) -> AnnotationSyntax:
+        self._advance()
+        self._advance()
+        token = self._now
+        if token.kind not in ("id", "escaped"):
+            self._syntax_error("the annotation's name")
+            raise Skip
+        self._advance()  # keywords are names here: @default is one
+        name = Name(token.text, self._span(token), token.kind == "escaped")
+        opened = self._expect("{", "to open the annotation's parameters")
+        parameters: list[AnnotationParameterSyntax] = []
+        body: list[DeclarationSyntax] = []
+        with self._nested():
+            while not self._is("}") and self._now.kind != "eof":
+                try:
+                    self._annotation_member(parameters, body)
+                except Skip:
+                    self._skip_statement()
+        self._close_body(opened, f"annotation '{name.text}'")
+        self._finish(extras, "the annotation's '}'")
+        return AnnotationSyntax(name, parameters, body, extras)
+
+    def _annotation_member(
+        self, parameters: list[AnnotationParameterSyntax], body: list[DeclarationSyntax]
+    ) -> None:
+        extras = self._extras()
+        match self._now.text:
+            case "enum":
+                body.append(self._enum(extras))
+            case "const":
+                body.append(self._const(extras))
+            case "typedef":
+                body.extend(self._typedef(extras))
+            case _:
+                parameter_type = None if self._accept("any") else self._type("the parameter's type")
+                name = self._identifier("the parameter's name")
+                default = self._expression() if self._accept("default") else None
+                self._finish(extras, "the parameter")
+                parameters.append(AnnotationParameterSyntax(name, parameter_type, default))
+
+    # -- documentation and annotations around declarations --------------------------------------
+
+    def _extras(self) -> Extras:
+        """What stands before a declaration."""
+        first = self._now
+        doc = self._docs.before(self._previous.end, first.start)
+        annotations = self._annotations()
+        if annotations and not doc:
+            doc = self._docs.before(first.end, self._now.start)
+        return Extras(annotations, doc)
+
+    def _opened(self, extras: Extras) -> None:
+        """`//@` comments behind the `{` that is next belong to what it opens."""
+        if self._is("{"):
+            self._take_trailing(extras, self._now)
+
+    def _finish(self, extras: Extras, where: str) -> None:
+        """Closing `;`, then the comment and the `//@` comments on its line."""
+        if self._inside_typedef:
+            self._inside_typedef = False
+            return
+        self._expect_semicolon(where)
+        self._after(extras)
+
+    def _after(self, extras: Extras) -> None:
+        previous = self._previous
+        self._take_trailing(extras, previous)
+        extras.doc = joined(extras.doc, self._docs.after(previous.end))
+
+    def _take_trailing(self, extras: Extras, token: Token) -> None:
+        tokens = self._trailing.pop(token.start, None)
+        if not tokens:
+            return
+        reader = Parser.__new__(Parser)
+        end = tokens[-1].end
+        InterfaceParser.__init__(
+            reader, self._source, [*tokens, Token("eof", "", end, end)], self._findings
+        )
+        try:
+            extras.annotations.extend(reader._annotations())
+            if reader._now.kind != "eof":
+                reader._syntax_error("an annotation", "in a //@ comment")
+        except (Skip, GiveUp):
+            return
+
+
+def _start_hint(word: str) -> str:
+    hint = keyword_hint(word)
+    return hint if any(f"'{start}'" in hint for start in _STARTS) else ""

@@ -1,0 +1,343 @@
+"""Preprocessor lines: `#include`, guards, `#pragma once`, conditions and constants.
+
+A file is read once per run, whatever its guards say, so including is importing. Macros are constants
+(`#define RATE 250`); macros with parameters are refused by name.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from gidl.diagnostics import Findings
+from gidl.lexer import Lexed, Token, lex
+from gidl.source import Source, Span
+from gidl.syntax import Include
+
+Macros = dict[str, tuple[Token, ...]]
+
+_DIRECTIVE = re.compile(r"#[ \t]*(\w*)[ \t]*(.*)", re.DOTALL)
+_INCLUDE = re.compile(r'(?:"([^"\n]+)"|<([^>\n]+)>)\s*$')
+_DEFINE = re.compile(r"([A-Za-z_]\w*)(\(?)(.*)", re.DOTALL)
+_CONDITION = re.compile(
+    r"\s*(defined\b|[A-Za-z_]\w*|0[xX][0-9A-Fa-f]+|\d+|&&|\|\||[=!<>]=|[()!<>+*/%-])"
+)
+_MAX_EXPANSION = 10_000  # tokens one macro use may become
+
+
+@dataclass(slots=True)
+class _Condition:
+    span: Span
+    active: bool
+    taken: bool  # some branch of it was active
+    in_else: bool = False
+
+
+@dataclass(slots=True)
+class Preprocessed:
+    tokens: list[Token]
+    includes: list[Include] = field(default_factory=list)
+    skipped: list[tuple[int, int]] = field(default_factory=list)  # inactive stretches
+    first_directive: int | None = None
+
+
+def preprocess(
+    lexed: Lexed,
+    findings: Findings,
+    macros: Macros,
+    on_include: Callable[[Include], None],
+) -> Preprocessed:
+    """Acts on the preprocessor lines. `macros` is read and written; `on_include` may add to it."""
+    return _Preprocessor(lexed, findings, macros, on_include).run()
+
+
+class _Preprocessor:
+    def __init__(
+        self,
+        lexed: Lexed,
+        findings: Findings,
+        macros: Macros,
+        on_include: Callable[[Include], None],
+    ) -> None:
+        self._lexed = lexed
+        self._findings = findings
+        self._macros = macros
+        self._on_include = on_include
+        self._conditions: list[_Condition] = []
+        self._result = Preprocessed([])
+
+    def run(self) -> Preprocessed:
+        out = self._result.tokens
+        skipped_from: int | None = None
+        for token in self._lexed.tokens:
+            if token.kind == "directive":
+                if self._result.first_directive is None:
+                    self._result.first_directive = token.start
+                was_active = self._active
+                self._directive(token)
+                if was_active and not self._active:
+                    skipped_from = token.start
+                elif self._active and skipped_from is not None:
+                    self._result.skipped.append((skipped_from, token.end))
+                    skipped_from = None
+            elif token.kind == "eof":
+                self._finish()
+                out.append(token)
+            elif not self._active:
+                continue
+            elif token.kind == "id" and token.text in self._macros:
+                out.extend(self._expand(token))
+            else:
+                out.append(token)
+        return self._result
+
+    @property
+    def _active(self) -> bool:
+        return all(c.active for c in self._conditions)
+
+    def _span(self, token: Token) -> Span:
+        return Span(self._lexed.source, token.start, token.end)
+
+    def _finish(self) -> None:
+        for condition in self._conditions:
+            self._findings.error(
+                "G0012", condition.span, "this condition is never closed", "write '#endif'"
+            )
+
+    def _directive(self, token: Token) -> None:
+        match = _DIRECTIVE.match(token.text)
+        assert match is not None
+        word, rest = match.group(1), match.group(2).replace("\\\n", " ").strip()
+        if word in ("if", "ifdef", "ifndef", "elif", "else", "endif"):
+            self._conditional(word, rest, token)
+        elif not self._active or not word:
+            return
+        elif word == "include":
+            self._include(rest, token)
+        elif word == "define":
+            self._define(rest, token)
+        elif word == "undef":
+            self._macros.pop(rest, None)
+        elif word == "pragma":
+            self._pragma(rest, token)
+        elif word == "error":
+            self._findings.error("G0005", self._span(token), f"#error {rest}")
+        elif word not in ("line", "warning", "ident"):
+            self._findings.error(
+                "G0005",
+                self._span(token),
+                f"unknown preprocessor line '#{word}'",
+                "known are #include, #pragma once, #define, #undef, #if, #ifdef, #ifndef, #elif, "
+                "#else, #endif, #error",
+            )
+
+    def _pragma(self, rest: str, token: Token) -> None:
+        if rest.split()[:1] != ["once"]:
+            self._findings.warning(
+                "G0701",
+                self._span(token),
+                f"'#pragma {rest}' has no meaning here and is ignored",
+                "identifiers of the repository are written with typeid and typeprefix",
+            )
+
+    def _include(self, rest: str, token: Token) -> None:
+        match = _INCLUDE.match(rest)
+        if match is None:
+            self._findings.error(
+                "G0005",
+                self._span(token),
+                "'#include' needs a file name in quotes",
+                '#include "robcl/geometry.gidl"',
+            )
+            return
+        path = match.group(1) or match.group(2)
+        include = Include(path, match.group(1) is None, self._span(token))
+        self._result.includes.append(include)
+        self._on_include(include)
+
+    def _define(self, rest: str, token: Token) -> None:
+        match = _DEFINE.match(rest)
+        if match is None:
+            self._findings.error("G0005", self._span(token), "'#define' needs a name")
+            return
+        name, parenthesis, body = match.groups()
+        if parenthesis:
+            self._findings.error(
+                "G0211",
+                self._span(token),
+                f"macro '{name}' has parameters: these are not part of .gidl",
+                "write out what it stands for, or use a constant",
+            )
+            return
+        quiet = Findings()
+        lexed = lex(Source("", "", body), quiet)
+        if quiet.found:
+            self._findings.error("G0005", self._span(token), f"'{body}' cannot be read")
+        self._macros[name] = tuple(t for t in lexed.tokens if t.kind not in ("eof", "directive"))
+
+    def _expand(self, use: Token) -> list[Token]:
+        """Tokens a macro stands for, macros inside it expanded, all at the place of the use."""
+        result: list[Token] = []
+        work: list[tuple[Token, frozenset[str]]] = [(use, frozenset())]
+        while work:
+            token, open_names = work.pop()
+            body = self._macros.get(token.text) if token.kind == "id" else None
+            if body is None or token.text in open_names:
+                result.append(Token(token.kind, token.text, use.start, use.end))
+            else:
+                inner = open_names | {token.text}
+                work.extend((t, inner) for t in reversed(body))
+            if len(result) + len(work) > _MAX_EXPANSION:
+                self._findings.error(
+                    "G0005",
+                    self._span(use),
+                    f"macro '{use.text}' stands for more than {_MAX_EXPANSION} tokens",
+                )
+                return []
+        return result
+
+    def _conditional(self, word: str, rest: str, token: Token) -> None:
+        if word in ("if", "ifdef", "ifndef"):
+            if not self._active:
+                active = False
+            elif word == "if":
+                active = self._evaluate(rest, token)
+            else:
+                active = (rest.split(" ")[0] in self._macros) == (word == "ifdef")
+            self._conditions.append(_Condition(self._span(token), active, active))
+            return
+        if not self._conditions:
+            self._findings.error("G0012", self._span(token), f"'#{word}' without '#if'")
+            return
+        condition = self._conditions[-1]
+        if word == "endif":
+            self._conditions.pop()
+            return
+        if condition.in_else:
+            self._findings.error("G0012", self._span(token), f"'#{word}' after '#else'")
+        condition.in_else = word == "else"
+        outer_active = all(c.active for c in self._conditions[:-1])
+        if condition.taken or not outer_active:
+            condition.active = False
+        else:
+            condition.active = word == "else" or self._evaluate(rest, token)
+            condition.taken = condition.active
+
+    def _evaluate(self, text: str, token: Token) -> bool:
+        try:
+            return bool(_ConditionReader(text, self._macros).value())
+        except (ValueError, ZeroDivisionError, RecursionError):
+            self._findings.error(
+                "G0005",
+                self._span(token),
+                f"'{text}' is no condition",
+                "conditions are made of numbers, constants, defined(X), comparisons, !, && and ||",
+            )
+            return False
+
+
+class _ConditionReader:
+    """Computes `#if` conditions. Raises ValueError where the text is none."""
+
+    _LEVELS = (("||",), ("&&",), ("==", "!="), ("<", ">", "<=", ">="), ("+", "-"), ("*", "/", "%"))
+
+    def __init__(self, text: str, macros: Macros) -> None:
+        self._words: list[str] = []
+        self._macros = macros
+        at = 0
+        stripped = text.rstrip()
+        while at < len(stripped):
+            match = _CONDITION.match(stripped, at)
+            if match is None:
+                raise ValueError(text)
+            self._words.append(match.group(1))
+            at = match.end()
+        self._at = 0
+        self._depth = 0
+
+    def value(self) -> int:
+        result = self._binary(0)
+        if self._at != len(self._words):
+            raise ValueError("text after the condition")
+        return result
+
+    def _next(self) -> str:
+        if self._at >= len(self._words):
+            raise ValueError("condition ends early")
+        self._at += 1
+        return self._words[self._at - 1]
+
+    def _peek(self) -> str:
+        return self._words[self._at] if self._at < len(self._words) else ""
+
+    def _binary(self, level: int) -> int:
+        if level == len(self._LEVELS):
+            return self._primary()
+        left = self._binary(level + 1)
+        while self._peek() in self._LEVELS[level]:
+            operator = self._next()
+            left = _apply(operator, left, self._binary(level + 1))
+        return left
+
+    def _primary(self) -> int:
+        self._depth += 1
+        if self._depth > 50:
+            raise ValueError("nested too deep")
+        word = self._next()
+        if word in ("!", "-"):
+            inner = self._primary()
+            result = int(not inner) if word == "!" else -inner
+        elif word == "(":
+            result = self._binary(0)
+            if self._next() != ")":
+                raise ValueError("')' is missing")
+        elif word == "defined":
+            name = self._next()
+            if name == "(":
+                name = self._next()
+                if self._next() != ")":
+                    raise ValueError("')' is missing")
+            result = int(name in self._macros)
+        elif word[0].isdigit():
+            result = int(word, 0) if not word.isdigit() else int(word, 8 if word[0] == "0" else 10)
+        elif word[0].isalpha() or word[0] == "_":
+            body = self._macros.get(word, ())
+            is_number = len(body) == 1 and body[0].kind == "int"
+            result = (
+                int(body[0].text, 0 if body[0].text[:2] in ("0x", "0X") else 10) if is_number else 0
+            )
+        else:
+            raise ValueError(word)
+        self._depth -= 1
+        return result
+
+
+def _apply(operator: str, left: int, right: int) -> int:
+    match operator:
+        case "||":
+            return int(bool(left or right))
+        case "&&":
+            return int(bool(left and right))
+        case "==":
+            return int(left == right)
+        case "!=":
+            return int(left != right)
+        case "<":
+            return int(left < right)
+        case ">":
+            return int(left > right)
+        case "<=":
+            return int(left <= right)
+        case ">=":
+            return int(left >= right)
+        case "+":
+            return left + right
+        case "-":
+            return left - right
+        case "*":
+            return left * right
+        case "/":
+            return left // right
+        case _:
+            return left % right

@@ -1,0 +1,379 @@
+"""Grammar of expressions, types and annotations."""
+
+from __future__ import annotations
+
+from gidl.lexer import Token
+from gidl.source import Span
+from gidl.syntax import (
+    AnnotationUse,
+    BasicType,
+    Binary,
+    Declarator,
+    Expression,
+    Literal,
+    MapOf,
+    Name,
+    NameUse,
+    RefusedType,
+    ScopedName,
+    SequenceOf,
+    StringOf,
+    TypeSyntax,
+    TypeUse,
+    Unary,
+)
+from gidl.token_reader import Skip, TokenReader
+
+_LEVELS = (("|",), ("^",), ("&",), ("<<", ">>"), ("+", "-"), ("*", "/", "%"))
+
+_SIMPLE_TYPES = {
+    "boolean": "boolean", "octet": "octet", "char": "char", "float": "float", "double": "double",
+    "short": "int16", "int8": "int8", "int16": "int16", "int32": "int32", "int64": "int64",
+    "uint8": "uint8", "uint16": "uint16", "uint32": "uint32", "uint64": "uint64",
+}  # fmt: skip
+
+_REFUSED_TYPES = {
+    "any": ("G0201", "'any' is", "declare a union of what it may hold"),
+    "Object": ("G0212", "'Object' is", "use the interface that is meant, or its most general base"),
+    "ValueBase": ("G0202", "'ValueBase' is", "use a struct"),
+    "fixed": ("G0203", "'fixed' is", "use an int64 in the smallest unit, or a double"),
+    "wchar": ("G0206", "'wchar' is", "use a string: it is UTF-8"),
+    "wstring": ("G0206", "'wstring' is", "use a string: it is UTF-8"),
+}
+
+_ESCAPES = {
+    "n": "\n", "t": "\t", "v": "\v", "b": "\b", "r": "\r", "f": "\f", "a": "\a",
+    "\\": "\\", "?": "?", "'": "'", '"': '"',
+}  # fmt: skip
+
+
+class TypeParser(TokenReader):
+    """One function per rule; each is called with its first token next."""
+
+    _in_angles = False  # then `>>` closes two brackets and is no shift
+
+    # -- const_expr ----------------------------------------------------------------------------
+
+    def _expression(self) -> Expression:
+        with self._nested():
+            return self._binary(0)
+
+    def _binary(self, level: int) -> Expression:
+        """or_expr down to mult_expr: all left-associative."""
+        if level == len(_LEVELS):
+            return self._unary()
+        start = self._now
+        left = self._binary(level + 1)
+        while self._now.kind == "op" and self._now.text in _LEVELS[level]:
+            if self._in_angles and self._now.text == ">>":
+                break
+            operator = self._advance().text
+            right = self._binary(level + 1)
+            left = Binary(operator, left, right, self._since(start))
+        return left
+
+    def _unary(self) -> Expression:
+        start = self._now
+        operators: list[Token] = []
+        while self._now.kind == "op" and self._now.text in ("-", "+", "~"):
+            operators.append(self._advance())
+        result = self._primary()
+        if len(operators) > 20:
+            self._findings.error("G0013", self._span(start), "more than 20 signs before a value")
+            raise Skip
+        for operator in reversed(operators):
+            result = Unary(operator.text, result, self._since(operator))
+        return result
+
+    def _primary(self) -> Expression:
+        token = self._now
+        if token.kind in ("int", "float", "string", "char"):
+            return self._literal()
+        if self._is("TRUE") or self._is("FALSE"):
+            self._advance()
+            return Literal(token.text == "TRUE", "bool", self._span(token))
+        if self._is("("):
+            self._advance()
+            outer, self._in_angles = self._in_angles, False
+            inner = self._expression()
+            self._in_angles = outer
+            self._expect(")", "at the end of the expression")
+            return inner
+        if token.kind in ("id", "escaped") or self._is("::"):
+            if token.text in ("true", "false", "True", "False"):
+                self._syntax_error("a value", "", f"booleans are written {token.text.upper()}")
+                raise Skip
+            name = self._scoped_name("a value")
+            return NameUse(name, name.span)
+        self._syntax_error("a value")
+        raise Skip
+
+    def _literal(self) -> Literal:
+        token = self._advance()
+        span = self._span(token)
+        match token.kind:
+            case "int":
+                return Literal(_integer(token.text), "int", span)
+            case "float":
+                return Literal(float(token.text), "float", span)
+            case "char":
+                return self._character(token)
+        text = self._unescape(token)
+        while self._now.kind == "string":  # neighbours are one string
+            text += self._unescape(self._advance())
+        return Literal(text, "string", self._since(token))
+
+    def _character(self, token: Token) -> Literal:
+        text = self._unescape(token)
+        if len(text) != 1 or ord(text) > 255:
+            self._findings.error(
+                "G0010", self._span(token), f"{token.text} is not one character of Latin-1"
+            )
+            text = "?"
+        return Literal(text, "char", self._span(token))
+
+    def _unescape(self, token: Token) -> str:
+        """Text of a literal. Octal, \\x and \\u escapes as in the standard; no NUL."""
+        body = token.text[1:-1]
+        if "\\" not in body:
+            return body
+        out: list[str] = []
+        at = 0
+        while at < len(body):
+            if body[at] != "\\":
+                out.append(body[at])
+                at += 1
+                continue
+            text, width = _escape(body[at + 1 :])
+            if text is None or text == "\0":
+                span = Span(self._source, token.start + 1 + at, token.start + 1 + at + 1 + width)
+                what = "a NUL cannot stand in a string" if text else "unknown escape"
+                self._findings.error("G0010", span, f"{what}: '{body[at : at + 1 + width]}'")
+                text = "?"
+            out.append(text)
+            at += 1 + width
+        return "".join(out)
+
+    # -- annotations ---------------------------------------------------------------------------
+
+    def _annotations(self) -> list[AnnotationUse]:
+        found = []
+        while self._is("@") and not (self._ahead.kind == "id" and self._ahead.text == "annotation"):
+            found.append(self._annotation())
+        return found
+
+    def _annotation(self) -> AnnotationUse:
+        start = self._advance()
+        name_token = self._now
+        if name_token.kind == "id" and self._ahead.text != "::":
+            self._advance()
+            name = ScopedName((name_token.text,), False, self._span(name_token))
+        else:
+            name = self._scoped_name("the name of an annotation after '@'")
+        arguments: list[tuple[Name | None, Expression]] = []
+        if self._is("("):
+            arguments = self._annotation_arguments()
+        return AnnotationUse(name, tuple(arguments), self._since(start))
+
+    def _annotation_arguments(self) -> list[tuple[Name | None, Expression]]:
+        self._advance()
+        outer, self._in_angles = self._in_angles, False
+        arguments: list[tuple[Name | None, Expression]] = []
+        while not self._is(")"):
+            name = None
+            if self._now.kind in ("id", "escaped") and self._ahead.text == "=":
+                token = self._advance()
+                name = Name(token.text, self._span(token))
+                self._advance()
+            arguments.append((name, self._expression()))
+            if not self._accept(","):
+                break
+        self._in_angles = outer
+        self._expect(")", "at the end of the annotation")
+        return arguments
+
+    # -- type_spec -----------------------------------------------------------------------------
+
+    def _type(self, what: str = "a type") -> TypeSyntax:
+        with self._nested():
+            token = self._now
+            if token.kind == "id":
+                if token.text in _SIMPLE_TYPES:
+                    self._advance()
+                    return BasicType(_SIMPLE_TYPES[token.text], self._span(token))
+                if token.text in _REFUSED_TYPES:
+                    return self._refused_type()
+                match token.text:
+                    case "long" | "unsigned":
+                        return self._integer_type()
+                    case "string":
+                        return self._string_type()
+                    case "sequence":
+                        return self._sequence_type()
+                    case "map":
+                        return self._map_type()
+                    case "struct" | "union" | "enum":
+                        return self._inline_type()
+            if token.kind in ("id", "escaped") or self._is("::"):
+                name = self._scoped_name(what)
+                return TypeUse(name, name.span)
+            self._syntax_error(what)
+            raise Skip
+
+    def _integer_type(self) -> TypeSyntax:
+        """`long`, `long long`, `unsigned short`, ...; `long double` is refused."""
+        start = self._now
+        unsigned = self._accept("unsigned")
+        if self._accept("short"):
+            bits = 16
+        elif self._accept("long"):
+            bits = 32
+            if self._accept("long"):
+                bits = 64
+            elif self._is("double") and not unsigned:
+                self._advance()
+                span = self._since(start)
+                self._refuse("G0204", span, "'long double' is", "use a double")
+                return RefusedType(span)
+        else:
+            self._syntax_error("'short' or 'long'", "after 'unsigned'")
+            raise Skip
+        return BasicType(f"{'u' if unsigned else ''}int{bits}", self._since(start))
+
+    def _string_type(self) -> StringOf:
+        start = self._advance()
+        bound = None
+        if self._accept("<"):
+            bound = self._bound()
+            self._close_angle("the string's bound")
+        return StringOf(bound, self._since(start))
+
+    def _sequence_type(self) -> SequenceOf:
+        start = self._advance()
+        self._expect("<", "after 'sequence'")
+        annotations = tuple(self._annotations())
+        element = self._type("the type of the elements")
+        bound = self._bound() if self._accept(",") else None
+        self._close_angle("the sequence")
+        return SequenceOf(element, bound, annotations, self._since(start))
+
+    def _map_type(self) -> MapOf:
+        start = self._advance()
+        self._expect("<", "after 'map'")
+        key = self._type("the type of the keys")
+        self._expect(",", "after the map's key type")
+        value = self._type("the type of the values")
+        bound = self._bound() if self._accept(",") else None
+        self._close_angle("the map")
+        return MapOf(key, value, bound, self._since(start))
+
+    def _bound(self) -> Expression:
+        outer, self._in_angles = self._in_angles, True
+        try:
+            return self._expression()
+        finally:
+            self._in_angles = outer
+
+    def _close_angle(self, what: str) -> None:
+        token = self._now
+        if token.kind == "op" and token.text == ">>":
+            rest = Token("op", ">", min(token.start + 1, token.end), token.end)
+            self._tokens[self._at] = rest
+            return
+        self._expect(">", f"after {what}")
+
+    def _refused_type(self) -> RefusedType:
+        token = self._advance()
+        code, what, instead = _REFUSED_TYPES[token.text]
+        if self._accept("<"):
+            while self._now.kind in ("int", "id", "escaped") or self._is(",") or self._is("::"):
+                self._advance()
+            self._close_angle(token.text)
+        self._refuse(code, self._span(token), what, instead)
+        return RefusedType(self._since(token))
+
+    def _inline_type(self) -> TypeSyntax:
+        """`struct S` as a type (C style), or a type declared where it is used."""
+        token = self._advance()
+        if self._now.kind in ("id", "escaped") and self._ahead.text != "{":
+            name = self._scoped_name("a type")
+            self._findings.error(
+                "G0100",
+                self._span(token),
+                f"'{token.text}' does not stand before the name of a type that is used",
+                f"write '{name}'",
+            )
+            return TypeUse(name, name.span)
+        self._refuse(
+            "G0213",
+            self._span(token),
+            f"declaring a {token.text} inside another declaration is",
+            f"declare the {token.text} before, and use its name here",
+        )
+        if self._now.text != "{":
+            self._advance()
+        if self._is("{"):
+            self._skip_braces()
+        return RefusedType(self._since(token))
+
+    def _skip_braces(self) -> None:
+        depth = 0
+        while self._now.kind != "eof":
+            token = self._advance()
+            if token.kind == "op" and token.text == "{":
+                depth += 1
+            elif token.kind == "op" and token.text == "}":
+                depth -= 1
+                if depth == 0:
+                    return
+
+    # -- declarators ---------------------------------------------------------------------------
+
+    def _declarators(self, what: str) -> list[Declarator]:
+        found = [self._declarator(what)]
+        while self._accept(","):
+            found.append(self._declarator(what))
+        return found
+
+    def _declarator(self, what: str) -> Declarator:
+        name = self._identifier(what)
+        dimensions = []
+        while self._accept("["):
+            dimensions.append(self._expression())
+            self._expect("]", "after the array's size")
+        return Declarator(name, tuple(dimensions))
+
+
+def _integer(text: str) -> int:
+    if text[:2] in ("0x", "0X"):
+        return int(text, 16)
+    if len(text) > 1 and text[0] == "0" and not set(text) & {"8", "9"}:
+        return int(text, 8)
+    return int(text[:300])
+
+
+def _escape(rest: str) -> tuple[str | None, int]:
+    """What the escape at the start of `rest` (behind the backslash) stands for, and its width."""
+    if not rest:
+        return None, 0
+    if rest[0] in _ESCAPES:
+        return _ESCAPES[rest[0]], 1
+    digits, base, first = _escape_digits(rest)
+    if not digits:
+        return None, 1
+    code = int(digits, base)
+    if 0xD800 <= code <= 0xDFFF:
+        return None, first + len(digits)
+    return chr(code), first + len(digits)
+
+
+def _escape_digits(rest: str) -> tuple[str, int, int]:
+    """Digits of a numeric escape, their base, and where they start."""
+    limit, base, first = {"x": (2, 16, 1), "u": (4, 16, 1)}.get(rest[0], (3, 8, 0))
+    allowed = "0123456789abcdefABCDEF" if base == 16 else "01234567"
+    digits = ""
+    for char in rest[first : first + limit]:
+        if char not in allowed:
+            break
+        digits += char
+    return digits, base, first
