@@ -327,29 +327,32 @@ class Decoder:
                 try:
                     text = str(data[first:last], "utf-8")
                 except UnicodeDecodeError:
-                    self._refuse_string(most, field)
+                    raise self._string_error(most, field) from None
                 if "\0" not in text:
                     self.offset = last + 1
                     return text
-        self._refuse_string(most, field)
+        raise self._string_error(most, field)
 
-    def _refuse_string(self, most: int, field: str) -> NoReturn:
+    def _string_error(self, most: int, field: str) -> DecodeError:
+        """What is wrong with the string at `offset`, in the order in which C++ looks."""
         size = self.remaining - 4
+        length: int = _read_int32(self.data, self.offset)[0] if size >= 0 else 0
+        raw = bytes(self.data[self.offset + 4 : self.offset + 4 + max(min(length, size), 0)])
         if size < 0:
-            self.refuse(DecodeProblem.TRUNCATED, field)
-        length: int = _read_int32(self.data, self.offset)[0]
-        if length < 1:
-            self.refuse(DecodeProblem.NEGATIVE_COUNT, field)
-        if length - 1 > most:
-            self.refuse(DecodeProblem.OVER_BOUND, field)
-        if length > size:
-            self.refuse(DecodeProblem.TRUNCATED, field)
-        raw = bytes(self.data[self.offset + 4 : self.offset + 4 + length])
-        if raw[-1] != 0:
-            self.refuse(DecodeProblem.MISSING_NUL, field)
-        if b"\0" in raw[:-1]:
-            self.refuse(DecodeProblem.NUL_IN_STRING, field)
-        self.refuse(DecodeProblem.INVALID_UTF8, field)
+            problem = DecodeProblem.TRUNCATED
+        elif length < 1:
+            problem = DecodeProblem.NEGATIVE_COUNT
+        elif length - 1 > most:
+            problem = DecodeProblem.OVER_BOUND
+        elif length > size:
+            problem = DecodeProblem.TRUNCATED
+        elif raw[-1] != 0:
+            problem = DecodeProblem.MISSING_NUL
+        elif b"\0" in raw[:-1]:
+            problem = DecodeProblem.NUL_IN_STRING
+        else:
+            problem = DecodeProblem.INVALID_UTF8
+        return DecodeError(problem, self.offset, field)
 
     def count(self, min_bytes_each: int, most: int = MAX_COUNT, field: str = "") -> int:
         """A count of elements of at least so many bytes each, which are there."""

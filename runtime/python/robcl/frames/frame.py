@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import atan2, cos, hypot, isfinite, pi, remainder, sin
+from math import atan2, cos, hypot, isfinite, pi, remainder, sin, sqrt
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
@@ -231,7 +231,7 @@ class Frame:
         x, y, z, w, i, j, k = numbers
         if not (isfinite(x) and isfinite(y) and isfinite(z)):
             source.refuse(DecodeProblem.INVALID_VALUE, "position", start)
-        if not abs(hypot(w, i, j, k) - 1) <= cls.UNIT_TOLERANCE:
+        if not abs(sqrt(w * w + i * i + j * j + k * k) - 1) <= cls.UNIT_TOLERANCE:
             source.refuse(DecodeProblem.INVALID_VALUE, "orientation", start + 24)
         return cls._of(numbers)
 

@@ -1,0 +1,194 @@
+"""robcl.frames: shared vectors with C++, the algebra of frames, and what is refused."""
+
+from __future__ import annotations
+
+import copy
+import json
+import math
+import pickle
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from gecos import wire
+from hypothesis import given
+from hypothesis import strategies as st
+from robcl.frames import (
+    Frame,
+    InvalidFrame,
+    angle,
+    deg,
+    distance,
+    in_deg,
+    in_mm,
+    mm,
+    near,
+    rotate_x,
+    rotate_y,
+    rotate_z,
+    translate,
+)
+from wire_reads import verdict_of
+
+VECTORS = json.loads(
+    (Path(__file__).parent.parent / "vectors" / "frames.json").read_text(encoding="utf-8")
+)
+Case = dict[str, Any]
+
+angles = st.floats(-2 * math.pi, 2 * math.pi)
+metres = st.floats(-10, 10)
+frames = st.builds(Frame.from_euler_zyz, metres, metres, metres, angles, angles, angles)
+
+
+def same(left: Frame, right: Frame) -> bool:
+    return near(left, right, 1e-9, 1e-9)
+
+
+# Shared with C++
+
+
+@pytest.mark.parametrize("case", VECTORS["made"])
+def test_a_frame_made_from_angles_has_the_expected_matrix(case: Case) -> None:
+    frame = getattr(Frame, case["make"])(*case["numbers"])
+    np.testing.assert_allclose(frame.matrix(), case["matrix"], rtol=0, atol=1e-12)
+    assert same(Frame.from_matrix(case["matrix"]), frame)
+    back = getattr(frame, case["make"].removeprefix("from_"))()
+    again = getattr(Frame, case["make"])(frame.x, frame.y, frame.z, *back)
+    assert near(again, frame, 0, 1e-9)
+
+
+@pytest.mark.parametrize("case", VECTORS["read"])
+def test_singular_orientations_are_read_by_the_agreed_convention(case: Case) -> None:
+    frame = Frame.from_matrix(case["matrix"])
+    for name in case.keys() - {"matrix"}:
+        np.testing.assert_allclose(getattr(frame, name)(), case[name], rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("case", VECTORS["encoded"])
+def test_a_frame_is_seven_doubles_that_come_back_exactly(case: Case) -> None:
+    data = bytes.fromhex(case["bytes"])
+    frame = wire.from_bytes(Frame, data)
+    assert [frame.x, frame.y, frame.z, *frame.quaternion()] == case["numbers"]
+    assert wire.to_bytes(frame) == data
+    message = wire.to_message(frame)
+    assert message.hex() == VECTORS["fingerprint"] + case["bytes"]
+    assert wire.from_message(Frame, message) == frame
+
+
+@pytest.mark.parametrize("case", VECTORS["refused"], ids=lambda case: case["name"])
+def test_bytes_that_are_no_frame_are_refused(case: Case) -> None:
+    with pytest.raises(wire.DecodeError) as caught:
+        wire.from_bytes(Frame, bytes.fromhex(case["bytes"]))
+    assert verdict_of(caught.value) == case["refused"]
+
+
+@pytest.mark.parametrize("case", VECTORS["text"])
+def test_a_frame_prints_for_people(case: Case) -> None:
+    assert str(getattr(Frame, case["make"])(*case["numbers"])) == case["text"]
+
+
+# Python's own
+
+
+@given(frames, frames, frames)
+def test_frames_are_a_group(a: Frame, b: Frame, c: Frame) -> None:
+    assert same(a * a.inverse(), Frame())
+    assert same(a.inverse() * a, Frame())
+    assert same((a * b) * c, a * (b * c))
+    assert same((a * b).inverse(), b.inverse() * a.inverse())
+    assert a @ b == a * b
+    np.testing.assert_allclose((a * b).matrix(), a.matrix() @ b.matrix(), rtol=0, atol=1e-12)
+
+
+@given(frames, st.tuples(metres, metres, metres))
+def test_points_move_with_their_frame(frame: Frame, point: tuple[float, float, float]) -> None:
+    expected = frame.matrix() @ np.array([*point, 1.0])
+    np.testing.assert_allclose(frame.transform(point), expected[:3], rtol=0, atol=1e-12)
+    many = frame.transform([point, point])
+    np.testing.assert_allclose(many, [expected[:3]] * 2, rtol=0, atol=1e-12)
+
+
+@given(frames)
+def test_every_reading_makes_the_same_frame_again(frame: Frame) -> None:
+    place = (frame.x, frame.y, frame.z)
+    assert same(Frame.from_euler_zyz(*place, *frame.euler_zyz()), frame)
+    assert same(Frame.from_euler_zyx(*place, *frame.euler_zyx()), frame)
+    assert same(Frame.from_fixed_xyz(*place, *frame.fixed_xyz()), frame)
+    assert same(Frame.from_quaternion(*place, *frame.quaternion()), frame)
+    assert same(Frame.from_matrix(frame.matrix()), frame)
+    assert wire.from_bytes(Frame, wire.to_bytes(frame)) == frame
+    assert 0 <= frame.euler_zyz()[1] <= math.pi
+    assert abs(frame.euler_zyx()[1]) <= math.pi / 2
+
+
+def test_handing_over_twice_is_no_change() -> None:
+    handover = Frame.from_euler_zyz(0, 0, 0, 0, deg(180), 0)
+    assert same(handover * handover, Frame())
+
+
+def test_turns_follow_the_right_hand() -> None:
+    np.testing.assert_allclose(rotate_x(deg(90)).transform((0, 1, 0)), (0, 0, 1), atol=1e-15)
+    np.testing.assert_allclose(rotate_y(deg(90)).transform((0, 0, 1)), (1, 0, 0), atol=1e-15)
+    np.testing.assert_allclose(rotate_z(deg(90)).transform((1, 0, 0)), (0, 1, 0), atol=1e-15)
+    assert translate(1, 2, 3).position.tolist() == [1, 2, 3]
+
+
+def test_distance_and_angle_are_exact_for_small_ones() -> None:
+    here = Frame.from_euler_zyz(0.4, 0.1, 0.9, 0.5, 0.6, 0.7)
+    assert distance(here, here * translate(3, 0, 4)) == pytest.approx(5)
+    assert angle(here, here * rotate_y(1e-8)) == pytest.approx(1e-8, rel=1e-6)
+    assert angle(here, here * rotate_z(math.pi)) == pytest.approx(math.pi)
+    turned = Frame.from_quaternion(0, 0, 0, -1, 0, 0, 0)
+    assert angle(Frame(), turned) == 0
+    assert turned != Frame()
+
+
+def test_millimetres_and_degrees_say_so() -> None:
+    assert mm(200) == pytest.approx(0.2)
+    assert deg(180) == pytest.approx(math.pi)
+    assert in_mm(0.2) == pytest.approx(200)
+    assert in_deg(math.pi) == pytest.approx(180)
+
+
+@pytest.mark.parametrize(
+    ("make", "why"),
+    [
+        (lambda: translate(math.nan, 0, 0), r"position \(nan, 0, 0\) m is not finite"),
+        (lambda: rotate_x(math.inf), None),
+        (
+            lambda: Frame.from_quaternion(0, 0, 0, 1, 1, 0, 0),
+            r"w, x, y, z = \(1, 1, 0, 0\) has length 1\.41421356, .*normalise it",
+        ),
+        (lambda: Frame.from_matrix(np.eye(3)), r"shape \(3, 3\), it must be \(4, 4\)"),
+        (lambda: Frame.from_matrix(2 * np.eye(4)), r"last row .*\(0, 0, 0, 2\)"),
+        (lambda: Frame.from_matrix(np.diag([2, 1, 1, 1])), "stretches or shears by 3"),
+        (lambda: Frame.from_matrix(np.diag([-1, 1, 1, 1])), "mirrors"),
+        (lambda: Frame.from_matrix(np.full((4, 4), math.nan)), "not finite"),
+    ],
+)
+def test_what_is_not_a_placement_is_refused(make: Any, why: str | None) -> None:
+    with pytest.raises(ValueError if why is None else InvalidFrame, match=why):
+        make()
+
+
+def test_a_frame_does_not_change() -> None:
+    frame = translate(1, 2, 3)
+    with pytest.raises(AttributeError, match="does not change"):
+        frame.x = 5  # type: ignore[misc]
+    with pytest.raises(AttributeError, match="does not change"):
+        del frame._numbers
+    frame.position[0] = 99
+    frame.matrix()[:] = 0
+    assert frame == translate(1, 2, 3)
+
+
+def test_a_frame_is_a_value() -> None:
+    frame = Frame.from_euler_zyz(1, 2, 3, 0.1, 0.2, 0.3)
+    assert same(eval(repr(frame)), frame)
+    assert copy.deepcopy(frame) == frame
+    assert pickle.loads(pickle.dumps(frame)) == frame
+    assert len({frame, copy.copy(frame)}) == 1
+    assert frame != "a frame"
+    with pytest.raises(TypeError):
+        frame * 2  # type: ignore[operator]
