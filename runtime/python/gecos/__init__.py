@@ -1,0 +1,80 @@
+"""gecos: asynchronous, access-controlled calls to robots and sensors.
+
+    lab = gecos.Lab()
+    robot = lab.create(Manipulator, ["RX90", "SIM"])
+    with gecos.actor(robot):
+        move = robot.move(goal)
+        move.result()
+
+Names are loaded when they are first used: `gecos.wire` and generated types need no extension.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from gecos.broker import Broker as Broker
+    from gecos.command import Command as Command
+    from gecos.command import Progress as Progress
+    from gecos.errors import Attempt as Attempt
+    from gecos.errors import CommandFailed as CommandFailed
+    from gecos.errors import ConnectionFailed as ConnectionFailed
+    from gecos.errors import CreateError as CreateError
+    from gecos.errors import DeclaredError as DeclaredError
+    from gecos.errors import Detail as Detail
+    from gecos.errors import Interrupted as Interrupted
+    from gecos.errors import LeaseRefused as LeaseRefused
+    from gecos.errors import Rejected as Rejected
+    from gecos.errors import ServeError as ServeError
+    from gecos.errors import State as State
+    from gecos.errors import StreamLost as StreamLost
+    from gecos.errors import UnobservedCommandWarning as UnobservedCommandWarning
+    from gecos.execution import Caller as Caller
+    from gecos.execution import Execution as Execution
+    from gecos.lab import Lab as Lab
+    from gecos.lease import Lease as Lease
+    from gecos.lease import actor as actor
+    from gecos.lease import master as master
+    from gecos.proxy import Object as Object
+    from gecos.proxy import StreamAttribute as StreamAttribute
+    from gecos.proxy import with_deadline as with_deadline
+    from gecos.reserved import describe as describe
+    from gecos.reserved import holders as holders
+    from gecos.reserved import ping as ping
+    from gecos.reserved import stop as stop
+    from gecos.servant import Servant as Servant
+    from gecos.server import Server as Server
+    from gecos.server import serve as serve
+    from gecos.stream import Sample as Sample
+    from gecos.stream import Stream as Stream
+
+_NAMES = {
+    "broker": "Broker",
+    "command": "Command Progress",
+    "errors": "Attempt CommandFailed ConnectionFailed CreateError DeclaredError Detail Interrupted "
+    "LeaseRefused Rejected ServeError State StreamLost UnobservedCommandWarning",
+    "execution": "Caller Execution",
+    "lab": "Lab",
+    "lease": "Lease actor master",
+    "proxy": "Object StreamAttribute with_deadline",
+    "reserved": "describe holders ping stop",
+    "servant": "Servant",
+    "server": "Server serve",
+    "stream": "Sample Stream",
+}
+_HOME = {name: module for module, names in _NAMES.items() for name in names.split()}
+
+
+def __getattr__(name: str) -> Any:
+    home = _HOME.get(name)
+    if home is None:
+        raise AttributeError(f"module 'gecos' has no attribute {name!r}")
+    value = getattr(import_module(f"gecos.{home}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted(_HOME)

@@ -1,0 +1,31 @@
+"""A broker in this process, at this host's well-known place: for tests and examples."""
+
+from __future__ import annotations
+
+from types import TracebackType
+from typing import Self
+
+from gecos import _core, farewell
+from gecos.lab import Lab
+
+
+class Broker:
+    """Knows where objects are while it is open. Raises ServeError when another broker is there."""
+
+    def __init__(self, lab: Lab) -> None:
+        self._core = _core.Broker(lab._core)
+        farewell.at_exit(self, farewell.Turn.BROKERS)
+
+    def close(self) -> None:
+        self._core.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()

@@ -1,0 +1,189 @@
+"""A call that was issued: ask its state, wait for it, await it, cancel it."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from collections.abc import Callable, Generator
+from dataclasses import dataclass
+from types import GenericAlias
+from typing import TYPE_CHECKING, Generic
+
+from gecos.errors import (
+    CommandFailed,
+    ConnectionFailed,
+    DeclaredError,
+    Detail,
+    State,
+    UnobservedCommandWarning,
+)
+from gecos.wire import DecodeError, Decoder
+
+if TYPE_CHECKING:
+    from typing_extensions import TypeVar
+
+    from gecos import _core
+    from gecos.interface import Method
+
+    T = TypeVar("T", covariant=True)
+    F = TypeVar("F", covariant=True, default=None)
+else:
+    from typing import TypeVar
+
+    T = TypeVar("T", covariant=True)
+    F = TypeVar("F", covariant=True)
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """Where a command stands, all read at one instant."""
+
+    detail: Detail
+    position: int  # commands before it, while QUEUED
+    fraction: float  # 0 to 1, as the server last said
+
+
+class Command(Generic[T, F]):
+    """A call that is on its way. T is its result, F what it reports while it runs.
+
+    Nothing waits until you ask. Dropping it lets it run; dropping it while it runs without ever
+    having looked at it warns, once per operation, because its failure would go unseen.
+    """
+
+    __slots__ = ("__weakref__", "_core", "_method", "_observed")
+
+    if not TYPE_CHECKING:
+        __class_getitem__ = classmethod(GenericAlias)  # Command[T] is Command[T, None]
+
+    def __init__(self, core: _core.Command, method: Method[T, F]) -> None:
+        self._core = core
+        self._method = method
+        self._observed = False
+
+    @property
+    def state(self) -> State:
+        """RUNNING, or the one of the other three that it has reached."""
+        return self.progress().detail.state
+
+    def progress(self) -> Progress:
+        self._observed = True
+        detail, position, fraction = self._core.progress()
+        return Progress(Detail(detail), position, fraction)
+
+    def feedback(self) -> F | None:
+        """The latest that the running command reported; None when nothing has come yet."""
+        self._observed = True
+        decode = self._method.feedback
+        raw = self._core.feedback() if decode is not None else b""
+        return decode(Decoder(raw)) if decode is not None and raw else None
+
+    def wait(self, timeout: float | None = None) -> State:
+        """Waits until it is terminal, at most `timeout` seconds; RUNNING if that was too short."""
+        self._observed = True
+        self._core.wait(timeout)
+        return self.state
+
+    def result(self, timeout: float | None = None) -> T:
+        """Waits for the result, or raises why there is none.
+
+        Raises a declared exception, CommandFailed or ConnectionFailed; TimeoutError when it still
+        runs after `timeout` seconds, which leaves it running.
+        """
+        if self.wait(timeout) is State.RUNNING:
+            raise TimeoutError(f"{self._name} is still running after {timeout} s")
+        if self.state is not State.FINISHED:
+            raise self._failure()
+        try:
+            return self._method.result(Decoder(self._core.result()))
+        except DecodeError as error:
+            raise CommandFailed(
+                Detail.FAULT, f"{self._name}: the reply does not decode: {error}"
+            ) from error
+
+    def exception(self) -> CommandFailed | ConnectionFailed | None:
+        """Why it failed; None while it runs and when it finished."""
+        failed = self.state in (State.COMMAND_FAILED, State.CONNECTION_FAILED)
+        return self._failure() if failed else None
+
+    def cancel(self) -> None:
+        """Asks the server to stop it. The state tells whether that came in time."""
+        self._observed = True
+        self._core.cancel()
+
+    def detach(self) -> None:
+        """Says that nobody will look: it runs on, and dropping it does not warn."""
+        self._observed = True
+
+    def __await__(self) -> Generator[object, None, T]:
+        return self._awaited().__await__()
+
+    async def _awaited(self) -> T:
+        self._observed = True
+        if self.state is State.RUNNING:
+            await _readable(self._core.descriptor())
+        return self.result()
+
+    def _failure(self) -> CommandFailed | ConnectionFailed:
+        number, text, exception, evidence = self._core.failure()
+        detail = Detail(number)
+        if detail.state is State.CONNECTION_FAILED:
+            return ConnectionFailed(detail, f"{self._name}: {text}")
+        if exception:
+            return _declared(self._method.raises, exception, evidence, f"{self._name}: {text}")
+        return CommandFailed(detail, f"{self._name}: {text}")
+
+    @property
+    def _name(self) -> str:
+        return self._method.operation.name
+
+    def __repr__(self) -> str:
+        detail, position, fraction = self._core.progress()
+        more = f", {position} before it" if detail == Detail.QUEUED else ""
+        more += f", {fraction:.0%}" if detail == Detail.EXECUTING else ""
+        return f"<Command {self._name}: {Detail(detail).name}{more}>"
+
+    def __del__(self) -> None:
+        # What a failing constructor left behind has no _observed.
+        if getattr(self, "_observed", True) or self._name in _warned:
+            return
+        if Detail(self._core.progress()[0]).state is State.RUNNING:
+            _warned.add(self._name)
+            warnings.warn(
+                f"{self._name}: dropped while it was running, so its failure would go unseen; "
+                "keep the command and wait() for it, or detach() it",
+                UnobservedCommandWarning,
+                stacklevel=2,
+            )
+
+
+_warned: set[str] = set()
+
+
+def _declared(
+    raises: tuple[type[DeclaredError], ...], name: str, evidence: bytes, text: str
+) -> CommandFailed:
+    for kind in raises:
+        if kind._gecos_name == name:
+            decode: Callable[[Decoder], DeclaredError] = kind.decode
+            try:
+                return decode(Decoder(evidence))
+            except DecodeError as error:
+                return CommandFailed(Detail.FAULT, f"{text} (which does not decode: {error})")
+    return CommandFailed(Detail.FAULT, text)
+
+
+async def _readable(descriptor: int) -> None:
+    """Waits in the running loop. Works for several waiters of one descriptor."""
+    import asyncio
+
+    loop = asyncio.get_running_loop()
+    ready = loop.create_future()
+    own = os.dup(descriptor)
+    try:
+        loop.add_reader(own, lambda: None if ready.done() else ready.set_result(None))
+        try:
+            await ready
+        finally:
+            loop.remove_reader(own)
+    finally:
+        os.close(own)

@@ -1,0 +1,175 @@
+"""What can go wrong, as exceptions that derive from the natural builtin, with their evidence.
+
+Generated exceptions derive from `DeclaredError`; generated types import this module and the codec.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import TYPE_CHECKING, ClassVar, Self
+
+if TYPE_CHECKING:
+    from gecos_idl.object_types import Holder
+
+    from gecos.wire import Decoder, Parts
+
+
+class State(IntEnum):
+    """The paper's four states. Exactly one of the last three is reached; it never changes."""
+
+    RUNNING = 0
+    FINISHED = 1
+    COMMAND_FAILED = 2
+    CONNECTION_FAILED = 3  # proves that the command did not start: sending it again is safe
+
+
+class Detail(IntEnum):
+    """The finer state, which projects onto one of the four. Numbers are those of the C++ side."""
+
+    SENT = 0
+    QUEUED = 1
+    EXECUTING = 2
+    CANCELING = 3
+    UNREACHABLE = 4
+    DONE = 5
+    REJECTED = 6
+    BAD_PARAMETER = 7
+    UNKNOWN_OPERATION = 8
+    DENIED = 9
+    QUEUE_FULL = 10
+    EXPIRED = 11
+    TIMED_OUT = 12
+    FAULT = 13
+    CANCELED = 14
+    PREEMPTED = 15
+    STOPPED = 16
+    LEASE_LOST = 17
+    PRESENCE_LOST = 18
+    SERVER_CRASHED = 19
+    OUTCOME_UNKNOWN = 20
+    NOT_STARTED = 21
+    NO_SERVER = 22
+    REFUSED = 23
+    QOS_UNAVAILABLE = 24
+
+    @property
+    def state(self) -> State:
+        if self < Detail.DONE:
+            return State.RUNNING
+        if self == Detail.DONE:
+            return State.FINISHED
+        return State.COMMAND_FAILED if self < Detail.NOT_STARTED else State.CONNECTION_FAILED
+
+
+class CommandFailed(RuntimeError):
+    """The command was not executed, or not to its end. `detail` says which, `text` why."""
+
+    _detail: Detail = Detail.FAULT
+
+    def __init__(self, detail: Detail, text: str) -> None:
+        super().__init__(detail, text)
+        self._detail = detail
+        self._text = text
+
+    @property
+    def detail(self) -> Detail:
+        return self._detail
+
+    @property
+    def text(self) -> str:
+        return self._text
+
+    def __str__(self) -> str:
+        return f"{self.detail.name}: {self.text}"
+
+
+class DeclaredError(CommandFailed):
+    """An exception that an interface declares: raised by a handler, raised again at the caller.
+
+    Generated classes are dataclasses of its members (`eq=False`) that encode themselves.
+    """
+
+    _gecos_name: ClassVar[str] = ""  # scoped: "robcl::OutOfReach"
+
+    @property
+    def text(self) -> str:
+        fields = getattr(self, "__dataclass_fields__", {})
+        members = ", ".join(f"{name}={getattr(self, name)!r}" for name in fields)
+        return f"{self._gecos_name}({members})"
+
+    def __str__(self) -> str:
+        return self.text
+
+    def encode(self, out: Parts, /) -> None:
+        raise NotImplementedError(f"{type(self).__name__} is not a generated exception")
+
+    @classmethod
+    def decode(cls, source: Decoder, /) -> Self:
+        raise NotImplementedError(f"{cls.__name__} is not a generated exception")
+
+    @staticmethod
+    def fingerprint() -> int:
+        raise NotImplementedError("not a generated exception")
+
+
+class Rejected(CommandFailed):
+    """Raised by a handler that refuses a command as it stands; the text says what to do."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__(Detail.REJECTED, text)
+
+
+class Interrupted(CommandFailed):
+    """Raised by a handler that ends early because `run.interrupted` asked it to."""
+
+    def __init__(self) -> None:
+        super().__init__(Detail.CANCELED, "canceled")
+
+
+class ConnectionFailed(ConnectionError):
+    """The command did not start, which is proved: sending it again is safe."""
+
+    def __init__(self, detail: Detail, text: str) -> None:
+        super().__init__(f"{detail.name}: {text}")
+        self.detail = detail
+        self.text = text
+
+
+@dataclass(frozen=True, slots=True)
+class Attempt:
+    """One name that `create` tried in vain."""
+
+    name: str
+    detail: Detail  # NO_SERVER, REFUSED or QOS_UNAVAILABLE
+    reason: str
+
+
+class CreateError(ConnectionError):
+    """No object could be reached; `attempts` has the reason for each name that was tried."""
+
+    def __init__(self, attempts: Sequence[Attempt]) -> None:
+        self.attempts = tuple(attempts)
+        lines = (f"{a.name}: {a.detail.name}: {a.reason}" for a in self.attempts)
+        super().__init__("; ".join(lines) or "create was given no name")
+
+
+class LeaseRefused(PermissionError):
+    """Actor or master status was not given; `holders` says who has it."""
+
+    def __init__(self, text: str, holders: Sequence[Holder] = ()) -> None:
+        super().__init__(text)
+        self.holders = tuple(holders)
+
+
+class StreamLost(ConnectionError):
+    """The server of a stream is gone or silent."""
+
+
+class ServeError(RuntimeError):
+    """An object cannot be served under its name."""
+
+
+class UnobservedCommandWarning(RuntimeWarning):
+    """A command was dropped while it ran, and nobody had looked at it."""

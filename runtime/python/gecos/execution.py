@@ -1,0 +1,56 @@
+"""What a handler has beside its arguments: who calls, whether to end, how to tell how far it is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Generic, TypeVar
+
+from gecos.wire import Contents, to_bytes
+
+if TYPE_CHECKING:
+    from gecos import _core
+
+F = TypeVar("F")
+
+
+@dataclass(frozen=True, slots=True)
+class Caller:
+    """Who issued a call."""
+
+    user: str
+    host: str
+    program: str
+    pid: int
+    session: int
+
+
+class Execution(Generic[F]):
+    """A running call of a cancelable operation, F its feedback. Lives while its handler runs."""
+
+    __slots__ = ("_core",)
+
+    def __init__(self, core: _core.IncomingCall) -> None:
+        self._core = core
+
+    @property
+    def interrupted(self) -> bool:
+        """The handler should end soon and raise `gecos.Interrupted()`: it was canceled or stopped,
+        its caller's lease or deadline is over, or the server closes."""
+        return self._core.interrupted()
+
+    def wait_interrupted(self, seconds: float) -> bool:
+        """Sleeps at most so long; True as soon as interrupted."""
+        return self._core.wait_interrupted(seconds)
+
+    def progress(self, fraction: float, feedback: F | None = None) -> None:
+        """Tells the caller how far it is, 0 to 1. Only the latest is kept: call it as you like."""
+        self._core.progress(fraction, b"" if feedback is None else _encoded(feedback))
+
+    @property
+    def caller(self) -> Caller:
+        return Caller(*self._core.caller())
+
+
+def _encoded(feedback: object) -> bytes:
+    contents: Contents = feedback  # type: ignore[assignment]  # what F is bound to by gidl
+    return to_bytes(contents)

@@ -1,0 +1,41 @@
+"""The end of the program, in order: leases are given back and drain, then sessions say goodbye.
+
+So a program that ends without waiting still lifts its block, and nobody waits for its robot.
+"""
+
+from __future__ import annotations
+
+import atexit
+import contextlib
+from enum import IntEnum
+from typing import Protocol
+from weakref import WeakSet
+
+
+class Turn(IntEnum):
+    """Who goes first."""
+
+    LEASES = 0
+    SERVERS = 1
+    BROKERS = 2
+    LABS = 3
+
+
+class Closable(Protocol):
+    def close(self) -> None: ...
+
+
+_waiting: dict[Turn, WeakSet[Closable]] = {turn: WeakSet() for turn in Turn}
+
+
+def at_exit(leaver: Closable, turn: Turn) -> None:
+    """Closes it at the end of the program, unless it is gone by then. It may be closed already."""
+    _waiting[turn].add(leaver)
+
+
+@atexit.register
+def _leave() -> None:
+    for turn in Turn:
+        for leaver in list(_waiting[turn]):
+            with contextlib.suppress(Exception):  # nobody is left to tell
+                leaver.close()

@@ -1,0 +1,58 @@
+"""The laboratory as this process sees it: finds objects and connects to them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from types import TracebackType
+from typing import Self, TypeVar
+
+from gecos import _core, farewell
+from gecos.errors import Attempt, CreateError, Detail
+from gecos.proxy import Object
+
+P = TypeVar("P", bound=Object)
+
+
+class Lab:
+    """Finds objects through a broker: the address given ("shm:…", "lcm:…"), else `GECOS_BROKER`,
+    else the broker of this host. Any thread may use it. A context manager, for those who want its
+    end early; at the end of the program it takes leave in order anyway."""
+
+    def __init__(self, broker: str | None = None) -> None:
+        self._core = _core.Lab(broker or "")
+        farewell.at_exit(self, farewell.Turn.LABS)
+
+    def create(
+        self,
+        interface: type[P],
+        names: str | Sequence[str],
+        *,
+        medium: str | None = None,
+        patience: float = 2.0,
+    ) -> P:
+        """Connects to the first of `names` that is online and of the right type.
+
+        `medium` names the one to use ("inproc", "shm", "lcm"); without it the best one that meets
+        the interface's quality is taken. `patience` in s bounds the wait for the broker and for
+        each server. Raises CreateError with a reason for each name.
+        """
+        wanted = [names] if isinstance(names, str) else list(names)
+        created = self._core.create(interface._gecos_interface, wanted, medium, patience)
+        if isinstance(created, list):
+            raise CreateError([Attempt(name, Detail(d), reason) for name, d, reason in created])
+        return interface(created)
+
+    def close(self) -> None:
+        """Says goodbye to every object. Proxies made by it are dead afterwards."""
+        self._core.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()

@@ -1,0 +1,90 @@
+"""Actor and master status: who may move a device, for as long as a `with` block lasts."""
+
+from __future__ import annotations
+
+from types import TracebackType
+from typing import Self
+
+from gecos import _core, farewell
+from gecos.errors import ConnectionFailed, Detail, LeaseRefused, State
+from gecos.interface import Access
+from gecos.proxy import Object
+from gecos.wire import DecodeError, from_bytes
+
+
+class Lease:
+    """Status of one object, held until it is released, closed, lost, or the program ends.
+
+    Releasing drains: what was issued under it still finishes before anybody else gets in.
+    """
+
+    def __init__(self, core: _core.Lease) -> None:
+        self._core = core
+        farewell.at_exit(self, farewell.Turn.LEASES)
+
+    @property
+    def epoch(self) -> int:
+        """Fencing token of this status."""
+        return self._core.epoch
+
+    def release(self) -> None:
+        """Gives it back; queued and running commands still finish. Again does nothing."""
+        self._core.release()
+
+    close = release
+
+    def release_now(self) -> None:
+        """Gives it back and stops what is queued and running under it."""
+        self._core.release_now()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.release()
+
+    def __repr__(self) -> str:
+        return f"<Lease {Access(self._core.status).name} epoch {self.epoch:#x}>"
+
+
+def actor(robot: Object, password: str = "") -> Lease:
+    """Actor status: commands that move or change the device. `password` lets others join.
+
+    Raises LeaseRefused, which says who has it, or ConnectionFailed.
+    """
+    return _acquire(robot, Access.ACTOR, password)
+
+
+def master(robot: Object, password: str = "") -> Lease:
+    """Master status: as actor, and other clients' calls are refused."""
+    return _acquire(robot, Access.MASTER, password)
+
+
+def _acquire(robot: Object, access: Access, password: str) -> Lease:
+    session = robot._gecos_session
+    got = session.acquire(access, password)
+    if isinstance(got, _core.Lease):
+        return Lease(got)
+    number, text, exception, evidence = got
+    detail = Detail(number)
+    where = f"{access.name.lower()} status of {session.object_name}"
+    if detail.state is State.CONNECTION_FAILED:
+        raise ConnectionFailed(detail, f"{where}: {text}")
+    raise _refusal(f"{where}: {text}", exception, evidence)
+
+
+def _refusal(text: str, exception: str, evidence: bytes) -> LeaseRefused:
+    from gecos_idl.object_types import StatusRefused
+
+    if exception != StatusRefused._gecos_name:
+        return LeaseRefused(text)
+    try:
+        refused = from_bytes(StatusRefused, evidence)
+    except DecodeError as error:
+        return LeaseRefused(f"{text} (its holders do not decode: {error})")
+    return LeaseRefused(f"{text}: {refused.reason}", refused.holders)

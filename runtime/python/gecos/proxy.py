@@ -1,0 +1,95 @@
+"""What every generated proxy is: a handle to a session with an object.
+
+A generated proxy has exactly the members of its interface; what every object answers is reached by
+functions (`gecos.stop(robot)`). What this module brings begins with `_gecos`. What gidl generates:
+
+    _MOVE = Method(Operation(code=0x…, name="move", cancelable=True),
+                   nothing, MotionProgress.decode, (OutOfReach, JointLimit))
+    _TOOL = Method(Operation(code=0x…, name="tool", kind=Kind.GETTER, …), Frame.decode)
+    _TOOL_STREAM = OutwardStream(code=0x…, name="tool", rate_hz=250.0)
+
+    class Manipulator(Device):
+        _gecos_interface = Interface(name="robcl::Manipulator", …)
+
+        def move(self, goal: Frame, how: Trajectory | None = None) -> Command[None, MotionProgress]:
+            out: Parts = []
+            goal.encode(out)
+            …
+            return self._gecos_call(_MOVE, out)
+
+        @property
+        def tool(self) -> StreamAttribute[Frame]:
+            return StreamAttribute(self, _TOOL, _TOOL_STREAM)
+"""
+
+from __future__ import annotations
+
+import copy
+from typing import TYPE_CHECKING, ClassVar, Generic, TypeVar
+
+from gecos.command import Command
+from gecos.errors import CommandFailed, ConnectionFailed, Detail, State
+from gecos.interface import Interface, Method, OutwardStream
+from gecos.stream import Stream
+from gecos.wire import Parts
+
+if TYPE_CHECKING:
+    from gecos import _core
+
+T = TypeVar("T")
+F = TypeVar("F")
+P = TypeVar("P", bound="Object")
+
+
+class Object:
+    """A session with an object. `lab.create` makes it; copies share the session."""
+
+    _gecos_interface: ClassVar[Interface] = Interface(name="gecos::Object")
+
+    def __init__(self, gecos_session: _core.Session) -> None:
+        self._gecos_session = gecos_session
+        self._gecos_deadline = 0.0
+
+    def _gecos_call(self, method: Method[T, F], arguments: Parts) -> Command[T, F]:
+        core = self._gecos_session.call(
+            method.operation.code, b"".join(arguments), self._gecos_deadline
+        )
+        return Command(core, method)
+
+    def __repr__(self) -> str:
+        session = self._gecos_session
+        return f"<{session.interface_name} {session.object_name!r} over {session.medium}>"
+
+
+class StreamAttribute(Generic[T]):
+    """An attribute that is published continuously: call it for one value, or open its stream."""
+
+    __slots__ = ("_method", "_object", "_stream")
+
+    def __init__(self, owner: Object, method: Method[T, None], stream: OutwardStream) -> None:
+        self._object = owner
+        self._method = method
+        self._stream = stream
+
+    def __call__(self) -> Command[T, None]:
+        """Asks the server for the value once."""
+        return self._object._gecos_call(self._method, [])
+
+    def stream(self) -> Stream[T]:
+        """Subscribes. Raises ConnectionFailed or CommandFailed when the server does not let us."""
+        session = self._object._gecos_session
+        opened = session.subscribe(self._stream.code)
+        name = f"{session.object_name}.{self._stream.name}"
+        if isinstance(opened, tuple):
+            detail, text = Detail(opened[0]), f"{name}: {opened[1]}"
+            if detail.state is State.CONNECTION_FAILED:
+                raise ConnectionFailed(detail, text)
+            raise CommandFailed(detail, text)
+        return Stream(opened, self._method.result, name)
+
+
+def with_deadline(proxy: P, seconds: float) -> P:
+    """The same object, whose calls give up when they did not complete `seconds` after sending."""
+    twin = copy.copy(proxy)
+    twin._gecos_deadline = seconds
+    return twin

@@ -1,0 +1,63 @@
+"""An object's implementation: generated skeletons derive from `Servant`, users from the skeleton.
+
+What gidl generates for a server:
+
+    class ManipulatorServant(DeviceServant):
+        _gecos_interface = _MANIPULATOR
+        _gecos_handlers = {
+            **DeviceServant._gecos_handlers,
+            0x…: Handler(_MOVE.operation, "move", _move_arguments, no_result),
+        }
+
+        @abstractmethod
+        def move(
+            self, goal: Frame, how: Trajectory | None, run: Execution[MotionProgress]
+        ) -> None: …
+
+        @abstractmethod
+        def tool(self) -> Frame: …
+
+        def publish_tool(self, value: Frame, stamp: float | None = None) -> None:
+            out: Parts = []
+            value.encode(out)
+            self._gecos_publish(0x…, out, stamp)
+"""
+
+from __future__ import annotations
+
+import time
+from abc import ABC
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, ClassVar
+
+from gecos.errors import ServeError
+from gecos.interface import Handler, Interface
+from gecos.wire import Parts
+
+if TYPE_CHECKING:
+    from gecos import _core
+
+
+class Servant(ABC):  # noqa: B024  # the skeletons declare what is abstract
+    """Handlers may raise a declared exception of their operation, `gecos.Rejected` or
+    `gecos.Interrupted`; anything else becomes a FAULT with its text, and is logged.
+
+    Sensor and safety operations are called from one thread, all others one at a time from another.
+    """
+
+    _gecos_interface: ClassVar[Interface] = Interface(name="gecos::Object")
+    _gecos_handlers: ClassVar[Mapping[int, Handler]] = {}
+    _gecos_core: _core.PulledServant | None = None  # set while it is served
+
+    def gecos_on_stop(self) -> None:  # noqa: B027  # most servants watch run.interrupted instead
+        """Somebody stopped the object: make it stand. Called on the thread of the sensor operations
+        while the interrupted handler may still run. Leases and queue are gone already."""
+
+    def _gecos_publish(self, code: int, sample: Parts, stamp: float | None) -> None:
+        if self._gecos_core is None:
+            raise ServeError(
+                f"{self._gecos_interface.name}: publishes before it is served; "
+                "add it to a gecos.Server first"
+            )
+        stamp_ns = time.time_ns() if stamp is None else round(stamp * 1e9)
+        self._gecos_core.publish(code, b"".join(sample), stamp_ns)

@@ -1,0 +1,145 @@
+"""Runs servants: C++ accepts clients, queues and guards; two Python threads pull and answer."""
+
+from __future__ import annotations
+
+import signal
+import threading
+import traceback
+from collections.abc import Iterable, Mapping
+from types import FrameType, TracebackType
+from typing import Self
+
+from gecos import _core, farewell
+from gecos.errors import CommandFailed, DeclaredError, Detail, ServeError
+from gecos.execution import Execution
+from gecos.lab import Lab
+from gecos.servant import Servant
+from gecos.wire import DecodeError, Decoder, to_bytes
+
+_SENSOR_LANE = 0
+_FIFO_LANE = 1
+
+
+class Server:
+    """Serves objects until it is closed.
+
+        with gecos.Server(lab) as server:
+            server.add("LASER", Lds())
+
+    One thread runs the handlers of sensor and safety operations, one all others in their order.
+    """
+
+    def __init__(self, lab: Lab) -> None:
+        self._core = _core.Server(lab._core)
+        self._servants: list[Servant] = []
+        self._threads = [
+            threading.Thread(target=self._work, args=(lane,), name=f"gecos-{name}", daemon=True)
+            for lane, name in ((_SENSOR_LANE, "sensor"), (_FIFO_LANE, "fifo"))
+        ]
+        for thread in self._threads:
+            thread.start()
+        farewell.at_exit(self, farewell.Turn.SERVERS)
+
+    def add(
+        self, name: str, servant: Servant, *, simulated: bool = False, media: Iterable[str] = ()
+    ) -> None:
+        """Serves `servant` under `name` from now on. `media`: those that clients may use, else all.
+
+        Raises ServeError when the name is taken or nothing can be opened.
+        """
+        self._servants.append(servant)
+        added = self._core.add(name, servant._gecos_interface, simulated, list(media))
+        if isinstance(added, str):
+            raise ServeError(f"{name}: {added}")
+        servant._gecos_core = added
+
+    def close(self) -> None:
+        """Withdraws all objects; running handlers are interrupted and waited for."""
+        self._core.close()
+        for thread in self._threads:
+            if thread is not threading.current_thread():
+                thread.join()
+        for servant in self._servants:
+            servant._gecos_core = None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def _work(self, lane: int) -> None:
+        while not self._core.closed:
+            task = self._core.next(lane, None)
+            if isinstance(task, _core.IncomingCall):
+                _answer(self._servants[task.servant], task)
+            elif task is not None:
+                _stopped(self._servants[task])
+
+
+def serve(
+    servants: Mapping[str, Servant],
+    *,
+    simulated: bool = False,
+    lab: Lab | None = None,
+    media: Iterable[str] = (),
+) -> None:
+    """Serves objects under their names until SIGINT or SIGTERM. Call it from the main thread."""
+    end = threading.Event()
+
+    def ask_to_end(number: int, frame: FrameType | None) -> None:
+        end.set()
+
+    before = {s: signal.signal(s, ask_to_end) for s in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        with Server(lab or Lab()) as server:
+            for name, servant in servants.items():
+                server.add(name, servant, simulated=simulated, media=media)
+            print(f"serving {', '.join(servants)}", flush=True)
+            while not end.wait(1.0):
+                pass  # Event.wait runs signal handlers; the time-out is only belt and braces
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def _answer(servant: Servant, call: _core.IncomingCall) -> None:
+    handler = servant._gecos_handlers.get(call.code)
+    if handler is None:
+        call.fail(Detail.UNKNOWN_OPERATION, f"no operation has the code {call.code:#x}", "", b"")
+        return
+    try:
+        arguments = handler.arguments(Decoder(call.arguments))
+    except DecodeError as error:
+        call.fail(Detail.BAD_PARAMETER, f"{handler.operation.name}: {error}", "", b"")
+        return
+    if handler.operation.cancelable:
+        arguments = (*arguments, Execution(call))
+    try:
+        value = getattr(servant, handler.method)(*arguments)
+        result = b"".join(handler.result(value))
+    except DeclaredError as error:
+        call.fail(Detail.FAULT, str(error), error._gecos_name, to_bytes(error))
+    except CommandFailed as error:
+        call.fail(error.detail, error.text, "", b"")
+    except Exception as error:
+        text = f"{handler.operation.name}: {type(error).__name__}: {error}"
+        _core.log_error("server", f"{text}\n{traceback.format_exc()}")
+        call.fail(Detail.FAULT, text, "", b"")
+    else:
+        call.finish(result)
+
+
+def _stopped(servant: Servant) -> None:
+    try:
+        servant.gecos_on_stop()
+    except Exception:
+        _core.log_error(
+            "server",
+            f"{servant._gecos_interface.name}: gecos_on_stop failed\n{traceback.format_exc()}",
+        )

@@ -1,0 +1,101 @@
+"""A subscription to an outward stream: the newest sample, or one after the other."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import AsyncIterator, Callable, Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Generic, TypeVar
+
+from gecos.errors import StreamLost
+from gecos.wire import Decoder
+
+if TYPE_CHECKING:
+    from gecos import _core
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True)
+class Sample(Generic[T]):
+    """One value of a stream."""
+
+    value: T
+    sequence: int  # rises by one per published sample
+    lost: int  # samples between the last one read and this one that were not read
+    stamp: float  # when it was measured, Unix time in s by the server's clock
+    age: float  # s, at reading; on one host exact, between hosts as good as their clocks
+
+
+class Stream(Generic[T]):
+    """Samples as they come. A slow reader loses old ones and is told how many.
+
+    Iterating waits for each next sample and ends when the server closes the stream; a server that
+    is gone or silent raises StreamLost. One thread or task reads at a time; others wait for it.
+    """
+
+    def __init__(self, core: _core.Stream, decode: Callable[[Decoder], T], name: str) -> None:
+        self._core = core
+        self._decode = decode
+        self._name = name
+        self._reading = threading.Lock()
+        self._read = 0
+
+    def latest(self) -> Sample[T] | None:
+        """The newest sample, again if need be; None before the first. Never waits."""
+        with self._reading:
+            raw = self._core.latest()
+            return None if raw is None else self._sample(*raw)
+
+    def next(self, timeout: float | None = None) -> Sample[T]:
+        """The next unread sample.
+
+        Raises TimeoutError after `timeout` seconds without one, EOFError when the stream was closed,
+        StreamLost when the server is gone.
+        """
+        sample = self._next(timeout)
+        if sample is None:
+            raise EOFError(f"stream {self._name} was closed by its server")
+        return sample
+
+    def __iter__(self) -> Iterator[Sample[T]]:
+        while (sample := self._next(None)) is not None:
+            yield sample
+
+    async def __aiter__(self) -> AsyncIterator[Sample[T]]:
+        import asyncio
+
+        while True:
+            try:
+                sample = await asyncio.to_thread(self._next, 0.1)
+            except TimeoutError:
+                continue
+            if sample is None:
+                return
+            yield sample
+
+    def close(self) -> None:
+        """Ends the subscription; a reader that waits gets EOFError."""
+        self._core.close()
+
+    def _next(self, timeout: float | None) -> Sample[T] | None:
+        with self._reading:
+            raw = self._core.next(timeout)
+            if isinstance(raw, tuple):
+                return self._sample(*raw)
+        if raw == "closed":
+            return None
+        if raw == "lost":
+            raise StreamLost(f"stream {self._name}: its server is gone or silent")
+        raise TimeoutError(f"stream {self._name}: no sample within {timeout} s")
+
+    def _sample(self, raw: bytes, sequence: int, stamp_ns: int, now_ns: int) -> Sample[T]:
+        lost = sequence - self._read - 1 if 0 < self._read < sequence else 0
+        self._read = sequence
+        return Sample(
+            value=self._decode(Decoder(raw)),
+            sequence=sequence,
+            lost=lost,
+            stamp=stamp_ns * 1e-9,
+            age=(now_ns - stamp_ns) * 1e-9,
+        )
