@@ -74,9 +74,14 @@ ROWS = (
         "robcl.frames knows gecos.wire and numpy, no generated code",
     ),
     _row(
+        r"gecos\.errors",
+        r"gecos\.wire|gecos_idl\.object_types",
+        "gecos.errors stands beside the codec: declared exceptions are generated types",
+    ),
+    _row(
         r"(robcl|gecos_idl)\.\w+_types",
-        r"numpy(\..*)?|gecos\.wire|robcl\.frames(\..*)?|(robcl|gecos_idl)\.\w+_types",
-        "generated types know the codec and hand-written values alone",
+        r"numpy(\..*)?|gecos\.(wire|errors)|robcl\.frames(\..*)?|(robcl|gecos_idl)\.\w+_types",
+        "generated types know the codec, the root of exceptions and hand-written values alone",
     ),
     _row(
         r"gecos\.cli(\..*)?",

@@ -50,8 +50,8 @@ class Stream(Generic[T]):
     def next(self, timeout: float | None = None) -> Sample[T]:
         """The next unread sample.
 
-        Raises TimeoutError after `timeout` seconds without one, EOFError when the stream was closed,
-        StreamLost when the server is gone.
+        Raises TimeoutError after `timeout` seconds without one, EOFError when the stream was
+        closed, StreamLost when the server is gone.
         """
         sample = self._next(timeout)
         if sample is None:
