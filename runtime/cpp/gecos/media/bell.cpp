@@ -1,0 +1,29 @@
+#include "gecos/media/bell.hpp"
+
+#include <sys/eventfd.h>
+#include <sys/uio.h>
+
+#include <cerrno>
+#include <cstdint>
+#include <system_error>
+
+namespace gecos::media {
+
+Bell::Bell() : fd_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+  if (!fd_) throw std::system_error(errno, std::generic_category(), "eventfd");
+}
+
+bool Bell::quiet() {
+  std::uint64_t count = 0;
+  iovec piece{&count, sizeof count};
+  // RWF_NOWAIT: O_NONBLOCK belongs to everybody who holds the descriptor, also to an untrusted peer.
+  return ::preadv2(fd_.get(), &piece, 1, -1, RWF_NOWAIT) == static_cast<ssize_t>(sizeof count);
+}
+
+void ring_bell(int descriptor) {
+  const std::uint64_t one = 1;
+  // A bell that cannot count further is readable already, so a failed write loses no wake-up.
+  [[maybe_unused]] const auto ignored = ::write(descriptor, &one, sizeof one);
+}
+
+}  // namespace gecos::media

@@ -1,0 +1,285 @@
+#include "gecos/media/inproc.hpp"
+
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
+#include <deque>
+#include <map>
+#include <mutex>
+#include <utility>
+
+#include "gecos/media/bell.hpp"
+#include "gecos/media/forked.hpp"
+#include "gecos/media/mapping.hpp"
+#include "gecos/media/ring.hpp"
+#include "gecos/media/stream_ring.hpp"
+
+namespace gecos::media {
+namespace {
+
+constexpr Offer inproc_offer{.kind = Kind::Inproc,
+                             .same_host_only = true,
+                             .ordered = true,
+                             .reliable = true,
+                             .real_time = true,
+                             .reports_death = false,  // who dies here dies with us
+                             .authenticated = true,
+                             .largest_packet = largest_ring_packet};
+
+/// What one end writes and the other one looks at.
+struct Side {
+  Mapping mapping = Mapping::anonymous(RingMemory::bytes(usual_slot_count));
+  RingMemory ring = RingMemory::at(mapping.data(), usual_slot_count);
+  Bell bell;                       // this side sleeps on it, the other one rings
+  std::atomic<bool> closed{false};  // tells the other side; what was sent before is still there
+
+  void wake_if_asleep() {
+    if (ring.control->asleep.load(std::memory_order_seq_cst) != 0) ring_bell(bell.descriptor());
+  }
+  void close() {
+    closed.store(true, std::memory_order_release);
+  }
+};
+
+struct SharedStream {
+  StreamMemory memory;
+  std::shared_ptr<void> owner;
+};
+
+/// Both ends; lives as long as one of them.
+struct Connection {
+  std::array<Side, 2> sides;
+  std::mutex mutex;
+  std::map<std::uint32_t, SharedStream> streams;
+  std::atomic<bool> inherited{false};  // this is a forked child: tells both ends
+  ForkWatch watch{this, [](void* owner) noexcept {
+                    auto& self = *static_cast<Connection*>(owner);
+                    self.inherited.store(true);
+                    for (Side& side : self.sides) side.bell.close();
+                  }};
+};
+
+class SideSleeper final : public Sleeper {
+ public:
+  SideSleeper(std::shared_ptr<Connection> connection, std::size_t side)
+      : connection_(std::move(connection)), side_(side) {}
+  void wake_if_asleep() override { connection_->sides[side_].wake_if_asleep(); }
+
+ private:
+  const std::shared_ptr<Connection> connection_;
+  const std::size_t side_;
+};
+
+class InprocLink final : public Link {
+ public:
+  InprocLink(std::shared_ptr<Connection> connection, std::size_t side)
+      : connection_(std::move(connection)),
+        own_(connection_->sides[side]),
+        other_(connection_->sides[1 - side]),
+        writer_(own_.ring),
+        reader_(*own_.ring.control, other_.ring),
+        sleeper_(std::make_shared<SideSleeper>(connection_, 1 - side)),
+        descriptors_{own_.bell.descriptor()},
+        peer_{::geteuid(), ::getpid(), "this process"} {
+    writer_.set_reader(other_.ring.control);
+  }
+  ~InprocLink() override {
+    for (const auto& [id, sleepers] : shared_) {
+      if (const auto list = sleepers.lock()) list->remove(sleeper_.get());
+    }
+    own_.close();
+    ring_bell(other_.bell.descriptor());
+  }
+
+  const Offer& offer() const override { return inproc_offer; }
+  const Peer& peer() const override { return peer_; }
+
+  tl::expected<std::uint64_t, SendProblem> send(ByteView head, ByteView body) override {
+    if (loss() != Loss::None) return tl::unexpected(SendProblem::Lost);
+    auto number = writer_.write(head, body);
+    if (number && writer_.reader_sleeps()) ring_bell(other_.bell.descriptor());
+    return number;
+  }
+  std::optional<ByteView> receive() override { return reader_.read(); }
+  std::optional<std::uint64_t> taken_by_peer() const override { return writer_.taken(); }
+
+  bool arm() override {
+    own_.ring.control->asleep.store(1, std::memory_order_seq_cst);
+    if (!reader_.ready() && !watches_.anything_new() && loss() == Loss::None) return true;
+    own_.ring.control->asleep.store(0, std::memory_order_relaxed);
+    return false;
+  }
+  void disarm() override {
+    own_.ring.control->asleep.store(0, std::memory_order_relaxed);
+    own_.bell.quiet();
+  }
+  std::span<const int> descriptors() const override { return descriptors_; }
+
+  void beat() override { own_.ring.control->beats.fetch_add(1, std::memory_order_relaxed); }
+  std::uint64_t beats_seen() override {
+    return other_.ring.control->beats.load(std::memory_order_relaxed);
+  }
+  Loss loss() override {
+    if (connection_->inherited.load(std::memory_order_relaxed)) return Loss::Broken;
+    return other_.closed.load(std::memory_order_acquire) ? Loss::Closed : Loss::None;
+  }
+  std::string loss_text() const override {
+    if (connection_->inherited.load(std::memory_order_relaxed)) {
+      return "this connection belongs to the process that forked this one: make your own";
+    }
+    return other_.closed.load(std::memory_order_acquire) ? "the other end closed" : "";
+  }
+
+  tl::expected<void, SendProblem> share(std::uint32_t id, StreamWriter& stream) override {
+    if (loss() != Loss::None) return tl::unexpected(SendProblem::Lost);
+    auto& ring = dynamic_cast<StreamRingWriter&>(stream);
+    {
+      const std::lock_guard lock(connection_->mutex);
+      connection_->streams[id] = {ring.memory(), ring.owner()};
+    }
+    if (const auto list = shared_[id].lock()) list->remove(sleeper_.get());
+    shared_[id] = ring.sleepers();
+    ring.sleepers()->add(sleeper_);
+    other_.wake_if_asleep();
+    return {};
+  }
+  void unshare(std::uint32_t id) override {
+    {
+      const std::lock_guard lock(connection_->mutex);
+      connection_->streams.erase(id);
+    }
+    const auto held = shared_.extract(id);
+    if (held.empty()) return;
+    if (const auto list = held.mapped().lock()) list->remove(sleeper_.get());
+  }
+  std::unique_ptr<StreamReader> open_stream(std::uint32_t id) override {
+    const std::lock_guard lock(connection_->mutex);
+    const auto found = connection_->streams.find(id);
+    if (found == connection_->streams.end()) return nullptr;
+    return watches_.open(found->second.memory, found->second.owner);
+  }
+
+ private:
+  const std::shared_ptr<Connection> connection_;
+  Side& own_;
+  Side& other_;
+  RingWriter writer_;
+  RingReader reader_;
+  StreamWatches watches_;
+  const std::shared_ptr<SideSleeper> sleeper_;
+  std::map<std::uint32_t, std::weak_ptr<SleeperList>> shared_;
+  const std::array<int, 1> descriptors_;
+  const Peer peer_;
+};
+
+/// Where clients of one acceptor wait.
+struct Door {
+  std::mutex mutex;
+  std::deque<std::shared_ptr<Connection>> waiting;
+  Bell bell;
+};
+
+/// All doors of this process by address: what the file system is to shm.
+struct Doors {
+  std::mutex mutex;
+  std::map<std::string, std::weak_ptr<Door>, std::less<>> by_address;
+  std::uint64_t opened = 0;
+
+  static Doors& of_this_process() {
+    static Doors* const doors = new Doors;  // outlives every static that may own an acceptor
+    return *doors;
+  }
+};
+
+class InprocAcceptor final : public Acceptor {
+ public:
+  InprocAcceptor(std::shared_ptr<Door> door, std::string address)
+      : door_(std::move(door)),
+        address_(std::move(address)),
+        descriptors_{door_->bell.descriptor()} {}
+  ~InprocAcceptor() override {
+    Doors& doors = Doors::of_this_process();
+    {
+      const std::lock_guard lock(doors.mutex);
+      doors.by_address.erase(address_);
+    }
+    while (accept() != nullptr) {  // those who still wait see the link closed
+    }
+  }
+
+  const Offer& offer() const override { return inproc_offer; }
+  const std::string& address() const override { return address_; }
+  std::unique_ptr<Link> accept() override {
+    const std::lock_guard lock(door_->mutex);
+    if (door_->waiting.empty()) {
+      door_->bell.quiet();
+      return nullptr;
+    }
+    auto connection = std::move(door_->waiting.front());
+    door_->waiting.pop_front();
+    return std::make_unique<InprocLink>(std::move(connection), 1);
+  }
+  std::span<const int> descriptors() const override { return descriptors_; }
+  std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth) override {
+    auto mapping =
+        std::make_shared<Mapping>(Mapping::anonymous(StreamMemory::bytes(largest, depth)));
+    const StreamMemory memory{mapping->data(), largest, depth};
+    return std::make_unique<StreamRingWriter>(memory, std::move(mapping));
+  }
+
+ private:
+  const std::shared_ptr<Door> door_;
+  const std::string address_;
+  const std::array<int, 1> descriptors_;
+};
+
+class Inproc final : public Medium {
+ public:
+  const Offer& offer() const override { return inproc_offer; }
+
+  tl::expected<std::unique_ptr<Acceptor>, MediumError> listen(std::string_view name,
+                                                              bool well_known) override {
+    Doors& doors = Doors::of_this_process();
+    auto door = std::make_shared<Door>();
+    const std::lock_guard lock(doors.mutex);
+    std::string address = well_known_address(name);
+    if (!well_known) address += "." + std::to_string(++doors.opened);
+    auto& held = doors.by_address[address];
+    if (held.lock() != nullptr) {
+      return tl::unexpected(MediumError{address + " is served already in this process"});
+    }
+    held = door;
+    return std::make_unique<InprocAcceptor>(std::move(door), std::move(address));
+  }
+
+  tl::expected<std::unique_ptr<Link>, MediumError> connect(std::string_view address) override {
+    Doors& doors = Doors::of_this_process();
+    std::shared_ptr<Door> door;
+    const std::lock_guard lock(doors.mutex);
+    if (const auto found = doors.by_address.find(address); found != doors.by_address.end()) {
+      door = found->second.lock();
+    }
+    if (door == nullptr) {
+      return tl::unexpected(
+          MediumError{"nobody in this process serves " + std::string(address)});
+    }
+    auto connection = std::make_shared<Connection>();
+    {
+      const std::lock_guard door_lock(door->mutex);
+      door->waiting.push_back(connection);
+      ring_bell(door->bell.descriptor());
+    }
+    return std::make_unique<InprocLink>(std::move(connection), 0);
+  }
+
+  std::string well_known_address(std::string_view name) const override {
+    return "inproc:" + std::string(name);
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Medium> make_inproc() { return std::make_unique<Inproc>(); }
+
+}  // namespace gecos::media

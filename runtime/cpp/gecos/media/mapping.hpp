@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstddef>
+#include <utility>
+
+namespace gecos::media {
+
+/// Owns a page-aligned run of mapped memory, touched lazily.
+class Mapping {
+ public:
+  Mapping() = default;
+  /// Private zeroed memory. Throws std::bad_alloc.
+  static Mapping anonymous(std::size_t size);
+  /// Memory of a memfd, shared with whoever else maps it. Empty when the kernel refuses.
+  static Mapping shared(int memfd, std::size_t size, bool writable);
+
+  Mapping(Mapping&& other) noexcept
+      : data_(std::exchange(other.data_, nullptr)), size_(std::exchange(other.size_, 0)) {}
+  Mapping& operator=(Mapping&& other) noexcept;
+  ~Mapping();
+
+  explicit operator bool() const { return data_ != nullptr; }
+  std::byte* data() const { return data_; }
+  std::size_t size() const { return size_; }
+
+  /// In a forked child: puts private zeroes in its place, so that nothing is shared any more and
+  /// what still reads it sees an empty ring. No allocation.
+  void forget();
+
+ private:
+  Mapping(std::byte* data, std::size_t size) : data_(data), size_(size) {}
+  std::byte* data_ = nullptr;
+  std::size_t size_ = 0;
+};
+
+}  // namespace gecos::media

@@ -1,0 +1,77 @@
+#include "gecos/media/waiting.hpp"
+
+#include <poll.h>
+#include <sched.h>
+
+#include <algorithm>
+#include <array>
+#include <ctime>
+#include <vector>
+
+namespace gecos::media {
+
+SpinPolicy::SpinPolicy(const Clock& clock, SpinOptions options)
+    : clock_(clock),
+      options_(options),
+      looks_between_yields_(options.looks_alone),
+      next_pause_(options.pause_first) {}
+
+bool SpinPolicy::yield() {
+  if (state_ == State::Over) return false;
+  if (state_ == State::Fresh) {
+    began_ = last_ = clock_.now();
+    if (began_ < paused_until_ || options_.longest <= Duration::zero()) {
+      state_ = State::Over;
+      return false;
+    }
+    state_ = State::Spinning;
+    looks_ = looks_between_yields_;
+    return true;
+  }
+  ::sched_yield();
+  const TimePoint now = clock_.now();
+  const Duration took = now - last_;
+  last_ = now;
+  if (took >= options_.lost_core) {
+    paused_until_ = now + next_pause_;
+    next_pause_ = std::min(2 * next_pause_, options_.pause_longest);
+    state_ = State::Over;
+    return false;
+  }
+  // Somebody else ran here, perhaps the peer: every look before the next yield would delay it.
+  looks_between_yields_ = took >= options_.shared_core ? 0 : options_.looks_alone;
+  if (now - began_ >= options_.longest) {
+    next_pause_ = options_.pause_first;  // a whole spin in which the core stayed ours
+    state_ = State::Over;
+    return false;
+  }
+  looks_ = looks_between_yields_;
+  return true;
+}
+
+namespace {
+
+timespec until(TimePoint deadline) {
+  const auto left = std::max(Duration::zero(), deadline - std::chrono::steady_clock::now());
+  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(left);
+  return {static_cast<time_t>(seconds.count()), static_cast<long>((left - seconds).count())};
+}
+
+}  // namespace
+
+Wake sleep_on(std::span<const int> descriptors, TimePoint deadline) {
+  constexpr std::size_t usual = 16;
+  std::array<pollfd, usual> few;
+  std::vector<pollfd> many(descriptors.size() > usual ? descriptors.size() : 0);
+  pollfd* const watched = many.empty() ? few.data() : many.data();
+  for (std::size_t i = 0; i < descriptors.size(); ++i) watched[i] = {descriptors[i], POLLIN, 0};
+
+  const bool forever = deadline == TimePoint::max();
+  const timespec left = forever ? timespec{} : until(deadline);
+  const int ready = ::ppoll(watched, descriptors.size(), forever ? nullptr : &left, nullptr);
+  if (ready > 0) return Wake::Ready;
+  if (ready < 0) return Wake::Interrupted;
+  return Wake::TimedOut;
+}
+
+}  // namespace gecos::media

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "gecos/base/clock.hpp"
+
+/// How to wait: spin with timed yields while that is cheap, then sleep on descriptors.
+namespace gecos::media {
+
+struct SpinOptions {
+  Duration longest = std::chrono::microseconds(50);       ///< of one wait, before sleeping; 0: never spin
+  Duration lost_core = std::chrono::microseconds(200);    ///< a yield this long gave the core away
+  Duration pause_first = std::chrono::milliseconds(20);   ///< no spinning after a lost core …
+  Duration pause_longest = std::chrono::seconds(1);       ///< … doubling up to this while it recurs
+  Duration shared_core = std::chrono::microseconds(1);    ///< a yield this long let somebody else run
+  std::uint32_t looks_alone = 64;                         ///< looks between yields on a core of our own
+};
+
+/// Decides, look by look, whether to look again or to sleep.
+///
+///     for (;;) {
+///       if (auto packet = link.receive()) return packet;
+///       if (spin.again()) continue;
+///       … arm, sleep_on, disarm …
+///       spin.begin();
+///     }
+///
+/// Beside a busy program a yield gives the core away for a whole time slice. It is noticed by timing
+/// it, and then spinning stops for a while; so a wait costs what a wake-up costs, not what the
+/// neighbour likes. One thread at a time; keep one per waiting thread, for what it has learned.
+class SpinPolicy {
+ public:
+  explicit SpinPolicy(const Clock& clock, SpinOptions options = {});
+  /// A new wait begins. Costs nothing until the first look was in vain.
+  void begin() { state_ = State::Fresh; }
+  /// After a look in vain. True: look again. False: sleep; false again until begin().
+  bool again() {
+    if (state_ == State::Spinning && looks_ > 0) {
+      --looks_;
+      return true;
+    }
+    return yield();
+  }
+  /// Until when there is no spinning; in the past when spinning is allowed.
+  TimePoint paused_until() const { return paused_until_; }
+
+ private:
+  enum class State : std::uint8_t { Fresh, Spinning, Over };
+  bool yield();
+
+  const Clock& clock_;
+  const SpinOptions options_;
+  State state_ = State::Fresh;
+  std::uint32_t looks_ = 0;
+  std::uint32_t looks_between_yields_;
+  TimePoint began_{};
+  TimePoint last_{};
+  TimePoint paused_until_{};
+  Duration next_pause_;
+};
+
+enum class Wake : std::uint8_t {
+  Ready,        ///< a descriptor is readable
+  TimedOut,     ///< the deadline has passed
+  Interrupted,  ///< a signal was handled: look at what it asked for, then sleep on
+};
+
+/// Sleeps until one of `descriptors` is readable or `deadline` (steady clock; TimePoint::max() is
+/// never). Negative descriptors are skipped.
+Wake sleep_on(std::span<const int> descriptors, TimePoint deadline);
+
+}  // namespace gecos::media

@@ -1,0 +1,196 @@
+#include "gecos/media/ring.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <random>
+#include <string>
+#include <thread>
+
+#include "gecos/media/mapping.hpp"
+#include "gecos/media/stream_ring.hpp"
+
+namespace gecos::media {
+namespace {
+
+constexpr std::size_t few_slots = 512;
+
+/// Both sides in one mapping, so that a thread sanitizer sees them.
+struct TwoSides {
+  Mapping a = Mapping::anonymous(RingMemory::bytes(few_slots));
+  Mapping b = Mapping::anonymous(RingMemory::bytes(few_slots));
+  RingMemory writer_memory = RingMemory::at(a.data(), few_slots);
+  RingMemory reader_memory = RingMemory::at(b.data(), few_slots);
+  RingWriter writer{writer_memory};
+  RingReader reader{*reader_memory.control, writer_memory};
+  TwoSides() { writer.set_reader(reader_memory.control); }
+};
+
+Bytes packet(std::size_t size, std::uint64_t seed) {
+  Bytes bytes(size);
+  std::mt19937_64 random(seed);
+  for (std::byte& byte : bytes) byte = static_cast<std::byte>(random());
+  return bytes;
+}
+
+TEST(Ring, GivesBackPacketsOfEverySizeInOrder) {
+  TwoSides ring;
+  for (const std::size_t size :
+       {std::size_t{0}, std::size_t{1}, slot_payload - 1, slot_payload, slot_payload + 1,
+        2 * slot_payload, std::size_t{5000}, largest_ring_packet}) {
+    const Bytes sent = packet(size, size);
+    const std::size_t head = size / 3;
+    ASSERT_TRUE(ring.writer.write(ByteView(sent).first(head), ByteView(sent).subspan(head)));
+    const auto got = ring.reader.read();
+    ASSERT_TRUE(got);
+    EXPECT_TRUE(std::ranges::equal(*got, sent)) << size;
+    EXPECT_FALSE(ring.reader.read());
+  }
+}
+
+TEST(Ring, WithoutAKnownReaderItCanBeFilledOnce) {
+  Mapping memory = Mapping::anonymous(RingMemory::bytes(few_slots));
+  RingWriter writer(RingMemory::at(memory.data(), few_slots));
+  for (std::size_t i = 0; i < few_slots; ++i) ASSERT_TRUE(writer.write({}, {}));
+  EXPECT_EQ(writer.write({}, {}).error(), SendProblem::Full);
+  EXPECT_FALSE(writer.reader_sleeps());
+  EXPECT_EQ(writer.taken(), 0u);
+}
+
+TEST(Ring, AReaderThatLiesAboutItsProgressOnlyKeepsTheRingFull) {
+  TwoSides ring;
+  for (std::size_t i = 0; i < few_slots; ++i) ASSERT_TRUE(ring.writer.write({}, {}));
+  for (const std::uint64_t lie : {~std::uint64_t{0}, std::uint64_t{few_slots + 1}}) {
+    ring.reader_memory.control->slots_taken.store(lie);
+    ring.reader_memory.control->packets_taken.store(lie);
+    EXPECT_EQ(ring.writer.write({}, {}).error(), SendProblem::Full);
+    EXPECT_LE(ring.writer.taken(), few_slots);
+  }
+}
+
+TEST(Ring, AWriterThatLiesAboutASizeBreaksTheRing) {
+  TwoSides ring;
+  RingSlot& slot = ring.writer_memory.slots[0];
+  slot.size.store(largest_ring_packet + 1);
+  slot.sequence.store(1);
+  EXPECT_FALSE(ring.reader.read());
+  EXPECT_TRUE(ring.reader.broken());
+  slot.size.store(1);
+  EXPECT_FALSE(ring.reader.read()) << "a broken ring stays broken";
+}
+
+TEST(Ring, AScribblingWriterNeverLeadsTheReaderAstray) {
+  std::mt19937_64 random(7);
+  for (int round = 0; round < 2000; ++round) {
+    TwoSides ring;
+    for (int i = 0; i < 20; ++i) {
+      const std::size_t at = random() % 4;
+      RingSlot& slot = ring.writer_memory.slots[at];
+      slot.sequence.store(at + 1);
+      slot.size.store(static_cast<std::uint32_t>(random() >> (32 + random() % 32)));
+      if (const auto got = ring.reader.read()) {
+        EXPECT_LE(got->size(), largest_ring_packet);
+      }
+    }
+  }
+}
+
+TEST(Ring, NothingIsLostBetweenTwoThreads) {
+  TwoSides ring;
+  constexpr std::uint64_t count = 20'000;
+  std::thread writing([&] {
+    std::mt19937_64 random(1);
+    for (std::uint64_t i = 0; i < count; ++i) {
+      const Bytes body(random() % 600, static_cast<std::byte>(i));
+      while (!ring.writer.write(std::as_bytes(std::span(&i, 1)), body)) std::this_thread::yield();
+    }
+  });
+  std::mt19937_64 random(1);
+  for (std::uint64_t i = 0; i < count;) {
+    const auto got = ring.reader.read();
+    if (!got) {
+      std::this_thread::yield();
+      continue;
+    }
+    ASSERT_EQ(got->size(), sizeof i + random() % 600);
+    ASSERT_EQ(std::memcmp(got->data(), &i, sizeof i), 0);
+    for (const std::byte byte : got->subspan(sizeof i)) ASSERT_EQ(byte, static_cast<std::byte>(i));
+    ++i;
+  }
+  writing.join();
+  EXPECT_EQ(ring.writer.taken(), count);
+}
+
+struct OneStream {
+  OneStream(std::size_t largest, std::size_t depth)
+      : mapping(std::make_shared<Mapping>(
+            Mapping::anonymous(StreamMemory::bytes(largest, depth)))),
+        memory{mapping->data(), largest, depth},
+        writer(memory, mapping) {}
+  std::shared_ptr<Mapping> mapping;
+  StreamMemory memory;
+  StreamRingWriter writer;
+  StreamWatches watches;
+};
+
+TEST(StreamRing, NoReaderSeesATornSample) {
+  OneStream stream(512, 2);
+  std::atomic<bool> done{false};
+  std::thread writing([&] {
+    for (std::uint64_t i = 1; i <= 30'000; ++i) {
+      const Bytes sample(8 + i % 500, static_cast<std::byte>(i));
+      ASSERT_TRUE(stream.writer.publish(sample, static_cast<std::int64_t>(i)));
+    }
+    done.store(true);
+  });
+  const auto reader = stream.watches.open(stream.memory, stream.mapping);
+  StreamSample sample;
+  std::uint64_t read = 0;
+  for (bool last = false; !last;) {
+    last = done.load();
+    while (read % 2 == 0 ? reader->next(sample.sequence, sample)
+                         : reader->latest(sample.sequence, sample)) {
+      ++read;
+      ASSERT_EQ(sample.stamp_ns, static_cast<std::int64_t>(sample.sequence));
+      ASSERT_EQ(sample.bytes.size(), 8 + sample.sequence % 500);
+      for (const std::byte byte : sample.bytes) {
+        ASSERT_EQ(byte, static_cast<std::byte>(sample.sequence));
+      }
+    }
+  }
+  writing.join();
+  EXPECT_EQ(sample.sequence, 30'000u);
+  EXPECT_GT(read, 0u);
+}
+
+TEST(StreamRing, AWriterThatDiedInTheMiddleHoldsNobody) {
+  OneStream stream(64, 2);
+  ASSERT_TRUE(stream.writer.publish(packet(8, 1), 1));
+  const auto reader = stream.watches.open(stream.memory, stream.mapping);
+  stream.memory.slot(1)[0].store(7);  // odd: somebody is writing, for ever
+  StreamSample sample;
+  EXPECT_FALSE(reader->latest(0, sample));
+  EXPECT_FALSE(reader->next(0, sample));
+}
+
+TEST(StreamRing, AWriterThatLiesNeverLeadsTheReaderAstray) {
+  OneStream stream(64, 4);
+  const auto reader = stream.watches.open(stream.memory, stream.mapping);
+  std::mt19937_64 random(3);
+  StreamSample sample;
+  for (int round = 0; round < 20'000; ++round) {
+    const std::uint64_t newest = random() >> (random() % 64);
+    stream.memory.newest().store(newest);
+    stream.memory.slot(newest)[0].store(2 * newest);
+    stream.memory.slot(newest)[2].store(random() >> (random() % 64));
+    if (reader->latest(0, sample)) {
+      EXPECT_LE(sample.bytes.size(), 64u);
+    }
+    if (reader->next(0, sample)) {
+      EXPECT_LE(sample.bytes.size(), 64u);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace gecos::media

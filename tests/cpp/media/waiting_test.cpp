@@ -1,0 +1,153 @@
+#include "gecos/media/waiting.hpp"
+
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <fcntl.h>
+#include <sys/time.h>
+
+#include <array>
+#include <atomic>
+#include <vector>
+
+#include "gecos/media/bell.hpp"
+
+namespace gecos::media {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// A clock on which every reading takes `step`: what one look and one yield cost.
+class SteppingClock final : public Clock {
+ public:
+  TimePoint now() const override {
+    at_ += step;
+    return at_;
+  }
+  double unix_seconds() const override { return 0; }
+  Duration step = 100ns;
+
+ private:
+  mutable TimePoint at_{1h};
+};
+
+int looks_of_one_wait(SpinPolicy& spin) {
+  int looks = 0;
+  spin.begin();
+  while (spin.again()) ++looks;
+  return looks;
+}
+
+TEST(SpinPolicy, SpinsForItsBudgetThenSleeps) {
+  SteppingClock clock;
+  SpinPolicy spin(clock, {.longest = 10us, .looks_alone = 0});
+  // 100 yields of 100 ns fill 10 µs; the look that began the wait comes on top.
+  EXPECT_EQ(looks_of_one_wait(spin), 100);
+  EXPECT_FALSE(spin.again()) << "a wait that is over must not spin again";
+}
+
+TEST(SpinPolicy, LooksManyTimesBetweenYieldsOnACoreOfItsOwn) {
+  SteppingClock clock;
+  SpinPolicy spin(clock, {.longest = 10us, .looks_alone = 7});
+  EXPECT_EQ(looks_of_one_wait(spin), 100 * 8);
+}
+
+TEST(SpinPolicy, YieldsAfterEveryLookWhereSomebodyElseRuns) {
+  SteppingClock clock;
+  clock.step = 2us;
+  SpinPolicy spin(clock, {.longest = 100us, .looks_alone = 7});
+  // The first round of 7 looks still hopes for a core of its own.
+  EXPECT_EQ(looks_of_one_wait(spin), 8 + 49);
+}
+
+TEST(SpinPolicy, ALostCoreStopsSpinningForAWhileThatDoubles) {
+  SteppingClock clock;
+  SpinPolicy spin(clock, {.looks_alone = 0});
+  Duration expected = 20ms;
+  for (int time = 0; time < 8; ++time) {
+    clock.step = 300us;
+    EXPECT_EQ(looks_of_one_wait(spin), 1);
+    const TimePoint now = clock.now() - clock.step;
+    EXPECT_EQ(spin.paused_until() - now, expected);
+    expected = std::min<Duration>(2 * expected, 1s);
+
+    clock.step = 1ns;
+    EXPECT_EQ(looks_of_one_wait(spin), 0) << "no spinning during the pause";
+    clock.step = spin.paused_until() - now;
+    clock.now();
+  }
+}
+
+TEST(SpinPolicy, AQuietSpinForgetsTheLostCores) {
+  SteppingClock clock;
+  SpinPolicy spin(clock, {.looks_alone = 0});
+  clock.step = 300us;
+  looks_of_one_wait(spin);
+  clock.step = 1s;
+  clock.now();
+  clock.step = 100ns;
+  EXPECT_GT(looks_of_one_wait(spin), 1);
+  clock.step = 300us;
+  looks_of_one_wait(spin);
+  EXPECT_EQ(spin.paused_until() - (clock.now() - clock.step), 20ms);
+}
+
+TEST(SpinPolicy, ABudgetOfZeroNeverSpins) {
+  SteppingClock clock;
+  SpinPolicy spin(clock, {.longest = 0ns});
+  EXPECT_EQ(looks_of_one_wait(spin), 0);
+}
+
+TEST(SleepOn, AReadableDescriptorWakes) {
+  Bell quiet;
+  Bell rung;
+  ring_bell(rung.descriptor());
+  const std::array descriptors{quiet.descriptor(), -1, rung.descriptor()};
+  EXPECT_EQ(sleep_on(descriptors, TimePoint::max()), Wake::Ready);
+}
+
+TEST(SleepOn, ReturnsAtItsDeadline) {
+  Bell quiet;
+  const std::array descriptors{quiet.descriptor()};
+  const TimePoint deadline = std::chrono::steady_clock::now() + 5ms;
+  EXPECT_EQ(sleep_on(descriptors, deadline), Wake::TimedOut);
+  EXPECT_GE(std::chrono::steady_clock::now(), deadline);
+  EXPECT_EQ(sleep_on(descriptors, TimePoint{}), Wake::TimedOut) << "a deadline in the past";
+}
+
+TEST(SleepOn, WatchesMoreDescriptorsThanUsual) {
+  std::vector<Bell> bells(40);
+  std::vector<int> descriptors;
+  for (const Bell& bell : bells) descriptors.push_back(bell.descriptor());
+  EXPECT_EQ(sleep_on(descriptors, TimePoint{}), Wake::TimedOut);
+  ring_bell(descriptors.back());
+  EXPECT_EQ(sleep_on(descriptors, TimePoint::max()), Wake::Ready);
+}
+
+TEST(SleepOn, ASignalIsReported) {
+  // The timer repeats, so that one signal before the sleep began costs only the next one.
+  struct sigaction act {};
+  act.sa_handler = [](int) {};
+  struct sigaction before {};
+  ASSERT_EQ(::sigaction(SIGALRM, &act, &before), 0);
+  const itimerval every_5_ms{{0, 5000}, {0, 5000}};
+  ASSERT_EQ(::setitimer(ITIMER_REAL, &every_5_ms, nullptr), 0);
+  Bell quiet;
+  const std::array descriptors{quiet.descriptor()};
+  EXPECT_EQ(sleep_on(descriptors, TimePoint::max()), Wake::Interrupted);
+  const itimerval off{};
+  ::setitimer(ITIMER_REAL, &off, nullptr);
+  ::sigaction(SIGALRM, &before, nullptr);
+}
+
+TEST(Bell, QuietNeverBlocksWhateverThePeerDidToIt) {
+  Bell bell;
+  ASSERT_EQ(::fcntl(bell.descriptor(), F_SETFL, 0), 0);  // what a hostile peer may do
+  EXPECT_FALSE(bell.quiet());
+  ring_bell(bell.descriptor());
+  ring_bell(bell.descriptor());
+  EXPECT_TRUE(bell.quiet());
+  EXPECT_FALSE(bell.quiet());
+}
+
+}  // namespace
+}  // namespace gecos::media
