@@ -90,7 +90,8 @@ ROWS = (
     ),
     _row(
         r"gecos(\..*)?",
-        r"numpy(\..*)?|gecos(\..*)?|gecos_idl\.\w+_types",
+        # typing_extensions is read by type checkers alone, which bring it.
+        r"numpy(\..*)?|typing_extensions|gecos(\..*)?|gecos_idl\.\w+_types",
         "gecos knows _core and generated types, no robcl, no generated client",
     ),
     _row(
