@@ -112,9 +112,10 @@ def test_points_move_with_their_frame(frame: Frame, point: tuple[float, float, f
 @given(frames)
 def test_every_reading_makes_the_same_frame_again(frame: Frame) -> None:
     place = (frame.x, frame.y, frame.z)
-    assert same(Frame.from_euler_zyz(*place, *frame.euler_zyz()), frame)
-    assert same(Frame.from_euler_zyx(*place, *frame.euler_zyx()), frame)
-    assert same(Frame.from_fixed_xyz(*place, *frame.fixed_xyz()), frame)
+    # Axes that are parallel within 2e-9 rad are read as parallel, and lose that much.
+    assert near(Frame.from_euler_zyz(*place, *frame.euler_zyz()), frame, 0, 1e-8)
+    assert near(Frame.from_euler_zyx(*place, *frame.euler_zyx()), frame, 0, 1e-8)
+    assert near(Frame.from_fixed_xyz(*place, *frame.fixed_xyz()), frame, 0, 1e-8)
     assert same(Frame.from_quaternion(*place, *frame.quaternion()), frame)
     assert same(Frame.from_matrix(frame.matrix()), frame)
     assert wire.from_bytes(Frame, wire.to_bytes(frame)) == frame
