@@ -1,0 +1,52 @@
+#include "gecos/base/clock.hpp"
+
+#include <gtest/gtest.h>
+
+#include "gecos/base/ids.hpp"
+
+namespace gecos {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+TEST(FakeClock, StandsStillUntilItIsMoved) {
+  FakeClock clock;
+  const TimePoint start = clock.now();
+  EXPECT_EQ(clock.now(), start);
+  clock.advance(milliseconds(250));
+  EXPECT_EQ(clock.now() - start, milliseconds(250));
+}
+
+TEST(FakeClock, MovesTheTimeOfDayAlong) {
+  FakeClock clock(TimePoint{seconds(7)}, 1000.0);
+  EXPECT_EQ(clock.now(), TimePoint{seconds(7)});
+  EXPECT_DOUBLE_EQ(clock.unix_seconds(), 1000.0);
+  clock.advance(milliseconds(1500));
+  EXPECT_DOUBLE_EQ(clock.unix_seconds(), 1001.5);
+}
+
+TEST(SystemClock, NeverGoesBack) {
+  const SystemClock clock;
+  TimePoint before = clock.now();
+  for (int i = 0; i < 1000; ++i) {
+    const TimePoint now = clock.now();
+    ASSERT_GE(now, before);
+    before = now;
+  }
+}
+
+TEST(SystemClock, KnowsTheTimeOfDay) {
+  EXPECT_GT(SystemClock().unix_seconds(), 1.6e9);  // after 2020
+  EXPECT_LT(SystemClock().unix_seconds(), 4.2e9);  // before 2100
+}
+
+TEST(Ids, ShowTheNumberBehindThem) {
+  EXPECT_EQ(number(FunctionCode{0xFFFFFFFFu}), 0xFFFFFFFFu);
+  EXPECT_EQ(number(SessionId{7}), 7u);
+  static_assert(!std::is_convertible_v<std::uint64_t, Epoch>);
+  static_assert(!std::is_same_v<Epoch, BootId>);
+}
+
+}  // namespace
+}  // namespace gecos
