@@ -1,0 +1,119 @@
+"""What setup.sh does on machines that this one is not: its neighbours are played by scripts."""
+
+import subprocess
+from pathlib import Path
+
+import pytest
+
+TREE = Path(__file__).resolve().parents[2]
+FIRST = "build-essential"
+ALL_BUT_TWO = """\
+ii  build-essential
+ii  cmake
+ii  pkg-config
+ii  python3
+ii  python3-venv
+ii  python3-dev:amd64
+ii  libeigen3-dev
+ii  liborocos-kdl-dev:amd64
+ii  liburdfdom-dev:amd64
+ii  libexpected-dev
+ii  libglib2.0-0t64:amd64
+ii  libgtest-dev:amd64
+rc  libbenchmark-dev:amd64
+"""
+
+
+class Machine:
+    """A folder of programs that come before the real ones."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.installed("")
+        self.user(1000)
+        self.program("sudo", "exit 1")
+        self.program("apt-get", f'echo "$@" >> {folder}/apt.log')
+
+    def program(self, name: str, body: str) -> None:
+        path = self.folder / name
+        path.write_text(f"#!/bin/bash\n{body}\n")
+        path.chmod(0o755)
+
+    def installed(self, packages: str) -> None:
+        (self.folder / "packages").write_text(packages.replace("ii  ", "ii "))
+        self.program("dpkg-query", f"cat {self.folder}/packages")
+
+    def user(self, number: int) -> None:
+        self.program("id", f"echo {number}")
+
+    def set_up(self) -> subprocess.CompletedProcess[str]:
+        """Runs setup.sh up to the interpreter, which is one that it must refuse."""
+        return subprocess.run(
+            [TREE / "tools/setup.sh"],
+            env={"PATH": f"{self.folder}:/usr/bin:/bin", "GECOS_PYTHON": "/bin/false"},
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            text=True,
+            timeout=30,
+        )
+
+    def apt_calls(self) -> list[str]:
+        log = self.folder / "apt.log"
+        return log.read_text().splitlines() if log.exists() else []
+
+
+@pytest.fixture
+def machine(tmp_path: Path) -> Machine:
+    return Machine(tmp_path)
+
+
+def test_who_may_not_install_is_told_the_command(machine: Machine) -> None:
+    machine.installed(ALL_BUT_TWO)
+    done = machine.set_up()
+    assert done.returncode == 1
+    assert (
+        "apt-get update && apt-get install -y --no-install-recommends ninja-build libbenchmark-dev"
+        in done.stderr
+    )
+    assert machine.apt_calls() == []
+
+
+def test_root_installs_what_is_missing_and_nothing_else(machine: Machine) -> None:
+    machine.installed(ALL_BUT_TWO)
+    machine.user(0)
+    machine.set_up()
+    assert machine.apt_calls() == [
+        "update -q",
+        "install -y --no-install-recommends ninja-build libbenchmark-dev",
+    ]
+
+
+def test_sudo_that_asks_nothing_is_used(machine: Machine) -> None:
+    machine.installed(ALL_BUT_TWO)
+    machine.program("sudo", '[ "$1" = -n ] && exit 0; exec "$@"')
+    machine.set_up()
+    assert len(machine.apt_calls()) == 2
+
+
+def test_with_everything_there_apt_is_left_alone(machine: Machine) -> None:
+    machine.user(0)
+    machine.installed(
+        ALL_BUT_TWO.replace("rc  libbenchmark", "ii  libbenchmark") + "ii  ninja-build\n"
+    )
+    machine.set_up()
+    assert machine.apt_calls() == []
+
+
+def test_an_interpreter_that_is_too_old_is_refused_with_the_setting(machine: Machine) -> None:
+    machine.user(0)
+    done = machine.set_up()
+    assert done.returncode == 1
+    assert "GECOS_PYTHON=/path/to/python3 make setup" in done.stderr
+
+
+def test_a_machine_without_dpkg_is_told_what_it_needs(machine: Machine) -> None:
+    machine.program("dpkg-query", "exit 127")
+    done = machine.set_up()
+    assert done.returncode == 1
+    assert "knows Debian 12 and Ubuntu 24.04" in done.stderr
+    assert FIRST in done.stderr
