@@ -11,6 +11,8 @@ ROOTS = ("runtime/cpp", "runtime/python/src", "devices", "generated/cpp")
 SUFFIXES = (".hpp", ".cpp", ".h", ".cc")
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
+# What all of media's users see: the contract, and how to wait on any of them.
+CONTRACT = re.compile(r"^gecos/media/(medium|waiting)\.[hc]pp$")
 HAND_WRITTEN = re.compile(
     r"^(?:gecos/(base|wire|qos|access|crypto|media|session|broker)|robcl/(frames|arm|motion))/"
 )
@@ -41,7 +43,7 @@ ROOMS: dict[str, Room] = {
     "media": _room("base qos medium", "a medium moves opaque bytes: base, qos and the contract"),
     "session": _room(
         _BELOW_SESSION,
-        "session knows media by their contract alone (gecos/media/medium.hpp), "
+        "session knows media by their contract alone (medium.hpp, waiting.hpp), "
         "and generated types, never clients",
     ),
     "umbrella": _room("base session", "gecos.hpp gathers what programs use: base and session"),
@@ -135,7 +137,7 @@ def room_of_file(path: str) -> str | None:
 
 def room_of_header(header: str) -> str | None:
     """Room of a header as it is written in an include; None when it is not one of ours."""
-    if header in ("gecos/media/medium.hpp", "gecos/media/medium.cpp"):
+    if CONTRACT.match(header):
         return "medium"
     if header == "gecos/gecos.hpp":
         return "umbrella"

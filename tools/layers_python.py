@@ -52,11 +52,6 @@ ROWS = (
     _row(_gidl(*_LAYOUT), _gidl(*_LAYOUT, *_MODEL), "wire_layout -> model"),
     _row(r"gidl\.rules(\..*)?", _gidl(*_FOUNDATION, *_MODEL, "rules"), "rules -> model"),
     _row(
-        r"gidl\.targets\.\w+\.view",
-        r"(?!)",
-        "a view is strings and booleans ready to print: it knows nobody",
-    ),
-    _row(
         r"gidl\.targets(\..*)?",
         _gidl("targets", *_LAYOUT, *_MODEL),
         "targets -> wire_layout -> model",

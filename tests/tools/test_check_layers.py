@@ -104,7 +104,7 @@ def test_a_file_in_no_room_is_found() -> None:
         ("codegen/gidl/parser.py", "import gidl.resolve", "gidl.resolve"),
         ("codegen/gidl/wire_layout.py", "from .targets.cpp import view", "gidl.targets.cpp"),
         ("codegen/gidl/rules/unit.py", "from ..parser import parse", "gidl.parser"),
-        ("codegen/gidl/targets/cpp/view.py", "from gidl.model import Struct", "gidl.model"),
+        ("codegen/gidl/targets/cpp/view.py", "from gidl.syntax import Struct", "gidl.syntax"),
         ("codegen/gidl/targets/cpp/lower.py", "import jinja2", "jinja2"),
         ("codegen/gidl/cli.py", "import jinja2", "jinja2"),
         ("codegen/gidl/cli.py", "import gecos", "gecos"),
@@ -160,7 +160,7 @@ def test_the_report_says_where_what_why_and_what_to_do(tmp_path: Path) -> None:
     assert check_layers.report(*check_layers.check(tmp_path)) == (
         "runtime/cpp/gecos/session/select.cpp:1: error: "
         'session includes "gecos/media/lcm.hpp" of media\n'
-        "    = rule: session knows media by their contract alone (gecos/media/medium.hpp), "
+        "    = rule: session knows media by their contract alone (medium.hpp, waiting.hpp), "
         "and generated types, never clients\n"
         "    = help: it may include access, base, crypto, generated-types, medium, qos, wire: "
         "pass in what it needs, or move the code to a room that may\n"
