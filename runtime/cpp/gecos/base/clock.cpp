@@ -11,6 +11,11 @@ double SystemClock::unix_seconds() const {
   return std::chrono::duration<double>(since_1970).count();
 }
 
+TimePoint deadline_after(Duration patience) {
+  const TimePoint now = SystemClock().now();
+  return patience < TimePoint::max() - now ? now + patience : TimePoint::max();
+}
+
 FakeClock::FakeClock(TimePoint start, double unix_start) : start_(start), unix_start_(unix_start) {}
 
 TimePoint FakeClock::now() const { return start_ + Duration{passed_.load()}; }

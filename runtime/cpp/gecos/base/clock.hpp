@@ -27,6 +27,9 @@ class SystemClock final : public Clock {
   double unix_seconds() const override;
 };
 
+/// When `patience` from now is over, by the system's clock. Duration::max() is for ever.
+TimePoint deadline_after(Duration patience);
+
 /// Stands still until told to move. `unix_seconds` moves with it.
 class FakeClock final : public Clock {
  public:

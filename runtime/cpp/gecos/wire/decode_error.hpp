@@ -38,5 +38,6 @@ struct DecodeError {
 
   friend bool operator==(const DecodeError& a, const DecodeError& b);
 };
+inline std::string describe(const DecodeError& error) { return error.message(); }
 
 }  // namespace gecos::wire
