@@ -169,6 +169,15 @@ class Facts:
     deprecated: str | None = None  # the reason; "" when none is given
     hash_as: str | None = None  # name used for codes and hashes instead of the present one
     annotations: tuple[Annotation, ...] = ()  # those without a meaning here, kept
+    written: tuple[tuple[str, Location], ...] = field(default=(), compare=False)  # those with one
+
+    def place_of(self, *annotations: str) -> Location:
+        """Where one of these annotations stands, else where the name is declared."""
+        return next((at for name, at in self.written if name in annotations), self.location)
+
+    def has(self, annotation: str) -> bool:
+        """Whether this annotation of ours was written."""
+        return any(name == annotation for name, _ in self.written)
 
 
 @dataclass(frozen=True, slots=True)
@@ -373,6 +382,8 @@ class Operation:
     result_unit: str | None = None
     result_range: Range | None = None
     result_optional: bool = False
+    result_bulk: bool = False
+    result_secret: bool = False
     id: int | None = None  # @id
 
     @property
@@ -405,14 +416,9 @@ class Attribute:
     write_needs_presence: bool = True
     get_raises: tuple[str, ...] = ()
     set_raises: tuple[str, ...] = ()
-    idempotent: bool = False
-    on_new: OnNew = OnNew.QUEUE  # of the setter
-    on_loss: OnLoss = OnLoss.STOP  # of the setter
-    parallel: bool = False  # the setter
     qos: Qos = Qos()
     unit: str | None = None
     range: Range | None = None
-    default: Value | None = None
     optional: bool = False
     secret: bool = False
     bulk: bool = False
@@ -479,7 +485,7 @@ class File:
     declarations: tuple[AnyDeclaration, ...]  # in order, flat; nested types before their interface
     asked_for: bool = True  # named on the command line; False: only included
     doc: str = ""
-    module_docs: tuple[tuple[str, str], ...] = ()  # (scoped module name, doc)
+    modules: tuple[Declaration, ...] = ()  # its openings of modules, in order
 
     @property
     def has_interface(self) -> bool:

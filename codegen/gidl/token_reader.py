@@ -182,7 +182,9 @@ class TokenReader:
                     self._advance()
                     self._accept(";")
                     return
-            elif (text == ";" and depth == 0) or (text == ";" and self._starts_declaration(self._ahead)):
+            elif (text == ";" and depth == 0) or (
+                text == ";" and self._starts_declaration(self._ahead)
+            ):
                 self._advance()
                 return
             self._advance()

@@ -1,0 +1,36 @@
+"""The whole way from files to a checked model, in one call."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+from gidl.diagnostics import Finding, Findings
+from gidl.loader import Loader, default_search
+from gidl.model import Model
+from gidl.resolve import resolve
+from gidl.rules import check_all
+from gidl.source import Source
+
+
+@dataclass(frozen=True, slots=True)
+class Compiled:
+    model: Model
+    findings: tuple[Finding, ...]  # in the order of files and lines
+    sources: dict[str, Source]
+    has_errors: bool  # then the model lacks what was wrong, and nothing may be generated from it
+
+
+def compile_files(paths: Iterable[str], search: Iterable[str] = ()) -> Compiled:
+    """Reads, resolves and checks `paths` and what they include. Never raises for what they contain."""
+    wanted = list(paths)
+    folders = tuple(Path(p) for p in search) or default_search(wanted)
+    findings = Findings()
+    loader = Loader(findings, folders)
+    vocabulary = loader.load_vocabulary()
+    loader.load_all(wanted)
+    model = resolve(loader.files.values(), vocabulary, findings)
+    check_all(model, findings)
+    order = list(loader.files)
+    return Compiled(model, tuple(findings.in_order(order)), loader.sources, findings.has_errors)

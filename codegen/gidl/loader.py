@@ -1,0 +1,205 @@
+"""Finds, reads and parses files, includes first. A file is read once, however often it is included."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from difflib import get_close_matches
+from pathlib import Path, PurePosixPath
+
+from gidl.diagnostics import Findings
+from gidl.parser import parse
+from gidl.preprocess import Macros
+from gidl.source import MAX_BYTES, Source
+from gidl.syntax import FileSyntax, Include
+
+PACKAGED = Path(__file__).parent / "include"
+VOCABULARY = "gecos/annotations.gidl"
+_MAX_INCLUDE_DEPTH = 100
+
+
+@dataclass(slots=True)
+class LoadedFile:
+    source: Source
+    tree: FileSyntax
+    asked_for: bool
+    includes: list[str] = field(default_factory=list)  # direct, by path
+    visible: set[str] = field(default_factory=set)  # itself and all it includes
+
+
+@dataclass(slots=True)
+class Loader:
+    """`search` are the folders of -I; the packaged gecos/ files are found after them."""
+
+    findings: Findings
+    search: tuple[Path, ...] = ()
+    files: dict[str, LoadedFile] = field(default_factory=dict)  # a file after what it includes
+    sources: dict[str, Source] = field(default_factory=dict)
+    _by_place: dict[Path, str] = field(default_factory=dict)
+    _macros: Macros = field(default_factory=dict)
+    _open: list[str] = field(default_factory=list)
+
+    def load_all(self, paths: Iterable[str]) -> None:
+        for shown in paths:
+            self._macros = {}
+            if shown == "-":
+                text = self._decoded(sys.stdin.buffer.read(MAX_BYTES + 1), "-")
+                if text is not None:
+                    self._parse("stdin.gidl", Source("stdin.gidl", "-", text), asked_for=True)
+                continue
+            self._load(Path(shown), self._include_path(Path(shown)), shown, asked_for=True)
+
+    def load_vocabulary(self) -> FileSyntax:
+        """The declarations of the annotations, apart from the files of the run."""
+        place = PACKAGED / VOCABULARY
+        source = Source(VOCABULARY, VOCABULARY, place.read_text(encoding="utf-8"))
+        self.sources.setdefault(VOCABULARY, source)
+        return parse(source, self.findings, {}, lambda _include: None)
+
+    def _include_path(self, place: Path) -> str:
+        """How others include the file: relative to the search folder it lies in."""
+        absolute = place.absolute()
+        for folder in (*self.search, PACKAGED):
+            if absolute.is_relative_to(folder.absolute()):
+                return absolute.relative_to(folder.absolute()).as_posix()
+        return place.name
+
+    def _load(self, place: Path, path: str, shown: str, asked_for: bool) -> str | None:
+        try:
+            real = place.resolve()
+        except (OSError, ValueError, RuntimeError):
+            real = place
+        known = self._by_place.get(real)
+        if known is not None:
+            if asked_for and known in self.files:
+                self.files[known].asked_for = True
+            return known
+        text = self._read(place, shown)
+        if text is None:
+            return None
+        while path in self.sources and path != VOCABULARY:
+            path = f"{place.parent.name}/{path}" if "/" not in path else f"_/{path}"
+        self._by_place[real] = path
+        self._parse(path, Source(path, shown, text), asked_for)
+        return path
+
+    def _read(self, place: Path, shown: str) -> str | None:
+        try:
+            if place.is_dir():
+                self.findings.file_error(
+                    "G0001", shown, "is a folder", f"name its files: {shown.rstrip('/')}/*.gidl"
+                )
+                return None
+            with place.open("rb") as stream:
+                data = stream.read(MAX_BYTES + 1)
+        except (OSError, ValueError) as problem:
+            reason = getattr(problem, "strerror", None) or str(problem)
+            self.findings.file_error("G0001", shown, f"cannot be read: {reason}")
+            return None
+        return self._decoded(data, shown)
+
+    def _decoded(self, data: bytes, shown: str) -> str | None:
+        if len(data) > MAX_BYTES:
+            limit = MAX_BYTES // (1024 * 1024)
+            self.findings.file_error("G0011", shown, f"is larger than {limit} MiB")
+            return None
+        try:
+            text = data.decode("utf-8")
+        except UnicodeDecodeError as problem:
+            line = data.count(b"\n", 0, problem.start) + 1
+            self.findings.file_error(
+                "G0002", shown, f"is not UTF-8: byte {data[problem.start]:#04x} in line {line}"
+            )
+            return None
+        if "\0" in text:
+            line = text.count("\n", 0, text.index("\0")) + 1
+            self.findings.file_error("G0002", shown, f"is not text: a NUL byte in line {line}")
+            return None
+        return text
+
+    def _parse(self, path: str, source: Source, asked_for: bool) -> None:
+        self.sources[path] = source
+        self._open.append(path)
+        includes: list[str] = []
+
+        def on_include(include: Include) -> None:
+            found = self._include(include, source)
+            if found is not None and found not in includes:
+                includes.append(found)
+
+        tree = parse(source, self.findings, self._macros, on_include)
+        self._open.pop()
+        loaded = LoadedFile(source, tree, asked_for, includes)
+        loaded.visible = {path}.union(*(self.files[p].visible for p in includes if p in self.files))
+        self.files[path] = loaded
+
+    def _include(self, include: Include, source: Source) -> str | None:
+        place = self._find(include, source)
+        if place is None:
+            self._not_found(include, source)
+            return None
+        path = self._include_path(place)
+        known = self._by_place.get(place.resolve())
+        if known is not None:
+            if known in self._open:
+                chain = " -> ".join([*self._open[self._open.index(known) :], known])
+                self.findings.error("G0004", include.span, f"files include each other: {chain}")
+                return None
+            return known
+        if len(self._open) >= _MAX_INCLUDE_DEPTH:
+            self.findings.error(
+                "G0013", include.span, f"includes are nested deeper than {_MAX_INCLUDE_DEPTH}"
+            )
+            return None
+        return self._load(place, path, _shown(place), asked_for=False)
+
+    def _folders(self, include: Include, source: Source) -> list[Path]:
+        beside = [] if include.angled or source.shown == "-" else [Path(source.shown).parent]
+        return [*self.search, *beside, PACKAGED]
+
+    def _find(self, include: Include, source: Source) -> Path | None:
+        for folder in self._folders(include, source):
+            try:
+                place = folder / include.path
+                if place.is_file():
+                    return place
+            except (OSError, ValueError):
+                continue
+        return None
+
+    def _not_found(self, include: Include, source: Source) -> None:
+        folders = self._folders(include, source)
+        wanted = PurePosixPath(include.path).name
+        names: dict[str, str] = {}
+        for folder in folders[:-1]:
+            for place in sorted(folder.glob("*.gidl")) + sorted(folder.glob("*/*.gidl")):
+                names.setdefault(place.name, place.relative_to(folder).as_posix())
+        close = get_close_matches(wanted, list(names), n=1, cutoff=0.7)
+        searched = ", ".join(_shown(f) + "/" for f in folders[:-1]) or "nowhere"
+        self.findings.error(
+            "G0003",
+            include.span,
+            f"there is no file '{include.path}'",
+            f"did you mean '{names[close[0]]}'?" if close else "",
+            f"looked in {searched}; -I adds a folder",
+        )
+
+
+def _shown(place: Path) -> str:
+    """Path for people: relative to the current folder when it lies in it."""
+    try:
+        return place.absolute().relative_to(Path.cwd()).as_posix()
+    except (ValueError, OSError):
+        return place.as_posix()
+
+
+def default_search(paths: Iterable[str]) -> tuple[Path, ...]:
+    """Search folders when no -I is given: the folder `idl` each file lies in."""
+    found: list[Path] = []
+    for path in paths:
+        for parent in Path(path).parents:
+            if parent.name == "idl" and parent not in found:
+                found.append(parent)
+                break
+    return tuple(found)

@@ -1,0 +1,480 @@
+"""Declarations of types and constants: syntax to model."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from gidl.constants import computed
+from gidl.diagnostics import Findings, Note
+from gidl.model import (
+    AnyDeclaration,
+    Bitfield,
+    Bitmask,
+    Bitset,
+    Constant,
+    EnumDeclaration,
+    Enumerator,
+    EnumValue,
+    ExceptionStruct,
+    Extensibility,
+    Facts,
+    Flag,
+    MapsTo,
+    Member,
+    NamedType,
+    Primitive,
+    PrimitiveType,
+    Range,
+    StringType,
+    Struct,
+    Type,
+    Typedef,
+    Union,
+    UnionCase,
+    Value,
+)
+from gidl.quantities import cpp_type, python_type
+from gidl.resolve_values import Marks, ValueResolver
+from gidl.scopes import Names, Scope, Symbol
+from gidl.source import Span
+from gidl.syntax import (
+    BasicType,
+    BitfieldSyntax,
+    BitmaskSyntax,
+    BitsetSyntax,
+    ConstSyntax,
+    DeclarationSyntax,
+    EnumSyntax,
+    ForwardSyntax,
+    MemberSyntax,
+    ScopedName,
+    StructSyntax,
+    TypedefSyntax,
+    UnionSyntax,
+)
+from gidl.vocabulary import Vocabulary
+
+_STRUCT = frozenset(("struct",))
+_BITSET = frozenset(("bitset",))
+
+
+class TypeResolver(ValueResolver):
+    """Each method declares, resolves and appends to `_out` what one declaration means."""
+
+    def __init__(self, findings: Findings, names: Names, vocabulary: Vocabulary) -> None:
+        super().__init__(findings, names, vocabulary)
+        self._out: list[AnyDeclaration] = []
+        self._of_typedef: dict[str, tuple[str | None, Range | None]] = {}  # unit and range
+        self._bitset_sizes: dict[str, int] = {}
+        self._enums: dict[str, EnumDeclaration] = {}
+        self._bitmasks: set[str] = set()
+
+    def _type_declaration(self, syntax: DeclarationSyntax, scope: Scope) -> bool:
+        """Whether it was one."""
+        match syntax:
+            case StructSyntax():
+                self._struct(syntax, scope)
+            case UnionSyntax():
+                self._union(syntax, scope)
+            case EnumSyntax():
+                self._enum(syntax, scope)
+            case BitmaskSyntax():
+                self._bitmask(syntax, scope)
+            case BitsetSyntax():
+                self._bitset(syntax, scope)
+            case TypedefSyntax():
+                self._typedef(syntax, scope)
+            case ConstSyntax():
+                self._const(syntax, scope)
+            case ForwardSyntax():
+                self._names.forward(scope, syntax.name, syntax.kind)
+            case _:
+                return False
+        return True
+
+    def _keep(self, symbol: Symbol | None, declaration: AnyDeclaration) -> None:
+        """A second declaration of a name was reported, and is not part of the model."""
+        if symbol is not None:
+            self._out.append(declaration)
+
+    # -- struct, exception ---------------------------------------------------------------------
+
+    def _struct(self, syntax: StructSyntax, scope: Scope) -> None:
+        kind = "exception" if syntax.is_exception else "struct"
+        marks = self._marks(syntax.extras, kind, scope)
+        base = None
+        if syntax.base is not None:
+            base = self._base(syntax.base, scope, _STRUCT, "struct")
+        symbol = self._names.declare(scope, syntax.name, kind)
+        inside = Scope(scope.qualified(syntax.name.text), kind, scope)
+        members = self._members(syntax.members, inside)
+        made = ExceptionStruct if syntax.is_exception else Struct
+        self._keep(
+            symbol,
+            made(
+                inside.name,
+                self._facts(syntax.name, syntax.extras, marks),
+                members,
+                base,
+                self._extensibility(marks),
+                self._maps_to(marks),
+            ),
+        )
+
+    def _base(self, name: ScopedName, scope: Scope, kinds: frozenset[str], what: str) -> str | None:
+        symbol = self._symbol(name, scope, kinds, what, "G0102")
+        if symbol is None:
+            return None
+        if not symbol.complete:
+            self._findings.error(
+                "G0113",
+                name.span,
+                f"'{name}' is only declared forward here, so it cannot be a base",
+                f"declare the {what} before",
+                notes=(Note("declared forward here", symbol.span.location),),
+            )
+            return None
+        return symbol.scoped
+
+    def _members(self, members: Sequence[MemberSyntax], scope: Scope) -> tuple[Member, ...]:
+        found: list[Member] = []
+        for member in members:
+            found.extend(self._member(member, scope))
+        return tuple(found)
+
+    def _member(self, syntax: MemberSyntax, scope: Scope) -> list[Member]:
+        marks = self._marks(syntax.extras, "member", scope)
+        used = self._type(syntax.type, scope)
+        found = []
+        for declarator in syntax.declarators:
+            symbol = self._names.declare(scope, declarator.name, "member")
+            if used is None:
+                continue
+            full = self._with_dimensions(used, declarator, scope)
+            if full is None or symbol is None:
+                continue
+            found.append(
+                Member(
+                    declarator.name.text,
+                    full,
+                    self._facts(declarator.name, syntax.extras, marks),
+                    self._unit(marks, full),
+                    self._range(marks, full),
+                    self._default(marks, full),
+                    marks.flag("optional"),
+                    marks.number("id"),
+                    "bulk" in marks,
+                    "secret" in marks,
+                )
+            )
+        return found
+
+    def _extensibility(self, marks: Marks) -> Extensibility:
+        refused = marks.get("mutable")
+        if refused is not None:
+            self._findings.error(
+                "G0214",
+                refused.span,
+                "'@mutable' is not part of .gidl",
+                "use @appendable: members may be added at the end",
+            )
+        return Extensibility.APPENDABLE if "appendable" in marks else Extensibility.FINAL
+
+    def _maps_to(self, marks: Marks) -> MapsTo | None:
+        applied = marks.get("maps_to")
+        if applied is None:
+            return None
+        cpp, python = applied.text("cpp"), applied.text("python")
+        cpp_found, python_found = cpp_type(cpp), python_type(python)
+        if (cpp and cpp_found is None) or (python and python_found is None):
+            self._findings.error(
+                "G0506",
+                applied.span,
+                "this is no type that can be mapped to",
+                'write cpp="ns::Type <path/header.hpp>" and python="package.module:Class"',
+            )
+        return MapsTo(cpp_found, python_found)
+
+    def _unit(self, marks: Marks, used: Type) -> str | None:
+        own = marks.text("unit")
+        if own is not None:
+            return own
+        return self._from_typedef(used)[0]
+
+    def _from_typedef(self, used: Type) -> tuple[str | None, Range | None]:
+        """Unit and range that come with the type."""
+        name = used.name if isinstance(used, NamedType) else ""
+        return self._of_typedef.get(name, (None, None))
+
+    def _range(self, marks: Marks, used: Type) -> Range | None:
+        """Bounds as numbers of the type; those of a typedef unless there are own ones."""
+        both, low, high = marks.get("range"), marks.get("min"), marks.get("max")
+        written = both or low or high
+        if written is None:
+            return self._from_typedef(used)[1]
+        if both is not None and (low or high):
+            self._findings.error(
+                "G0505", both.span, "'@range' and '@min' or '@max' say the same: write one of them"
+            )
+        target = self._target(used)
+        if not (isinstance(target, PrimitiveType) and target.kind.is_number):
+            self._findings.error(
+                "G0307", written.span, f"'@{written.name}' needs a number to bound"
+            )
+            return None
+        minimum = both.arguments["min"] if both else low.arguments["value"] if low else None
+        maximum = both.arguments["max"] if both else high.arguments["value"] if high else None
+        least = self._bound_value(minimum, target, (both or low or written).span)
+        most = self._bound_value(maximum, target, (both or high or written).span)
+        if least is not None and most is not None and least > most:
+            self._findings.error(
+                "G0307", written.span, f"nothing is between {least} and {most}", "swap them"
+            )
+            return None
+        return Range(least, most)
+
+    def _bound_value(self, value: Value | None, target: Type, span: Span) -> int | float | None:
+        if value is None:
+            return None
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            self._findings.error("G0307", span, "the bounds of a range are numbers")
+            return None
+        fitted = self._fit(computed(value), target, span)
+        return fitted if isinstance(fitted, int | float) else None
+
+    def _default(self, marks: Marks, used: Type) -> Value | None:
+        applied = marks.get("default")
+        if applied is None:
+            return None
+        value = applied.arguments["value"]
+        target = self._target(used)
+        if isinstance(target, NamedType) or isinstance(value, EnumValue):
+            self._findings.error(
+                "G0308",
+                applied.span,
+                "'@default' gives a number, boolean, character or string",
+                "an enum says '@default_literal' at the enumerator that is its default"
+                if isinstance(value, EnumValue) or not isinstance(target, NamedType)
+                else "members of that type start with the defaults the type declares",
+            )
+            return None
+        if target == PrimitiveType(Primitive.CHAR) and isinstance(value, str) and len(value) == 1:
+            return value
+        return self._fit(computed(value), target, applied.span)
+
+    # -- union ---------------------------------------------------------------------------------
+
+    def _union(self, syntax: UnionSyntax, scope: Scope) -> None:
+        marks = self._marks(syntax.extras, "union", scope)
+        used = self._type(syntax.discriminator, scope)
+        discriminator = None if used is None else self._target(used)
+        if discriminator is not None and not _may_discriminate(discriminator, self._enums):
+            self._findings.error(
+                "G0312",
+                syntax.discriminator.span,
+                "a union is switched by an integer, boolean, char, octet or enum",
+            )
+            discriminator = None
+        symbol = self._names.declare(scope, syntax.name, "union")
+        inside = Scope(scope.qualified(syntax.name.text), "union", scope)
+        cases = []
+        for case in syntax.cases:
+            labels: list[Value] = []
+            for label in case.labels:
+                if discriminator is not None:
+                    value = self._typed_value(label, discriminator, scope)
+                    if value is not None:
+                        labels.append(value)
+            members = self._member(case.member, inside)
+            if len(case.member.declarators) > 1:
+                second = case.member.declarators[1].name
+                self._findings.error(
+                    "G0313", second.span, "a case of a union has one member", "write another case"
+                )
+            if members:
+                cases.append(UnionCase(tuple(labels), case.default is not None, members[0]))
+        if isinstance(discriminator, PrimitiveType | NamedType):
+            self._keep(
+                symbol,
+                Union(
+                    inside.name,
+                    self._facts(syntax.name, syntax.extras, marks),
+                    discriminator,
+                    tuple(cases),
+                    self._extensibility(marks),
+                ),
+            )
+        elif symbol is not None:
+            number = PrimitiveType(Primitive.INT32)
+            facts = self._facts(syntax.name, syntax.extras, marks)
+            self._keep(symbol, Union(inside.name, facts, number, ()))
+
+    # -- enum, bitmask, bitset -----------------------------------------------------------------
+
+    def _enum(self, syntax: EnumSyntax, scope: Scope) -> None:
+        marks = self._marks(syntax.extras, "enum", scope)
+        symbol = self._names.declare(scope, syntax.name, "enum")
+        scoped = scope.qualified(syntax.name.text)
+        enumerators: list[Enumerator] = []
+        default: str | None = None
+        number = -1
+        for item in syntax.items:
+            inner = self._marks(item.extras, "enumerator", scope)
+            own = inner.get("value")
+            number += 1
+            if own is not None:
+                fitted = self._fit(
+                    computed(own.arguments["value"]), PrimitiveType(Primitive.INT32), own.span
+                )
+                number = fitted if isinstance(fitted, int) else number
+            if "default_literal" in inner:
+                if default is not None:
+                    self._findings.error(
+                        "G0505",
+                        item.name.span,
+                        f"'@default_literal' stands on '{default}' already",
+                    )
+                default = item.name.text
+            declared = self._names.declare(scope, item.name, "enumerator")
+            if declared is None:
+                continue
+            declared.value = EnumValue(scoped, item.name.text, number)
+            facts = self._facts(item.name, item.extras, inner)
+            enumerators.append(Enumerator(item.name.text, number, facts))
+        facts = self._facts(syntax.name, syntax.extras, marks)
+        enum = EnumDeclaration(
+            scoped, facts, tuple(enumerators), default, self._bit_bound(marks, 32)
+        )
+        self._enums[scoped] = enum
+        self._keep(symbol, enum)
+
+    def _bit_bound(self, marks: Marks, most: int) -> int:
+        applied = marks.get("bit_bound")
+        if applied is None:
+            return 32
+        bound = marks.number("bit_bound") or 0
+        if not 1 <= bound <= most:
+            self._findings.error("G0309", applied.span, f"'@bit_bound' is 1 to {most} here")
+            return 32
+        return bound
+
+    def _bitmask(self, syntax: BitmaskSyntax, scope: Scope) -> None:
+        marks = self._marks(syntax.extras, "bitmask", scope)
+        symbol = self._names.declare(scope, syntax.name, "bitmask")
+        inside = Scope(scope.qualified(syntax.name.text), "bitmask", scope)
+        flags: list[Flag] = []
+        position = -1
+        for item in syntax.items:
+            inner = self._marks(item.extras, "flag", scope)
+            own = inner.number("position")
+            position = position + 1 if own is None else own
+            declared = self._names.declare(inside, item.name, "flag")
+            if declared is None:
+                continue
+            declared.value = EnumValue(inside.name, item.name.text, 1 << position)
+            facts = self._facts(item.name, item.extras, inner)
+            flags.append(Flag(item.name.text, position, facts))
+        if symbol is not None:
+            symbol.scope = inside
+            self._bitmasks.add(inside.name)
+        facts = self._facts(syntax.name, syntax.extras, marks)
+        bound = self._bit_bound(marks, 64)
+        self._keep(symbol, Bitmask(inside.name, facts, tuple(flags), bound))
+
+    def _bitset(self, syntax: BitsetSyntax, scope: Scope) -> None:
+        marks = self._marks(syntax.extras, "bitset", scope)
+        base = None
+        if syntax.base is not None:
+            base = self._base(syntax.base, scope, _BITSET, "bitset")
+        symbol = self._names.declare(scope, syntax.name, "bitset")
+        inside = Scope(scope.qualified(syntax.name.text), "bitset", scope)
+        position = self._bitset_sizes.get(base, 0) if base else 0
+        fields: list[Bitfield] = []
+        for field in syntax.fields:
+            width = self._size(field.width, scope, "the width of a bitfield", 64)
+            if width is None:
+                continue
+            used = self._bitfield_type(field, width)
+            inner = self._marks(field.extras, "bitfield", scope)
+            if not field.names:
+                facts = Facts(field.span.location, field.extras.doc)
+                fields.append(Bitfield(None, position, width, used, facts))
+                position += width
+            for name in field.names:
+                if self._names.declare(inside, name, "bitfield") is not None:
+                    facts = self._facts(name, field.extras, inner)
+                    fields.append(Bitfield(name.text, position, width, used, facts))
+                position += width
+        if symbol is not None:
+            self._bitset_sizes[inside.name] = position
+        facts = self._facts(syntax.name, syntax.extras, marks)
+        self._keep(symbol, Bitset(inside.name, facts, tuple(fields), base, position))
+
+    def _bitfield_type(self, field: BitfieldSyntax, width: int) -> PrimitiveType:
+        """As written, else the smallest unsigned integer that holds it."""
+        if isinstance(field.type, BasicType):
+            kind = Primitive(field.type.name)
+            if not (kind.is_integer or kind is Primitive.BOOLEAN):
+                self._findings.error(
+                    "G0311", field.type.span, "a bitfield is boolean, octet or an integer"
+                )
+            else:
+                room = 1 if kind is Primitive.BOOLEAN else 8 * kind.size
+                if width > room:
+                    self._findings.error(
+                        "G0311", field.span, f"{width} bits do not fit {kind.value}"
+                    )
+                return PrimitiveType(kind)
+        if width == 1:
+            return PrimitiveType(Primitive.BOOLEAN)
+        bits = next(b for b in (8, 16, 32, 64) if width <= b)
+        return PrimitiveType(Primitive(f"uint{bits}"))
+
+    # -- typedef, const ------------------------------------------------------------------------
+
+    def _typedef(self, syntax: TypedefSyntax, scope: Scope) -> None:
+        marks = self._marks(syntax.extras, "typedef", scope)
+        used = self._type(syntax.type, scope)
+        for declarator in syntax.declarators:
+            symbol = self._names.declare(scope, declarator.name, "typedef")
+            full = None if used is None else self._with_dimensions(used, declarator, scope)
+            if symbol is None:
+                continue
+            if full is None:
+                symbol.kind = "broken"
+                continue
+            unit, bounds = self._unit(marks, full), self._range(marks, full)
+            self._typedefs[symbol.scoped] = full
+            self._of_typedef[symbol.scoped] = (unit, bounds)
+            facts = self._facts(declarator.name, syntax.extras, marks)
+            self._out.append(Typedef(symbol.scoped, facts, full, unit, bounds))
+
+    def _const(self, syntax: ConstSyntax, scope: Scope) -> None:
+        marks = self._marks(syntax.extras, "constant", scope)
+        used = self._type(syntax.type, scope)
+        value = None
+        if used is not None:
+            target = self._target(used)
+            if isinstance(target, PrimitiveType | StringType) or (
+                isinstance(target, NamedType)
+                and (target.name in self._enums or target.name in self._bitmasks)
+            ):
+                value = self._typed_value(syntax.value, target, scope)
+            else:
+                self._findings.error(
+                    "G0310",
+                    syntax.type.span,
+                    "a constant is a number, boolean, character, string or enumerator",
+                )
+        symbol = self._names.declare(scope, syntax.name, "constant")
+        if symbol is None or used is None or value is None:
+            return
+        symbol.type, symbol.value = self._target(used), value
+        facts = self._facts(syntax.name, syntax.extras, marks)
+        self._out.append(Constant(symbol.scoped, facts, used, value, marks.text("unit")))
+
+
+def _may_discriminate(used: Type, enums: dict[str, EnumDeclaration]) -> bool:
+    if isinstance(used, PrimitiveType):
+        return not used.kind.is_floating
+    return isinstance(used, NamedType) and used.name in enums

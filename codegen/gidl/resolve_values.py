@@ -1,0 +1,346 @@
+"""Names, constants, types and annotations: what every declaration is made of."""
+
+from __future__ import annotations
+
+import math
+
+from gidl.constants import Computed, compute, computed, describe_kind
+from gidl.diagnostics import Findings, Note
+from gidl.model import (
+    Annotation,
+    ArrayType,
+    EnumValue,
+    Facts,
+    MapType,
+    NamedType,
+    Primitive,
+    PrimitiveType,
+    SequenceType,
+    StringType,
+    Type,
+    Value,
+)
+from gidl.scopes import TYPE_KINDS, Names, Scope, Symbol
+from gidl.source import Span
+from gidl.syntax import (
+    AnnotationUse,
+    BasicType,
+    Declarator,
+    Expression,
+    Extras,
+    MapOf,
+    Name,
+    RefusedType,
+    ScopedName,
+    SequenceOf,
+    StringOf,
+    TypeSyntax,
+    TypeUse,
+)
+from gidl.vocabulary import Applied, Vocabulary
+
+MAX_BOUND = (1 << 31) - 1
+MAX_ARRAY = 1 << 24  # elements of one array; also keeps fixed sizes within 32 bits
+
+_VALUE_KINDS = frozenset(("constant", "enumerator", "flag"))
+
+
+class Marks:
+    """The annotations of one declaration, by name."""
+
+    def __init__(self, applied: dict[str, Applied], kept: tuple[Annotation, ...]) -> None:
+        self._applied = applied
+        self.kept = kept
+
+    def __contains__(self, name: str) -> bool:
+        return name in self._applied
+
+    def get(self, name: str) -> Applied | None:
+        return self._applied.get(name)
+
+    def flag(self, name: str) -> bool:
+        """Of @a and @a(TRUE) true, of @a(FALSE) and nothing false."""
+        applied = self._applied.get(name)
+        return applied is not None and applied.arguments.get("value", True) is True
+
+    def text(self, name: str) -> str | None:
+        applied = self._applied.get(name)
+        return None if applied is None else applied.text()
+
+    def number(self, name: str) -> int | None:
+        applied = self._applied.get(name)
+        value = None if applied is None else applied.arguments["value"]
+        return value if isinstance(value, int) else None
+
+    def written(self) -> list[Applied]:
+        return list(self._applied.values())
+
+
+class ValueResolver:
+    def __init__(self, findings: Findings, names: Names, vocabulary: Vocabulary) -> None:
+        self._findings = findings
+        self._names = names
+        self._vocabulary = vocabulary
+        self._typedefs: dict[str, Type] = {}  # targets, for looking through
+
+    # -- names ---------------------------------------------------------------------------------
+
+    def _symbol(self, name: ScopedName, scope: Scope, kinds: frozenset[str], what: str,
+                code: str) -> Symbol | None:  # fmt: skip
+        """The symbol of one of `kinds` called `name`, or a finding."""
+        symbol = self._names.look_up(name, scope)
+        if symbol is None:
+            hint = self._names.hint(name, scope, kinds)
+            self._findings.error(code, name.span, f"unknown {what} '{name}'", hint)
+            return None
+        if symbol.kind not in kinds:
+            self._findings.error(
+                "G0107",
+                name.span,
+                f"'{name}' is {_a(symbol.kind)}, not {_a(what)}",
+                notes=(Note("declared here", symbol.span.location),),
+            )
+            return None
+        return symbol
+
+    # -- constants -----------------------------------------------------------------------------
+
+    def _constant(self, name: ScopedName, scope: Scope) -> Computed | None:
+        symbol = self._symbol(name, scope, _VALUE_KINDS, "constant", "G0106")
+        if symbol is None or symbol.value is None:
+            return None
+        if symbol.kind == "constant" and symbol.type == PrimitiveType(Primitive.CHAR):
+            return Computed("char", symbol.value)
+        return computed(symbol.value)
+
+    def _compute(self, expression: Expression, scope: Scope) -> Computed | None:
+        return compute(expression, lambda name: self._constant(name, scope), self._findings)
+
+    def _typed_value(self, expression: Expression, wanted: Type, scope: Scope) -> Value | None:
+        """Value of a constant expression of a known type; None (and a finding) when it is none."""
+        found = self._compute(expression, scope)
+        if found is None:
+            return None
+        return self._fit(found, wanted, expression.span)
+
+    def _fit(self, found: Computed, wanted: Type, span: Span) -> Value | None:
+        target = self._target(wanted)
+        value = found.value
+        match target:
+            case PrimitiveType(Primitive.BOOLEAN):
+                fits, what = found.kind == "bool", "a boolean, TRUE or FALSE"
+            case PrimitiveType(Primitive.CHAR):
+                fits, what = found.kind == "char", "a character"
+            case PrimitiveType(kind) if kind.is_floating:
+                if found.kind in ("int", "float"):
+                    return self._fit_float(found, kind, span)
+                fits, what = False, "a floating-point number"
+            case PrimitiveType(kind):
+                what = "an integer"
+                fits = found.kind == "int"
+                low, high = kind.integer_limits
+                if fits and isinstance(value, int) and not low <= value <= high:
+                    self._findings.error(
+                        "G0301", span, f"{value} does not fit {kind.value}: {low} to {high}"
+                    )
+                    return None
+            case StringType(bound):
+                fits, what = found.kind == "string", "a string"
+                if fits and bound is not None and len(str(value).encode()) > bound:
+                    self._findings.error("G0301", span, f"this string has more than {bound} bytes")
+                    return None
+            case NamedType(name):
+                fits = isinstance(value, EnumValue) and value.enum == name
+                what = f"an enumerator of '{name}'"
+            case _:
+                fits, what = False, "a value of that type: it has no constants"
+        if not fits:
+            shown = describe_kind(found.kind)
+            if isinstance(value, EnumValue):
+                shown = f"an enumerator of '{value.enum}'"
+            self._findings.error("G0305", span, f"this is {shown}, where {what} is needed")
+            return None
+        return value
+
+    def _fit_float(self, found: Computed, kind: Primitive, span: Span) -> float | None:
+        assert isinstance(found.value, int | float)
+        value = float(found.value)
+        if kind is Primitive.FLOAT and math.isfinite(value) and abs(value) > 3.4028235677973366e38:
+            self._findings.error("G0301", span, f"{value} does not fit a float")
+            return None
+        return value
+
+    def _size(self, expression: Expression, scope: Scope, what: str, most: int) -> int | None:
+        """A positive integer, for bounds and dimensions."""
+        found = self._compute(expression, scope)
+        if found is None:
+            return None
+        if found.kind != "int" or not isinstance(found.value, int):
+            self._findings.error(
+                "G0305", expression.span, f"{what} is an integer, not {describe_kind(found.kind)}"
+            )
+            return None
+        if not 1 <= found.value <= most:
+            self._findings.error(
+                "G0306", expression.span, f"{what} is 1 to {most}, not {found.value}"
+            )
+            return None
+        return found.value
+
+    # -- types ---------------------------------------------------------------------------------
+
+    def _target(self, used: Type) -> Type:
+        while isinstance(used, NamedType) and used.name in self._typedefs:
+            used = self._typedefs[used.name]
+        return used
+
+    def _type(self, syntax: TypeSyntax, scope: Scope) -> Type | None:
+        """The type that is meant; None where it is none (a finding says so)."""
+        match syntax:
+            case BasicType(name, _):
+                return PrimitiveType(Primitive(name))
+            case RefusedType():
+                return None
+            case TypeUse(name, _):
+                return self._named(name, scope)
+            case StringOf(bound, _):
+                if bound is None:
+                    return StringType()
+                size = self._size(bound, scope, "the bound of a string", MAX_BOUND)
+                return None if size is None else StringType(size)
+            case SequenceOf(element, bound, annotations, _):
+                marks = self._marks(Extras(list(annotations)), "sequence", scope)
+                inner = self._type(element, scope)
+                size = None
+                if bound is not None:
+                    size = self._size(bound, scope, "the bound of a sequence", MAX_BOUND)
+                if inner is None or (bound is not None and size is None):
+                    return None
+                return SequenceType(inner, size, marks.text("unit"))
+            case MapOf(key, value, bound, _):
+                key_type, value_type = self._type(key, scope), self._type(value, scope)
+                size = None
+                if bound is not None:
+                    size = self._size(bound, scope, "the bound of a map", MAX_BOUND)
+                if key_type is None or value_type is None or (bound is not None and size is None):
+                    return None
+                return MapType(key_type, value_type, size)
+
+    def _named(self, name: ScopedName, scope: Scope) -> NamedType | None:
+        symbol = self._symbol(name, scope, TYPE_KINDS, "type", "G0102")
+        if symbol is None:
+            return None
+        if symbol.kind == "exception":
+            self._findings.error(
+                "G0108",
+                name.span,
+                f"'{name}' is an exception: it can be raised, but is no type of a value",
+                "declare a struct with the same members",
+                notes=(Note("declared here", symbol.span.location),),
+            )
+            return None
+        return NamedType(symbol.scoped)
+
+    def _with_dimensions(self, used: Type, declarator: Declarator, scope: Scope) -> Type | None:
+        if not declarator.dimensions:
+            return used
+        sizes: list[int] = []
+        for dimension in declarator.dimensions:
+            size = self._size(dimension, scope, "the size of an array", MAX_ARRAY)
+            if size is None:
+                return None
+            sizes.append(size)
+        if math.prod(sizes) > MAX_ARRAY:
+            self._findings.error(
+                "G0306",
+                declarator.name.span,
+                f"an array has at most {MAX_ARRAY} elements, this one {math.prod(sizes)}",
+                "use a sequence",
+            )
+            return None
+        return ArrayType(used, tuple(sizes))
+
+    # -- annotations ---------------------------------------------------------------------------
+
+    def _marks(self, extras: Extras, place: str, scope: Scope) -> Marks:
+        """Checks and computes the annotations of one declaration."""
+        applied: dict[str, Applied] = {}
+        kept: list[Annotation] = []
+        for use in extras.annotations:
+            found = self._apply(use, scope)
+            if found is None:
+                continue
+            one, is_ours = found
+            if not self._vocabulary.check_repeated(one, applied.get(one.name)):
+                continue
+            if not is_ours:
+                arguments = tuple(one.arguments.items())
+                kept.append(Annotation(one.name, arguments, one.span.location))
+            elif self._vocabulary.check_place(one, place):
+                applied[one.name] = one
+        return Marks(applied, tuple(kept))
+
+    def _apply(self, use: AnnotationUse, scope: Scope) -> tuple[Applied, bool] | None:
+        scopes = [""] if use.name.absolute else [s.name for s in scope.chain()]
+        name = "::".join(use.name.parts)
+        declared = self._vocabulary.find(name, scopes)
+        if declared is None:
+            self._vocabulary.unknown(use)
+            return self._apply_unknown(use, name, scope)
+        if declared.name != name and not declared.name.endswith(f"::{name}"):
+            self._vocabulary.unknown(use)
+            return None
+        literals: dict[str, Value] = {}
+        for parameter in declared.parameters:
+            literals.update(parameter.literals)
+        given = []
+        for argument, expression in use.arguments:
+            value = self._argument(expression, literals, scope)
+            if value is None:
+                return None
+            given.append((None if argument is None else argument.text, value, expression.span))
+        bound = self._vocabulary.bind(use, declared, given)
+        return None if bound is None else (bound, declared.is_ours)
+
+    def _argument(
+        self, expression: Expression, literals: dict[str, Value], scope: Scope
+    ) -> Computed | None:
+        def look_up(name: ScopedName) -> Computed | None:
+            if len(name.parts) == 1 and name.parts[0] in literals:
+                return computed(literals[name.parts[0]])
+            if literals and len(name.parts) == 1 and self._names.look_up(name, scope) is None:
+                known = ", ".join(k for k in literals if not k.endswith("_UNSAID"))
+                self._findings.error(
+                    "G0503", name.span, f"unknown value '{name}'", f"one of {known}"
+                )
+                return None
+            return self._constant(name, scope)
+
+        return compute(expression, look_up, self._findings)
+
+    def _apply_unknown(
+        self, use: AnnotationUse, name: str, scope: Scope
+    ) -> tuple[Applied, bool] | None:
+        """Keeps what can be computed of an annotation nobody declared."""
+        arguments: dict[str, Value] = {}
+        for argument, expression in use.arguments:
+            value = compute(expression, lambda n: None, Findings())
+            if value is not None:
+                arguments[argument.text if argument else "value"] = value.value
+        return Applied(name, arguments, frozenset(arguments), use.span), False
+
+    def _facts(self, name: Name, extras: Extras, marks: Marks) -> Facts:
+        return Facts(
+            name.span.location,
+            extras.doc,
+            marks.text("version"),
+            marks.text("since"),
+            marks.text("deprecated"),
+            marks.text("hash_as"),
+            marks.kept,
+            tuple((a.name, a.span.location) for a in marks.written()),
+        )
+
+
+def _a(kind: str) -> str:
+    return f"an {kind}" if kind[0] in "aeiou" else f"a {kind}"

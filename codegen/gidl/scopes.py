@@ -1,0 +1,222 @@
+"""Names: what is declared where, and what a name means at a place.
+
+Identifiers of one scope clash without regard to case, also with the name of a type used in it
+(`attribute Frame frame`): IDL says so, and every CORBA compiler enforces it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from gidl.diagnostics import Findings, Note, suggestion
+from gidl.model import Type, Value
+from gidl.source import Span
+from gidl.syntax import Name, ScopedName
+
+TYPE_KINDS = frozenset(
+    ("struct", "union", "enum", "bitmask", "bitset", "typedef", "interface", "exception")
+)
+
+
+@dataclass(slots=True, eq=False)
+class Symbol:
+    name: str  # simple, as declared
+    scoped: str
+    kind: str  # of TYPE_KINDS, or module constant enumerator flag operation attribute member ...
+    span: Span
+    file: str
+    complete: bool = True  # False: only declared forward so far
+    scope: Scope | None = None  # what it contains
+    type: Type | None = None  # of a constant
+    value: Value | None = None  # of a constant, enumerator or flag
+
+
+@dataclass(slots=True, eq=False)
+class Scope:
+    name: str  # scoped, "" at the top
+    kind: str
+    parent: Scope | None = None
+    symbols: dict[str, Symbol] = field(default_factory=dict)  # by lower-case name
+    uses: dict[str, tuple[str, Span]] = field(default_factory=dict)  # names of types used here
+    bases: list[Scope] = field(default_factory=list)  # of an interface
+
+    def qualified(self, simple: str) -> str:
+        return f"{self.name}::{simple}" if self.name else simple
+
+    def chain(self) -> Iterator[Scope]:
+        """From here outward."""
+        scope: Scope | None = self
+        while scope is not None:
+            yield scope
+            scope = scope.parent
+
+
+class Names:
+    """Declares and looks up. `visible` are the files the present one includes."""
+
+    def __init__(self, findings: Findings) -> None:
+        self._findings = findings
+        self.top = Scope("", "file")
+        self.visible: set[str] = set()
+
+    # -- declaring -----------------------------------------------------------------------------
+
+    def declare(self, scope: Scope, name: Name, kind: str) -> Symbol | None:
+        """A new symbol; None (and a finding) where the name is taken."""
+        key = name.text.lower()
+        known = scope.symbols.get(key)
+        if known is not None and not self._may_redeclare(known, name, kind):
+            self._clash(known, name, kind)
+            return None
+        used = scope.uses.get(key)
+        if used is not None and known is None:
+            self._findings.error(
+                "G0105",
+                name.span,
+                f"{kind} '{name.text}' clashes with the type name '{used[0]}' used in the same "
+                "scope: names are compared without regard to case",
+                f"rename it, or write the type with its module: '{self._with_module(scope, used)}'",
+                notes=(Note("used here", used[1].location),),
+            )
+        if known is not None:
+            known.complete = True
+            known.span = name.span
+            return known
+        symbol = Symbol(name.text, scope.qualified(name.text), kind, name.span, _file(name))
+        scope.symbols[key] = symbol
+        return symbol
+
+    def forward(self, scope: Scope, name: Name, kind: str) -> None:
+        known = scope.symbols.get(name.text.lower())
+        if known is not None:
+            if known.kind != kind or known.name != name.text:
+                self._clash(known, name, kind)
+            return
+        symbol = Symbol(
+            name.text, scope.qualified(name.text), kind, name.span, _file(name), complete=False
+        )
+        scope.symbols[name.text.lower()] = symbol
+
+    def _may_redeclare(self, known: Symbol, name: Name, kind: str) -> bool:
+        if known.name != name.text or known.kind != kind:
+            return False
+        return kind == "module" or not known.complete
+
+    def _clash(self, known: Symbol, name: Name, kind: str) -> None:
+        note = Note("first declared here", known.span.location)
+        if known.name == name.text:
+            self._findings.error(
+                "G0101",
+                name.span,
+                f"'{name.text}' is already declared as {_a(known.kind)}",
+                _overload_help(known.kind, kind),
+                notes=(note,),
+            )
+        else:
+            self._findings.error(
+                "G0103",
+                name.span,
+                f"'{name.text}' differs from '{known.name}' only in case",
+                "names are compared without regard to case: rename one of them",
+                notes=(note,),
+            )
+
+    def _with_module(self, scope: Scope, used: tuple[str, Span]) -> str:
+        for outer in scope.chain():
+            symbol = outer.symbols.get(used[0].lower())
+            if symbol is not None:
+                return symbol.scoped if outer.name else f"::{symbol.scoped}"
+        return used[0]
+
+    # -- looking up ----------------------------------------------------------------------------
+
+    def look_up(self, name: ScopedName, scope: Scope) -> Symbol | None:
+        """What `name` means in `scope`; None where it means nothing (no finding)."""
+        first = name.parts[0]
+        if name.absolute:
+            symbol = self._in(self.top, first)
+        else:
+            symbol = None
+            for outer in scope.chain():
+                symbol = self._in(outer, first)
+                if symbol is not None:
+                    if outer is not scope:
+                        scope.uses.setdefault(first.lower(), (first, name.span))
+                    break
+        for part in name.parts[1:]:
+            if symbol is None or symbol.scope is None:
+                return None
+            symbol = self._in(symbol.scope, part)
+        if symbol is not None and symbol.name != name.parts[-1]:
+            self._findings.error(
+                "G0103",
+                name.span,
+                f"'{name.parts[-1]}' differs from '{symbol.name}' only in case",
+                f"write '{symbol.name}'",
+                notes=(Note("declared here", symbol.span.location),),
+            )
+        return symbol
+
+    def _in(self, scope: Scope, part: str) -> Symbol | None:
+        symbol = scope.symbols.get(part.lower())
+        if symbol is not None and (symbol.kind == "module" or symbol.file in self.visible):
+            return symbol
+        for base in scope.bases:
+            inherited = self._in(base, part)
+            if inherited is not None and inherited.kind not in ("operation", "attribute"):
+                return inherited
+        return None
+
+    # -- what may have been meant --------------------------------------------------------------
+
+    def hint(self, name: ScopedName, scope: Scope, kinds: frozenset[str]) -> str:
+        """A help line for a name that means nothing."""
+        wanted = name.parts[-1]
+        hidden = [
+            s for s in self._everything(self.top) if s.name == wanted and s.file not in self.visible
+        ]
+        if hidden:
+            return (
+                f"'{hidden[0].scoped}' is declared in {hidden[0].file}, which is not included: "
+                f'#include "{hidden[0].file}"'
+            )
+        known: dict[str, str] = {}
+        for symbol in self._everything(self.top):
+            if symbol.kind in kinds:
+                exact = symbol.name == wanted
+                place = f"{symbol.file}:{symbol.span.location.line}"
+                if exact:
+                    return f"there is '{symbol.scoped}', declared in {place}"
+                shown = symbol.name if self._reaches(symbol, scope) else symbol.scoped
+                known[shown] = place if symbol.file in self.visible else f"{place} (not included)"
+        return suggestion(wanted, known)
+
+    def _reaches(self, symbol: Symbol, scope: Scope) -> bool:
+        around = symbol.scoped.rpartition("::")[0]
+        return any(outer.name == around for outer in scope.chain())
+
+    def _everything(self, scope: Scope) -> Iterator[Symbol]:
+        for symbol in scope.symbols.values():
+            yield symbol
+            if symbol.scope is not None:
+                yield from self._everything(symbol.scope)
+
+    def incomplete(self) -> Iterator[Symbol]:
+        return (s for s in self._everything(self.top) if not s.complete)
+
+
+def _file(name: Name) -> str:
+    return name.span.source.path
+
+
+def _overload_help(known: str, new: str) -> str:
+    if known == new == "operation":
+        return "IDL has no overloading: give each operation a name of its own"
+    if known == "enumerator" or new == "enumerator":
+        return "enumerators live in the scope around their enum, not in the enum"
+    return ""
+
+
+def _a(kind: str) -> str:
+    return f"an {kind}" if kind[0] in "aeiou" else f"a {kind}"
