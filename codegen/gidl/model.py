@@ -437,6 +437,26 @@ class Attribute:
         return self.stream is not None and self.stream.direction is StreamDirection.OUT
 
     @property
+    def idempotent(self) -> bool:
+        """A getter or setter is sent at most once, like any call that does not say otherwise."""
+        return False
+
+    @property
+    def on_new(self) -> OnNew:
+        """A setter queues like any actor command, ..."""
+        return OnNew.QUEUE
+
+    @property
+    def on_loss(self) -> OnLoss:
+        """... ends with the status of its caller, ..."""
+        return OnLoss.STOP
+
+    @property
+    def parallel(self) -> bool:
+        """... and runs alone."""
+        return False
+
+    @property
     def has_getter(self) -> bool:
         """An inward stream cannot be got by a call."""
         return not self.streams_in
