@@ -10,6 +10,8 @@ class Lab:
         self, interface: Interface, names: Sequence[str], medium: str | None, patience: float
     ) -> Session | list[tuple[str, int, str]]:
         """A session, or name, detail and reason of each attempt."""
+    def broker(self, interface: Interface, patience: float) -> Session | str:
+        """The lab's own session with its broker, or why there is none."""
     def close(self) -> None: ...
 
 class Session:

@@ -6,6 +6,7 @@ from types import TracebackType
 from typing import Self
 
 from gecos import _core, farewell
+from gecos.errors import ServeError
 from gecos.lab import Lab
 
 
@@ -13,7 +14,10 @@ class Broker:
     """Knows where objects are while it is open. Raises ServeError when another broker is there."""
 
     def __init__(self, lab: Lab) -> None:
-        self._core = _core.Broker(lab._core)
+        try:
+            self._core = _core.Broker(lab._core)
+        except RuntimeError as error:
+            raise ServeError(str(error)) from None
         farewell.at_exit(self, farewell.Turn.BROKERS)
 
     def close(self) -> None:

@@ -42,6 +42,16 @@ class Lab:
             raise CreateError([Attempt(name, Detail(d), reason) for name, d, reason in created])
         return interface(created)
 
+    def broker(self, interface: type[P], *, patience: float = 2.0) -> P:
+        """The broker itself, through which everything is found: pass `gecos_idl.broker.Broker`.
+
+        Raises CreateError with what was tried.
+        """
+        opened = self._core.broker(interface._gecos_interface, patience)
+        if isinstance(opened, str):
+            raise CreateError([Attempt("BROKER", Detail.NO_SERVER, opened)])
+        return interface(opened)
+
     def close(self) -> None:
         """Says goodbye to every object. Proxies made by it are dead afterwards."""
         self._core.close()

@@ -118,6 +118,9 @@ def _answer(servant: Servant, call: _core.IncomingCall) -> None:
     except DecodeError as error:
         call.fail(Detail.BAD_PARAMETER, f"{handler.operation.name}: {error}", "", b"")
         return
+    if call.interrupted():  # stopped or canceled while another handler had the thread
+        call.fail(Detail.CANCELED, f"{handler.operation.name}: ended before it started", "", b"")
+        return
     if handler.operation.cancelable:
         arguments = (*arguments, Execution(call))
     try:

@@ -1,0 +1,5 @@
+import sys
+
+from gecos.cli import main
+
+sys.exit(main())

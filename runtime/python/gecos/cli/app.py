@@ -1,0 +1,91 @@
+"""Commands and their options. What they print is in `report`."""
+
+from __future__ import annotations
+
+import signal
+import sys
+from collections.abc import Callable
+from typing import Annotated, TypeVar
+
+import typer
+
+import gecos
+from gecos.cli import report
+from gecos.cli.laboratory import entries, find
+
+T = TypeVar("T")
+Name = Annotated[str, typer.Argument(help="Name under which the object is served: RX90")]
+BrokerAddress = Annotated[
+    str | None,
+    typer.Option("--broker", help="Address of the broker; else GECOS_BROKER, else this host's"),
+]
+
+app = typer.Typer(
+    help="Looks after the objects of a robot laboratory.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+
+@app.command("ls")
+def list_objects(broker: BrokerAddress = None) -> None:
+    """Lists the objects that are online."""
+    with gecos.Lab(broker) as lab:
+        report.objects(entries(lab))
+
+
+@app.command()
+def describe(name: Name, broker: BrokerAddress = None) -> None:
+    """Shows what an object is and what state it is in."""
+    with gecos.Lab(broker) as lab:
+        report.description(gecos.describe(find(lab, name)).result())
+
+
+@app.command()
+def holders(name: Name, broker: BrokerAddress = None) -> None:
+    """Shows who holds actor or master status of an object."""
+    with gecos.Lab(broker) as lab:
+        report.holders(name, gecos.holders(find(lab, name)).result())
+
+
+@app.command()
+def stop(name: Name, broker: BrokerAddress = None) -> None:
+    """Stops a device, whoever moves it. Ends every lease and drops its queue."""
+    with gecos.Lab(broker) as lab:
+        gecos.stop(find(lab, name)).result()
+        print(f"{name}: stopped")
+
+
+@app.command("broker")
+def run_broker() -> None:
+    """Runs this host's broker until Ctrl-C."""
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    with gecos.Lab() as lab, gecos.Broker(lab):
+        print("broker: ready", flush=True)
+        while True:
+            signal.pause()
+
+
+def run() -> int:
+    return _reporting(lambda: app(standalone_mode=False))
+
+
+def _reporting(command: Callable[[], object]) -> int:
+    """Runs it, and says in one line why it could not be done."""
+    try:
+        code = command()
+    except KeyboardInterrupt:
+        return 130
+    except (ConnectionError, RuntimeError, PermissionError) as error:
+        print(f"gecos: {error}", file=sys.stderr)
+        return 1
+    except typer.Exit as end:
+        return end.exit_code
+    except Exception as error:
+        show = getattr(error, "show", None)  # click's usage errors print themselves
+        if show is None:
+            raise
+        show()
+        return 2
+    return code if isinstance(code, int) else 0

@@ -1,0 +1,75 @@
+"""What the commands print: tables on a terminal, and the same words in a pipe."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from gecos_idl.broker_types import Entry
+    from gecos_idl.object_types import Description, Holder
+
+
+def objects(entries: Sequence[Entry]) -> None:
+    if not entries:
+        print("nothing is online")
+        return
+    rows = [
+        (
+            entry.name,
+            entry.interface_name,
+            f"{entry.user}@{entry.hostname}",
+            str(entry.pid),
+            ", ".join(sorted({address.partition(":")[0] for address in entry.addresses})),
+            "simulated" if entry.simulated else "hardware",
+        )
+        for entry in entries
+    ]
+    _table(("name", "type", "served by", "pid", "media", ""), rows)
+
+
+def description(of: Description) -> None:
+    facts = (
+        ("type", f"{of.interface_name} {of.version}".strip()),
+        ("device", "simulated" if of.simulated else "hardware"),
+        ("presence", of.presence),
+        ("authentication", of.authentication),
+        ("executing", of.executing or "nothing"),
+        ("queued", str(of.queued)),
+        ("epoch", f"{of.epoch:#x}"),
+        ("pid", str(of.pid)),
+    )
+    print(of.name)
+    for name, value in facts:
+        print(f"  {name:<16}{value}")
+
+
+def holders(name: str, who: Sequence[Holder]) -> None:
+    if not who:
+        print(f"{name}: nobody holds actor or master status")
+        return
+    rows = [
+        (
+            holder.status.name.lower(),
+            f"{holder.user}@{holder.host}",
+            holder.program,
+            str(holder.pid),
+            f"{holder.held_for:.1f} s",
+            "releasing" if holder.releasing else f"{holder.expires_in:.1f} s",
+        )
+        for holder in who
+    ]
+    _table(("status", "client", "program", "pid", "held for", "ends if silent"), rows)
+
+
+def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(*heads, box=None, pad_edge=False)
+    for row in rows:
+        table.add_row(*row)
+    console = Console()
+    if not console.is_terminal:
+        console.width = 10_000  # a pipe has no edge to break lines at
+    console.print(table)

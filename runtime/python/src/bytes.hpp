@@ -1,0 +1,18 @@
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+#include "gecos/base/bytes.hpp"
+
+namespace gecos::python {
+
+inline nanobind::bytes to_python(ByteView bytes) {
+  return nanobind::bytes(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+}
+
+/// Borrows: valid as long as `bytes` is.
+inline ByteView from_python(const nanobind::bytes& bytes) {
+  return {reinterpret_cast<const std::byte*>(bytes.c_str()), bytes.size()};
+}
+
+}  // namespace gecos::python

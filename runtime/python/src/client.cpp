@@ -1,0 +1,208 @@
+// The client side at the byte seam: Lab, Session, Command, Stream, Lease.
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include "bind.hpp"
+#include "bytes.hpp"
+#include "dynamic_description.hpp"
+#include "gecos/session/lab_core.hpp"
+#include "gecos/session/linked_session.hpp"
+#include "handles.hpp"
+#include "waiting.hpp"
+
+namespace gecos::python {
+namespace {
+
+namespace nb = nanobind;
+
+/// Lets the free functions of every object be asked of a bare session.
+struct AnyObject : Object {
+  explicit AnyObject(std::shared_ptr<session::ClientSession> session)
+      : Object(std::move(session)) {}
+};
+
+nb::tuple as_tuple(const Failure& failure) {
+  return nb::make_tuple(static_cast<int>(failure.detail), failure.text, failure.exception,
+                        to_python(failure.evidence));
+}
+
+// Lab --------------------------------------------------------------------------------------------
+
+nb::object create(LabHandle& self, nb::handle interface, const std::vector<std::string>& names,
+                  const std::optional<std::string>& medium, double patience) {
+  CreateOptions options;
+  options.patience = patience_of(patience);
+  if (medium) {
+    options.medium = media::kind_from(*medium);
+    if (!options.medium) {
+      throw nb::value_error(
+          ("no medium is called '" + *medium + "'; there are inproc, shm and lcm").c_str());
+    }
+  }
+  const InterfaceDescription& wanted = description_of(interface);
+  auto created = run_interruptibly([lab = self.get(), &wanted, names, options] {
+    return session::create(lab->core(), wanted, names, options);
+  });
+  if (created) {
+    return nb::cast(
+        self.keep(std::make_shared<SessionHandle>(std::move(created->session), wanted)));
+  }
+  nb::list attempts;
+  for (const CreateError::Attempt& attempt : created.error().attempts) {
+    attempts.append(nb::make_tuple(attempt.name, static_cast<int>(attempt.detail), attempt.reason));
+  }
+  return attempts;
+}
+
+/// The lab's own session with its broker, or why there is none.
+nb::object broker(LabHandle& self, nb::handle interface, double patience) {
+  const InterfaceDescription& wanted = description_of(interface);
+  auto opened =
+      run_interruptibly([lab = self.get(), until = deadline_after(patience_of(patience))] {
+        return lab->core().broker(until);
+      });
+  if (!opened) return nb::str(opened.error().c_str());
+  return nb::cast(self.keep(std::make_shared<SessionHandle>(std::move(*opened), wanted)));
+}
+
+// Session ----------------------------------------------------------------------------------------
+
+CommandHandle call(SessionHandle& self, std::uint32_t code, nb::bytes arguments, double deadline) {
+  const OperationDescription* const operation = self.table().find(FunctionCode{code});
+  if (operation == nullptr) {
+    throw nb::key_error(
+        ("no operation of " + std::string(self.table().name) + " has this code").c_str());
+  }
+  const ByteView body = from_python(arguments);
+  return CommandHandle(self.get()->call(
+      *operation, body.size(), [&](wire::Encoder& to) { to.put_bytes(body); },
+      CallOptions{patience_of(deadline)}));
+}
+
+CommandHandle reserved(SessionHandle& self, int code) {
+  const AnyObject object(self.get());
+  switch (code) {
+    case 1:
+      return CommandHandle(holders(object).core());
+    case 2:
+      return CommandHandle(stop(object).core());
+    case 3:
+      return CommandHandle(ping(object).core());
+    case 4:
+      return CommandHandle(describe(object).core());
+    default:
+      throw nb::key_error("no reserved operation without parameters has this code");
+  }
+}
+
+nb::object subscribe(SessionHandle& self, std::uint32_t code) {
+  const StreamDescription* const stream = self.table().find_stream(FunctionCode{code});
+  if (stream == nullptr) {
+    throw nb::key_error(
+        ("no stream of " + std::string(self.table().name) + " has this code").c_str());
+  }
+  auto opened =
+      run_interruptibly([session = self.get(), stream] { return session->subscribe(*stream); });
+  if (opened) return nb::cast(StreamHandle(std::move(*opened)));
+  return nb::make_tuple(static_cast<int>(opened.error().detail), opened.error().text);
+}
+
+nb::object acquire(SessionHandle& self, int status, const std::string& password) {
+  auto got = run_interruptibly([session = self.get(), status, password] {
+    const AnyObject object(session);
+    return static_cast<access::Status>(status) == access::Status::Master ? master(object, password)
+                                                                         : actor(object, password);
+  });
+  if (got) return nb::cast(LeaseHandle(std::move(*got)));
+  return as_tuple(got.error().failure);
+}
+
+// Command and stream -----------------------------------------------------------------------------
+
+nb::tuple progress(const CommandHandle& self) {
+  const Progress progress = self.core().progress();
+  return nb::make_tuple(static_cast<int>(progress.detail), progress.position, progress.fraction);
+}
+
+bool wait(const CommandHandle& self, std::optional<double> timeout) {
+  return wait_in_slices(timeout, [&](TimePoint until) { return self.core().wait_until(until); });
+}
+
+nb::tuple as_tuple(const session::StreamCore& core, const media::StreamSample& sample) {
+  return nb::make_tuple(to_python(sample.bytes), sample.sequence, sample.stamp_ns, core.now_ns());
+}
+
+nb::object latest(StreamHandle& self) {
+  const auto core = self.get();
+  if (core == nullptr || !core->latest(self.sample())) return nb::none();
+  return as_tuple(*core, self.sample());
+}
+
+nb::object next(StreamHandle& self, std::optional<double> timeout) {
+  const auto core = self.get();
+  if (core == nullptr) return nb::str("closed");
+  tl::expected<void, StreamEnd> got = tl::unexpected(StreamEnd::Nothing);
+  wait_in_slices(timeout, [&](TimePoint until) {
+    got = core->next(self.sample(), until);
+    return got || got.error() != StreamEnd::Nothing;
+  });
+  if (got) return as_tuple(*core, self.sample());
+  if (got.error() == StreamEnd::Nothing) return nb::str("nothing");
+  return nb::str(got.error() == StreamEnd::Closed ? "closed" : "lost");
+}
+
+}  // namespace
+
+void bind_client(nb::module_& module) {
+  nb::class_<LabHandle>(module, "Lab")
+      .def(
+          "__init__",
+          [](LabHandle* self, const std::string& broker) {
+            LabOptions options;
+            options.broker = broker;
+            new (self) LabHandle(std::move(options));
+          },
+          nb::arg("broker"))
+      .def("create", &create, nb::arg("interface"), nb::arg("names"), nb::arg("medium").none(),
+           nb::arg("patience"))
+      .def("broker", &broker, nb::arg("interface"), nb::arg("patience"))
+      .def("close", &LabHandle::close);
+
+  nb::class_<SessionHandle>(module, "Session")
+      .def_prop_ro("object_name", [](const SessionHandle& s) { return s.get()->object_name(); })
+      .def_prop_ro("interface_name",
+                   [](const SessionHandle& s) { return s.get()->interface_name(); })
+      .def_prop_ro("medium",
+                   [](const SessionHandle& s) {
+                     return std::string(media::to_string(s.get()->offer().kind));
+                   })
+      .def("call", &call, nb::arg("code"), nb::arg("arguments"), nb::arg("deadline"))
+      .def("subscribe", &subscribe, nb::arg("code"))
+      .def("reserved", &reserved, nb::arg("code"))
+      .def("acquire", &acquire, nb::arg("status"), nb::arg("password"))
+      .def("close", &SessionHandle::close);
+
+  nb::class_<CommandHandle>(module, "Command")
+      .def("progress", &progress)
+      .def("feedback", [](const CommandHandle& c) { return to_python(c.core().feedback()); })
+      .def("wait", &wait, nb::arg("timeout").none())
+      .def("cancel", [](const CommandHandle& c) { c.core().cancel(); })
+      .def("result", [](const CommandHandle& c) { return to_python(c.core().result()); })
+      .def("failure", [](const CommandHandle& c) { return as_tuple(c.core().failure()); })
+      .def("descriptor", [](const CommandHandle& c) { return c.core().descriptor(); });
+
+  nb::class_<StreamHandle>(module, "Stream")
+      .def("latest", &latest)
+      .def("next", &next, nb::arg("timeout").none())
+      .def("close", &StreamHandle::close);
+
+  nb::class_<LeaseHandle>(module, "Lease")
+      .def_prop_ro("status", &LeaseHandle::status)
+      .def_prop_ro("epoch", &LeaseHandle::epoch)
+      .def("release", &LeaseHandle::release)
+      .def("release_now", &LeaseHandle::release_now);
+}
+
+}  // namespace gecos::python

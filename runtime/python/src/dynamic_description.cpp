@@ -1,0 +1,115 @@
+#include "dynamic_description.hpp"
+
+#include <nanobind/stl/string.h>
+
+#include <algorithm>
+#include <deque>
+#include <string>
+#include <vector>
+
+namespace gecos::python {
+namespace {
+
+namespace nb = nanobind;
+
+/// A table together with what it points to. Deques: texts and tables never move.
+struct OwnedDescription {
+  std::deque<std::string> texts;
+  std::vector<std::string_view> bases;
+  std::vector<OperationDescription> operations;
+  std::vector<StreamDescription> streams;
+  InterfaceDescription table;
+
+  std::string_view keep(nb::handle text) { return texts.emplace_back(nb::cast<std::string>(text)); }
+};
+
+template <class T>
+T field(nb::handle table, const char* name) {
+  return nb::cast<T>(table.attr(name));
+}
+
+/// An IntEnum of Python whose numbers are those of the C++ one.
+template <class Enum>
+Enum enumerator(nb::handle table, const char* name, Enum last) {
+  const auto number = field<std::uint8_t>(table, name);
+  if (number > static_cast<std::uint8_t>(last)) throw nb::value_error(name);
+  return static_cast<Enum>(number);
+}
+
+Duration duration(nb::handle table, const char* name) {
+  return Duration(field<Duration::rep>(table, name));
+}
+
+qos::Quality quality_of(nb::handle table) {
+  qos::Quality quality;
+  quality.line = enumerator(table, "line", qos::Class::HardRealtime);
+  quality.reliability =
+      field<bool>(table, "best_effort") ? qos::Reliability::BestEffort : qos::Reliability::Reliable;
+  quality.deadline = duration(table, "deadline_ns");
+  quality.start_by = duration(table, "start_by_ns");
+  quality.latency = duration(table, "latency_ns");
+  quality.lifespan = duration(table, "lifespan_ns");
+  quality.depth = field<std::uint32_t>(table, "depth");
+  quality.shm_only_media = field<bool>(table, "shm_only_media");
+  return quality;
+}
+
+OperationDescription operation_of(nb::handle table, OwnedDescription& owner) {
+  OperationDescription operation;
+  operation.code = FunctionCode{field<std::uint32_t>(table, "code")};
+  operation.name = owner.keep(table.attr("name"));
+  operation.kind = enumerator(table, "kind", OperationKind::Setter);
+  operation.status = enumerator(table, "access", access::Status::Master);
+  operation.safety = field<bool>(table, "safety");
+  operation.presence = field<bool>(table, "presence");
+  operation.idempotent = field<bool>(table, "idempotent");
+  operation.cancelable = field<bool>(table, "cancelable");
+  operation.parallel = field<bool>(table, "parallel");
+  operation.ordered = field<bool>(table, "ordered");
+  operation.on_new = enumerator(table, "on_new", OnNew::Blend);
+  operation.on_loss = enumerator(table, "on_loss", OnLoss::Finish);
+  operation.quality = quality_of(table.attr("quality"));
+  operation.hash = field<std::uint64_t>(table, "hash");
+  return operation;
+}
+
+StreamDescription stream_of(nb::handle table, OwnedDescription& owner) {
+  StreamDescription stream;
+  stream.code = FunctionCode{field<std::uint32_t>(table, "code")};
+  stream.name = owner.keep(table.attr("name"));
+  stream.status = enumerator(table, "access", access::Status::Master);
+  stream.rate_hz = field<double>(table, "rate_hz");
+  stream.largest = field<std::size_t>(table, "largest");
+  stream.quality = quality_of(table.attr("quality"));
+  return stream;
+}
+
+}  // namespace
+
+const InterfaceDescription& description_of(nb::handle interface) {
+  // Leaked on purpose: threads of the session may still look at tables while the process exits.
+  static auto& kept = *new std::deque<OwnedDescription>();
+  OwnedDescription made;
+  for (const nb::handle base : interface.attr("bases")) made.bases.push_back(made.keep(base));
+  for (const nb::handle operation : interface.attr("operations")) {
+    made.operations.push_back(operation_of(operation, made));
+  }
+  for (const nb::handle stream : interface.attr("streams")) {
+    made.streams.push_back(stream_of(stream, made));
+  }
+  const auto by_code = [](const auto& a, const auto& b) { return a.code < b.code; };
+  std::ranges::sort(made.operations, by_code);
+  std::ranges::sort(made.streams, by_code);
+  made.table.name = made.keep(interface.attr("name"));
+  made.table.version = made.keep(interface.attr("version"));
+  made.table.hash = field<std::uint64_t>(interface, "hash");
+  made.table.quality = quality_of(interface.attr("quality"));
+
+  OwnedDescription& owned = kept.emplace_back(std::move(made));
+  owned.table.bases = owned.bases;
+  owned.table.operations = owned.operations;
+  owned.table.streams = owned.streams;
+  return owned.table;
+}
+
+}  // namespace gecos::python

@@ -1,0 +1,18 @@
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/string.h>
+
+#include "bind.hpp"
+#include "gecos/session/command.hpp"
+
+NB_MODULE(_core, module) {
+  module.doc() = "The C++ runtime at the byte seam: untyped names that `gecos` gives their types.";
+  gecos::python::bind_client(module);
+  gecos::python::bind_server(module);
+  module.def("detail_name", [](std::uint8_t number) {
+    const auto detail = gecos::detail_from(number);
+    return std::string(detail ? gecos::to_string(*detail) : "");
+  });
+  // Proxies and servers of a module's top level live until the very end; `gecos.farewell` has taken
+  // leave of their sessions by then.
+  nanobind::set_leak_warnings(false);
+}

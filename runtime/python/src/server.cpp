@@ -1,0 +1,227 @@
+// The server side at the byte seam: Server, PulledServant, IncomingCall, Broker.
+#include "gecos/session/server.hpp"
+
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <memory>
+#include <stdexcept>
+#include <vector>
+
+#include "bind.hpp"
+#include "bytes.hpp"
+#include "dynamic_description.hpp"
+#include "gecos/base/log.hpp"
+#include "gecos/broker/broker.hpp"
+#include "handles.hpp"
+#include "pulled_servant.hpp"
+
+namespace gecos::python {
+namespace {
+
+namespace nb = nanobind;
+
+/// What servants and the calls of their queue belong to; as long as one of them lives.
+struct Served {
+  TaskQueue tasks;
+  std::vector<std::unique_ptr<PulledServant>> servants;
+};
+
+class ServantHandle {
+ public:
+  ServantHandle(std::shared_ptr<Served> served, PulledServant& servant)
+      : served_(std::move(served)), servant_(servant) {}
+  PulledServant& servant() const { return servant_; }
+
+ private:
+  std::shared_ptr<Served> served_;
+  PulledServant& servant_;
+};
+
+/// A call that Python answers. Answering moves it out; whoever is late is ignored.
+class CallHandle {
+ public:
+  explicit CallHandle(Arrived arrived)
+      : servant_(arrived.servant),
+        code_(arrived.call.operation().code),
+        call_(std::move(arrived.call)) {}
+  CallHandle(CallHandle&&) = default;
+
+  std::size_t servant() const { return servant_; }
+  std::uint32_t code() const { return number(code_); }
+  IncomingCall& call() {
+    if (!call_) throw nb::value_error("the call was answered already");
+    return *call_;
+  }
+  std::optional<IncomingCall> answer() { return std::exchange(call_, std::nullopt); }
+
+ private:
+  std::size_t servant_;
+  FunctionCode code_;
+  std::optional<IncomingCall> call_;
+};
+
+class ServerHandle {
+ public:
+  explicit ServerHandle(const LabHandle& lab)
+      : lab_(lab.get()), server_(std::make_shared<Server>(*lab_)) {}
+  ServerHandle(const ServerHandle&) = delete;
+  ServerHandle& operator=(const ServerHandle&) = delete;
+  ~ServerHandle() { close(); }
+
+  nb::object add(const std::string& name, nb::handle interface, bool simulated,
+                 const std::vector<std::string>& media) {
+    if (server_ == nullptr) return nb::str("the server is closed");
+    ObjectOptions options;
+    options.simulated = simulated;
+    options.thread_safe = true;  // dispatching only queues
+    for (const std::string& medium : media) {
+      const auto kind = media::kind_from(medium);
+      if (!kind) {
+        throw nb::value_error(
+            ("no medium is called '" + medium + "'; there are inproc, shm and lcm").c_str());
+      }
+      options.media.push_back(*kind);
+    }
+    PulledServant& servant = *served_->servants.emplace_back(std::make_unique<PulledServant>(
+        description_of(interface), served_->tasks, served_->servants.size()));
+    options.on_stop = [&servant] { servant.stopped(); };
+    const auto added = without_gil([&] { return server_->add(name, servant, std::move(options)); });
+    if (!added) return nb::str(added.error().text.c_str());
+    return nb::cast(ServantHandle(served_, servant));
+  }
+
+  nb::object next(int lane, std::optional<double> timeout) {
+    std::optional<Task> task;
+    wait_in_slices(timeout, [&, served = served_](TimePoint until) {
+      task = served->tasks.next(static_cast<Lane>(lane), until);
+      return task || served->tasks.closed();
+    });
+    if (!task) return nb::none();
+    if (const auto* stopped = std::get_if<Stopped>(&*task)) return nb::int_(stopped->servant);
+    return nb::cast(CallHandle(std::move(std::get<Arrived>(*task))));
+  }
+
+  bool closed() const { return served_->tasks.closed(); }
+
+  void close() {
+    without_gil([this, server = std::exchange(server_, nullptr)]() mutable {
+      served_->tasks.close();
+      server.reset();
+    });
+    let_go(lab_);
+  }
+
+ private:
+  std::shared_ptr<Lab> lab_;
+  std::shared_ptr<Served> served_ = std::make_shared<Served>();
+  std::shared_ptr<Server> server_;
+};
+
+/// A broker in this process, with a server of its own.
+class BrokerHandle {
+ public:
+  explicit BrokerHandle(const LabHandle& lab) : lab_(lab.get()) {
+    auto serving = std::make_shared<Serving>(*lab_);
+    ObjectOptions options;
+    options.well_known = true;
+    const auto added =
+        without_gil([&] { return serving->server.add("BROKER", serving->broker, options); });
+    if (!added) throw std::runtime_error(added.error().text);
+    serving_ = std::move(serving);
+  }
+  BrokerHandle(const BrokerHandle&) = delete;
+  BrokerHandle& operator=(const BrokerHandle&) = delete;
+  ~BrokerHandle() { close(); }
+
+  void close() {
+    let_go(serving_);
+    let_go(lab_);
+  }
+
+ private:
+  struct Serving {
+    explicit Serving(Lab& lab) : server(lab) {}
+    broker::Broker broker;
+    Server server;  // last: ends before the servant it serves
+  };
+  std::shared_ptr<Lab> lab_;
+  std::shared_ptr<Serving> serving_;
+};
+
+nb::tuple caller(CallHandle& self) {
+  const Caller& caller = self.call().caller();
+  return nb::make_tuple(caller.user, caller.host, caller.program, caller.pid, caller.session);
+}
+
+bool wait_interrupted(CallHandle& self, double seconds) {
+  const IncomingCall& call = self.call();
+  return wait_in_slices(seconds,
+                        [&](TimePoint until) { return call.wait_interrupted_until(until); });
+}
+
+void finish(CallHandle& self, const nb::bytes& result) {
+  if (auto call = self.answer()) call->finish(from_python(result));
+}
+
+void fail(CallHandle& self, int detail, std::string text, std::string exception,
+          const nb::bytes& evidence) {
+  const auto known = detail_from(static_cast<std::uint8_t>(detail));
+  const ByteView bytes = from_python(evidence);
+  if (auto call = self.answer()) {
+    call->fail({known.value_or(Detail::Fault), std::move(text), std::move(exception),
+                Bytes(bytes.begin(), bytes.end())});
+  }
+}
+
+}  // namespace
+
+void bind_server(nb::module_& module) {
+  nb::class_<ServantHandle>(module, "PulledServant")
+      .def(
+          "publish",
+          [](const ServantHandle& self, std::uint32_t code, const nb::bytes& sample,
+             std::int64_t stamp_ns) {
+            if (!self.servant().publish(FunctionCode{code}, from_python(sample), stamp_ns)) {
+              throw nb::key_error("no stream of the interface has this code");
+            }
+          },
+          nb::arg("code"), nb::arg("sample"), nb::arg("stamp_ns"));
+
+  nb::class_<CallHandle>(module, "IncomingCall")
+      .def_prop_ro("code", &CallHandle::code)
+      .def_prop_ro("servant", &CallHandle::servant)
+      .def_prop_ro("arguments", [](CallHandle& self) { return to_python(self.call().arguments()); })
+      .def("caller", &caller)
+      .def("interrupted", [](CallHandle& self) { return self.call().interrupted(); })
+      .def("wait_interrupted", &wait_interrupted, nb::arg("seconds"))
+      .def(
+          "progress",
+          [](CallHandle& self, double fraction, const nb::bytes& feedback) {
+            self.call().progress(fraction, from_python(feedback));
+          },
+          nb::arg("fraction"), nb::arg("feedback"))
+      .def("finish", &finish, nb::arg("result"))
+      .def("fail", &fail, nb::arg("detail"), nb::arg("text"), nb::arg("exception"),
+           nb::arg("evidence"));
+
+  nb::class_<ServerHandle>(module, "Server")
+      .def(nb::init<const LabHandle&>(), nb::arg("lab"))
+      .def("add", &ServerHandle::add, nb::arg("name"), nb::arg("interface"), nb::arg("simulated"),
+           nb::arg("media"))
+      .def("next", &ServerHandle::next, nb::arg("lane"), nb::arg("timeout").none())
+      .def_prop_ro("closed", &ServerHandle::closed)
+      .def("close", &ServerHandle::close);
+
+  nb::class_<BrokerHandle>(module, "Broker")
+      .def(nb::init<const LabHandle&>(), nb::arg("lab"))
+      .def("close", &BrokerHandle::close);
+
+  module.def(
+      "log_error",
+      [](const std::string& component, const std::string& text) { log_error(component, text); },
+      nb::arg("component"), nb::arg("text"));
+}
+
+}  // namespace gecos::python

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+#include <algorithm>
+#include <chrono>
+#include <future>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "gecos/base/clock.hpp"
+#include "gecos/session/thread.hpp"
+
+/// Waiting as Python wants it: without the GIL, and never deaf to signals for longer than a slice.
+namespace gecos::python {
+
+inline constexpr Duration longest_deafness = std::chrono::milliseconds(100);
+
+/// Seconds of Python as a duration: nothing and infinity mean for ever, what is negative means now.
+inline Duration patience_of(std::optional<double> seconds) {
+  if (!seconds || *seconds > 1e9) return Duration::max();
+  if (!(*seconds > 0)) return Duration::zero();
+  return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(*seconds));
+}
+
+/// Calls `wait(until)` in slices, without the GIL, until it gives true or the time is over. Between
+/// them Python's signal handlers run: what they raise (KeyboardInterrupt) ends the wait.
+template <class Wait>
+bool wait_in_slices(std::optional<double> seconds, Wait wait) {
+  const Duration patience = patience_of(seconds);
+  const TimePoint begin = SystemClock().now();
+  for (;;) {
+    bool done = false;
+    Duration passed{};
+    {
+      const nanobind::gil_scoped_release without_gil;
+      const TimePoint now = SystemClock().now();
+      passed = now - begin;
+      done = wait(now + std::clamp(patience - passed, Duration::zero(), longest_deafness));
+      passed = SystemClock().now() - begin;
+    }
+    if (done) return true;
+    if (PyErr_CheckSignals() != 0) throw nanobind::python_error();
+    if (passed >= patience) return false;
+  }
+}
+
+/// Runs `work`, which blocks and touches no Python, on a thread of its own, so that a signal ends
+/// the wait for it. What it was interrupted in goes on, and its result is dropped.
+template <class Work>
+auto run_interruptibly(Work work) {
+  using Value = decltype(work());
+  const auto task = std::make_shared<std::packaged_task<Value()>>(std::move(work));
+  std::future<Value> value = task->get_future();
+  session::start_thread("gecos-python", [task] { (*task)(); }).detach();
+  wait_in_slices(std::nullopt, [&](TimePoint until) {
+    return value.wait_until(until) == std::future_status::ready;
+  });
+  return value.get();
+}
+
+/// Runs `work`, which may block for a moment, without the GIL.
+template <class Work>
+decltype(auto) without_gil(Work work) {
+  const nanobind::gil_scoped_release released;
+  return work();
+}
+
+}  // namespace gecos::python
