@@ -1,5 +1,6 @@
 #include "json.hpp"
 
+#include <algorithm>
 #include <cctype>
 #include <cstdlib>
 #include <fstream>
@@ -27,9 +28,9 @@ class Reader {
     if (first == '{') {
       json.kind = Json::Kind::Object;
       list('}', [&] {
-        std::string key = string();
+        json.keys.push_back(string());
         expect(':');
-        json.members.emplace_back(std::move(key), value());
+        json.items.push_back(value());
       });
     } else if (first == '[') {
       json.kind = Json::Kind::List;
@@ -123,17 +124,13 @@ Json Json::from_vectors(const std::string& name) {
 }
 
 bool Json::has(const std::string& key) const {
-  for (const auto& [name, value] : members) {
-    if (name == key) return true;
-  }
-  return false;
+  return std::find(keys.begin(), keys.end(), key) != keys.end();
 }
 
 const Json& Json::operator[](const std::string& key) const {
-  for (const auto& [name, value] : members) {
-    if (name == key) return value;
-  }
-  throw std::runtime_error("JSON: no member " + key);
+  const auto found = std::find(keys.begin(), keys.end(), key);
+  if (found == keys.end()) throw std::runtime_error("JSON: no member " + key);
+  return items[static_cast<std::size_t>(found - keys.begin())];
 }
 
 double Json::number() const { return std::strtod(text.c_str(), nullptr); }

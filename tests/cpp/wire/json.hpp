@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "gecos/base/bytes.hpp"
@@ -21,9 +20,9 @@ class Json {
   static Json from_vectors(const std::string& name);
 
   Kind kind = Kind::Null;
-  std::string text;  ///< of a string, or a number or boolean as written
-  std::vector<Json> items;
-  std::vector<std::pair<std::string, Json>> members;
+  std::string text;               ///< of a string, or a number or boolean as written
+  std::vector<Json> items;        ///< of a list, or the values of an object
+  std::vector<std::string> keys;  ///< of an object, in the order of `items`
 
   bool has(const std::string& key) const;
   const Json& operator[](const std::string& key) const;  ///< throws when there is none

@@ -55,7 +55,8 @@ struct Loop {
 class SwapLoop : public testing::TestWithParam<Loop> {};
 
 TEST_P(SwapLoop, ReversesEveryLengthAtEveryAlignmentAndNothingElse) {
-  const auto [kind, width] = GetParam();
+  const detail::SwapKind kind = GetParam().kind;
+  const std::size_t width = GetParam().width;
   if (!detail::swap_copy_with(kind, width, nullptr, nullptr, 0)) {
     GTEST_SKIP() << "this machine does not have it";
   }
