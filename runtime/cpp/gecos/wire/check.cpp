@@ -43,10 +43,8 @@ std::string bad_text(std::string_view field) {
   return std::string(field) + ": a string is UTF-8 without NUL";
 }
 
-std::string wrong_arm(std::string_view type, std::string_view arm) {
-  std::string text(type);
-  text.append(": its tag does not select '").append(arm).append("', which it holds");
-  return text;
+std::string wrong_arm(std::string_view type) {
+  return std::string(type) + ": its tag does not select the arm that it holds";
 }
 
 }  // namespace gecos::wire

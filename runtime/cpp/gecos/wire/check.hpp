@@ -21,7 +21,7 @@ std::string over_bound(std::string_view field, std::size_t size, std::size_t bou
 /// "Pose.name: a string is UTF-8 without NUL".
 std::string bad_text(std::string_view field);
 
-/// "Shape: tag 3 does not select 'circle'".
-std::string wrong_arm(std::string_view type, std::string_view arm);
+/// "Shape: its tag does not select the arm that it holds".
+std::string wrong_arm(std::string_view type);
 
 }  // namespace gecos::wire

@@ -99,4 +99,25 @@ template <class Key, class T, class GetKey, class Get>
   return valid || from.fail(DecodeProblem::OutOfRange, field, from.offset() - size);
 }
 
+/// A union's tag, which travels as `Wire`. A number that the tag's type lacks is refused.
+template <class Wire, class Tag>
+[[nodiscard]] bool get_tag(Decoder& from, Tag& tag, const char* field) {
+  using Narrow = std::conditional_t<std::is_same_v<Tag, char>, unsigned char, Tag>;
+  const std::size_t offset = from.offset();
+  Wire number{};
+  if (!from.get(number, field)) return false;
+  const auto narrow = static_cast<Narrow>(number);
+  tag = static_cast<Tag>(narrow);
+  return static_cast<Wire>(narrow) == number ||
+         from.fail(DecodeProblem::UnknownUnionTag, field, offset);
+}
+
+/// Whether an arm of a union is there, which must be so exactly when the tag selects it.
+[[nodiscard]] inline bool get_arm(Decoder& from, bool selected, const char* field) {
+  const std::size_t offset = from.offset();
+  bool present = false;
+  if (!from.get(present, field)) return false;
+  return present == selected || from.fail(DecodeProblem::UnknownUnionTag, field, offset);
+}
+
 }  // namespace gecos::wire

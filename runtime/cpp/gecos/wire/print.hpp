@@ -56,16 +56,6 @@ void print(std::ostream& out, const std::vector<T>& values) {
   print_range(out, values);
 }
 
-inline void print(std::ostream& out, const std::vector<bool>& values) {
-  const char* separator = "";
-  out << '[';
-  for (const bool value : values) {
-    out << separator << (value ? "true" : "false");
-    separator = ", ";
-  }
-  out << ']';
-}
-
 template <class T, std::size_t size>
 void print(std::ostream& out, const std::array<T, size>& values) {
   print_range(out, values);

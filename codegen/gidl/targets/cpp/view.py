@@ -1,0 +1,30 @@
+"""The C++ files of a model, each with its template and what that prints."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from gidl.model import Model
+from gidl.targets.cpp.interface_view import interfaces_view, result_structs
+from gidl.targets.cpp.lower import Lowering
+from gidl.targets.cpp.types_view import types_view
+from gidl.targets.naming import OutputFile, has_output, source_stem
+from gidl.wire_layout import Layout
+
+
+def files(model: Model, layout: Layout) -> Iterator[OutputFile]:
+    lowering = Lowering(model, layout)
+    for file in model.files:
+        if not (file.asked_for and has_output(model, file.path)):
+            continue
+        stem = source_stem(file.path)
+        types = types_view(lowering, file, result_structs(lowering, file))
+        for suffix in ("hpp", "cpp"):
+            yield OutputFile(f"cpp/{stem}_types.{suffix}", "cpp", f"types.{suffix}.j2", types)
+        if not file.has_interface:
+            continue
+        interfaces = interfaces_view(lowering, file)
+        for part in ("client", "server"):
+            for suffix in ("hpp", "cpp"):
+                path = f"cpp/{stem}_{part}.{suffix}"
+                yield OutputFile(path, "cpp", f"{part}.{suffix}.j2", interfaces)

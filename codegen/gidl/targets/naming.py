@@ -1,0 +1,123 @@
+"""Names, files and notes: what the targets share, whatever their language."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable
+from dataclasses import dataclass
+
+from gidl.model import AnnotationDeclaration, Facts, Location, Model, Range, Value
+
+
+@dataclass(frozen=True, slots=True)
+class OutputFile:
+    """One file to write: `template` printed with `view`. Paths are relative to the output folder."""
+
+    path: str
+    language: str  # folder of the target whose templates these are
+    template: str
+    view: object
+
+
+class UnsupportedError(Exception):
+    """The interface uses something that no target can print yet."""
+
+    def __init__(self, location: Location, text: str) -> None:
+        super().__init__(f"{location.file}:{location.line}:{location.column}: {text}")
+        self.location = location
+        self.text = text
+
+
+class LocalNames:
+    """Names for locals, parameters and helpers of one scope; a taken name gets underscores."""
+
+    def __init__(self, taken: Iterable[str] = ()) -> None:
+        self._taken = set(taken)
+
+    def fresh(self, wanted: str) -> str:
+        while wanted in self._taken:
+            wanted += "_"
+        self._taken.add(wanted)
+        return wanted
+
+
+def escaped(name: str, reserved: Collection[str]) -> str:
+    """`name`, or with an underscore behind it where the language or our code has that word."""
+    return f"{name}_" if name in reserved else name
+
+
+def source_stem(path: str) -> str:
+    """ "robcl/geometry.gidl" -> "robcl/geometry"."""
+    return path.removesuffix(".gidl")
+
+
+def doc_lines(facts: Facts, note: str = "") -> tuple[str, ...]:
+    """The author's comment, then unit and range in brackets, then since and deprecation."""
+    lines = [line.strip() for line in facts.doc.strip().splitlines()] if facts.doc.strip() else []
+    if note:
+        if lines:
+            lines[-1] = f"{lines[-1]} [{note}]"
+        else:
+            lines.append(f"[{note}]")
+    if facts.since:
+        lines.append(f"Since {facts.since}.")
+    if facts.deprecated is not None:
+        lines.append(f"Deprecated: {facts.deprecated}" if facts.deprecated else "Deprecated.")
+    return tuple(lines)
+
+
+def value_note(unit: str | None, limits: Range | None, bound: int | None = None) -> str:
+    """ "m, 0.01 to 1.0": what a reader must know of a number and its type does not say."""
+    parts = [unit] if unit else []
+    if limits is not None:
+        parts.append(range_words(limits))
+    if bound is not None:
+        parts.append(f"at most {bound}")
+    return ", ".join(parts)
+
+
+def range_words(limits: Range) -> str:
+    if limits.minimum is None:
+        return f"at most {limits.maximum}"
+    if limits.maximum is None:
+        return f"at least {limits.minimum}"
+    return f"{limits.minimum} to {limits.maximum}"
+
+
+def range_text(limits: Range) -> str:
+    """As it stands in messages: "[0.01, 1.0]"."""
+    lower = "-inf" if limits.minimum is None else str(limits.minimum)
+    upper = "inf" if limits.maximum is None else str(limits.maximum)
+    return f"[{lower}, {upper}]"
+
+
+def within(inner: Range | None, outer: Range | None) -> Range | None:
+    """Both at once: the narrower bound of each side."""
+    if inner is None or outer is None:
+        return inner or outer
+    lower = [m for m in (inner.minimum, outer.minimum) if m is not None]
+    upper = [m for m in (inner.maximum, outer.maximum) if m is not None]
+    return Range(max(lower, default=None), min(upper, default=None))
+
+
+def is_number(value: Value | None) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def snake_case(name: str) -> str:
+    """ "LaserDistanceSensor" -> "laser_distance_sensor", "Rx90" -> "rx90"."""
+    out = ""
+    for i, letter in enumerate(name):
+        starts = letter.isupper() and i > 0
+        after_small = starts and (name[i - 1].islower() or name[i - 1].isdigit())
+        before_small = starts and i + 1 < len(name) and name[i + 1].islower()
+        if (after_small or (before_small and name[i - 1] != "_")) and name[i - 1] != "_":
+            out += "_"
+        out += letter.lower()
+    return out
+
+
+def has_output(model: Model, path: str) -> bool:
+    """Files of annotations alone give nothing in any language."""
+    file = next(f for f in model.files if f.path == path)
+    nothing = all(isinstance(d, AnnotationDeclaration) for d in file.declarations)
+    return not (file.declarations and nothing)

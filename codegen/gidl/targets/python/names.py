@@ -1,0 +1,54 @@
+"""How the names of an interface are written in Python, and where they live."""
+
+from __future__ import annotations
+
+import keyword
+
+from gidl.model import Interface, Model, Struct
+from gidl.targets.naming import LocalNames, escaped, snake_case, source_stem
+
+KEYWORDS = frozenset(keyword.kwlist) | {"self", "cls", "field", "dataclass", "property"}
+STRUCT_WORDS = KEYWORDS | {"encode", "decode", "fingerprint"}
+# A declared exception also is a CommandFailed and a BaseException.
+EXCEPTION_WORDS = STRUCT_WORDS | {"text", "detail", "args", "add_note", "with_traceback"}
+# Types that hints are written with: a declaration of that name gets an underscore.
+BUILTINS = frozenset(("bool", "int", "float", "str", "bytes", "list", "dict", "tuple", "type"))
+
+
+def module_stem(path: str) -> str:
+    """ "gecos/object.gidl" -> "gecos_idl/object": the name gecos is the runtime's own."""
+    parts = source_stem(path).split("/")
+    if parts[0] == "gecos" and len(parts) > 1:
+        parts[0] = "gecos_idl"
+    return "/".join(escaped(part, KEYWORDS) for part in parts)
+
+
+def module_of(path: str) -> str:
+    return module_stem(path).replace("/", ".")
+
+
+def type_name(model: Model, scoped_name: str) -> str:
+    """`robcl::Manipulator::Mode` is called `Manipulator_Mode`, like everywhere in our output."""
+    parts = scoped_name.split("::")
+    modules = len(parts) - 1
+    while modules and model.has("::".join(parts[:modules])):
+        modules -= 1
+    return escaped("_".join(parts[modules:]), KEYWORDS | BUILTINS)
+
+
+def mapped(struct: Struct) -> tuple[str, str] | None:
+    """Module and name of the hand-written type, where there is one."""
+    return struct.maps_to.python if struct.maps_to else None
+
+
+def member_name(name: str, words: frozenset[str] = STRUCT_WORDS) -> str:
+    return escaped(name, words)
+
+
+def constant(*words: str) -> str:
+    """ ("Manipulator", "tool_offset") -> "_MANIPULATOR_TOOL_OFFSET"."""
+    return "_" + "_".join(snake_case(word) for word in words).upper()
+
+
+def method_names(model: Model, interface: Interface) -> LocalNames:
+    return LocalNames(escaped(m.name, KEYWORDS) for m in model.all_interface_members(interface))

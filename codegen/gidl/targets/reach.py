@@ -1,0 +1,55 @@
+"""Which types can hold which: recursion is data, and decoders bound its depth."""
+
+from __future__ import annotations
+
+from gidl.model import (
+    ArrayType,
+    MapType,
+    Model,
+    NamedType,
+    SequenceType,
+    Struct,
+    Type,
+    Typedef,
+    Union,
+)
+
+
+def type_reaches(model: Model, start: str, goal: str) -> bool:
+    """Whether a value of type `start` can hold one of type `goal` inside."""
+    open_names, seen = _direct(model, start), set[str]()
+    while open_names:
+        name = open_names.pop()
+        if name == goal:
+            return True
+        if name not in seen:
+            seen.add(name)
+            open_names |= _direct(model, name)
+    return False
+
+
+def _direct(model: Model, name: str) -> set[str]:
+    declaration = model.find(name)
+    match declaration:
+        case Struct():
+            used = [m.type for m in model.all_members(declaration)]
+        case Union():
+            used = [case.member.type for case in declaration.cases]
+        case Typedef(type=target):
+            used = [target]
+        case _:
+            used = []
+    return {found for each in used for found in named_types(each)}
+
+
+def named_types(used: Type) -> set[str]:
+    """Names of the declarations that a type is written with."""
+    match used:
+        case NamedType(name):
+            return {name}
+        case SequenceType(element) | ArrayType(element):
+            return named_types(element)
+        case MapType(key, value):
+            return named_types(key) | named_types(value)
+        case _:
+            return set()
