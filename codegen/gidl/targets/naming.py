@@ -119,5 +119,5 @@ def snake_case(name: str) -> str:
 def has_output(model: Model, path: str) -> bool:
     """Files of annotations alone give nothing in any language."""
     file = next(f for f in model.files if f.path == path)
-    nothing = all(isinstance(d, AnnotationDeclaration) for d in file.declarations)
-    return not (file.declarations and nothing)
+    printed = any(not isinstance(d, AnnotationDeclaration) for d in file.declarations)
+    return printed or bool(file.includes)
