@@ -1,0 +1,51 @@
+"""A laboratory of its own for each test: a broker, a server with a lamp and a client."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import gecos
+import pytest
+from lamp import Lamp, PlainLamp
+
+
+@pytest.fixture
+def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder to meet in, so that nobody else's broker is found."""
+    folder = tmp_path / "run"
+    folder.mkdir(mode=0o700)
+    monkeypatch.setenv("GECOS_RUNTIME_DIR", str(folder))
+    monkeypatch.delenv("GECOS_BROKER", raising=False)
+    return folder
+
+
+@pytest.fixture
+def lab(place: Path) -> Iterator[gecos.Lab]:
+    with gecos.Lab() as lab, gecos.Broker(lab):
+        yield lab
+
+
+@pytest.fixture
+def servant() -> PlainLamp:
+    return PlainLamp()
+
+
+@pytest.fixture
+def server(lab: gecos.Lab, servant: PlainLamp) -> Iterator[gecos.Server]:
+    with gecos.Server(lab) as server:
+        server.add("LAMP", servant, simulated=True)
+        yield server
+
+
+@pytest.fixture
+def lamp(lab: gecos.Lab, server: gecos.Server) -> Lamp:
+    """A proxy without status."""
+    return lab.create(Lamp, "LAMP")
+
+
+@pytest.fixture
+def held(lamp: Lamp) -> Iterator[Lamp]:
+    """A proxy that holds actor status."""
+    with gecos.actor(lamp):
+        yield lamp

@@ -1,0 +1,254 @@
+from __future__ import annotations
+
+import asyncio
+import gc
+import warnings
+
+import gecos
+import pytest
+from gecos import Detail, State
+from lamp import DIM, Burnt, Glow, Lamp, PlainLamp
+
+
+def test_a_finished_command_gives_its_result(held: Lamp) -> None:
+    held.shine(80.0).result()
+    dimmed = held.dim(4.0)
+    assert dimmed.wait() is State.FINISHED
+    assert dimmed.result() == 20.0
+    assert dimmed.progress().detail is Detail.DONE
+    assert dimmed.exception() is None
+
+
+def test_a_command_runs_until_it_is_terminal(held: Lamp, servant: PlainLamp) -> None:
+    burning = held.burn_in()
+    servant.burning.wait()
+    assert burning.state is State.RUNNING
+    assert burning.wait(0.0) is State.RUNNING
+    servant.finish.set()
+    assert burning.wait() is State.FINISHED
+
+
+def test_a_result_that_takes_too_long_leaves_it_running(held: Lamp, servant: PlainLamp) -> None:
+    burning = held.burn_in()
+    with pytest.raises(TimeoutError, match=r"burn_in is still running after 0\.001 s"):
+        burning.result(0.001)
+    servant.finish.set()
+    burning.result()
+
+
+def test_a_declared_exception_is_raised_again_with_its_members(held: Lamp) -> None:
+    shining = held.shine(1200.0)
+    with pytest.raises(Burnt) as caught:
+        shining.result()
+    assert caught.value.hours == 1200
+    assert caught.value.detail is Detail.FAULT
+    assert str(caught.value) == "test::Burnt(hours=1200)"
+    assert shining.state is State.COMMAND_FAILED
+
+
+def test_a_declared_exception_is_a_failed_command(held: Lamp) -> None:
+    with pytest.raises(gecos.CommandFailed):
+        held.shine(1200.0).result()
+
+
+def test_any_other_exception_is_a_fault_with_its_text(
+    held: Lamp, capfd: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(gecos.CommandFailed, match="ZeroDivisionError: dimmed by nothing") as caught:
+        held.dim(0.0).result()
+    assert caught.value.detail is Detail.FAULT
+    assert not isinstance(caught.value, gecos.DeclaredError)
+    assert "Traceback" in capfd.readouterr().err
+
+
+def test_a_handler_may_reject_a_command(held: Lamp) -> None:
+    with pytest.raises(gecos.CommandFailed, match="does not shine darkness") as caught:
+        held.shine(-1.0).result()
+    assert caught.value.detail is Detail.REJECTED
+
+
+def test_arguments_that_do_not_decode_are_a_bad_parameter(held: Lamp) -> None:
+    command = held._gecos_call(DIM, [b"\0\0"])
+    with pytest.raises(gecos.CommandFailed, match="dim: field 'value' at byte 0") as caught:
+        command.result()
+    assert caught.value.detail is Detail.BAD_PARAMETER
+
+
+def test_moving_without_status_is_denied(lamp: Lamp) -> None:
+    with pytest.raises(gecos.CommandFailed, match="actor") as caught:
+        lamp.dim(2.0).result()
+    assert caught.value.detail is Detail.DENIED
+
+
+def test_a_canceled_command_ends_as_canceled(held: Lamp, servant: PlainLamp) -> None:
+    burning = held.burn_in()
+    servant.burning.wait()
+    burning.cancel()
+    assert burning.wait() is State.COMMAND_FAILED
+    assert burning.progress().detail is Detail.CANCELED
+    assert servant.interrupted.wait()
+
+
+def test_progress_of_a_running_command_is_a_fraction(held: Lamp, servant: PlainLamp) -> None:
+    burning = held.burn_in()
+    while burning.progress().fraction < 0.25:
+        assert burning.wait(0.001) is State.RUNNING
+    assert burning.progress().detail is Detail.EXECUTING
+    servant.finish.set()
+    burning.result()
+
+
+def test_a_queued_command_knows_its_position(held: Lamp, servant: PlainLamp) -> None:
+    burning, first, second = held.burn_in(), held.dim(1.0), held.dim(1.0)
+    while second.progress().detail is not Detail.QUEUED or second.progress().position != 1:
+        assert second.wait(0.001) is State.RUNNING
+    servant.finish.set()
+    for command in (burning, first, second):
+        command.wait()
+    assert servant.starts == ["burn_in", "dim", "dim"]
+
+
+def test_feedback_is_typed(held: Lamp) -> None:
+    shining = held.shine(42.0)
+    shining.result()
+    assert shining.feedback() == Glow(42.0)
+
+
+def test_a_command_without_feedback_has_none(held: Lamp) -> None:
+    dimmed = held.dim(1.0)
+    dimmed.result()
+    assert dimmed.feedback() is None
+
+
+def test_awaiting_gives_the_result(held: Lamp, servant: PlainLamp) -> None:
+    async def program() -> float:
+        burning = held.burn_in()
+        asyncio.get_running_loop().call_soon(servant.finish.set)
+        await burning
+        return await held.dim(1.0)
+
+    servant.value = 7.0
+    assert asyncio.run(program()) == 7.0
+
+
+def test_awaiting_raises_what_went_wrong(held: Lamp) -> None:
+    async def program() -> None:
+        await held.shine(1200.0)
+
+    with pytest.raises(Burnt):
+        asyncio.run(program())
+
+
+def test_several_tasks_may_await_one_command(held: Lamp, servant: PlainLamp) -> None:
+    async def wait_for(command: gecos.Command[float]) -> float:
+        return await command
+
+    async def program() -> list[float]:
+        burning, dimmed = held.burn_in(), held.dim(2.0)
+        tasks = [asyncio.ensure_future(wait_for(dimmed)) for _ in range(3)]
+        asyncio.get_running_loop().call_soon(servant.finish.set)
+        await burning
+        return await asyncio.gather(*tasks)
+
+    servant.value = 6.0
+    assert asyncio.run(program()) == [3.0] * 3
+
+
+def test_a_canceled_task_leaves_the_command_running(held: Lamp, servant: PlainLamp) -> None:
+    async def program() -> gecos.Command[None]:
+        burning = held.burn_in()
+        with pytest.raises(TimeoutError):
+            await asyncio.wait_for(burning._awaited(), 0.001)
+        return burning
+
+    burning = asyncio.run(program())
+    assert burning.state is State.RUNNING
+    servant.finish.set()
+    burning.result()
+
+
+def test_dropping_a_running_command_unobserved_warns_once(
+    held: Lamp, servant: PlainLamp, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("gecos.command._warned", set())
+    with pytest.warns(gecos.UnobservedCommandWarning, match="burn_in: dropped while it was"):
+        held.burn_in()
+        gc.collect()
+    with warnings.catch_warnings(record=True) as more:
+        warnings.simplefilter("always")
+        held.burn_in()
+        gc.collect()
+    assert more == []
+    servant.finish.set()
+
+
+@pytest.mark.parametrize("observe", ["state", "cancel", "detach", "wait"])
+def test_a_command_that_was_looked_at_may_be_dropped(
+    held: Lamp, servant: PlainLamp, observe: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("gecos.command._warned", set())
+    command = held.burn_in()
+    servant.burning.wait()
+    if observe == "state":
+        assert command.state is State.RUNNING
+    elif observe == "wait":
+        command.wait(0.0)
+    else:
+        getattr(command, observe)()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        del command
+        gc.collect()
+    servant.finish.set()
+
+
+def test_a_dropped_command_still_runs(held: Lamp, servant: PlainLamp) -> None:
+    held.dim(2.0).detach()
+    held.dim(1.0).result()
+    assert servant.starts == ["dim", "dim"]
+
+
+def test_calls_after_the_lab_is_closed_did_not_start(lab: gecos.Lab, server: gecos.Server) -> None:
+    with gecos.Lab() as other:
+        lamp = other.create(Lamp, "LAMP")
+    with pytest.raises(gecos.ConnectionFailed) as caught:
+        lamp.label().result()
+    assert caught.value.detail.state is State.CONNECTION_FAILED
+
+
+def test_calls_after_the_server_closed_did_not_start(lamp: Lamp, server: gecos.Server) -> None:
+    lamp.label().result()
+    server.close()
+    with pytest.raises(gecos.ConnectionFailed):
+        lamp.label().result()
+
+
+def test_closing_the_server_ends_what_runs(
+    held: Lamp, server: gecos.Server, servant: PlainLamp
+) -> None:
+    burning = held.burn_in()
+    servant.burning.wait()
+    server.close()
+    assert burning.wait() is State.COMMAND_FAILED
+    assert servant.interrupted.is_set()
+
+
+def test_a_deadline_that_passes_ends_the_command(held: Lamp, servant: PlainLamp) -> None:
+    burning = gecos.with_deadline(held, 0.05).burn_in()
+    assert burning.wait() is State.COMMAND_FAILED
+    assert burning.progress().detail in (Detail.TIMED_OUT, Detail.EXPIRED)
+
+
+def test_the_detail_projects_onto_one_of_four_states() -> None:
+    assert {detail.state for detail in Detail} == set(State)
+    assert Detail.UNREACHABLE.state is State.RUNNING
+    assert Detail.DONE.state is State.FINISHED
+    assert Detail.OUTCOME_UNKNOWN.state is State.COMMAND_FAILED
+    assert Detail.NOT_STARTED.state is State.CONNECTION_FAILED
+
+
+def test_details_have_the_numbers_of_the_runtime() -> None:
+    from gecos import _core
+
+    assert [_core.detail_name(detail) for detail in Detail] == [detail.name for detail in Detail]
+    assert _core.detail_name(len(Detail)) == ""

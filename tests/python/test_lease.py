@@ -1,0 +1,115 @@
+from __future__ import annotations
+
+import gecos
+import pytest
+from gecos import Detail, State
+from lamp import Lamp, PlainLamp
+
+
+@pytest.fixture
+def other(lab: gecos.Lab, server: gecos.Server) -> Lamp:
+    """A second proxy, which has a session of its own."""
+    return lab.create(Lamp, "LAMP")
+
+
+def test_status_lasts_as_long_as_the_block(lamp: Lamp) -> None:
+    with gecos.actor(lamp):
+        lamp.dim(1.0).result()
+    with pytest.raises(gecos.CommandFailed) as caught:
+        lamp.dim(1.0).result()
+    assert caught.value.detail is Detail.DENIED
+
+
+def test_a_second_client_is_refused_and_told_who_holds_it(held: Lamp, other: Lamp) -> None:
+    with pytest.raises(gecos.LeaseRefused, match="LAMP") as caught:
+        gecos.actor(other)
+    (holder,) = caught.value.holders
+    assert holder.status.name == "ACTOR"
+    assert holder.user in str(caught.value)
+    assert holder.held_for >= 0
+
+
+def test_reading_needs_no_status(held: Lamp, other: Lamp) -> None:
+    assert other.label().result() == "a lamp"
+
+
+def test_master_refuses_reading_to_others(lamp: Lamp, other: Lamp) -> None:
+    with gecos.master(lamp):
+        assert lamp.label().result() == "a lamp"
+        with pytest.raises(gecos.CommandFailed):
+            other.label().result()
+    assert other.label().result() == "a lamp"
+
+
+def test_status_is_shared_by_password(lamp: Lamp, other: Lamp) -> None:
+    with gecos.actor(lamp, password="sesame"):
+        with pytest.raises(gecos.LeaseRefused):
+            gecos.actor(other, password="open")
+        with gecos.actor(other, password="sesame"):
+            other.dim(1.0).result()
+            lamp.dim(1.0).result()
+
+
+def test_releasing_drains_what_was_issued(lamp: Lamp, other: Lamp, servant: PlainLamp) -> None:
+    with gecos.actor(lamp):
+        burning, dimmed = lamp.burn_in(), lamp.dim(1.0)
+    servant.burning.wait()
+    with pytest.raises(gecos.LeaseRefused) as caught:
+        gecos.actor(other)
+    assert caught.value.holders[0].releasing
+    servant.finish.set()
+    assert burning.wait() is State.FINISHED
+    assert dimmed.wait() is State.FINISHED
+
+
+def test_releasing_now_stops_what_was_issued(lamp: Lamp, other: Lamp, servant: PlainLamp) -> None:
+    lease = gecos.actor(lamp)
+    burning = lamp.burn_in()
+    servant.burning.wait()
+    lease.release_now()
+    assert burning.wait() is State.COMMAND_FAILED
+    with gecos.actor(other):
+        pass
+
+
+def test_a_released_lease_may_be_released_again(lamp: Lamp) -> None:
+    lease = gecos.actor(lamp)
+    lease.release()
+    lease.release()
+    lease.release_now()
+
+
+def test_holders_lists_who_has_status(held: Lamp, other: Lamp) -> None:
+    (holder,) = gecos.holders(other).result()
+    assert holder.status.name == "ACTOR"
+    assert not holder.releasing
+
+
+def test_nobody_holds_a_fresh_object(lamp: Lamp) -> None:
+    assert gecos.holders(lamp).result() == []
+
+
+def test_anyone_may_stop(held: Lamp, other: Lamp, servant: PlainLamp) -> None:
+    burning, queued = held.burn_in(), held.dim(1.0)
+    servant.burning.wait()
+    gecos.stop(other).result()
+    assert burning.wait() is State.COMMAND_FAILED
+    assert queued.wait() is State.COMMAND_FAILED
+    assert burning.progress().detail is Detail.STOPPED
+    assert servant.stopped.wait()
+    assert servant.interrupted.wait()
+    assert servant.starts == ["burn_in"]
+
+
+def test_after_a_stop_status_may_be_had_at_once(held: Lamp, other: Lamp) -> None:
+    gecos.stop(other).result()
+    with gecos.actor(other):
+        other.dim(1.0).result()
+
+
+def test_every_object_can_be_pinged_and_described(held: Lamp) -> None:
+    gecos.ping(held).result()
+    described = gecos.describe(held).result()
+    assert described.name == "LAMP"
+    assert described.interface_name == "test::Lamp"
+    assert described.simulated

@@ -1,0 +1,145 @@
+from __future__ import annotations
+
+import gecos
+import pytest
+from gecos import Detail, State
+from lamp import Heater, Lamp, PlainLamp
+
+
+def test_a_sensor_call_is_answered_while_a_command_runs(held: Lamp, servant: PlainLamp) -> None:
+    burning = held.burn_in()
+    servant.burning.wait()
+    assert held.label().result() == "a lamp"
+    assert burning.state is State.RUNNING
+    servant.finish.set()
+    burning.result()
+
+
+def test_two_objects_of_one_server_take_turns(
+    lab: gecos.Lab, server: gecos.Server, held: Lamp, servant: PlainLamp
+) -> None:
+    second = PlainLamp()
+    server.add("LAMP2", second)
+    lamp2 = lab.create(Lamp, "LAMP2")
+    with gecos.actor(lamp2):
+        burning, dimmed = held.burn_in(), lamp2.dim(1.0)
+        servant.burning.wait()
+        assert lamp2.label().result() == "a lamp"
+        assert second.starts == []
+        servant.finish.set()
+        dimmed.result()
+        burning.result()
+
+
+def test_a_command_that_was_stopped_while_another_object_had_the_thread_never_starts(
+    lab: gecos.Lab, server: gecos.Server, held: Lamp, servant: PlainLamp
+) -> None:
+    second = PlainLamp()
+    server.add("LAMP2", second)
+    lamp2 = lab.create(Lamp, "LAMP2")
+    with gecos.actor(lamp2):
+        burning = held.burn_in()
+        servant.burning.wait()
+        dimmed = lamp2.dim(1.0)
+        gecos.ping(lamp2).result()
+        gecos.stop(lamp2).result()
+        assert dimmed.wait() is State.COMMAND_FAILED
+    servant.finish.set()
+    burning.result()
+    held.dim(1.0).result()
+    assert second.starts == []
+
+
+def test_the_first_name_that_is_online_and_of_the_right_type_is_taken(
+    lab: gecos.Lab, server: gecos.Server
+) -> None:
+    assert repr(lab.create(Lamp, ["TORCH", "LAMP"])).startswith("<test::Lamp 'LAMP' over ")
+
+
+def test_create_gives_a_reason_for_each_name(lab: gecos.Lab, server: gecos.Server) -> None:
+    with pytest.raises(gecos.CreateError) as caught:
+        lab.create(Heater, ["TORCH", "LAMP"])
+    torch, lamp = caught.value.attempts
+    assert (torch.name, torch.detail) == ("TORCH", Detail.NO_SERVER)
+    assert (lamp.name, lamp.detail) == ("LAMP", Detail.REFUSED)
+    assert "test::Lamp" in lamp.reason
+    assert "test::Heater" in lamp.reason
+
+
+def test_without_a_broker_create_says_what_was_tried(place: object) -> None:
+    with gecos.Lab() as alone, pytest.raises(gecos.CreateError, match="broker"):
+        alone.create(Lamp, "LAMP", patience=0.2)
+
+
+def test_a_second_broker_is_refused(lab: gecos.Lab) -> None:
+    with gecos.Lab() as other, pytest.raises(gecos.ServeError):
+        gecos.Broker(other)
+
+
+def test_a_name_that_is_taken_is_refused(lab: gecos.Lab, server: gecos.Server) -> None:
+    with gecos.Server(lab) as second, pytest.raises(gecos.ServeError, match="LAMP"):
+        second.add("LAMP", PlainLamp())
+
+
+def test_an_object_that_was_refused_can_be_added_under_another_name(
+    lab: gecos.Lab, server: gecos.Server
+) -> None:
+    with gecos.Server(lab) as second:
+        with pytest.raises(gecos.ServeError):
+            second.add("LAMP", PlainLamp())
+        second.add("LAMP2", PlainLamp())
+        assert lab.create(Lamp, "LAMP2").label().result() == "a lamp"
+
+
+@pytest.mark.parametrize("medium", ["inproc", "shm", "lcm"])
+def test_the_named_medium_is_used(lab: gecos.Lab, server: gecos.Server, medium: str) -> None:
+    lamp = lab.create(Lamp, "LAMP", medium=medium)
+    assert repr(lamp).endswith(f"over {medium}>")
+    assert lamp.label().result() == "a lamp"
+
+
+def test_a_medium_that_the_server_does_not_offer_is_refused(
+    lab: gecos.Lab, server: gecos.Server
+) -> None:
+    server.add("SHY", PlainLamp(), media=["shm"])
+    with pytest.raises(gecos.CreateError, match="lcm"):
+        lab.create(Lamp, "SHY", medium="lcm")
+
+
+def test_an_unknown_medium_is_named(lab: gecos.Lab, server: gecos.Server) -> None:
+    with pytest.raises(ValueError, match="no medium is called 'pigeon'"):
+        lab.create(Lamp, "LAMP", medium="pigeon")
+    with pytest.raises(ValueError, match="no medium is called 'pigeon'"):
+        server.add("LAMP3", PlainLamp(), media=["pigeon"])
+
+
+def test_a_server_may_be_closed_twice(server: gecos.Server) -> None:
+    server.close()
+    server.close()
+
+
+def test_a_closed_server_takes_no_object(server: gecos.Server) -> None:
+    server.close()
+    with pytest.raises(gecos.ServeError, match="closed"):
+        server.add("LATE", PlainLamp())
+
+
+def test_a_handler_knows_its_caller(held: Lamp, servant: PlainLamp) -> None:
+    import os
+
+    seen: list[gecos.Caller] = []
+
+    def shine(goal: float, run: gecos.Execution[object]) -> None:
+        seen.append(run.caller)
+
+    servant.shine = shine  # type: ignore[method-assign,assignment]
+    held.shine(1.0).result()
+    assert seen[0].pid == os.getpid()
+
+
+def test_many_threads_may_call_through_one_proxy(lamp: Lamp) -> None:
+    from concurrent.futures import ThreadPoolExecutor
+
+    with ThreadPoolExecutor(8) as pool:
+        labels = list(pool.map(lambda _: lamp.label().result(), range(200)))
+    assert labels == ["a lamp"] * 200

@@ -1,0 +1,108 @@
+from __future__ import annotations
+
+import asyncio
+import time
+
+import gecos
+import pytest
+from lamp import Lamp, PlainLamp
+
+
+def test_a_stream_attribute_can_be_asked_once(lamp: Lamp, servant: PlainLamp) -> None:
+    servant.value = 3.5
+    assert lamp.level().result() == 3.5
+
+
+def test_samples_come_in_order_with_stamp_and_sequence(lamp: Lamp, servant: PlainLamp) -> None:
+    stream = lamp.level.stream()
+    servant.publish_level(1.0, stamp=100.5)
+    first = stream.next(10.0)
+    assert (first.value, first.stamp, first.lost) == (1.0, 100.5, 0)
+    servant.publish_level(2.0)
+    second = stream.next(10.0)
+    assert (second.value, second.sequence, second.lost) == (2.0, first.sequence + 1, 0)
+    assert abs(second.stamp - time.time()) < 60
+    assert 0 <= second.age < 60
+
+
+def test_latest_is_the_newest(lamp: Lamp, servant: PlainLamp) -> None:
+    stream = lamp.level.stream()
+    for value in (1.0, 2.0, 3.0):
+        servant.publish_level(value)
+    while (sample := stream.latest()) is None or sample.value != 3.0:
+        stream.next(10.0)
+    assert sample.value == 3.0
+
+
+def test_nothing_is_there_before_the_first_sample(lamp: Lamp) -> None:
+    stream = lamp.level.stream()
+    assert stream.latest() is None
+    with pytest.raises(TimeoutError, match=r"stream LAMP.level: no sample within 0.001 s"):
+        stream.next(0.001)
+
+
+def test_a_slow_reader_is_told_how_many_it_lost(lamp: Lamp, servant: PlainLamp) -> None:
+    stream = lamp.level.stream()
+    servant.publish_level(0.0)
+    first = stream.next(10.0)
+    for value in range(1, 2001):
+        servant.publish_level(float(value))
+    seen = first.sequence
+    while True:
+        sample = stream.next(10.0)
+        assert sample.sequence == seen + 1 + sample.lost
+        seen = sample.sequence
+        if sample.value == 2000.0:
+            break
+    assert seen == first.sequence + 2000
+
+
+def test_iterating_waits_for_each_sample(lamp: Lamp, servant: PlainLamp) -> None:
+    values = []
+    servant.before_label = lambda: servant.publish_level(9.0)
+    stream = lamp.level.stream()
+    lamp.label().result()
+    for sample in stream:
+        values.append(sample.value)
+        if len(values) == 3:
+            break
+        lamp.label().result()
+    assert values == [9.0] * 3
+
+
+def test_async_iteration(lamp: Lamp, servant: PlainLamp) -> None:
+    async def program() -> list[float]:
+        values = []
+        stream = lamp.level.stream()
+        servant.publish_level(0.0)
+        async for sample in stream:
+            values.append(sample.value)
+            if len(values) == 3:
+                break
+            servant.publish_level(float(len(values)))
+        return values
+
+    assert asyncio.run(program()) == [0.0, 1.0, 2.0]
+
+
+def test_a_stream_ends_when_its_server_closes(lamp: Lamp, server: gecos.Server) -> None:
+    stream = lamp.level.stream()
+    server.close()
+    with pytest.raises((EOFError, gecos.StreamLost)):
+        stream.next(10.0)
+
+
+def test_a_closed_stream_gives_nothing(lamp: Lamp, servant: PlainLamp) -> None:
+    stream = lamp.level.stream()
+    servant.publish_level(1.0)
+    stream.next(10.0)
+    stream.close()
+    assert stream.latest() is None
+    assert list(stream) == []
+    with pytest.raises(EOFError, match=r"stream LAMP\.level"):
+        stream.next()
+
+
+def test_publishing_before_it_is_served_says_what_to_do(servant: PlainLamp) -> None:
+    with pytest.raises(gecos.ServeError, match=r"add it to a gecos\.Server first"):
+        servant.publish_level(1.0)
