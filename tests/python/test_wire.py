@@ -135,7 +135,7 @@ def test_booleans_are_written_as_0_and_1_and_read_as_bool() -> None:
     ],
 )
 def test_a_number_that_does_not_fit_is_named(code: str, value: object, meaning: str) -> None:
-    with pytest.raises(EncodeError, match=f"field 'second': {meaning}"):
+    with pytest.raises(EncodeError, match=f"second: {meaning}"):
         Fields("d" + code, ("first", "second")).pack(0.0, value)
 
 
@@ -145,7 +145,7 @@ def test_packing_too_few_values_is_a_programming_error() -> None:
 
 
 def test_strings_that_cannot_be_sent_are_refused() -> None:
-    with pytest.raises(EncodeError, match="field 'name': 5 bytes of text, at most 4"):
+    with pytest.raises(EncodeError, match="name: 5 bytes of text, at most 4"):
         wire.string("Gerä", 4, "name")
     with pytest.raises(EncodeError, match="contains NUL"):
         wire.string("a\0b", field="name")
@@ -155,7 +155,7 @@ def test_strings_that_cannot_be_sent_are_refused() -> None:
 
 def test_a_count_above_its_bound_is_refused() -> None:
     assert wire.count(3, 3) == b"\0\0\0\3"
-    with pytest.raises(EncodeError, match="field 'joints': 4 elements, at most 3 are allowed"):
+    with pytest.raises(EncodeError, match="joints: 4 elements, at most 3 are allowed"):
         wire.count(4, 3, "joints")
 
 
@@ -189,7 +189,7 @@ def test_arrays_are_written_big_endian(values: object, code: str, expected: byte
     ],
 )
 def test_arrays_are_never_changed_silently(values: object, code: str, why: str) -> None:
-    with pytest.raises(EncodeError, match=f"field 'v': {why}"):
+    with pytest.raises(EncodeError, match=f"v: {why}"):
         wire.array(values, code, "v")  # type: ignore[arg-type]
 
 

@@ -10,8 +10,8 @@ numpy is imported when the first array passes, so that programs without arrays s
 from __future__ import annotations
 
 import struct
-from collections.abc import Sequence
-from enum import Enum, IntEnum
+from collections.abc import Callable, Sequence
+from enum import Enum, IntEnum, IntFlag
 from functools import cache
 from typing import TYPE_CHECKING, Any, NoReturn, Protocol, Self, TypeAlias, TypeVar
 
@@ -26,11 +26,16 @@ Parts: TypeAlias = list[bytes | bytearray | memoryview]
 MAX_DEPTH = 16
 MAX_ZERO_WIDTH = 65_536
 MAX_COUNT = 2**31 - 1
+MAX_TEXT = MAX_COUNT - 1
 
 _INT32 = struct.Struct(">i")
 _pack_int32 = _INT32.pack
 _read_int32 = _INT32.unpack_from
 _EnumT = TypeVar("_EnumT", bound=IntEnum)
+_FlagsT = TypeVar("_FlagsT", bound=IntFlag)
+_ElementT = TypeVar("_ElementT")
+_KeyT = TypeVar("_KeyT")
+_ValueT = TypeVar("_ValueT")
 
 
 class DecodeProblem(Enum):
@@ -71,7 +76,7 @@ class EncodeError(ValueError):
     """A value that its field cannot carry: which field, and why."""
 
     def __init__(self, field: str, why: str) -> None:
-        super().__init__(f"field '{field}': {why}" if field else why)
+        super().__init__(f"{field}: {why}" if field else why)
         self.field = field
         self.why = why
 
@@ -209,6 +214,7 @@ _CODE_MEANING = {
     "f": "a number of single precision",
     "d": "a number",
 }
+_WRITERS = {code: struct.Struct(">" + code) for code in _CODE_MEANING}
 _READERS = {code: struct.Struct(">" + code.replace("?", "B")) for code in _CODE_MEANING}
 
 
@@ -272,6 +278,126 @@ def block(parts: Parts) -> bytes:
     """An appendable struct: its size in bytes, then its fields."""
     fields = b"".join(parts)
     return _pack_int32(len(fields)) + fields
+
+
+def put_block(value: Contents, out: Parts) -> None:
+    """An appendable value in its block."""
+    parts: Parts = []
+    value.encode(parts)
+    out.append(block(parts))
+
+
+def number(value: Any, code: str, field: str = "") -> bytes:
+    """One value of a code as for `Fields`."""
+    try:
+        return _WRITERS[code].pack(value)
+    except (struct.error, OverflowError, TypeError):
+        raise EncodeError(field, f"{value!r} is not {_CODE_MEANING[code]}") from None
+
+
+def char(letter: str, field: str = "") -> bytes:
+    """One character of Latin-1, a byte."""
+    try:
+        raw = letter.encode("latin-1")
+    except UnicodeEncodeError:
+        raw = b""
+    if len(raw) != 1:
+        raise EncodeError(field, f"{letter!r} is not one character of Latin-1")
+    return raw
+
+
+def numbers(
+    values: npt.ArrayLike, code: str, most: int, field: str = "", low: Any = None, high: Any = None
+) -> Parts:
+    """A sequence of numbers: its count, then the numbers, each within `low` and `high`."""
+    import numpy as np
+
+    given = np.asarray(values)
+    if given.ndim != 1:
+        raise EncodeError(field, f"an array of {given.ndim} dimensions where a sequence has one")
+    _expect_within(given, low, high, field)
+    return [count(len(given), most, field), array(given, code, field)]
+
+
+def fixed(
+    values: npt.ArrayLike,
+    code: str,
+    shape: tuple[int, ...],
+    field: str = "",
+    low: Any = None,
+    high: Any = None,
+) -> memoryview:
+    """An array of numbers of a given shape, each within `low` and `high`."""
+    import numpy as np
+
+    given = np.asarray(values)
+    if given.shape != shape:
+        raise EncodeError(field, f"an array of shape {given.shape} where {shape} is declared")
+    _expect_within(given, low, high, field)
+    return array(given, code, field)
+
+
+def _expect_within(given: Array, low: Any, high: Any, field: str) -> None:
+    if low is None and high is None:
+        return
+    import numpy as np
+
+    outside = np.zeros(given.shape, bool)
+    if low is not None:
+        outside |= ~(given >= low)
+    if high is not None:
+        outside |= ~(given <= high)
+    if outside.any():
+        shown = f"[{'-inf' if low is None else low}, {'inf' if high is None else high}]"
+        raise out_of_range(field, given[outside].flat[0].item(), shown)
+
+
+def octets(raw: bytes, most: int, field: str = "") -> Parts:
+    """A sequence of bytes: its count, then the bytes."""
+    return [count(len(raw), most, field), bytes(raw)]
+
+
+def fixed_octets(raw: bytes, size: int, field: str = "") -> bytes:
+    if len(raw) != size:
+        raise EncodeError(field, f"{len(raw)} bytes where {size} are declared")
+    return bytes(raw)
+
+
+def exactly(values: Sequence[_ElementT], size: int, field: str = "") -> Sequence[_ElementT]:
+    """`values`, which are refused unless there are so many."""
+    if len(values) != size:
+        raise EncodeError(field, f"{len(values)} elements where {size} are declared")
+    return values
+
+
+def out_of_range(field: str, value: object, limits: str) -> EncodeError:
+    return EncodeError(field, f"{value} is outside {limits}")
+
+
+def first(entry: tuple[Any, Any]) -> Any:
+    """Key by which the entries of a map are sorted."""
+    return entry[0]
+
+
+def zeros(code: str, *shape: int) -> Array:
+    """An array as a new value has it."""
+    import numpy as np
+
+    return np.zeros(shape, _dtypes(code)[1])
+
+
+def same(left: Any, right: Any) -> bool:
+    """`==` for values that hold arrays."""
+    if isinstance(left, list) and isinstance(right, list):
+        return len(left) == len(right) and all(map(same, left, right))
+    if isinstance(left, dict) and isinstance(right, dict):
+        return left.keys() == right.keys() and all(same(left[key], right[key]) for key in left)
+    if left is None or right is None:
+        return left is right
+    equal = left == right
+    if hasattr(equal, "all"):
+        return bool(equal.all()) and left.shape == right.shape
+    return bool(equal)
 
 
 # Decoding ---------------------------------------------------------------------------------------
@@ -369,7 +495,20 @@ class Decoder:
         self.offset = start + 4
         return number
 
-    def array(self, code: str, number: int, field: str = "") -> Array:
+    def ranged(self, code: str, low: Any, high: Any, field: str = "") -> Any:
+        """One value of a code as for `Fields`, within `low` and `high`; None leaves a side open."""
+        value = self.number(code, field)
+        if (low is not None and not value >= low) or (high is not None and not value <= high):
+            self.refuse_range(field, _READERS[code].size)
+        return value
+
+    def refuse_range(self, field: str, width: int) -> NoReturn:
+        """Refuses a number that begins `width` bytes before what is read next."""
+        raise DecodeError(DecodeProblem.OUT_OF_RANGE, self.offset - width, field)
+
+    def array(
+        self, code: str, number: int, field: str = "", low: Any = None, high: Any = None
+    ) -> Array:
         """So many numbers, in an array of its own in the machine's byte order."""
         import numpy as np
 
@@ -384,7 +523,15 @@ class Decoder:
                 at = offset + int((raw > 1).argmax())
                 raise DecodeError(DecodeProblem.INVALID_BOOLEAN, at, field)
         self.offset = after
-        return np.frombuffer(self.data, kind, number, offset).astype(native)
+        values = np.frombuffer(self.data, kind, number, offset).astype(native)
+        if low is not None and not (values >= low).all():
+            self._refuse_outside(values >= low, kind.itemsize, field)
+        if high is not None and not (values <= high).all():
+            self._refuse_outside(values <= high, kind.itemsize, field)
+        return values
+
+    def _refuse_outside(self, inside: Array, width: int, field: str) -> NoReturn:
+        self.refuse_range(field, (len(inside) - int((~inside).argmax())) * width)
 
     def octets(self, number: int, field: str = "") -> bytes:
         """So many bytes as they are."""
@@ -410,6 +557,34 @@ class Decoder:
             if default is not None:
                 return default
         raise DecodeError(DecodeProblem.UNKNOWN_ENUMERATOR, self.offset - width, field)
+
+    def flags(
+        self, kind: type[_FlagsT], number: int, bits: int, field: str = "", width: int = 4
+    ) -> _FlagsT:
+        """The flags of a number that was just read with `width` bytes; `bits` may be set."""
+        if number >> bits:
+            self.refuse_range(field, width)
+        return kind(number)
+
+    def mapping(
+        self,
+        key: Callable[[], _KeyT],
+        value: Callable[[], _ValueT],
+        min_bytes_each: int,
+        most: int = MAX_COUNT,
+        field: str = "",
+    ) -> dict[_KeyT, _ValueT]:
+        """Entries whose keys ascend strictly: a map has one encoding."""
+        entries: dict[_KeyT, _ValueT] = {}
+        last: Any = None
+        for i in range(self.count(min_bytes_each, most, field)):
+            start = self.offset
+            name: Any = key()
+            if i and not last < name:
+                self.refuse(DecodeProblem.UNSORTED_MAP, field, start)
+            entries[name] = value()
+            last = name
+        return entries
 
     def block(self, field: str = "") -> Decoder:
         """Steps over an appendable struct and returns a decoder of its fields alone.
