@@ -104,7 +104,7 @@ class Interface:
     quality: Quality = field(default_factory=Quality)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)  # no slots: Method[T, F](…) writes an attribute of its own
 class Method(Generic[T, F]):
     """How a proxy calls an operation: reads its reply body, its feedback, its exceptions."""
 
