@@ -20,6 +20,7 @@ function(gidl_generate target)
     set(arg_ROOT "${CMAKE_CURRENT_SOURCE_DIR}")
   endif()
   get_filename_component(root "${arg_ROOT}" ABSOLUTE)
+  find_package(Python 3.11 REQUIRED COMPONENTS Interpreter)
 
   set(out "${CMAKE_CURRENT_BINARY_DIR}/${target}")
   set(sources "")
@@ -41,6 +42,7 @@ function(gidl_generate target)
   execute_process(
     COMMAND "${CMAKE_COMMAND}" -E env "PYTHONPATH=${GECOS_ROOT}/codegen"
             "${Python_EXECUTABLE}" -m gidl gen --lang cpp ${search} -I "${GECOS_ROOT}/idl" --out "${out}" ${inputs}
+    OUTPUT_QUIET
     RESULT_VARIABLE failed)
   if(failed)
     message(FATAL_ERROR "gidl_generate(${target}): gidl gen failed; its findings are above")

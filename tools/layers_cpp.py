@@ -11,8 +11,8 @@ ROOTS = ("runtime/cpp", "runtime/python/src", "devices", "generated/cpp")
 SUFFIXES = (".hpp", ".cpp", ".h", ".cc")
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
-# What all of media's users see: the contract, and how to wait on any of them.
-CONTRACT = re.compile(r"^gecos/media/(medium|waiting)\.[hc]pp$")
+# What media's users see: the contract, how to wait, and the door that opens what is here.
+CONTRACT = re.compile(r"^gecos/media/(?:(?:medium|waiting)\.[hc]pp|open\.hpp)$")
 HAND_WRITTEN = re.compile(
     r"^(?:gecos/(base|wire|qos|access|crypto|media|session|broker)|robcl/(frames|arm|motion))/"
 )
@@ -43,7 +43,7 @@ ROOMS: dict[str, Room] = {
     "media": _room("base qos medium", "a medium moves opaque bytes: base, qos and the contract"),
     "session": _room(
         _BELOW_SESSION,
-        "session knows media by their contract alone (medium.hpp, waiting.hpp), "
+        "session knows media by contract alone (medium.hpp, waiting.hpp, open.hpp), "
         "and generated types, never clients",
     ),
     "umbrella": _room("base session", "gecos.hpp gathers what programs use: base and session"),
