@@ -79,6 +79,7 @@ TEST(Packet, EveryCutIsRefused) {
     const auto packet = decode_packet(ByteView(bytes).first(size));
     ASSERT_FALSE(packet) << size;
     EXPECT_EQ(packet.error().problem, DecodeProblem::Truncated) << size;
+    EXPECT_LE(packet.error().offset, size);
   }
 }
 
@@ -91,6 +92,12 @@ TEST(Packet, NamesTheFieldThatIsWrong) {
   };
   EXPECT_EQ(refusal([](Bytes& bytes) { bytes[0] ^= std::byte{1}; }),
             "at byte 0: a message of another type");
+  EXPECT_EQ(refusal([](Bytes& bytes) { bytes.resize(15); }),
+            "field 'code' at byte 12: the bytes end before the value does");
+  EXPECT_EQ(refusal([](Bytes& bytes) { bytes.resize(55); }),
+            "field 'deadline_ns' at byte 48: the bytes end before the value does");
+  EXPECT_EQ(refusal([](Bytes& bytes) { bytes.resize(56); }),
+            "field 'body_n' at byte 56: the bytes end before the value does");
   EXPECT_EQ(refusal([](Bytes& bytes) { bytes[48] = std::byte{0x80}; }),
             "field 'deadline_ns' at byte 48: outside its declared range");
   EXPECT_EQ(refusal([](Bytes& bytes) { bytes[56] = std::byte{0x80}; }),

@@ -51,6 +51,20 @@ TEST(Utf8, ACharacterCutAnywhereIsRefusedAtEveryPlace) {
   }
 }
 
+TEST(Text, AStrangeByteIsSeenAtEveryPlace) {
+  for (std::size_t size = 0; size < 40; ++size) {
+    const std::string plain(size, 'a');
+    EXPECT_TRUE(plain_ascii(plain));
+    for (std::size_t at = 0; at < size; ++at) {
+      for (int byte = 0; byte < 256; ++byte) {
+        std::string text = plain;
+        text[at] = static_cast<char>(byte);
+        ASSERT_EQ(plain_ascii(text), byte > 0 && byte < 128) << byte << " at " << at;
+      }
+    }
+  }
+}
+
 TEST(Text, MayNotContainNul) {
   EXPECT_TRUE(valid_text("Stäubli"));
   EXPECT_TRUE(valid_text(""));

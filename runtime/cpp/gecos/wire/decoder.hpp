@@ -66,8 +66,10 @@ class Decoder {
     if (size >= remaining()) return fail_at(start, DecodeProblem::Truncated, field);
     const std::string_view view(reinterpret_cast<const char*>(cursor_), size);
     if (cursor_[size] != std::byte{0}) return fail_at(start, DecodeProblem::MissingNul, field);
-    if (view.find('\0') != npos) return fail_at(start, DecodeProblem::NulInString, field);
-    if (!valid_utf8(view)) return fail_at(start, DecodeProblem::InvalidUtf8, field);
+    if (!plain_ascii(view)) {
+      if (view.find('\0') != npos) return fail_at(start, DecodeProblem::NulInString, field);
+      if (!valid_utf8(view)) return fail_at(start, DecodeProblem::InvalidUtf8, field);
+    }
     cursor_ += size + 1;
     text = view;
     return true;

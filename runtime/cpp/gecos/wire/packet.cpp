@@ -1,36 +1,71 @@
 #include "gecos/wire/packet.hpp"
 
+#include <array>
 #include <cassert>
-#include <limits>
 
+#include "gecos/wire/contents.hpp"
 #include "gecos/wire/decoder.hpp"
 #include "gecos/wire/encoder.hpp"
 
 namespace gecos::wire {
 namespace {
 
-bool decode_header(Decoder& in, PacketHeader& header) {
-  std::int8_t kind = 0;
-  std::int8_t reserved = 0;
-  std::uint32_t code = 0;
-  std::uint64_t session = 0;
-  std::uint64_t epoch = 0;
-  std::int64_t deadline = 0;
-  if (!in.get(header.version, "version") || !in.get(kind, "kind") ||
-      !in.get(header.flags, "flags") || !in.get(reserved, "reserved") || !in.get(code, "code") ||
-      !in.get(session, "session") || !in.get(header.counter, "counter") ||
-      !in.get(header.acknowledged, "acknowledged") || !in.get(epoch, "epoch")) {
-    return false;
+struct HeadField {
+  const char* name;
+  std::size_t size;
+};
+
+// The head in order, up to body_n.
+constexpr std::array<HeadField, 11> head_fields{{{"", fingerprint_size},
+                                                 {"version", 1},
+                                                 {"kind", 1},
+                                                 {"flags", 1},
+                                                 {"reserved", 1},
+                                                 {"code", 4},
+                                                 {"session", 8},
+                                                 {"counter", 8},
+                                                 {"acknowledged", 8},
+                                                 {"epoch", 8},
+                                                 {"deadline_ns", 8}}};
+constexpr std::size_t deadline_offset = packet_head_size - 4 - 8;
+
+/// Which field a head of `size` bytes breaks off in.
+bool refuse_short_head(Decoder& in, std::size_t size) {
+  std::size_t offset = 0;
+  for (const HeadField& field : head_fields) {
+    if (offset + field.size > size) return in.fail(DecodeProblem::Truncated, field.name, offset);
+    offset += field.size;
   }
-  const std::size_t deadline_offset = in.offset();
-  if (!in.get(deadline, "deadline_ns")) return false;
-  if (deadline < 0) return in.fail(DecodeProblem::OutOfRange, "deadline_ns", deadline_offset);
-  header.kind = PacketKind{kind};
-  header.code = FunctionCode{code};
-  header.session = SessionId{session};
-  header.epoch = Epoch{epoch};
-  header.deadline = Duration{deadline};
-  return true;
+  return false;  // not reached: a short head misses one of its fields
+}
+
+/// One check of the size, then loads at fixed places: this is on the path of every call.
+bool decode_header(Decoder& in, PacketHeader& header) {
+  constexpr std::size_t size = packet_head_size - 4;
+  if (in.remaining() < size) return refuse_short_head(in, in.remaining());
+  ByteView head;
+  if (!in.get_view(head, size)) return false;
+  const std::byte* at = head.data();
+  const auto take = [&at]<typename T>(T) {
+    const T value = load_big_endian<T>(at);
+    at += sizeof(T);
+    return value;
+  };
+  if (take(packet_fingerprint) != packet_fingerprint) {
+    return in.fail(DecodeProblem::WrongFingerprint, "", 0);
+  }
+  header.version = take(std::int8_t{});
+  header.kind = PacketKind{take(std::int8_t{})};
+  header.flags = take(std::int8_t{});
+  take(std::int8_t{});  // reserved
+  header.code = FunctionCode{take(std::uint32_t{})};
+  header.session = SessionId{take(std::uint64_t{})};
+  header.counter = take(std::uint64_t{});
+  header.acknowledged = take(std::uint64_t{});
+  header.epoch = Epoch{take(std::uint64_t{})};
+  header.deadline = Duration{take(std::int64_t{})};
+  return header.deadline >= Duration::zero() ||
+         in.fail(DecodeProblem::OutOfRange, "deadline_ns", deadline_offset);
 }
 
 bool get_counted(Decoder& in, ByteView& bytes, const char* count_name, const char* name) {
@@ -75,16 +110,14 @@ Bytes encode_packet(const PacketHeader& header, ByteView body, ByteView tag) {
 }
 
 tl::expected<PacketView, DecodeError> decode_packet(ByteView bytes) {
-  PacketView packet;
+  tl::expected<PacketView, DecodeError> result;
+  PacketView& packet = *result;
   Decoder in(bytes);
-  std::int64_t fingerprint = 0;
-  const bool decoded =
-      in.get(fingerprint) &&
-      (fingerprint == packet_fingerprint || in.fail(DecodeProblem::WrongFingerprint, "", 0)) &&
-      decode_header(in, packet.header) && get_counted(in, packet.body, "body_n", "body") &&
-      get_counted(in, packet.tag, "tag_n", "tag") && in.expect_end();
-  if (!decoded) return tl::make_unexpected(in.error());
-  return packet;
+  const bool decoded = decode_header(in, packet.header) &&
+                       get_counted(in, packet.body, "body_n", "body") &&
+                       get_counted(in, packet.tag, "tag_n", "tag") && in.expect_end();
+  if (!decoded) result = tl::make_unexpected(in.error());
+  return result;
 }
 
 }  // namespace gecos::wire

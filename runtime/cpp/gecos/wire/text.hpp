@@ -1,9 +1,29 @@
 // What may be a string on the wire.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
 #include <string_view>
 
 namespace gecos::wire {
+
+/// Nothing but ASCII without NUL: what most strings are, decided eight bytes at a time.
+inline bool plain_ascii(std::string_view text) {
+  constexpr std::uint64_t high_bits = 0x8080808080808080u;
+  constexpr std::uint64_t low_bits = 0x0101010101010101u;
+  std::uint64_t suspicious = 0;  // gets a high bit where a byte has one, or is 0
+  std::size_t i = 0;
+  for (std::uint64_t eight; text.size() - i >= sizeof eight; i += sizeof eight) {
+    std::memcpy(&eight, text.data() + i, sizeof eight);
+    suspicious |= eight | (eight - low_bits);
+  }
+  for (; i < text.size(); ++i) {
+    const auto byte = static_cast<std::uint8_t>(text[i]);
+    suspicious |= static_cast<std::uint8_t>(byte | (byte - 1));
+  }
+  return (suspicious & high_bits) == 0;
+}
 
 /// Well-formed UTF-8 by RFC 3629: no overlong forms, no surrogates, nothing above U+10FFFF.
 bool valid_utf8(std::string_view text);
