@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from gidl.diagnostics import Finding, Findings
+from gidl.function_codes import codes_of
 from gidl.loader import Loader, default_search
 from gidl.model import Model
 from gidl.resolve import resolve
@@ -23,7 +24,7 @@ class Compiled:
 
 
 def compile_files(paths: Iterable[str], search: Iterable[str] = ()) -> Compiled:
-    """Reads, resolves and checks `paths` and what they include. Never raises for what they contain."""
+    """Reads, resolves and checks `paths` and what they include; never raises for their contents."""
     wanted = list(paths)
     folders = tuple(Path(p) for p in search) or default_search(wanted)
     findings = Findings()
@@ -31,6 +32,6 @@ def compile_files(paths: Iterable[str], search: Iterable[str] = ()) -> Compiled:
     vocabulary = loader.load_vocabulary()
     loader.load_all(wanted)
     model = resolve(loader.files.values(), vocabulary, findings)
-    check_all(model, findings)
+    check_all(model, findings, codes_of)
     order = list(loader.files)
     return Compiled(model, tuple(findings.in_order(order)), loader.sources, findings.has_errors)

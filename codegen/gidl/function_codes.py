@@ -16,21 +16,7 @@ that declares them.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from gidl.model import Attribute, ExceptionStruct, Facts, Interface, Model, Operation
-
-RESERVED_INTERFACE = "gecos::GecosObject"
-LAST_RESERVED = 255
-
-
-@dataclass(frozen=True, slots=True)
-class CodeUse:
-    """One code and the name it stands for; a setter's ends with "="."""
-
-    code: int
-    what: str
-    member: Operation | Attribute
 
 
 def fnv1a_32(text: str) -> int:
@@ -73,12 +59,14 @@ def exception_code(model: Model, exception: ExceptionStruct) -> int:
     return fnv1a_32(hashed_name(model, exception.name, exception.facts))
 
 
-def codes_of(model: Model, interface: Interface) -> tuple[CodeUse, ...]:
-    """Every code the interface itself declares, in order."""
-    uses = []
+def codes_of(
+    model: Model, interface: Interface
+) -> tuple[tuple[int, str, Operation | Attribute], ...]:
+    """Every code the interface itself declares, the hashed name, and the member, in order."""
+    uses: list[tuple[int, str, Operation | Attribute]] = []
     for member in interface.members:
         name = member_name(model, member)
-        uses.append(CodeUse(call_code(model, member), name, member))
+        uses.append((call_code(model, member), name, member))
         if isinstance(member, Attribute) and member.has_setter:
-            uses.append(CodeUse(setter_code(model, member), f"{name}=", member))
+            uses.append((setter_code(model, member), f"{name}=", member))
     return tuple(uses)

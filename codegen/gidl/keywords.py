@@ -2,100 +2,30 @@
 
 from __future__ import annotations
 
+
+def _words(text: str) -> frozenset[str]:
+    return frozenset(text.split())
+
+
 # Words with a meaning here, or refused by name: never an identifier.
-USED = frozenset(
-    [
-        "any",
-        "attribute",
-        "bitfield",
-        "bitmask",
-        "bitset",
-        "boolean",
-        "case",
-        "char",
-        "const",
-        "context",
-        "default",
-        "double",
-        "enum",
-        "exception",
-        "FALSE",
-        "fixed",
-        "float",
-        "getraises",
-        "import",
-        "in",
-        "inout",
-        "int8",
-        "int16",
-        "int32",
-        "int64",
-        "interface",
-        "local",
-        "long",
-        "map",
-        "module",
-        "native",
-        "Object",
-        "octet",
-        "oneway",
-        "out",
-        "raises",
-        "readonly",
-        "sequence",
-        "setraises",
-        "short",
-        "string",
-        "struct",
-        "switch",
-        "TRUE",
-        "typedef",
-        "typeid",
-        "typeprefix",
-        "uint8",
-        "uint16",
-        "uint32",
-        "uint64",
-        "union",
-        "unsigned",
-        "ValueBase",
-        "valuetype",
-        "void",
-        "wchar",
-        "wstring",
-        "abstract",
-    ]
+USED = _words(
+    """
+    any attribute bitfield bitmask bitset boolean case char const context default double enum
+    exception FALSE fixed float getraises import in inout int8 int16 int32 int64 interface local
+    long map module native Object octet oneway out raises readonly sequence setraises short
+    string struct switch TRUE typedef typeid typeprefix uint8 uint16 uint32 uint64 union
+    unsigned ValueBase valuetype void wchar wstring abstract
+    """
 )
 
 # Words of building blocks that are not part of .gidl: allowed as identifiers, with a warning,
 # because a tool for the whole of IDL will refuse them.
-UNUSED = frozenset(
-    [
-        "alias",
-        "component",
-        "connector",
-        "consumes",
-        "custom",
-        "emits",
-        "eventtype",
-        "factory",
-        "finder",
-        "home",
-        "manages",
-        "mirrorport",
-        "multiple",
-        "port",
-        "porttype",
-        "primarykey",
-        "private",
-        "provides",
-        "public",
-        "publishes",
-        "supports",
-        "truncatable",
-        "typename",
-        "uses",
-    ]
+UNUSED = _words(
+    """
+    alias component connector consumes custom emits eventtype factory finder home manages
+    mirrorport multiple port porttype primarykey private provides public publishes supports
+    truncatable typename uses
+    """
 )
 
 USED_BY_LOWER = {word.lower(): word for word in USED}

@@ -1,4 +1,4 @@
-"""Finds, reads and parses files, includes first. A file is read once, however often it is included."""
+"""Finds, reads and parses files, includes first; each is read once, however often included."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from enum import Enum
 
-from gidl.policy import Access, OnLoss, OnNew, Qos, Stream, StreamDirection
+from gidl.policy import UNSAID, Access, OnLoss, OnNew, Qos, Stream, StreamDirection
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -43,7 +43,7 @@ Value = bool | int | float | str | EnumValue
 
 @dataclass(frozen=True, slots=True)
 class Annotation:
-    """An annotation the compiler gives no meaning to (another vocabulary, or declared by the user)."""
+    """An annotation without a meaning here: of another vocabulary, or declared by the user."""
 
     name: str
     arguments: tuple[tuple[str, Value], ...] = ()  # in the order written; ("value", v) for @a(v)
@@ -378,7 +378,7 @@ class Operation:
     parallel: bool = False
     ordered: bool = False
     on_loss: OnLoss = OnLoss.STOP
-    qos: Qos = Qos()  # what applies: own terms over the interface's over its bases'
+    qos: Qos = UNSAID  # what applies: own terms over the interface's over its bases'
     result_unit: str | None = None
     result_range: Range | None = None
     result_optional: bool = False
@@ -416,7 +416,7 @@ class Attribute:
     write_needs_presence: bool = True
     get_raises: tuple[str, ...] = ()
     set_raises: tuple[str, ...] = ()
-    qos: Qos = Qos()
+    qos: Qos = UNSAID
     unit: str | None = None
     range: Range | None = None
     optional: bool = False
@@ -472,7 +472,7 @@ class Interface(Declaration):
     all_bases: tuple[str, ...]  # each once, a base before what derives from it
     members: tuple[Operation | Attribute, ...]  # own ones, in the order written
     nested: tuple[str, ...] = ()  # scoped names of what is declared inside, in order
-    qos: Qos = Qos()  # what decides `create`, inherited terms included
+    qos: Qos = UNSAID  # what decides `create`, inherited terms included
 
     @property
     def operations(self) -> tuple[Operation, ...]:

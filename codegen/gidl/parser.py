@@ -188,7 +188,7 @@ class Parser(InterfaceParser):
         return ConstSyntax(const_type, name, value, extras)
 
     def _typedef(self, extras: Extras) -> list[DeclarationSyntax]:
-        """With a struct, union or enum declared in it, that declaration stands before the typedef."""
+        """A struct, union or enum declared in it becomes a declaration before the typedef."""
         self._advance()
         found: list[DeclarationSyntax] = []
         is_constructed = self._is("struct") or self._is("union") or self._is("enum")

@@ -82,7 +82,10 @@ class Qos:
 
     @property
     def is_empty(self) -> bool:
-        return self == Qos()
+        return self == UNSAID
+
+
+UNSAID = Qos()
 
 
 @dataclass(frozen=True, slots=True)

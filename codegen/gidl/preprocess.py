@@ -1,6 +1,6 @@
 """Preprocessor lines: `#include`, guards, `#pragma once`, conditions and constants.
 
-A file is read once per run, whatever its guards say, so including is importing. Macros are constants
+A file is read once per run, whatever its guards say: including is importing. Macros are constants
 (`#define RATE 250`); macros with parameters are refused by name.
 """
 

@@ -1,4 +1,4 @@
-"""Texts with a meaning inside annotations: durations, rates, versions, type references."""
+"""Texts with a meaning inside annotations: durations, rates, hand-written types."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from fractions import Fraction
 
 _DURATION = re.compile(r"(\d+(?:\.\d+)?)\s*(ns|us|µs|ms|s|min|h)\Z")
 _RATE = re.compile(r"(\d+(?:\.\d+)?)\s*(mHz|Hz|kHz)\Z")
-_VERSION = re.compile(r"(0|[1-9]\d{0,5})\.(0|[1-9]\d{0,5})\Z")
 _CPP_TYPE = re.compile(r"((?:::)?[A-Za-z_]\w*(?:::[A-Za-z_]\w*)*)\s*<([^<>\s]+)>\Z")
 _PYTHON_TYPE = re.compile(r"([A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*):([A-Za-z_]\w*)\Z")
 
@@ -35,16 +34,6 @@ def rate_hz(text: str) -> float | None:
         return None
     exact = Fraction(match.group(1)) * _HERTZ[match.group(2)]
     return float(exact) if 0 < exact <= 10**6 else None
-
-
-def is_version(text: str) -> bool:
-    """Whether it is MAJOR.MINOR."""
-    return _VERSION.match(text) is not None
-
-
-def version_key(text: str) -> tuple[int, int]:
-    major, minor = text.split(".")
-    return int(major), int(minor)
 
 
 def cpp_type(text: str) -> tuple[str, str] | None:

@@ -1,7 +1,7 @@
 """Syntax to model: names are looked up, constants computed, annotations given their meaning.
 
-Files come in the order of their includes, declarations in the order written: IDL asks that a name is
-declared before it is used. What is wrong is reported and left out; the rest becomes the model.
+Files come in the order of their includes, declarations in the order written: IDL asks that a name
+is declared before it is used. What is wrong is reported and left out; the rest is the model.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What every rule of the parser stands on: looking at tokens, expecting them, reporting, recovering."""
+"""What every rule of the parser stands on: looking ahead, expecting, reporting, recovering."""
 
 from __future__ import annotations
 

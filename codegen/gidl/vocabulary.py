@@ -1,7 +1,7 @@
 """Which annotations there are, where each may stand, and what its arguments are.
 
-The parameters come from idl/gecos/annotations.gidl; where an annotation may stand, IDL has no way to
-say, so it is said here.
+The parameters come from idl/gecos/annotations.gidl; where an annotation may stand, IDL has no way
+to say, so it is said here.
 """
 
 from __future__ import annotations
@@ -66,7 +66,25 @@ PLACES: Mapping[str, frozenset[str]] = {
 
 # Annotations of the standard that mean nothing here: never taken for a slip of the pen.
 _STANDARD = frozenset(
-    ["ami", "autoid", "external", "extensibility", "ignore_literal_names", "key", "must_understand", "nested", "default_nested", "non_serialized", "oneway", "service", "topic", "try_construct", "verbatim", "data_representation", "hashid"]
+    [
+        "ami",
+        "autoid",
+        "external",
+        "extensibility",
+        "ignore_literal_names",
+        "key",
+        "must_understand",
+        "nested",
+        "default_nested",
+        "non_serialized",
+        "oneway",
+        "service",
+        "topic",
+        "try_construct",
+        "verbatim",
+        "data_representation",
+        "hashid",
+    ]
 )
 
 # Twice on one declaration is meant.
@@ -133,7 +151,7 @@ class Vocabulary:
     # -- one use -------------------------------------------------------------------------------
 
     def unknown(self, use: AnnotationUse) -> None:
-        """Reports an annotation nobody declared: a slip is an error, another vocabulary a warning."""
+        """Reports what nobody declared: a slip is an error, another vocabulary a warning."""
         name = str(use.name).removeprefix("::")
         if name.lower() in PLACES:
             self._findings.error("G0501", use.span, f"'@{name}' is written '@{name.lower()}'")
@@ -223,13 +241,10 @@ class Vocabulary:
         if parameter.literals:
             hint = "one of " + ", ".join(parameter.literals)
         elif isinstance(parameter.type, StringType):
-            hint = f'write it in quotes: {declared.name}("...")' if not parameter.name else ""
-        self._findings.error(
-            "G0503",
-            span,
-            f"'{parameter.name}' of '@{declared.name}' is {wanted}, not {describe_kind(given.kind)}",
-            hint,
-        )
+            hint = f"write it in quotes: {_example(declared)}"
+        shown = describe_kind(given.kind)
+        message = f"'{parameter.name}' of '@{declared.name}' is {wanted}, not {shown}"
+        self._findings.error("G0503", span, message, hint)
         return None
 
     # -- where it stands -----------------------------------------------------------------------

@@ -15,9 +15,9 @@ The encoding is LCM's (big-endian, fields in order). What LCM lacks is lowered:
     ObjectNode      an object reference: the fields of gecos.ObjectRef, an empty name is nil
 
 The body of a request holds the `in` and `inout` parameters in order, that of a reply the result and
-then `inout` and `out` parameters. Readers of a body accept more bytes than they know at its end, and
-take default or absent for defaulted and optional fields missing there: both grow. A stream sample is
-the reply body of its attribute's getter.
+then `inout` and `out` parameters. Readers of a body accept more bytes at its end than they know,
+and take default or absent for defaulted and optional fields missing there: both grow. A stream
+sample is the reply body of its attribute's getter.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The rules a model obeys beyond being well formed: one file each, `check(model, findings)`."""
+"""The rules a model obeys beyond being well formed: one file each."""
 
 from __future__ import annotations
 
@@ -6,13 +6,52 @@ from collections.abc import Callable
 
 from gidl.diagnostics import Findings
 from gidl.model import Model
+from gidl.rules import (
+    accessors,
+    call_terms,
+    codes,
+    defaults,
+    directions,
+    enums,
+    events,
+    inheritance,
+    maps,
+    member_kinds,
+    oneway,
+    quality,
+    recursion,
+    streams,
+    struct_bases,
+    unions,
+    units,
+    versions,
+)
 
 Rule = Callable[[Model, Findings], None]
 
-ALL: tuple[Rule, ...] = ()
+ALL: tuple[Rule, ...] = (
+    inheritance.check,
+    oneway.check,
+    events.check,
+    accessors.check,
+    call_terms.check,
+    streams.check,
+    quality.check,
+    recursion.check,
+    struct_bases.check,
+    defaults.check,
+    directions.check,
+    units.check,
+    unions.check,
+    enums.check,
+    maps.check,
+    member_kinds.check,
+    versions.check,
+)
 
 
-def check_all(model: Model, findings: Findings) -> None:
+def check_all(model: Model, findings: Findings, codes_of: codes.CodesOf) -> None:
     """Every rule on the whole model, so that one run shows everything."""
     for rule in ALL:
         rule(model, findings)
+    codes.check(model, findings, codes_of)

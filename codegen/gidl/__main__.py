@@ -1,0 +1,5 @@
+"""`python -m gidl`."""
+
+from gidl.cli import run
+
+run()

@@ -1,0 +1,243 @@
+"""The command line: `gidl gen | check | dump | new | explain`.
+
+Exit status: 0 fine, 1 the tool could not run, 2 wrong usage, 100 findings.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from gidl.compile import Compiled, compile_files
+from gidl.diagnostics import PRINTERS, Severity
+from gidl.output import compare, diff_text, write
+
+FINE, FAILED, USAGE, FINDINGS = 0, 1, 2, 100
+TARGETS = ("cpp", "python", "lcm", "model")
+_RECURSION = 10_000  # nesting is bounded by the parser; this lets 200 levels through
+
+
+def run() -> None:
+    """Entry of the installed command."""
+    sys.exit(main(sys.argv[1:]))
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Runs one command and gives its exit status."""
+    parser = _parser()
+    try:
+        chosen = parser.parse_args(arguments)
+    except SystemExit as ended:
+        return ended.code if isinstance(ended.code, int) else USAGE
+    sys.setrecursionlimit(max(sys.getrecursionlimit(), _RECURSION))
+    command: Callable[[argparse.Namespace], int] = chosen.command
+    try:
+        return command(chosen)
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return FAILED
+    except OSError as problem:
+        name = f"{problem.filename}: " if problem.filename else ""
+        print(f"gidl: {name}{problem.strerror or problem}", file=sys.stderr)
+        return FAILED
+    except KeyboardInterrupt:
+        return FAILED
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="gidl",
+        description="Compiler of .gidl robot interfaces.",
+        epilog="Exit status: 0 fine, 1 could not run, 2 wrong usage, 100 findings.",
+    )
+    verbs = parser.add_subparsers(metavar="VERB", required=True)
+
+    gen = verbs.add_parser("gen", help="write C++, Python, LCM and model files")
+    _add_files(gen)
+    gen.add_argument("--out", type=Path, default=Path("generated"), help="folder to write to")
+    gen.add_argument(
+        "--lang",
+        type=_languages,
+        default=TARGETS,
+        metavar="A,B",
+        help=f"which of {', '.join(TARGETS)}; all by default",
+    )
+    gen.add_argument("--check", action="store_true", help="write nothing; show what differs")
+    gen.set_defaults(command=_gen)
+
+    check = verbs.add_parser("check", help="report what is wrong")
+    _add_files(check)
+    check.set_defaults(command=_check)
+
+    dump = verbs.add_parser("dump", help="print the model as canonical JSON")
+    _add_files(dump)
+    dump.add_argument("--whole", action="store_true", help="included files too")
+    dump.set_defaults(command=_dump)
+
+    new = verbs.add_parser("new", help="start a device: interface, server and client")
+    new.add_argument("name", help="of the device, like thermometer")
+    new.add_argument("--into", type=Path, help="folder to make; the name by default")
+    new.set_defaults(command=_new)
+
+    explain = verbs.add_parser("explain", help="the page of a finding's code")
+    explain.add_argument("code", nargs="?", help="like G0102; all of them when left out")
+    explain.set_defaults(command=_explain)
+    return parser
+
+
+def _add_files(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "files", nargs="*", metavar="FILE", help="- reads stdin; idl/**/*.gidl when left out"
+    )
+    parser.add_argument(
+        "-I", dest="search", action="append", default=[], metavar="DIR", help="where includes begin"
+    )
+    parser.add_argument("--error-format", choices=sorted(PRINTERS), default="text")
+
+
+def _languages(text: str) -> tuple[str, ...]:
+    chosen = tuple(part.strip() for part in text.split(","))
+    for language in chosen:
+        if language not in TARGETS:
+            raise argparse.ArgumentTypeError(f"'{language}' is none of {', '.join(TARGETS)}")
+    return chosen
+
+
+# ---------------------------------------------------------------------------------------------
+# Verbs
+
+
+def _gen(chosen: argparse.Namespace) -> int:
+    from gidl import wire_layout
+    from gidl.emit import UnsupportedError, render
+    from gidl.model_json import file_text
+
+    files = _files(chosen)
+    if files is None:
+        return USAGE
+    compiled = _compiled(chosen, files)
+    if compiled.has_errors:
+        return FINDINGS
+    model = compiled.model
+    layout = wire_layout.build(model)
+    languages = [language for language in chosen.lang if language != "model"]
+    try:
+        texts = render(model, layout, languages)
+    except UnsupportedError as problem:
+        print(f"gidl: {problem}", file=sys.stderr)
+        return FAILED
+    if "model" in chosen.lang:
+        for file in model.files:
+            if file.asked_for:
+                path = f"model/{file.path.removesuffix('.gidl')}.json"
+                texts[path] = file_text(model, layout, file)
+    difference = compare(chosen.out, texts, chosen.lang)
+    if not chosen.check:
+        write(chosen.out, texts, difference)
+        stale = f", {len(difference.stale)} deleted" if difference.stale else ""
+        written = len(difference.changed) + len(difference.missing)
+        print(f"gidl: {len(texts)} files in {chosen.out}/, {written} written{stale}")
+        return FINE
+    if difference.is_empty:
+        print(f"gidl: {len(texts)} files in {chosen.out}/ are what the interfaces say")
+        return FINE
+    sys.stdout.write(diff_text(chosen.out, texts, difference))
+    sys.stdout.flush()
+    mend = _mending_command(chosen)
+    print(f"gidl: {difference.count} files in {chosen.out}/ differ; this mends it: {mend}")
+    return FINDINGS
+
+
+def _check(chosen: argparse.Namespace) -> int:
+    files = _files(chosen)
+    if files is None:
+        return USAGE
+    compiled = _compiled(chosen, files)
+    return FINDINGS if compiled.has_errors else FINE
+
+
+def _dump(chosen: argparse.Namespace) -> int:
+    from gidl import wire_layout
+    from gidl.model_json import model_text
+
+    files = _files(chosen)
+    if files is None:
+        return USAGE
+    compiled = _compiled(chosen, files)
+    if compiled.has_errors:
+        return FINDINGS
+    sys.stdout.write(model_text(compiled.model, wire_layout.build(compiled.model), chosen.whole))
+    return FINE
+
+
+def _new(chosen: argparse.Namespace) -> int:
+    from gidl.scaffold import ScaffoldRefusal, write_device
+
+    try:
+        print(write_device(chosen.name, chosen.into))
+    except ScaffoldRefusal as refusal:
+        print(f"gidl: {refusal}", file=sys.stderr)
+        return USAGE
+    return FINE
+
+
+def _explain(chosen: argparse.Namespace) -> int:
+    from gidl.explain import all_titles, closest, page
+
+    if chosen.code is None:
+        for code, title in all_titles():
+            print(f"{code}  {title}")
+        return FINE
+    found = page(chosen.code)
+    if found is None:
+        hint = closest(chosen.code)
+        print(f"gidl: there is no code {chosen.code}{hint}", file=sys.stderr)
+        return USAGE
+    print(found)
+    return FINE
+
+
+# ---------------------------------------------------------------------------------------------
+# Shared by the verbs
+
+
+def _files(chosen: argparse.Namespace) -> list[str] | None:
+    """The files named, else those of idl/; None (and a message) where there are none."""
+    if chosen.files:
+        return list(chosen.files)
+    found = sorted(place.as_posix() for place in Path("idl").rglob("*.gidl"))
+    if not found:
+        print("gidl: no files named, and there is no idl/ folder here with any", file=sys.stderr)
+        return None
+    return found
+
+
+def _compiled(chosen: argparse.Namespace, files: list[str]) -> Compiled:
+    """Compiles, and prints what was found: text to stderr, other formats to stdout."""
+    compiled = compile_files(files, chosen.search)
+    text = PRINTERS[chosen.error_format](list(compiled.findings), compiled.sources)
+    is_text = chosen.error_format == "text"
+    (sys.stderr if is_text else sys.stdout).write(text)
+    if is_text and compiled.findings:
+        errors = sum(f.severity is Severity.ERROR for f in compiled.findings)
+        warnings = len(compiled.findings) - errors
+        print(f"gidl: {_count(errors, 'error')}, {_count(warnings, 'warning')}", file=sys.stderr)
+    return compiled
+
+
+def _count(number: int, what: str) -> str:
+    return f"{number} {what}{'' if number == 1 else 's'}"
+
+
+def _mending_command(chosen: argparse.Namespace) -> str:
+    words = ["gidl", "gen"]
+    for folder in chosen.search:
+        words += ["-I", folder]
+    if chosen.out != Path("generated"):
+        words += ["--out", str(chosen.out)]
+    if tuple(chosen.lang) != TARGETS:
+        words += ["--lang", ",".join(chosen.lang)]
+    return " ".join([*words, *chosen.files])

@@ -1,0 +1,34 @@
+"""The names generated for an attribute, `set_x` and `publish_x`, are not taken by other members."""
+
+from __future__ import annotations
+
+from gidl.diagnostics import Findings, Note
+from gidl.model import Attribute, Model
+
+
+def check(model: Model, findings: Findings) -> None:
+    for interface in model.interfaces():
+        by_name = {m.name.lower(): m for m in model.all_interface_members(interface)}
+        for attribute in by_name.values():
+            if not isinstance(attribute, Attribute):
+                continue
+            for generated in _generated(attribute):
+                other = by_name.get(generated.lower())
+                if other is None or interface.name not in (attribute.interface, other.interface):
+                    continue
+                findings.error(
+                    "G0407",
+                    other.facts.location,
+                    f"'{other.name}' is the name generated for attribute '{attribute.name}'",
+                    "rename one of them",
+                    notes=(Note("the attribute", attribute.facts.location),),
+                )
+
+
+def _generated(attribute: Attribute) -> list[str]:
+    names = []
+    if attribute.has_setter:
+        names.append(f"set_{attribute.name}")
+    if attribute.streams_out:
+        names.append(f"publish_{attribute.name}")
+    return names

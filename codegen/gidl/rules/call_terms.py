@@ -1,0 +1,57 @@
+"""Annotations that say how a call runs stand on calls that run so."""
+
+from __future__ import annotations
+
+from gidl.diagnostics import Findings
+from gidl.model import Attribute, Model, Operation
+from gidl.policy import Access
+from gidl.rules.walk import members
+
+_OF_ACTORS = ("on_new", "parallel", "on_loss")
+
+
+def check(model: Model, findings: Findings) -> None:
+    for member in members(model):
+        if isinstance(member, Attribute):
+            _attribute(member, findings)
+        elif not member.is_event:
+            _operation(member, findings)
+
+
+def _operation(operation: Operation, findings: Findings) -> None:
+    facts = operation.facts
+    if operation.access is Access.SENSOR:
+        for annotation in _OF_ACTORS:
+            if facts.has(annotation):
+                findings.error(
+                    "G0408",
+                    facts.place_of(annotation),
+                    f"'@{annotation}' is about actor commands, and '{operation.name}' is a sensor "
+                    "operation",
+                    "leave it out, or write @actor",
+                )
+        if facts.has("presence"):
+            findings.error(
+                "G0408",
+                facts.place_of("presence"),
+                f"'{operation.name}' is a sensor operation: it never needs presence",
+                "leave out '@presence'",
+            )
+    elif operation.ordered:
+        findings.error(
+            "G0408",
+            facts.place_of("ordered"),
+            f"'{operation.name}' is an actor operation: these are always in order",
+            "leave out '@ordered'",
+        )
+
+
+def _attribute(attribute: Attribute, findings: Findings) -> None:
+    writes = attribute.has_setter or attribute.streams_in
+    if attribute.facts.has("presence") and not writes:
+        findings.error(
+            "G0408",
+            attribute.facts.place_of("presence"),
+            f"reading '{attribute.name}' never needs presence",
+            "leave out '@presence'",
+        )

@@ -1,0 +1,68 @@
+"""Function codes are unique in an object, and the reserved ones stay reserved."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+
+from gidl.diagnostics import Findings, Note
+from gidl.model import Attribute, Interface, Model, Operation
+
+RESERVED_INTERFACE = "gecos::GecosObject"
+LAST_RESERVED = 255
+
+Member = Operation | Attribute
+CodesOf = Callable[[Model, Interface], Iterable[tuple[int, str, Member]]]
+"""Every code that an interface itself declares, the name it stands for, and the member."""
+
+
+def check(model: Model, findings: Findings, codes_of: CodesOf) -> None:
+    own = {i.name: list(codes_of(model, i)) for i in model.interfaces()}
+    for interface in model.interfaces():
+        for code, name, member in own[interface.name]:
+            _reserved(interface, code, name, member, findings)
+        _unique(model, interface, own, findings)
+
+
+def _reserved(
+    interface: Interface, code: int, name: str, member: Member, findings: Findings
+) -> None:
+    inside = code <= LAST_RESERVED
+    if interface.name == RESERVED_INTERFACE:
+        if not 1 <= code <= LAST_RESERVED:
+            findings.error(
+                "G0602",
+                member.facts.place_of("id"),
+                f"'{name}' is an operation of every object and needs a code from 1 to "
+                f"{LAST_RESERVED}",
+                "write @id(n) with a free one",
+            )
+    elif inside:
+        hashed = "has" if member.facts.has("id") else "hashes to"
+        findings.error(
+            "G0602",
+            member.facts.place_of("id"),
+            f"'{name}' {hashed} the code {code}, and 0 to {LAST_RESERVED} are reserved for what "
+            "every object answers",
+            f"write @id(n) with n above {LAST_RESERVED}",
+        )
+
+
+def _unique(
+    model: Model,
+    interface: Interface,
+    own: dict[str, list[tuple[int, str, Member]]],
+    findings: Findings,
+) -> None:
+    seen: dict[int, tuple[str, Member]] = {}
+    for part in model.lineage(interface):
+        for code, name, member in own[part.name]:
+            first = seen.setdefault(code, (name, member))
+            if first[0] == name or interface.name not in (member.interface, first[1].interface):
+                continue
+            findings.error(
+                "G0603",
+                member.facts.place_of("id"),
+                f"'{name}' and '{first[0]}' have the same function code {code}",
+                f"write @id(n) on one of them, n above {LAST_RESERVED} and new",
+                notes=(Note("the other one", first[1].facts.location),),
+            )

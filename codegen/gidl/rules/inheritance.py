@@ -1,0 +1,59 @@
+"""No operation or attribute is declared twice along a line of inheritance, in any spelling."""
+
+from __future__ import annotations
+
+from gidl.diagnostics import Findings, Note
+from gidl.model import Attribute, Interface, Model, Operation
+
+
+def check(model: Model, findings: Findings) -> None:
+    for interface in model.interfaces():
+        inherited = _inherited(model, interface, findings)
+        for member in interface.members:
+            first = inherited.get(member.name.lower())
+            if first is not None:
+                findings.error(
+                    "G0402",
+                    member.facts.location,
+                    f"'{member.name}' is inherited from '{first.interface}' and cannot be "
+                    "declared again",
+                    "IDL has no overriding: give it another name, or leave it out",
+                    notes=(Note("first declared here", first.facts.location),),
+                )
+
+
+def _inherited(
+    model: Model, interface: Interface, findings: Findings
+) -> dict[str, Operation | Attribute]:
+    """Members of all bases; two bases with a member of one name are reported."""
+    found: dict[str, Operation | Attribute] = {}
+    for base in interface.all_bases:
+        for member in model.interface(base).members:
+            first = found.setdefault(member.name.lower(), member)
+            if first.interface == member.interface or _clashes_below(
+                model, interface, member, first
+            ):
+                continue
+            findings.error(
+                "G0403",
+                interface.facts.location,
+                f"'{interface.simple_name}' inherits '{member.name}' from '{first.interface}' and "
+                f"from '{member.interface}'",
+                "rename one of them, or move it into a base that both share",
+                notes=(
+                    Note("here", first.facts.location),
+                    Note("and here", member.facts.location),
+                ),
+            )
+    return found
+
+
+def _clashes_below(
+    model: Model, interface: Interface, one: Operation | Attribute, other: Operation | Attribute
+) -> bool:
+    """Whether a base already has both, so that the finding stands there."""
+    for base in interface.all_bases:
+        lineage = {i.name for i in model.lineage(model.interface(base))}
+        if one.interface in lineage and other.interface in lineage:
+            return True
+    return False

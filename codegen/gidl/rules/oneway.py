@@ -1,0 +1,38 @@
+"""A oneway operation gets no answer: no result, no `out`, no exception, nothing to cancel."""
+
+from __future__ import annotations
+
+from gidl.diagnostics import Findings
+from gidl.model import Direction, Model, Operation
+from gidl.rules.walk import members
+
+
+def check(model: Model, findings: Findings) -> None:
+    for member in members(model):
+        if not (isinstance(member, Operation) and member.oneway):
+            continue
+        name = f"oneway operation '{member.name}'"
+        if member.result is not None:
+            findings.error(
+                "G0404", member.facts.location, f"{name} cannot have a result", "write void"
+            )
+        for parameter in member.parameters:
+            if parameter.direction is not Direction.IN:
+                findings.error(
+                    "G0404",
+                    parameter.facts.location,
+                    f"{name} cannot have the {parameter.direction.value} parameter "
+                    f"'{parameter.name}'",
+                    "nothing comes back: write 'in', or leave out 'oneway'",
+                )
+        if member.raises:
+            findings.error(
+                "G0404", member.facts.location, f"{name} cannot raise", "leave out 'oneway'"
+            )
+        if member.cancelable:
+            findings.error(
+                "G0404",
+                member.facts.place_of("cancelable"),
+                f"{name} cannot be cancelable: nobody hears of its progress",
+                "leave out 'oneway'",
+            )

@@ -1,0 +1,32 @@
+"""A base struct never grows, and a derived one does not repeat its members."""
+
+from __future__ import annotations
+
+from gidl.diagnostics import Findings, Note
+from gidl.model import Model, Struct
+
+
+def check(model: Model, findings: Findings) -> None:
+    for struct in model.declarations():
+        if not isinstance(struct, Struct) or struct.base is None:
+            continue
+        base = model.struct(struct.base)
+        if base.is_appendable:
+            findings.error(
+                "G0320",
+                struct.facts.location,
+                f"'{base.simple_name}' is @appendable, so it cannot be a base: what is appended to "
+                f"it would move the members of '{struct.simple_name}'",
+                f"hold '{base.simple_name}' as a member",
+                notes=(Note("the base", base.facts.location),),
+            )
+        inherited = {m.name.lower(): m for m in model.all_members(base)}
+        for member in struct.members:
+            first = inherited.get(member.name.lower())
+            if first is not None:
+                findings.error(
+                    "G0321",
+                    member.facts.location,
+                    f"member '{member.name}' is inherited from '{base.simple_name}' already",
+                    notes=(Note("first declared here", first.facts.location),),
+                )

@@ -1,0 +1,94 @@
+"""Walks that several rules share."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from gidl.model import (
+    ArrayType,
+    Attribute,
+    Facts,
+    MapType,
+    Model,
+    Operation,
+    Parameter,
+    PrimitiveType,
+    Range,
+    SequenceType,
+    Struct,
+    Type,
+    Typedef,
+    Union,
+    Value,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Slot:
+    """A place that holds a value: member, arm, parameter, attribute, result or typedef."""
+
+    what: str  # "member 'speed'"
+    type: Type
+    facts: Facts
+    unit: str | None = None
+    range: Range | None = None
+    default: Value | None = None
+    optional: bool = False
+    bulk: bool = False
+    secret: bool = False
+
+
+def slots(model: Model) -> Iterator[Slot]:
+    """Every place of the model that holds a value, in order."""
+    for declaration in model.declarations():
+        match declaration:
+            case Struct():
+                for m in declaration.members:
+                    what = f"member '{m.name}'"
+                    yield Slot(what, m.type, m.facts, m.unit, m.range, m.default, m.optional,
+                               m.bulk, m.secret)  # fmt: skip
+            case Union():
+                for case in declaration.cases:
+                    m = case.member
+                    what = f"member '{m.name}'"
+                    yield Slot(what, m.type, m.facts, m.unit, m.range, m.default, m.optional,
+                               m.bulk, m.secret)  # fmt: skip
+            case Typedef():
+                d = declaration
+                yield Slot(f"type '{d.simple_name}'", d.type, d.facts, d.unit, d.range)
+    for member in members(model):
+        if isinstance(member, Attribute):
+            yield Slot(f"attribute '{member.name}'", member.type, member.facts, member.unit,
+                       member.range, None, member.optional, member.bulk,
+                       member.secret)  # fmt: skip
+            continue
+        for p in member.parameters:
+            yield _of_parameter(p)
+        if member.result is not None:
+            what = f"the result of '{member.name}'"
+            yield Slot(what, member.result, member.facts, member.result_unit, member.result_range,
+                       None, member.result_optional, member.result_bulk,
+                       member.result_secret)  # fmt: skip
+
+
+def _of_parameter(p: Parameter) -> Slot:
+    what = f"parameter '{p.name}'"
+    return Slot(what, p.type, p.facts, p.unit, p.range, p.default, p.optional, p.bulk, p.secret)
+
+
+def members(model: Model) -> Iterator[Operation | Attribute]:
+    """Every operation, event and attribute, where it is declared."""
+    for interface in model.interfaces():
+        yield from interface.members
+
+
+def numeric_core(model: Model, used: Type) -> PrimitiveType | None:
+    """The number inside typedefs, arrays, sequences and map values; None where there is none."""
+    target = model.target(used)
+    while isinstance(target, ArrayType | SequenceType | MapType):
+        inner = target.value if isinstance(target, MapType) else target.element
+        target = model.target(inner)
+    if isinstance(target, PrimitiveType) and target.kind.is_number:
+        return target
+    return None
