@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from pathlib import Path
+
+import pytest
 
 TREE = Path(__file__).resolve().parents[2]
 
@@ -33,33 +36,46 @@ async def wait(lamp: Lamp) -> str:
 """
 
 
-def check(program: str, folder: Path) -> str:
-    file = folder / "program.py"
-    file.write_text(program, encoding="utf-8")
+WRONG = """
+from lamp import Lamp
+
+def wrong(lamp: Lamp) -> None:
+    lamp.shine("bright")
+    result: str = lamp.dim(2.0).result()
+    lamp.level.stream().next().value.upper()
+"""
+
+
+@pytest.fixture(scope="module")
+def findings(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
+    """What one run of mypy says about both programs, a finding per line."""
+    folder = tmp_path_factory.mktemp("typing")
+    (folder / "right.py").write_text(PROGRAM, encoding="utf-8")
+    (folder / "wrong.py").write_text(WRONG, encoding="utf-8")
     done = subprocess.run(
         [sys.executable, "-m", "mypy", "--config-file", "pyproject.toml",
-         "--cache-dir", str(folder / "cache"), str(file)],
+         "--cache-dir", str(folder / "cache"), str(folder / "right.py"), str(folder / "wrong.py")],
         cwd=TREE, capture_output=True, text=True, check=False,
-        env={"MYPYPATH": str(TREE / "tests/python"), "PATH": ""},
+        env={**os.environ, "MYPYPATH": str(TREE / "tests/python")},
     )  # fmt: skip
-    return done.stdout + done.stderr
+    return (done.stdout + done.stderr).splitlines()
 
 
-def test_a_program_is_typed_from_end_to_end(tmp_path: Path) -> None:
-    said = check(PROGRAM, tmp_path)
-    assert 'Revealed type is "None"' in said
-    assert "Success" in said, said
+def test_a_program_is_typed_from_end_to_end(findings: list[str]) -> None:
+    (said,) = (line for line in findings if "right.py" in line)
+    assert said.endswith('note: Revealed type is "None"')
 
 
-def test_wrong_programs_are_found(tmp_path: Path) -> None:
-    wrong = PROGRAM + (
-        "\n\ndef wrong(lamp: Lamp) -> None:\n"
-        '    lamp.shine("bright")\n'
-        "    result: str = lamp.dim(2.0).result()\n"
-        "    lamp.level.stream().next().value.upper()\n"
-    )
-    said = check(wrong, tmp_path)
-    assert 'Argument 1 to "shine" of "Lamp" has incompatible type "str"' in said
-    assert "Incompatible types in assignment" in said
-    assert '"float" has no attribute "upper"' in said
-    assert "Found 3 errors" in said, said
+def test_wrong_programs_are_found(findings: list[str]) -> None:
+    said = [line.split(": error: ")[1] for line in findings if "wrong.py" in line]
+    assert said == [
+        'Argument 1 to "shine" of "Lamp" has incompatible type "str"; expected "float"  [arg-type]',
+        'Incompatible types in assignment (expression has type "float", variable has type "str")  '
+        "[assignment]",
+        '"float" has no attribute "upper"  [attr-defined]',
+    ]
+
+
+def test_nothing_else_is_found(findings: list[str]) -> None:
+    ours = [line for line in findings if "right.py" not in line and "wrong.py" not in line]
+    assert ours == ["Found 3 errors in 1 file (checked 2 source files)"]

@@ -6,7 +6,7 @@ Generated exceptions derive from `DeclaredError`; generated types import this mo
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, is_dataclass
 from enum import IntEnum
 from typing import TYPE_CHECKING, ClassVar, Self
 
@@ -95,8 +95,8 @@ class DeclaredError(CommandFailed):
 
     @property
     def text(self) -> str:
-        fields = getattr(self, "__dataclass_fields__", {})
-        members = ", ".join(f"{name}={getattr(self, name)!r}" for name in fields)
+        names = [member.name for member in fields(self)] if is_dataclass(self) else []
+        members = ", ".join(f"{name}={getattr(self, name)!r}" for name in names)
         return f"{self._gecos_name}({members})"
 
     def __str__(self) -> str:
@@ -132,9 +132,12 @@ class ConnectionFailed(ConnectionError):
     """The command did not start, which is proved: sending it again is safe."""
 
     def __init__(self, detail: Detail, text: str) -> None:
-        super().__init__(f"{detail.name}: {text}")
+        super().__init__(detail, text)
         self.detail = detail
         self.text = text
+
+    def __str__(self) -> str:
+        return f"{self.detail.name}: {self.text}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,9 +153,12 @@ class CreateError(ConnectionError):
     """No object could be reached; `attempts` has the reason for each name that was tried."""
 
     def __init__(self, attempts: Sequence[Attempt]) -> None:
+        super().__init__(attempts)
         self.attempts = tuple(attempts)
-        lines = (f"{a.name}: {a.detail.name}: {a.reason}" for a in self.attempts)
-        super().__init__("; ".join(lines) or "create was given no name")
+
+    def __str__(self) -> str:
+        reasons = (f"{a.name}: {a.detail.name}: {a.reason}" for a in self.attempts)
+        return "; ".join(reasons) or "create was given no name"
 
 
 class LeaseRefused(PermissionError):
