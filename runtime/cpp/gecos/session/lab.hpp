@@ -70,6 +70,13 @@ class Lab {
     if (!created) return tl::unexpected(std::move(created.error()));
     return Proxy(std::move(created->session));
   }
+  /// Names written in place, `create<Manipulator>({"RX90", "SIM"})`: two literals in braces would
+  /// also make one std::string.
+  template <class Proxy>
+  tl::expected<Proxy, CreateError> create(std::initializer_list<const char*> names,
+                                          CreateOptions options = {}) {
+    return create<Proxy>(std::vector<std::string>(names.begin(), names.end()), std::move(options));
+  }
   template <class Proxy>
   tl::expected<Proxy, CreateError> create(std::string name, CreateOptions options = {}) {
     return create<Proxy>(std::vector<std::string>{std::move(name)}, options);
