@@ -102,7 +102,7 @@ class InprocLink final : public Link {
     return number;
   }
   std::optional<ByteView> receive() override { return reader_.read(); }
-  std::optional<std::uint64_t> taken_by_peer() const override { return writer_.taken(); }
+  std::optional<std::uint64_t> taken_by_peer() override { return writer_.taken(); }
 
   bool arm() override {
     own_.ring.control->asleep.store(1, std::memory_order_seq_cst);

@@ -15,8 +15,14 @@
 /// The contract of a medium: opaque packets between two endpoints, and what can be promised of them.
 ///
 /// Nothing above this file knows how a medium works; nothing below it knows what a packet means.
-/// One conformance suite (tests/cpp/media) runs on every medium. A link belongs to one thread at a
-/// time for receiving and to one for sending (they may differ); its user sees to that.
+/// One conformance suite (tests/cpp/media) runs on every medium.
+///
+/// Threads: of one link receive(), arm() and disarm() belong to one thread at a time, and send(),
+/// share() and unshare() to one at a time (the two may differ); its user sees to that. All the rest of
+/// a link any thread may call at any time, beat() of housekeeping also beside send(). An acceptor
+/// belongs to one thread at a time; its links need not be used by the same one.
+///
+/// A forked child sees links and acceptors of its parent as dead (Broken); it makes its own.
 namespace gecos::media {
 
 enum class Kind : std::uint8_t { Inproc, Shm, Lcm };
@@ -99,14 +105,16 @@ class Link {
 
   /// Number of packets of ours that the peer has taken; stays readable after the peer's death.
   /// Nothing where the medium cannot know.
-  virtual std::optional<std::uint64_t> taken_by_peer() const = 0;
+  virtual std::optional<std::uint64_t> taken_by_peer() = 0;
 
   /// Announces that this end is about to sleep on `descriptors()`. False: something is there
   /// already, do not sleep. After waking call `disarm()`.
   virtual bool arm() = 0;
   virtual void disarm() = 0;
   /// Readable when a packet or sample may be there or the link was lost. Valid for the link's life;
-  /// may be watched level- or edge-triggered; disarm() makes them quiet again.
+  /// may be watched level- or edge-triggered; disarm() makes them quiet again. A lost link may stay
+  /// readable: arm() says false then. Of links that an acceptor made on lcm the packets come through
+  /// the acceptor's descriptors: watch those as well, and call accept() when they are readable.
   virtual std::span<const int> descriptors() const = 0;
 
   /// A sign of life, every 100 ms by housekeeping. Wakes nobody on shm and inproc.
@@ -115,6 +123,9 @@ class Link {
   /// with its own clock, from this number standing still.
   virtual std::uint64_t beats_seen() = 0;
 
+  /// Whether the peer is still there, asked of the kernel: a system call on shm, so for ticks and for
+  /// waking up with nothing received, not for every packet. What the peer had sent before can still
+  /// be received. The first loss stays.
   virtual Loss loss() = 0;
   virtual std::string loss_text() const = 0;
 

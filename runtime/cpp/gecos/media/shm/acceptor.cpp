@@ -1,0 +1,297 @@
+#include "gecos/media/shm/acceptor.hpp"
+
+#include <dirent.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/epoll.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cctype>
+#include <cerrno>
+#include <cstring>
+#include <stdexcept>
+#include <system_error>
+#include <utility>
+
+#include "gecos/base/log.hpp"
+#include "gecos/media/shm/link.hpp"
+#include "gecos/media/shm/memory.hpp"
+#include "gecos/media/shm/stream.hpp"
+
+namespace gecos::media::shm {
+namespace {
+
+constexpr std::size_t most_guests = 64;  // who connect and stay silent are dropped, oldest first
+constexpr int most_at_once = 64;
+constexpr std::size_t longest_name = 32;
+
+tl::unexpected<MediumError> error(const std::string& text) {
+  return tl::unexpected(MediumError{"shm: " + text});
+}
+
+std::string file_name(std::string_view name) {
+  std::string safe(name.substr(0, longest_name));
+  for (char& c : safe) {
+    if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '-' && c != '_') c = '_';
+  }
+  return safe;
+}
+
+bool address_of(const std::string& path, sockaddr_un& into) {
+  into = {};
+  into.sun_family = AF_UNIX;
+  if (path.size() >= sizeof into.sun_path) return false;
+  std::copy(path.begin(), path.end(), into.sun_path);
+  return true;
+}
+
+Descriptor new_socket() {
+  return Descriptor(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+}
+
+/// @pre the directory's lock is held.
+bool server_is_dead(const std::string& path) {
+  return !connect_to(path) && errno == ECONNREFUSED;
+}
+
+/// Removes what servers that were killed have left: "<name>.<pid>.<number>.sock".
+/// @pre the directory's lock is held.
+void sweep(const std::string& directory) {
+  DIR* const opened = ::opendir(directory.c_str());
+  if (opened == nullptr) return;
+  while (const dirent* entry = ::readdir(opened)) {
+    const std::string name = entry->d_name;
+    if (!name.ends_with(".sock")) continue;
+    const std::size_t dot = name.find('.');
+    const auto pid = static_cast<pid_t>(std::atol(name.c_str() + dot + 1));
+    // A living pid spares its server a connection that says nothing.
+    if (pid <= 0 || (::kill(pid, 0) == 0 || errno != ESRCH)) continue;
+    const std::string path = directory + "/" + name;
+    if (server_is_dead(path)) ::unlink(path.c_str());
+  }
+  ::closedir(opened);
+}
+
+/// A bound and listening socket. errno is EADDRINUSE when the file exists.
+/// @pre the directory's lock is held.
+Descriptor bind_and_listen(const std::string& path, bool for_all_users) {
+  sockaddr_un address{};
+  if (!address_of(path, address)) {
+    errno = ENAMETOOLONG;
+    return {};
+  }
+  Descriptor socket = new_socket();
+  if (!socket ||
+      ::bind(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
+    return {};
+  }
+  if (::chmod(path.c_str(), for_all_users ? 0666 : 0600) != 0 ||
+      ::listen(socket.get(), SOMAXCONN) != 0) {
+    const int why = errno;
+    ::unlink(path.c_str());
+    errno = why;
+    return {};
+  }
+  return socket;
+}
+
+void say_goodbye(int socket, std::string_view why) {
+  ControlMessage bye{.type = ControlType::Bye};
+  bye.set_text(why);
+  send_control(socket, bye);
+}
+
+}  // namespace
+
+std::string well_known_path(const std::string& directory, std::string_view name) {
+  return directory + "/" + file_name(name) + ".sock";
+}
+
+Descriptor connect_to(const std::string& path) {
+  sockaddr_un address{};
+  if (!address_of(path, address)) {
+    errno = ENAMETOOLONG;
+    return {};
+  }
+  Descriptor socket = new_socket();
+  if (!socket) return {};
+  if (::connect(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0) {
+    return socket;
+  }
+  const int why = errno;
+  socket.reset();
+  errno = why;
+  return {};
+}
+
+tl::expected<std::unique_ptr<Acceptor>, MediumError> ShmAcceptor::open(const ShmOptions& options,
+                                                                       std::string_view name,
+                                                                       bool well_known) {
+  const std::string& directory = options.directory;
+  if (auto prepared = prepare_directory(directory); !prepared) {
+    return tl::unexpected(std::move(prepared.error()));
+  }
+  auto lock = DirectoryLock::take(directory);
+  if (!lock) return tl::unexpected(std::move(lock.error()));
+  sweep(directory);
+
+  std::string path = well_known_path(directory, name);
+  Descriptor listener;
+  if (well_known) {
+    listener = bind_and_listen(path, options.other_users);
+    if (!listener && errno == EADDRINUSE) {
+      if (!server_is_dead(path)) {
+        return error(path + " is served already by another program; `fuser -v " + path +
+                     "` tells by which");
+      }
+      ::unlink(path.c_str());
+      listener = bind_and_listen(path, options.other_users);
+    }
+  } else {
+    static std::atomic<std::uint64_t> opened{0};  // makes addresses of this process differ
+    do {  // a name may be taken by the same pid of another process namespace
+      path = directory + "/" + file_name(name) + "." + std::to_string(::getpid()) + "." +
+             std::to_string(++opened) + ".sock";
+      listener = bind_and_listen(path, options.other_users);
+    } while (!listener && errno == EADDRINUSE);
+  }
+  if (!listener) {
+    return error("cannot listen at " + path + ": " + std::strerror(errno) +
+                 (errno == ENAMETOOLONG ? "; name a shorter directory in GECOS_RUNTIME_DIR" : ""));
+  }
+  return std::make_unique<ShmAcceptor>(std::move(path), std::move(listener), options.other_users);
+}
+
+ShmAcceptor::ShmAcceptor(std::string path, Descriptor listener, bool other_users)
+    : path_(std::move(path)),
+      address_("shm:" + path_),
+      other_users_(other_users),
+      listener_(std::move(listener)),
+      epoll_(::epoll_create1(EPOLL_CLOEXEC)),
+      spare_(::open("/dev/null", O_RDONLY | O_CLOEXEC)),
+      descriptors_{epoll_.get()},
+      fork_watch_(this, [](void* owner) noexcept { static_cast<ShmAcceptor*>(owner)->abandon(); }) {
+  epoll_event event{EPOLLIN, {.fd = listener_.get()}};
+  if (!epoll_ || ::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, listener_.get(), &event) != 0) {
+    const int why = errno;
+    ::unlink(path_.c_str());
+    throw std::system_error(why, std::generic_category(), "epoll for " + path_);
+  }
+}
+
+ShmAcceptor::~ShmAcceptor() {
+  if (inherited_) return;
+  ::unlink(path_.c_str());
+  while (let_in()) {  // those who wait outside hear it too
+  }
+  for (const Guest& guest : guests_) say_goodbye(guest.socket.get(), "the server closed");
+}
+
+const Offer& ShmAcceptor::offer() const { return shm_offer(); }
+
+std::unique_ptr<Link> ShmAcceptor::accept() {
+  if (inherited_) return nullptr;
+  std::array<epoll_event, 16> events;
+  const int count =
+      ::epoll_wait(epoll_.get(), events.data(), static_cast<int>(events.size()), 0);
+  if (count <= 0) return nullptr;
+  for (std::size_t guest = guests_.size(); guest-- > 0;) {
+    if (auto link = hear(guest)) return link;
+  }
+  // A client says Hello with the first breath, so most are let in and heard at once.
+  for (int i = 0; i < most_at_once && let_in(); ++i) {
+    if (guests_.empty()) continue;
+    if (auto link = hear(guests_.size() - 1)) return link;
+  }
+  return nullptr;
+}
+
+bool ShmAcceptor::let_in() {
+  Guest guest;
+  guest.socket =
+      Descriptor(::accept4(listener_.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
+  if (!guest.socket) {
+    if (errno == EMFILE || errno == ENFILE) turn_away();
+    return false;
+  }
+  auto peer = peer_of(guest.socket.get());
+  if (!peer) {
+    say_goodbye(guest.socket.get(), "refused: " + peer.error());
+    return true;
+  }
+  if (!other_users_ && peer->uid != ::geteuid() && peer->uid != 0u) {
+    say_goodbye(guest.socket.get(),
+                "refused: this server meets only uid " + std::to_string(::geteuid()));
+    return true;
+  }
+  auto death = death_of_peer(guest.socket.get(), *peer->pid);
+  if (!death) return true;  // nobody is there to be told
+  epoll_event event{EPOLLIN, {.fd = guest.socket.get()}};
+  if (::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, guest.socket.get(), &event) != 0) return true;
+  guest.peer = std::move(*peer);
+  guest.death = std::move(*death);
+  if (guests_.size() == most_guests) drop(0);  // all have been heard to be silent
+  guests_.push_back(std::move(guest));
+  return true;
+}
+
+void ShmAcceptor::turn_away() {
+  // Left in the queue the client would keep us awake for ever.
+  spare_.reset();
+  const Descriptor unwanted(::accept4(listener_.get(), nullptr, nullptr, SOCK_CLOEXEC));
+  if (unwanted) say_goodbye(unwanted.get(), "the server has no descriptors left (ulimit -n)");
+  spare_ = Descriptor(::open("/dev/null", O_RDONLY | O_CLOEXEC));
+  log_warning("shm", path_ + " turned a client away: no descriptors left, see `ulimit -n`");
+}
+
+std::unique_ptr<Link> ShmAcceptor::hear(std::size_t index) {
+  Guest& guest = guests_[index];
+  ReceivedControl hello;
+  const ControlRead read = receive_control(guest.socket.get(), hello);
+  if (read == ControlRead::Nothing) return nullptr;
+  if (read != ControlRead::Message || hello.message.type != ControlType::Hello) {
+    if (read == ControlRead::Garbage) {
+      say_goodbye(guest.socket.get(), "refused: another version of gecos, or not gecos at all");
+    }
+    drop(index);
+    return nullptr;
+  }
+  ::epoll_ctl(epoll_.get(), EPOLL_CTL_DEL, guest.socket.get(), nullptr);
+  const std::string who = guest.peer.description;
+  auto link = ShmLink::welcome(std::move(guest.socket), std::move(guest.peer),
+                               std::move(guest.death), hello);
+  guests_.erase(guests_.begin() + static_cast<std::ptrdiff_t>(index));
+  if (link) return std::move(*link);
+  log_warning("shm", path_ + " refused " + who + ": " + link.error());
+  return nullptr;
+}
+
+void ShmAcceptor::drop(std::size_t guest) {
+  guests_.erase(guests_.begin() + static_cast<std::ptrdiff_t>(guest));
+}
+
+std::unique_ptr<StreamWriter> ShmAcceptor::make_stream(std::size_t largest, std::size_t depth) {
+  auto sealed = make_sealed("gecos stream", StreamMemory::bytes(largest, depth));
+  if (!sealed) throw std::runtime_error(sealed.error().text);
+  auto held = std::make_shared<SealedMemory>(std::move(*sealed));
+  const StreamMemory memory{held->mapping.data(), largest, depth};
+  return std::make_unique<SharedStreamWriter>(memory, std::move(held));
+}
+
+void ShmAcceptor::abandon() noexcept {
+  inherited_ = true;
+  listener_.reset();
+  epoll_.reset();
+  spare_.reset();
+  for (Guest& guest : guests_) {
+    guest.socket.reset();
+    guest.death.reset();
+  }
+}
+
+}  // namespace gecos::media::shm

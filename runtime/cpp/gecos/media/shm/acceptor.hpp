@@ -1,0 +1,60 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "gecos/media/forked.hpp"
+#include "gecos/media/shm/control.hpp"
+#include "gecos/media/shm/shm.hpp"
+
+namespace gecos::media::shm {
+
+/// Listens at a Unix socket in the runtime directory. What dead servers left there is removed.
+class ShmAcceptor final : public Acceptor {
+ public:
+  static tl::expected<std::unique_ptr<Acceptor>, MediumError> open(const ShmOptions& options,
+                                                                   std::string_view name,
+                                                                   bool well_known);
+  ~ShmAcceptor() override;
+
+  const Offer& offer() const override;
+  const std::string& address() const override { return address_; }
+  std::unique_ptr<Link> accept() override;
+  std::span<const int> descriptors() const override { return descriptors_; }
+  std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth) override;
+
+  ShmAcceptor(std::string path, Descriptor listener, bool other_users);
+
+ private:
+  /// Somebody who has connected and not yet said Hello.
+  struct Guest {
+    Descriptor socket;
+    Peer peer;
+    Descriptor death;
+  };
+  bool let_in();
+  void turn_away();
+  std::unique_ptr<Link> hear(std::size_t guest);
+  void drop(std::size_t guest);
+  void abandon() noexcept;
+
+  const std::string path_;
+  const std::string address_;
+  const bool other_users_;
+  Descriptor listener_;
+  Descriptor epoll_;
+  Descriptor spare_;  // given up for a moment to turn a client away when no other is left
+  std::vector<Guest> guests_;
+  const std::array<int, 1> descriptors_;
+  bool inherited_ = false;
+  const ForkWatch fork_watch_;
+};
+
+/// Where the socket named `name` of everybody's knowledge lies.
+std::string well_known_path(const std::string& directory, std::string_view name);
+/// A socket connected to `path`; none and errno when that fails.
+Descriptor connect_to(const std::string& path);
+
+}  // namespace gecos::media::shm

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "gecos/media/descriptor.hpp"
+#include "gecos/media/medium.hpp"
+
+/// What goes over the socket of a connection: descriptors, and what is rare. Calls go through rings.
+namespace gecos::media::shm {
+
+enum class ControlType : std::uint32_t {
+  Hello = 1,  ///< client: here are my memory and my bell
+  Welcome,    ///< server: and here are mine
+  Poke,       ///< look at the ring: instead of the bell, while it is unknown or not trusted
+  Share,      ///< server: stream `id` of `depth` samples of at most `largest` bytes; its memory
+  Unshare,    ///< server: stream `id` ends for you
+  Bye,        ///< the link is closed in order; `text` says why when the peer was refused
+};
+
+/// Both ends run on one kernel, so it travels as it lies in memory.
+struct ControlMessage {
+  static constexpr std::uint32_t this_version = 0x67630001;
+  std::uint32_t version = this_version;  ///< rises with every change of this, of the ring, of the stream
+  ControlType type = ControlType::Poke;
+  std::uint32_t id = 0;
+  std::uint32_t reserved = 0;
+  std::uint64_t largest = 0;
+  std::uint64_t depth = 0;
+  std::array<char, 128> text{};  ///< ends with NUL
+
+  void set_text(std::string_view words);
+  std::string words() const;
+};
+
+enum class ControlRead : std::uint8_t { Message, Nothing, Ended, Garbage };
+
+struct ReceivedControl {
+  ControlMessage message;
+  std::array<Descriptor, 2> descriptors;  ///< in the order sent; CLOEXEC
+};
+
+/// Never blocks. False: the socket's buffer is full or the peer has gone.
+bool send_control(int socket, const ControlMessage& message, std::span<const int> descriptors = {});
+/// Never blocks. Garbage: anything that is no message of ours, or brings too many descriptors.
+ControlRead receive_control(int socket, ReceivedControl& into);
+
+/// Who is at the other end of a connected socket, as the kernel says. Fails for those that it cannot
+/// name here: another user or process namespace.
+tl::expected<Peer, std::string> peer_of(int socket);
+/// Becomes readable when the process at the other end dies. Fails when it has died already; holds
+/// none where the kernel has no such.
+tl::expected<Descriptor, std::string> death_of_peer(int socket, std::int32_t pid);
+/// True for an eventfd, which cannot be anything whose writing runs code of the peer.
+bool is_bell(int descriptor);
+
+}  // namespace gecos::media::shm

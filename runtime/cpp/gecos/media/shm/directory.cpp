@@ -1,0 +1,105 @@
+#include "gecos/media/shm/directory.hpp"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <ctime>
+#include <fstream>
+#include <utility>
+
+namespace gecos::media::shm {
+namespace {
+
+constexpr const char* all_users_directory = "/run/gecos";
+
+tl::unexpected<MediumError> error(const std::string& text) {
+  return tl::unexpected(MediumError{"shm: " + text});
+}
+
+bool sticky_of_root(const struct stat& found) {
+  return S_ISDIR(found.st_mode) && found.st_uid == 0 && (found.st_mode & S_ISVTX) != 0;
+}
+
+}  // namespace
+
+std::string default_runtime_directory() {
+  if (const char* named = std::getenv("GECOS_RUNTIME_DIR"); named != nullptr && *named != '\0') {
+    return named;
+  }
+  if (shared_between_users(all_users_directory) && ::access(all_users_directory, W_OK) == 0) {
+    return all_users_directory;
+  }
+  return "/tmp/gecos-" + std::to_string(::geteuid());
+}
+
+bool shared_between_users(const std::string& directory) {
+  struct stat found {};
+  return ::lstat(directory.c_str(), &found) == 0 && sticky_of_root(found);
+}
+
+tl::expected<void, MediumError> prepare_directory(const std::string& directory) {
+  if (::mkdir(directory.c_str(), 0700) != 0 && errno != EEXIST) {
+    return error("cannot make " + directory + ": " + std::strerror(errno) +
+                 "; name another one in GECOS_RUNTIME_DIR");
+  }
+  struct stat found {};
+  // stat, not lstat, where the user may have chosen a link; in /tmp somebody else may have.
+  const bool in_tmp = directory.rfind("/tmp/", 0) == 0;
+  if ((in_tmp ? ::lstat : ::stat)(directory.c_str(), &found) != 0) {
+    return error("cannot look at " + directory + ": " + std::strerror(errno));
+  }
+  if (!S_ISDIR(found.st_mode)) {
+    return error(directory + " is not a directory; remove it or name another one in "
+                 "GECOS_RUNTIME_DIR");
+  }
+  if (sticky_of_root(found)) return {};
+  if (found.st_uid != ::geteuid()) {
+    return error(directory + " belongs to uid " + std::to_string(found.st_uid) +
+                 ", who could listen in; name a directory of your own in GECOS_RUNTIME_DIR");
+  }
+  if ((found.st_mode & (S_IWGRP | S_IWOTH)) != 0) {
+    return error("others may write to " + directory + ", who could listen in; run:  chmod go-w " +
+                 directory);
+  }
+  return {};
+}
+
+tl::expected<std::string, MediumError> host_identity(const std::string& directory) {
+  if (auto prepared = prepare_directory(directory); !prepared) {
+    return tl::unexpected(std::move(prepared.error()));
+  }
+  std::string boot;
+  std::getline(std::ifstream("/proc/sys/kernel/random/boot_id"), boot);
+  struct stat found {};
+  if (boot.empty() || ::stat(directory.c_str(), &found) != 0) {
+    return error("cannot tell which host this is: /proc/sys/kernel/random/boot_id or " +
+                 directory + " is not readable");
+  }
+  return boot + "/" + std::to_string(found.st_dev) + ":" + std::to_string(found.st_ino);
+}
+
+tl::expected<DirectoryLock, MediumError> DirectoryLock::take(const std::string& directory) {
+  Descriptor opened(::open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (!opened) return error("cannot open " + directory + ": " + std::strerror(errno));
+  const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(1);
+  while (::flock(opened.get(), LOCK_EX | LOCK_NB) != 0) {
+    if (errno != EWOULDBLOCK && errno != EINTR) {
+      return error("cannot lock " + directory + ": " + std::strerror(errno));
+    }
+    if (std::chrono::steady_clock::now() >= patience) {
+      return error("another program has kept " + directory +
+                   " locked for a second; `fuser -v " + directory + "` tells which");
+    }
+    const timespec a_little{0, 1'000'000};
+    ::nanosleep(&a_little, nullptr);
+  }
+  return DirectoryLock(std::move(opened));
+}
+
+}  // namespace gecos::media::shm

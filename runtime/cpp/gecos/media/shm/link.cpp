@@ -1,0 +1,350 @@
+#include "gecos/media/shm/link.hpp"
+
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <utility>
+
+#include "gecos/media/shm/stream.hpp"
+
+namespace gecos::media::shm {
+namespace {
+
+constexpr std::size_t ring_bytes = RingMemory::bytes(usual_slot_count);
+constexpr std::size_t most_streams = 1024;  // of one link; a peer that shares more means harm
+constexpr std::size_t most_unsent = 256;
+constexpr int most_messages_at_once = 64;  // so that a flood on the socket delays, but never holds
+
+constexpr const char* inherited_text =
+    "this connection belongs to the process that forked this one: make your own";
+
+}  // namespace
+
+const Offer& shm_offer() {
+  static constexpr Offer offer{.kind = Kind::Shm,
+                               .same_host_only = true,
+                               .ordered = true,
+                               .reliable = true,
+                               .real_time = true,
+                               .reports_death = true,
+                               .authenticated = true,
+                               .largest_packet = largest_ring_packet};
+  return offer;
+}
+
+void PeerEnd::know(Mapping mapping, Descriptor bell) {
+  mapping_ = std::move(mapping);
+  bell_ = std::move(bell);
+  known_.store(true, std::memory_order_release);
+}
+
+void PeerEnd::wake() {
+  if (known() && bell_) {
+    ring_bell(bell_.get());
+  } else {
+    // When the socket is full of these, the peer has enough to wake up for.
+    send_control(socket_.get(), ControlMessage{.type = ControlType::Poke});
+  }
+}
+
+void PeerEnd::wake_if_asleep() {
+  if (known() && ring().control->asleep.load(std::memory_order_seq_cst) != 0) wake();
+}
+
+void PeerEnd::hang_up() { ::shutdown(socket_.get(), SHUT_RDWR); }
+
+void PeerEnd::forget() {
+  socket_.reset();
+  bell_.reset();
+  mapping_.forget();
+}
+
+ShmLink::ShmLink(Role role, Descriptor socket, Peer peer, Descriptor death, SealedMemory own)
+    : role_(role),
+      peer_(std::move(peer)),
+      own_memory_(std::move(own)),
+      own_(RingMemory::at(own_memory_.mapping.data(), usual_slot_count)),
+      death_(std::move(death)),
+      other_(std::make_shared<PeerEnd>(std::move(socket))),
+      writer_(own_),
+      descriptors_{bell_.descriptor(), other_->socket(), death_.get()},
+      fork_watch_(this, [](void* owner) noexcept { static_cast<ShmLink*>(owner)->abandon(); }) {}
+
+tl::expected<std::unique_ptr<Link>, MediumError> ShmLink::greet(Descriptor socket, Peer peer,
+                                                                Descriptor death) {
+  auto own = make_sealed("gecos client", ring_bytes);
+  if (!own) return tl::unexpected(std::move(own.error()));
+  auto link = std::make_unique<ShmLink>(Role::Client, std::move(socket), std::move(peer),
+                                        std::move(death), std::move(*own));
+  const std::array given{link->own_memory_.memfd.get(), link->bell_.descriptor()};
+  if (!send_control(link->other_->socket(), {.type = ControlType::Hello}, given)) {
+    return tl::unexpected(MediumError{"shm: the server closed the connection at once"});
+  }
+  link->own_memory_.memfd.reset();
+  return link;
+}
+
+tl::expected<std::unique_ptr<Link>, std::string> ShmLink::welcome(Descriptor socket, Peer peer,
+                                                                  Descriptor death,
+                                                                  ReceivedControl& hello) {
+  auto own = make_sealed("gecos server", ring_bytes);
+  if (!own) return tl::unexpected(std::move(own.error().text));
+  auto link = std::make_unique<ShmLink>(Role::Server, std::move(socket), std::move(peer),
+                                        std::move(death), std::move(*own));
+  std::string problem;
+  if (!link->know_peer(hello, problem)) return tl::unexpected(std::move(problem));
+  const std::array given{link->own_memory_.memfd.get(), link->bell_.descriptor()};
+  if (!send_control(link->other_->socket(), {.type = ControlType::Welcome}, given)) {
+    return tl::unexpected<std::string>("it closed the connection at once");
+  }
+  link->own_memory_.memfd.reset();
+  return link;
+}
+
+ShmLink::~ShmLink() {
+  for (const auto& [id, sleepers] : shared_) {
+    if (const auto list = sleepers.lock()) list->remove(other_.get());
+  }
+  if (loss_.load() == Loss::None) {
+    send_control(other_->socket(), ControlMessage{.type = ControlType::Bye});
+  }
+  other_->hang_up();
+}
+
+tl::expected<std::uint64_t, SendProblem> ShmLink::send(ByteView head, ByteView body) {
+  if (loss_.load(std::memory_order_relaxed) != Loss::None) {
+    return tl::unexpected(SendProblem::Lost);
+  }
+  auto number = writer_.write(head, body);
+  if (!number) return number;
+  // A server that is not known yet may sleep already: it cannot tell us, so it is woken in any case.
+  if (!other_->known() || writer_.reader_sleeps()) other_->wake();
+  return number;
+}
+
+std::optional<ByteView> ShmLink::receive() {
+  if (!other_->known()) {
+    read_control();
+    if (!other_->known()) return std::nullopt;
+  }
+  auto packet = reader_->read();
+  if (!packet && reader_->broken()) {
+    const std::lock_guard lock(control_mutex_);
+    note_loss(Loss::Broken, "it wrote nonsense into its ring");
+  }
+  return packet;
+}
+
+std::optional<std::uint64_t> ShmLink::taken_by_peer() {
+  // A server takes nothing before it has answered: who died without an answer has taken nothing.
+  if (!other_->known()) read_control();
+  return writer_.taken();
+}
+
+bool ShmLink::arm() {
+  own_.control->asleep.store(1, std::memory_order_seq_cst);
+  const bool packet = other_->known() && reader_->ready();
+  if (!packet && !watches_.anything_new() &&
+      loss_.load(std::memory_order_seq_cst) == Loss::None) {
+    return true;
+  }
+  own_.control->asleep.store(0, std::memory_order_relaxed);
+  return false;
+}
+
+void ShmLink::disarm() {
+  own_.control->asleep.store(0, std::memory_order_relaxed);
+  // Not the bell: then it was the socket, or the peer's death, or nothing.
+  if (!bell_.quiet()) read_control();
+}
+
+void ShmLink::beat() {
+  own_.control->beats.fetch_add(1, std::memory_order_relaxed);
+  const std::lock_guard lock(control_mutex_);
+  send_unsent();
+}
+
+std::uint64_t ShmLink::beats_seen() {
+  if (!other_->known()) return 0;
+  return other_->ring().control->beats.load(std::memory_order_relaxed);
+}
+
+Loss ShmLink::loss() {
+  read_control();
+  return loss_.load(std::memory_order_relaxed);
+}
+
+std::string ShmLink::loss_text() const {
+  if (loss_.load(std::memory_order_relaxed) == Loss::None) return {};
+  const std::lock_guard lock(control_mutex_);
+  return loss_text_.empty() ? inherited_text : loss_text_;
+}
+
+tl::expected<void, SendProblem> ShmLink::share(std::uint32_t id, StreamWriter& stream) {
+  if (loss_.load(std::memory_order_relaxed) != Loss::None) {
+    return tl::unexpected(SendProblem::Lost);
+  }
+  auto& writer = dynamic_cast<SharedStreamWriter&>(stream);
+  const std::lock_guard lock(control_mutex_);
+  ControlMessage message{.type = ControlType::Share, .id = id};
+  message.largest = writer.memory().largest;
+  message.depth = writer.memory().depth;
+  if (!send_or_keep({message, writer.sealed()})) return tl::unexpected(SendProblem::Full);
+  if (const auto before = std::exchange(shared_[id], writer.sleepers()).lock()) {
+    before->remove(other_.get());
+  }
+  writer.sleepers()->add(other_);
+  return {};
+}
+
+void ShmLink::unshare(std::uint32_t id) {
+  if (loss_.load(std::memory_order_relaxed) != Loss::None) return;
+  const std::lock_guard lock(control_mutex_);
+  const auto held = shared_.extract(id);
+  if (held.empty()) return;
+  if (const auto list = held.mapped().lock()) list->remove(other_.get());
+  send_or_keep({{.type = ControlType::Unshare, .id = id}, nullptr});
+}
+
+std::unique_ptr<StreamReader> ShmLink::open_stream(std::uint32_t id) {
+  read_control();
+  if (loss_.load(std::memory_order_relaxed) != Loss::None) return nullptr;
+  const std::lock_guard lock(control_mutex_);
+  const auto found = arrived_.find(id);
+  if (found == arrived_.end()) return nullptr;
+  return watches_.open(found->second.memory, found->second.mapping);
+}
+
+bool ShmLink::know_peer(ReceivedControl& from, std::string& problem) {
+  auto& [memfd, bell] = from.descriptors;
+  if (!memfd || !bell) {
+    problem = "it did not send its memory and its bell";
+    return false;
+  }
+  auto mapping = map_received(memfd.get(), ring_bytes);
+  if (!mapping) {
+    problem = std::move(mapping.error());
+    return false;
+  }
+  const bool trusted = peer_.uid == ::geteuid() && is_bell(bell.get());
+  const RingMemory ring = RingMemory::at(mapping->data(), usual_slot_count);
+  reader_.emplace(*own_.control, ring);
+  writer_.set_reader(ring.control);
+  other_->know(std::move(*mapping), trusted ? std::move(bell) : Descriptor());
+  return true;
+}
+
+void ShmLink::read_control() {
+  if (loss_.load(std::memory_order_acquire) != Loss::None) return;
+  std::array<pollfd, 2> watched{pollfd{other_->socket(), POLLIN, 0},
+                                pollfd{death_.get(), POLLIN, 0}};
+  if (::poll(watched.data(), watched.size(), 0) <= 0) return;
+  const std::lock_guard lock(control_mutex_);
+  ReceivedControl control;
+  ControlRead read = ControlRead::Message;
+  for (int i = 0; i < most_messages_at_once && loss_.load() == Loss::None; ++i) {
+    read = receive_control(other_->socket(), control);
+    if (read == ControlRead::Nothing) break;
+    if (read == ControlRead::Message) {
+      take_control(control);
+    } else if (read == ControlRead::Ended) {
+      note_loss(Loss::Died, peer_.description + " closed its socket without a word");
+    } else {
+      note_loss(Loss::Broken, "it sent something that is no message of ours");
+    }
+  }
+  // Once nothing is left to read: a peer that said goodbye before it ended has not died.
+  if (watched[1].revents != 0 && read == ControlRead::Nothing) {
+    note_loss(Loss::Died, peer_.description + " has ended");
+  }
+}
+
+void ShmLink::take_control(ReceivedControl& control) {
+  const ControlMessage& message = control.message;
+  const bool client = role_ == Role::Client;
+  std::string problem;
+  switch (message.type) {
+    case ControlType::Poke:
+      return;
+    case ControlType::Bye: {
+      const std::string why = message.words();
+      note_loss(Loss::Closed, why.empty() ? "the other end closed" : why);
+      return;
+    }
+    case ControlType::Welcome:
+      if (!client || other_->known()) break;
+      if (!know_peer(control, problem)) {
+        note_loss(Loss::Broken, std::move(problem));
+        return;
+      }
+      ring_bell(bell_.descriptor());  // a thread may sleep that could not look at the ring before
+      return;
+    case ControlType::Share:
+      if (!client) break;
+      take_stream(control);
+      return;
+    case ControlType::Unshare:
+      if (!client) break;
+      arrived_.erase(message.id);
+      return;
+    case ControlType::Hello:
+      break;
+  }
+  note_loss(Loss::Broken, "it sent a message that is not its to send");
+}
+
+void ShmLink::take_stream(ReceivedControl& control) {
+  const ControlMessage& message = control.message;
+  constexpr std::size_t most = StreamMemory::most_bytes;
+  if (arrived_.size() >= most_streams || message.depth == 0 || message.depth > most ||
+      message.largest > most || message.depth + 1 > most / StreamMemory::slot_bytes(message.largest)) {
+    note_loss(Loss::Broken, "it shared a stream of an impossible size");
+    return;
+  }
+  auto mapping = map_received(control.descriptors[0].get(),
+                              StreamMemory::bytes(message.largest, message.depth));
+  if (!mapping) {
+    note_loss(Loss::Broken, std::move(mapping.error()));
+    return;
+  }
+  auto held = std::make_shared<Mapping>(std::move(*mapping));
+  arrived_[message.id] = {{held->data(), message.largest, message.depth}, held};
+  ring_bell(bell_.descriptor());  // who waits for this stream may sleep in another thread
+}
+
+void ShmLink::note_loss(Loss loss, std::string text) {
+  if (loss_.load(std::memory_order_relaxed) != Loss::None) return;
+  loss_text_ = std::move(text);
+  loss_.store(loss, std::memory_order_seq_cst);
+  ring_bell(bell_.descriptor());  // another thread may sleep and not be woken by what we have read
+}
+
+bool ShmLink::send_or_keep(Unsent unsent) {
+  send_unsent();
+  if (unsent_.size() >= most_unsent) return false;
+  unsent_.push_back(std::move(unsent));
+  send_unsent();
+  return true;
+}
+
+void ShmLink::send_unsent() {
+  while (!unsent_.empty()) {
+    const Unsent& first = unsent_.front();
+    const int memfd = first.memory == nullptr ? -1 : first.memory->memfd.get();
+    const std::span<const int> given(&memfd, memfd >= 0 ? 1 : 0);
+    if (!send_control(other_->socket(), first.message, given)) return;  // again with the next beat
+    unsent_.pop_front();
+  }
+}
+
+void ShmLink::abandon() noexcept {
+  loss_.store(Loss::Broken);
+  bell_.close();
+  death_.reset();
+  other_->forget();
+  own_memory_.memfd.reset();
+  own_memory_.mapping.forget();
+}
+
+}  // namespace gecos::media::shm

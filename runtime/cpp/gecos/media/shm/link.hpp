@@ -1,0 +1,120 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <deque>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "gecos/media/bell.hpp"
+#include "gecos/media/forked.hpp"
+#include "gecos/media/ring.hpp"
+#include "gecos/media/shm/control.hpp"
+#include "gecos/media/shm/memory.hpp"
+#include "gecos/media/stream_ring.hpp"
+
+namespace gecos::media::shm {
+
+/// What every line over shm is.
+const Offer& shm_offer();
+
+/// How the other end is woken. Outlives the link while a stream still wakes its reader.
+class PeerEnd final : public Sleeper {
+ public:
+  explicit PeerEnd(Descriptor socket) : socket_(std::move(socket)) {}
+
+  int socket() const { return socket_.get(); }
+  /// From here on the peer's memory is known. Without a bell the socket is used.
+  void know(Mapping mapping, Descriptor bell);
+  bool known() const { return known_.load(std::memory_order_acquire); }
+  /// @pre known()
+  RingMemory ring() const { return RingMemory::at(mapping_.data(), usual_slot_count); }
+  void wake();
+  void wake_if_asleep() override;
+  /// Makes the peer's end of the socket see the end, although others may still hold this.
+  void hang_up();
+  void forget();
+
+ private:
+  Descriptor socket_;
+  Descriptor bell_;
+  Mapping mapping_;
+  std::atomic<bool> known_{false};  // publishes mapping_ and bell_
+};
+
+/// One end of a connection; both ends are the same but for who says Hello and who Welcome.
+class ShmLink final : public Link {
+ public:
+  enum class Role : std::uint8_t { Client, Server };
+
+  /// Client: over a connected socket; says Hello. The server may answer at any later time.
+  static tl::expected<std::unique_ptr<Link>, MediumError> greet(Descriptor socket, Peer peer,
+                                                                Descriptor death);
+  /// Server: answers a Hello. Fails with what was wrong with it.
+  static tl::expected<std::unique_ptr<Link>, std::string> welcome(Descriptor socket, Peer peer,
+                                                                  Descriptor death,
+                                                                  ReceivedControl& hello);
+  ~ShmLink() override;
+
+  const Offer& offer() const override { return shm_offer(); }
+  const Peer& peer() const override { return peer_; }
+  tl::expected<std::uint64_t, SendProblem> send(ByteView head, ByteView body) override;
+  std::optional<ByteView> receive() override;
+  std::optional<std::uint64_t> taken_by_peer() override;
+  bool arm() override;
+  void disarm() override;
+  std::span<const int> descriptors() const override { return descriptors_; }
+  void beat() override;
+  std::uint64_t beats_seen() override;
+  Loss loss() override;
+  std::string loss_text() const override;
+  tl::expected<void, SendProblem> share(std::uint32_t id, StreamWriter& stream) override;
+  void unshare(std::uint32_t id) override;
+  std::unique_ptr<StreamReader> open_stream(std::uint32_t id) override;
+
+  ShmLink(Role role, Descriptor socket, Peer peer, Descriptor death, SealedMemory own);
+
+ private:
+  struct Arrived {
+    StreamMemory memory;
+    std::shared_ptr<Mapping> mapping;
+  };
+  struct Unsent {
+    ControlMessage message;
+    std::shared_ptr<SealedMemory> memory;  // keeps the descriptor to be sent
+  };
+
+  bool know_peer(ReceivedControl& from, std::string& problem);
+  void read_control();
+  void take_control(ReceivedControl& control);
+  void take_stream(ReceivedControl& control);
+  void note_loss(Loss loss, std::string text);  // under the mutex, like all that follows
+  bool send_or_keep(Unsent unsent);
+  void send_unsent();
+  void abandon() noexcept;
+
+  const Role role_;
+  const Peer peer_;
+  SealedMemory own_memory_;
+  const RingMemory own_;
+  Bell bell_;
+  Descriptor death_;
+  const std::shared_ptr<PeerEnd> other_;
+  RingWriter writer_;
+  std::optional<RingReader> reader_;      // set before other_ is known, which publishes it
+  StreamWatches watches_;
+  const std::array<int, 3> descriptors_;
+  std::atomic<Loss> loss_{Loss::None};    // tells every thread; the text is under the mutex
+
+  mutable std::mutex control_mutex_;      // guards the socket's messages and all below
+  std::string loss_text_;
+  std::map<std::uint32_t, Arrived> arrived_;
+  std::map<std::uint32_t, std::weak_ptr<SleeperList>> shared_;
+  std::deque<Unsent> unsent_;
+  const ForkWatch fork_watch_;
+};
+
+}  // namespace gecos::media::shm

@@ -1,0 +1,50 @@
+#include "gecos/media/shm/memory.hpp"
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+namespace gecos::media::shm {
+namespace {
+
+constexpr int seals = F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_FUTURE_WRITE | F_SEAL_SEAL;
+
+}  // namespace
+
+tl::expected<SealedMemory, MediumError> make_sealed(const char* name, std::size_t size) {
+  const auto failed = [&](const char* what) {
+    return tl::unexpected(MediumError{"shm: " + std::string(what) + " of " + std::to_string(size) +
+                                      " bytes failed: " + std::strerror(errno)});
+  };
+  SealedMemory memory;
+  memory.memfd = Descriptor(::memfd_create(name, MFD_CLOEXEC | MFD_ALLOW_SEALING));
+  if (!memory.memfd) return failed("memfd_create");
+  if (::ftruncate(memory.memfd.get(), static_cast<off_t>(size)) != 0) return failed("ftruncate");
+  memory.mapping = Mapping::shared(memory.memfd.get(), size, true);
+  if (!memory.mapping) return failed("mmap");
+  // Now that our own mapping stands: FUTURE_WRITE spares it.
+  if (::fcntl(memory.memfd.get(), F_ADD_SEALS, seals) != 0) return failed("sealing");
+  return memory;
+}
+
+tl::expected<Mapping, std::string> map_received(int memfd, std::size_t size) {
+  const int found = ::fcntl(memfd, F_GET_SEALS);
+  if (found < 0 || (found & seals) != seals) {
+    return tl::unexpected<std::string>("it sent memory that is not sealed");
+  }
+  struct stat status {};
+  if (::fstat(memfd, &status) != 0 || status.st_size < 0 ||
+      static_cast<std::size_t>(status.st_size) != size) {
+    return tl::unexpected<std::string>("it sent memory of another size than agreed");
+  }
+  Mapping mapping = Mapping::shared(memfd, size, false);
+  if (!mapping) return tl::unexpected(std::string("mmap failed: ") + std::strerror(errno));
+  return mapping;
+}
+
+}  // namespace gecos::media::shm

@@ -1,0 +1,64 @@
+#include "gecos/media/shm/shm.hpp"
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+#include "gecos/media/shm/acceptor.hpp"
+#include "gecos/media/shm/link.hpp"
+
+namespace gecos::media {
+namespace {
+
+constexpr std::string_view prefix = "shm:";
+
+class Shm final : public Medium {
+ public:
+  explicit Shm(ShmOptions options) : options_(std::move(options)) {}
+
+  const Offer& offer() const override { return shm::shm_offer(); }
+
+  tl::expected<std::unique_ptr<Acceptor>, MediumError> listen(std::string_view name,
+                                                              bool well_known) override {
+    return shm::ShmAcceptor::open(options_, name, well_known);
+  }
+
+  tl::expected<std::unique_ptr<Link>, MediumError> connect(std::string_view address) override {
+    const auto error = [&](const std::string& text) {
+      return tl::unexpected(MediumError{std::string(address) + ": " + text});
+    };
+    if (!address.starts_with(prefix)) return error("an address of shm begins with \"shm:\"");
+    Descriptor socket = shm::connect_to(std::string(address.substr(prefix.size())));
+    if (!socket) {
+      if (errno == ENOENT || errno == ECONNREFUSED) return error("no server is there");
+      if (errno == EAGAIN) return error("too many clients are waiting there, try again");
+      if (errno == EACCES) return error("this user may not connect there");
+      return error(std::strerror(errno));
+    }
+    auto server = shm::peer_of(socket.get());
+    if (!server) return error(server.error());
+    if (!options_.other_users && server->uid != ::geteuid() && server->uid != 0u) {
+      return error("the server runs as another user, " + server->description);
+    }
+    auto death = shm::death_of_peer(socket.get(), *server->pid);
+    if (!death) return error("no server is there: " + death.error());
+    return shm::ShmLink::greet(std::move(socket), std::move(*server), std::move(*death));
+  }
+
+  std::string well_known_address(std::string_view name) const override {
+    return std::string(prefix) + shm::well_known_path(options_.directory, name);
+  }
+
+ private:
+  const ShmOptions options_;
+};
+
+}  // namespace
+
+std::unique_ptr<Medium> make_shm(ShmOptions options) {
+  return std::make_unique<Shm>(std::move(options));
+}
+
+}  // namespace gecos::media

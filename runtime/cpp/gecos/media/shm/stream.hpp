@@ -1,0 +1,21 @@
+#pragma once
+
+#include <memory>
+
+#include "gecos/media/shm/memory.hpp"
+#include "gecos/media/stream_ring.hpp"
+
+namespace gecos::media::shm {
+
+/// A stream in memory of its own, which every link that it is shared on hands to its reader.
+class SharedStreamWriter final : public StreamRingWriter {
+ public:
+  SharedStreamWriter(StreamMemory memory, std::shared_ptr<SealedMemory> sealed)
+      : StreamRingWriter(memory, sealed), sealed_(std::move(sealed)) {}
+  const std::shared_ptr<SealedMemory>& sealed() const { return sealed_; }
+
+ private:
+  const std::shared_ptr<SealedMemory> sealed_;
+};
+
+}  // namespace gecos::media::shm

@@ -1,0 +1,463 @@
+// What every medium promises, run on every medium.
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <thread>
+
+#include "gecos/media/inproc.hpp"
+#include "gecos/media/shm/shm.hpp"
+#include "media_under_test.hpp"
+
+namespace gecos::media {
+namespace {
+
+using namespace std::chrono_literals;
+
+struct Candidate {
+  std::string name;
+  std::function<std::unique_ptr<Medium>(const std::string& directory)> make;
+};
+
+class Conformance : public testing::TestWithParam<Candidate> {
+ protected:
+  void SetUp() override {
+    medium_ = GetParam().make(directory_.path());
+    door_ = listen("RX90");
+    ASSERT_NE(door_, nullptr);
+    client_ = connect();
+    ASSERT_NE(client_.link, nullptr);
+    client_.link->beat();  // so that the server meets it also where nobody comes without a word
+    server_ = End(wait_for_client(*door_), door_.get());
+    ASSERT_NE(server_.link, nullptr);
+  }
+
+  std::unique_ptr<Acceptor> listen(std::string_view name, bool well_known = false) {
+    auto door = medium_->listen(name, well_known);
+    if (!door) ADD_FAILURE() << door.error().text;
+    return door ? std::move(*door) : nullptr;
+  }
+  End connect() {
+    auto link = medium_->connect(door_->address());
+    if (!link) ADD_FAILURE() << link.error().text;
+    return End(link ? std::move(*link) : nullptr);
+  }
+
+  const ScratchDirectory directory_;
+  std::unique_ptr<Medium> medium_;
+  std::unique_ptr<Acceptor> door_;
+  End client_{nullptr};
+  End server_{nullptr};
+};
+
+TEST_P(Conformance, CarriesPacketsBothWaysInOrder) {
+  for (int i = 0; i < 100; ++i) {
+    const std::string text = "packet " + std::to_string(i);
+    ASSERT_TRUE(client_.send(text));
+    ASSERT_TRUE(server_.send("answer to " + text));
+  }
+  for (int i = 0; i < 100; ++i) {
+    const std::string text = "packet " + std::to_string(i);
+    ASSERT_EQ(server_.receive(), text);
+    ASSERT_EQ(client_.receive(), "answer to " + text);
+  }
+  EXPECT_FALSE(client_.link->receive());
+  EXPECT_FALSE(server_.link->receive());
+}
+
+TEST_P(Conformance, CarriesEverySizeUpToTheLargest) {
+  const std::size_t largest = medium_->offer().largest_packet;
+  for (const std::size_t size : {std::size_t{0}, std::size_t{1}, std::size_t{48}, std::size_t{239},
+                                 std::size_t{240}, std::size_t{241}, std::size_t{5000},
+                                 largest - 1, largest}) {
+    std::string text(size, 'x');
+    for (std::size_t i = 0; i < size; ++i) text[i] = static_cast<char>(i * 31 + i / 256);
+    ASSERT_TRUE(client_.send(text)) << size;
+    ASSERT_EQ(server_.receive(), text) << size;
+    ASSERT_TRUE(server_.send(text)) << size;
+    ASSERT_EQ(client_.receive(), text) << size;
+  }
+}
+
+TEST_P(Conformance, RefusesWhatNeverFits) {
+  const std::string text(medium_->offer().largest_packet + 1, 'x');
+  EXPECT_EQ(client_.send(text).error(), SendProblem::TooLarge);
+  ASSERT_TRUE(client_.send("after it"));
+  EXPECT_EQ(server_.receive(), "after it") << "nothing of the large one was sent";
+}
+
+TEST_P(Conformance, NumbersItsPacketsFromOne) {
+  for (std::uint64_t i = 1; i <= 5; ++i) EXPECT_EQ(client_.send("x").value(), i);
+  EXPECT_EQ(server_.send("y").value(), 1u);
+}
+
+TEST_P(Conformance, SaysFullAndLosesNothingWhereItIsReliable) {
+  if (!medium_->offer().reliable) GTEST_SKIP() << "promises no room";
+  const std::string text(1000, 'x');
+  int sent = 0;
+  while (client_.send(text + std::to_string(sent))) ++sent;
+  EXPECT_EQ(client_.send(text).error(), SendProblem::Full);
+  EXPECT_GT(sent, 100);
+  for (int i = 0; i < sent; ++i) ASSERT_EQ(server_.receive(), text + std::to_string(i));
+  EXPECT_TRUE(client_.send("there is room again"));
+  EXPECT_EQ(server_.receive(), "there is room again");
+}
+
+TEST_P(Conformance, TellsWhatThePeerHasTakenWhereItCan) {
+  if (!client_.link->taken_by_peer()) GTEST_SKIP() << "cannot know";
+  ASSERT_TRUE(client_.send("one"));
+  ASSERT_TRUE(client_.send("two"));
+  EXPECT_EQ(client_.link->taken_by_peer(), 0u);
+  EXPECT_EQ(server_.receive(), "one");
+  EXPECT_EQ(client_.link->taken_by_peer(), 1u);
+  EXPECT_EQ(server_.receive(), "two");
+  EXPECT_EQ(client_.link->taken_by_peer(), 2u);
+}
+
+TEST_P(Conformance, AnOrderlyCloseIsSeenAfterTheLastPacket) {
+  ASSERT_TRUE(server_.send("last words"));
+  server_.link.reset();
+  EXPECT_EQ(client_.receive(), "last words");
+  EXPECT_EQ(client_.wait_for_loss(), Loss::Closed);
+  EXPECT_FALSE(client_.link->loss_text().empty());
+  EXPECT_EQ(client_.send("too late").error(), SendProblem::Lost);
+  EXPECT_FALSE(client_.link->arm()) << "nothing will come: do not sleep";
+}
+
+TEST_P(Conformance, TheServerSeesItsClientClose) {
+  ASSERT_TRUE(client_.send("last words"));
+  client_.link.reset();
+  EXPECT_EQ(server_.receive(), "last words");
+  EXPECT_EQ(server_.wait_for_loss(), Loss::Closed);
+  EXPECT_EQ(server_.send("too late").error(), SendProblem::Lost);
+}
+
+TEST_P(Conformance, ACloseWakesASleeper) {
+  std::thread closing([&] { server_.link.reset(); });
+  EXPECT_EQ(client_.wait_for_loss(), Loss::Closed);
+  closing.join();
+}
+
+TEST_P(Conformance, LinksOutliveTheirAcceptor) {
+  server_ = End(std::move(server_.link));
+  if (medium_->offer().kind != Kind::Lcm) {
+    door_.reset();
+  }
+  ASSERT_TRUE(server_.send("still here"));
+  EXPECT_EQ(client_.receive(), "still here");
+  EXPECT_EQ(client_.link->loss(), Loss::None);
+}
+
+TEST_P(Conformance, BeatsAreSeenWithoutPackets) {
+  const std::uint64_t before = server_.link->beats_seen();
+  client_.link->beat();
+  EXPECT_TRUE(server_.wait([&] {
+    server_.link->receive();
+    if (server_.link->beats_seen() > before) return true;
+    client_.link->beat();  // a beat wakes nobody: another one, as housekeeping sends them
+    return server_.link->beats_seen() > before;
+  }));
+}
+
+TEST_P(Conformance, ArmFindsWhatIsThereAlready) {
+  ASSERT_TRUE(client_.send("first"));
+  ASSERT_TRUE(server_.wait([&] { return !server_.link->arm() || (server_.link->disarm(), false); }));
+  EXPECT_EQ(server_.receive(), "first");
+}
+
+TEST_P(Conformance, DescriptorsAreQuietAfterDisarm) {
+  ASSERT_TRUE(server_.link->arm());
+  ASSERT_TRUE(client_.send("wake up"));
+  EXPECT_EQ(server_.receive(), "wake up");
+  server_.link->disarm();
+  EXPECT_EQ(sleep_on(server_.link->descriptors(), TimePoint{}), Wake::TimedOut);
+}
+
+TEST_P(Conformance, NoWakeUpIsLost) {
+  constexpr int rounds = 5'000;
+  std::thread echoing([&] {
+    for (int i = 0; i < rounds; ++i) {
+      ASSERT_EQ(server_.receive(), "to " + std::to_string(i));
+      ASSERT_TRUE(server_.send("fro " + std::to_string(i)));
+    }
+  });
+  for (int i = 0; i < rounds; ++i) {
+    ASSERT_TRUE(client_.send("to " + std::to_string(i)));
+    ASSERT_EQ(client_.receive(), "fro " + std::to_string(i));
+  }
+  echoing.join();
+}
+
+TEST_P(Conformance, HousekeepingMayBeatBesideEverything) {
+  std::atomic<bool> done{false};
+  std::thread housekeeping([&] {
+    while (!done.load()) {
+      client_.link->beat();
+      server_.link->beat();
+      EXPECT_EQ(client_.link->loss(), Loss::None);
+      EXPECT_EQ(server_.link->loss(), Loss::None);
+      client_.link->beats_seen();
+      client_.link->taken_by_peer();
+      std::this_thread::yield();
+    }
+  });
+  for (int i = 0; i < 500; ++i) {
+    ASSERT_TRUE(client_.send(std::to_string(i)));
+    ASSERT_EQ(server_.receive(), std::to_string(i));
+  }
+  done.store(true);
+  housekeeping.join();
+}
+
+TEST_P(Conformance, AnAcceptorHasManyLinksThatDoNotMix) {
+  constexpr std::size_t count = 12;
+  std::vector<End> clients;
+  std::vector<End> servers;
+  for (std::size_t i = 0; i < count; ++i) {
+    clients.push_back(connect());
+    ASSERT_TRUE(clients.back().send("I am " + std::to_string(i)));
+    auto link = wait_for_client(*door_);
+    ASSERT_NE(link, nullptr);
+    servers.emplace_back(std::move(link), door_.get());
+    ASSERT_EQ(servers.back().receive(), "I am " + std::to_string(i));
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    ASSERT_TRUE(servers[i].send("you are " + std::to_string(i)));
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    ASSERT_EQ(clients[i].receive(), "you are " + std::to_string(i));
+    ASSERT_FALSE(clients[i].link->receive());
+  }
+  clients[3].link.reset();
+  EXPECT_EQ(servers[3].wait_for_loss(), Loss::Closed);
+  EXPECT_EQ(servers[4].link->loss(), Loss::None);
+}
+
+TEST_P(Conformance, AStreamIsReadNewestFirstOrOneByOne) {
+  const auto writer = door_->make_stream(100, 4);
+  ASSERT_TRUE(server_.link->share(7, *writer));
+  const auto reader = client_.wait_for_stream(7);
+  ASSERT_NE(reader, nullptr);
+  StreamSample sample;
+  EXPECT_FALSE(reader->latest(0, sample)) << "nothing was published";
+  EXPECT_EQ(client_.link->open_stream(8), nullptr) << "nothing was shared under this number";
+
+  for (int i = 1; i <= 3; ++i) ASSERT_TRUE(writer->publish(bytes_of(std::to_string(i)), 1000 + i));
+  for (std::uint64_t i = 1; i <= 3; ++i) {
+    ASSERT_TRUE(client_.wait([&] { return reader->next(i - 1, sample); }));
+    EXPECT_EQ(sample.sequence, i);
+    EXPECT_EQ(sample.stamp_ns, static_cast<std::int64_t>(1000 + i));
+    EXPECT_EQ(text_of(sample.bytes), std::to_string(i));
+  }
+  EXPECT_FALSE(reader->next(3, sample));
+  EXPECT_TRUE(reader->latest(2, sample));
+  EXPECT_EQ(sample.sequence, 3u);
+  EXPECT_FALSE(reader->latest(3, sample));
+}
+
+TEST_P(Conformance, ASlowReaderLosesOldSamplesAndSeesHowMany) {
+  const auto writer = door_->make_stream(100, 4);
+  ASSERT_TRUE(server_.link->share(1, *writer));
+  const auto reader = client_.wait_for_stream(1);
+  ASSERT_NE(reader, nullptr);
+  for (int i = 1; i <= 50; ++i) ASSERT_TRUE(writer->publish(bytes_of(std::to_string(i)), i));
+  StreamSample sample;
+  ASSERT_TRUE(client_.wait([&] { return reader->latest(49, sample); }));
+  EXPECT_EQ(text_of(sample.bytes), "50");
+  ASSERT_TRUE(reader->next(0, sample));
+  EXPECT_EQ(sample.sequence, 47u) << "the four newest are kept";
+  EXPECT_EQ(text_of(sample.bytes), "47");
+}
+
+TEST_P(Conformance, AStreamSharedLaterShowsItsLastSample) {
+  const auto writer = door_->make_stream(100, 4);
+  ASSERT_TRUE(writer->publish(bytes_of("a pose at rest"), 5));
+  ASSERT_TRUE(server_.link->share(1, *writer));
+  const auto reader = client_.wait_for_stream(1);
+  ASSERT_NE(reader, nullptr);
+  StreamSample sample;
+  std::thread serving([&] {
+    server_.wait([&] {
+      server_.link->receive();
+      return server_.link->loss() != Loss::None;
+    });
+  });
+  EXPECT_TRUE(client_.wait([&] {
+    client_.link->receive();
+    return reader->latest(0, sample);
+  }));
+  EXPECT_EQ(text_of(sample.bytes), "a pose at rest");
+  EXPECT_EQ(sample.sequence, 1u);
+  client_.link.reset();
+  serving.join();
+}
+
+TEST_P(Conformance, RefusesASampleThatIsTooLarge) {
+  const auto writer = door_->make_stream(10, 4);
+  EXPECT_EQ(writer->publish(bytes_of("eleven bytes"), 1).error(), SendProblem::TooLarge);
+  EXPECT_TRUE(writer->publish(bytes_of("ten bytes."), 1));
+}
+
+TEST_P(Conformance, APublisherWakesItsSleepingReaders) {
+  const auto writer = door_->make_stream(16, 8);
+  ASSERT_TRUE(server_.link->share(1, *writer));
+  End second = connect();
+  second.link->beat();
+  auto second_server = wait_for_client(*door_);
+  ASSERT_NE(second_server, nullptr);
+  ASSERT_TRUE(second_server->share(9, *writer));
+  const auto reader = client_.wait_for_stream(1);
+  const auto second_reader = second.wait_for_stream(9);
+  ASSERT_NE(reader, nullptr);
+  ASSERT_NE(second_reader, nullptr);
+
+  constexpr std::uint64_t rounds = 500;
+  StreamSample sample;
+  StreamSample second_sample;
+  for (std::uint64_t i = 1; i <= rounds; ++i) {
+    std::thread reading;
+    if (i % 50 == 0) {  // now and then the reader sleeps already
+      reading = std::thread(
+          [&] { ASSERT_TRUE(second.wait([&] { return second_reader->latest(i - 1, second_sample); })); });
+    }
+    ASSERT_TRUE(writer->publish(bytes_of(std::to_string(i)), 0));
+    ASSERT_TRUE(client_.wait([&] { return reader->next(i - 1, sample); }));
+    ASSERT_EQ(text_of(sample.bytes), std::to_string(i));
+    if (reading.joinable()) reading.join();
+  }
+  EXPECT_EQ(second_sample.sequence, rounds);
+}
+
+TEST_P(Conformance, AfterUnshareNobodyOpensTheStream) {
+  const auto writer = door_->make_stream(16, 8);
+  ASSERT_TRUE(server_.link->share(1, *writer));
+  ASSERT_NE(client_.wait_for_stream(1), nullptr);
+  server_.link->unshare(1);
+  ASSERT_TRUE(server_.send("done"));
+  ASSERT_EQ(client_.receive(), "done");
+  EXPECT_TRUE(client_.wait([&] {
+    client_.link->receive();
+    return client_.link->open_stream(1) == nullptr;
+  }));
+  EXPECT_TRUE(writer->publish(bytes_of("for nobody"), 0));
+}
+
+TEST_P(Conformance, ALinkMayGoWhileAStreamIsPublished) {
+  const auto writer = door_->make_stream(16, 8);
+  std::atomic<bool> done{false};
+  std::thread publishing([&] {
+    while (!done.load()) {
+      ASSERT_TRUE(writer->publish(bytes_of("x"), 0));
+      std::this_thread::yield();
+    }
+  });
+  for (int i = 0; i < 20; ++i) {
+    End client = connect();
+    client.link->beat();
+    auto server = wait_for_client(*door_);
+    ASSERT_NE(server, nullptr);
+    ASSERT_TRUE(server->share(1, *writer));
+    ASSERT_NE(client.wait_for_stream(1), nullptr);
+  }
+  done.store(true);
+  publishing.join();
+}
+
+TEST_P(Conformance, NobodyIsAtAnUnknownAddress) {
+  if (medium_->offer().kind == Kind::Lcm) GTEST_SKIP() << "silence is all that a datagram gets";
+  EXPECT_FALSE(medium_->connect(medium_->well_known_address("NOBODY")));
+  EXPECT_FALSE(medium_->connect("nonsense"));
+  const std::string address = door_->address();
+  door_.reset();
+  EXPECT_FALSE(medium_->connect(address));
+}
+
+TEST_P(Conformance, AClientThatWaitsAtADoorThatClosesIsTold) {
+  if (medium_->offer().kind == Kind::Lcm) GTEST_SKIP() << "silence is all that a datagram gets";
+  End late = connect();
+  ASSERT_TRUE(late.send("is anybody there?"));
+  door_.reset();
+  EXPECT_EQ(late.wait_for_loss(), Loss::Closed);
+}
+
+TEST_P(Conformance, TheWellKnownPlaceIsTakenOnce) {
+  auto broker = listen("BROKER", true);
+  ASSERT_NE(broker, nullptr);
+  EXPECT_EQ(broker->address(), medium_->well_known_address("BROKER"));
+  if (medium_->offer().kind != Kind::Lcm) {
+    const auto second = medium_->listen("BROKER", true);
+    ASSERT_FALSE(second);
+    EXPECT_NE(second.error().text.find("served already"), std::string::npos) << second.error().text;
+  }
+  broker.reset();
+  broker = listen("BROKER", true);
+  ASSERT_NE(broker, nullptr);
+  auto client = medium_->connect(medium_->well_known_address("BROKER"));
+  ASSERT_TRUE(client);
+  End end(std::move(*client));
+  ASSERT_TRUE(end.send("hello"));
+  EXPECT_NE(wait_for_client(*broker), nullptr);
+}
+
+TEST_P(Conformance, NothingIsLeftOpen) {
+  const auto once = [&] {
+    auto door = listen("LASER");
+    auto link = medium_->connect(door->address());
+    ASSERT_TRUE(link);
+    End client(std::move(*link));
+    client.link->beat();
+    End server(wait_for_client(*door), door.get());
+    const auto writer = door->make_stream(100, 4);
+    ASSERT_TRUE(server.link->share(1, *writer));
+    const auto reader = client.wait_for_stream(1);
+    ASSERT_NE(reader, nullptr);
+    ASSERT_TRUE(client.send("x"));
+    ASSERT_EQ(server.receive(), "x");
+  };
+  once();  // what is made once for the whole process
+  const std::size_t before = open_descriptors();
+  for (int i = 0; i < 5; ++i) once();
+  EXPECT_EQ(open_descriptors(), before);
+}
+
+TEST_P(Conformance, AForkedChildFindsItsLinksDead) {
+  ASSERT_TRUE(client_.send("for the parent"));
+  const pid_t child = ::fork();
+  if (child == 0) {
+    int wrong = 0;
+    if (client_.link->loss() != Loss::Broken) wrong |= 1;
+    if (client_.link->send({}, {}).has_value()) wrong |= 2;
+    if (server_.link->loss() != Loss::Broken) wrong |= 4;
+    if (client_.link->loss_text().find("fork") == std::string::npos) wrong |= 8;
+    if (client_.link->arm()) wrong |= 16;
+    client_.link->disarm();
+    client_.link.reset();  // must not say goodbye in the parent's name
+    server_.link.reset();
+    door_.reset();
+    ::_exit(wrong);
+  }
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 0);
+  EXPECT_EQ(server_.receive(), "for the parent");
+  ASSERT_TRUE(server_.send("and back"));
+  EXPECT_EQ(client_.receive(), "and back");
+  EXPECT_EQ(client_.link->loss(), Loss::None);
+  auto another = connect();
+  another.link->beat();
+  EXPECT_NE(wait_for_client(*door_), nullptr) << "the door is still open";
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Media, Conformance,
+    testing::Values(Candidate{"inproc", [](const std::string&) { return make_inproc(); }},
+                    Candidate{"shm",
+                              [](const std::string& directory) {
+                                return make_shm({.directory = directory});
+                              }}),
+    [](const auto& candidate) { return candidate.param.name; });
+
+}  // namespace
+}  // namespace gecos::media

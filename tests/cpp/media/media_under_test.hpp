@@ -1,0 +1,128 @@
+#pragma once
+
+#include <gtest/gtest.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "gecos/media/medium.hpp"
+#include "gecos/media/waiting.hpp"
+
+namespace gecos::media {
+
+/// A directory that goes when the test goes.
+class ScratchDirectory {
+ public:
+  ScratchDirectory() {
+    std::string pattern = "/tmp/gecos-test-XXXXXX";
+    if (::mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("mkdtemp");
+    path_ = pattern;
+  }
+  ~ScratchDirectory() {
+    if (owner_ == ::getpid()) std::filesystem::remove_all(path_);
+  }
+  ScratchDirectory(const ScratchDirectory&) = delete;
+  ScratchDirectory& operator=(const ScratchDirectory&) = delete;
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+  const pid_t owner_ = ::getpid();
+};
+
+inline std::size_t open_descriptors() {
+  const std::filesystem::directory_iterator all("/proc/self/fd");
+  return static_cast<std::size_t>(std::distance(begin(all), end(all)));
+}
+
+/// Nothing in these tests waits this long; who does has lost a wake-up.
+inline TimePoint too_late() { return std::chrono::steady_clock::now() + std::chrono::seconds(20); }
+
+/// One end of a link, waited on as its users do. `door` is the acceptor whose descriptors and
+/// accept() feed it too, if any.
+class End {
+ public:
+  explicit End(std::unique_ptr<Link> of, Acceptor* door = nullptr)
+      : link(std::move(of)), door_(door) {}
+
+  /// Waits until `done`, looking again whenever something woke us. False: too late.
+  bool wait(const std::function<bool()>& done) {
+    for (;;) {
+      if (done()) return true;
+      bool in_time = true;
+      if (link->arm()) {
+        std::vector<int> all(link->descriptors().begin(), link->descriptors().end());
+        if (door_ != nullptr) {
+          all.insert(all.end(), door_->descriptors().begin(), door_->descriptors().end());
+        }
+        in_time = sleep_on(all, too_late()) != Wake::TimedOut;
+        link->disarm();
+      }
+      if (door_ != nullptr) {
+        while (auto another = door_->accept()) others.push_back(std::move(another));
+      }
+      if (!in_time) return done();
+    }
+  }
+  /// The next packet, as text. "(nothing)" when none came in time or the link was lost.
+  std::string receive() {
+    std::string got = "(nothing)";
+    wait([&] {
+      if (const auto packet = link->receive()) {
+        got.assign(reinterpret_cast<const char*>(packet->data()), packet->size());
+        return true;
+      }
+      if (link->loss() == Loss::None) return false;
+      if (const auto packet = link->receive()) {  // sent before the loss
+        got.assign(reinterpret_cast<const char*>(packet->data()), packet->size());
+      }
+      return true;
+    });
+    return got;
+  }
+  tl::expected<std::uint64_t, SendProblem> send(std::string_view text) {
+    const ByteView bytes = std::as_bytes(std::span(text.data(), text.size()));
+    return link->send(bytes.first(bytes.size() / 2), bytes.subspan(bytes.size() / 2));
+  }
+  Loss wait_for_loss() {
+    wait([&] { return link->loss() != Loss::None; });
+    return link->loss();
+  }
+  std::unique_ptr<StreamReader> wait_for_stream(std::uint32_t id) {
+    std::unique_ptr<StreamReader> reader;
+    wait([&] {
+      reader = link->open_stream(id);
+      return reader != nullptr || link->loss() != Loss::None;
+    });
+    return reader;
+  }
+
+  std::unique_ptr<Link> link;
+  std::vector<std::unique_ptr<Link>> others;  ///< that came while we waited
+
+ private:
+  Acceptor* door_;
+};
+
+/// The next client of `door`, waited for. Null when none came in time.
+inline std::unique_ptr<Link> wait_for_client(Acceptor& door) {
+  for (;;) {
+    if (auto link = door.accept()) return link;
+    if (sleep_on(door.descriptors(), too_late()) == Wake::TimedOut) return door.accept();
+  }
+}
+
+inline ByteView bytes_of(std::string_view text) {
+  return std::as_bytes(std::span(text.data(), text.size()));
+}
+inline std::string text_of(const Bytes& bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+}  // namespace gecos::media
