@@ -48,6 +48,10 @@ test-tsan: setup  ## the C++ tests under ThreadSanitizer
 	@cmake --build build-tsan -j$(JOBS)
 	@$(CTEST) --test-dir build-tsan
 
+.PHONY: wheels
+wheels: setup  ## both wheels into dist/, tried where the tree is not known
+	@tools/check_wheels.sh
+
 .PHONY: format
 format: setup  ## C++ and Python laid out as the house does
 	@git ls-files '*.cpp' '*.hpp' ':!generated' | xargs clang-format -i
@@ -55,4 +59,4 @@ format: setup  ## C++ and Python laid out as the house does
 
 .PHONY: clean
 clean:  ## all that was built; the virtual environment stays
-	@rm -rf build build-asan build-tsan dist runtime/python/gecos/_core*.so
+	@rm -rf build build-asan build-tsan build-wheel dist runtime/python/gecos/_core*.so
