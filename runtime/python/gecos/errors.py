@@ -95,7 +95,7 @@ class DeclaredError(CommandFailed):
 
     @property
     def text(self) -> str:
-        names = [member.name for member in fields(self)] if is_dataclass(self) else []
+        names: list[str] = [member.name for member in fields(self)] if is_dataclass(self) else []
         members = ", ".join(f"{name}={getattr(self, name)!r}" for name in names)
         return f"{self._gecos_name}({members})"
 

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import signal
 import threading
 import traceback
 from collections.abc import Iterable, Mapping
-from types import FrameType, TracebackType
+from types import TracebackType
 from typing import Self
 
 from gecos import _core, farewell
+from gecos.ending import EndingSignals
 from gecos.errors import CommandFailed, DeclaredError, Detail, ServeError
 from gecos.execution import Execution
 from gecos.lab import Lab
@@ -90,22 +90,11 @@ def serve(
     media: Iterable[str] = (),
 ) -> None:
     """Serves objects under their names until SIGINT or SIGTERM. Call it from the main thread."""
-    end = threading.Event()
-
-    def ask_to_end(number: int, frame: FrameType | None) -> None:
-        end.set()
-
-    before = {s: signal.signal(s, ask_to_end) for s in (signal.SIGINT, signal.SIGTERM)}
-    try:
-        with Server(lab or Lab()) as server:
-            for name, servant in servants.items():
-                server.add(name, servant, simulated=simulated, media=media)
-            print(f"serving {', '.join(servants)}", flush=True)
-            while not end.wait(1.0):
-                pass  # Event.wait runs signal handlers; the time-out is only belt and braces
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
+    with EndingSignals() as signals, Server(lab or Lab()) as server:
+        for name, servant in servants.items():
+            server.add(name, servant, simulated=simulated, media=media)
+        print(f"serving {', '.join(servants)}", flush=True)
+        signals.wait()
 
 
 def _answer(servant: Servant, call: _core.IncomingCall) -> None:

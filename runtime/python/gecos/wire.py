@@ -374,6 +374,11 @@ def out_of_range(field: str, value: object, limits: str) -> EncodeError:
     return EncodeError(field, f"{value} is outside {limits}")
 
 
+def signed(bits: int, width: int) -> int:
+    """The number that `width` bits are in two's complement."""
+    return bits - (1 << width) if bits >> (width - 1) else bits
+
+
 def first(entry: tuple[Any, Any]) -> Any:
     """Key by which the entries of a map are sorted."""
     return entry[0]
@@ -565,6 +570,13 @@ class Decoder:
         if number >> bits:
             self.refuse_range(field, width)
         return kind(number)
+
+    def arm(self, selected: bool, field: str = "") -> bool:
+        """Whether an arm of a union is there, which it must be exactly when it is selected."""
+        start = self.offset
+        if self.number("?", field) is not selected:
+            self.refuse(DecodeProblem.UNKNOWN_UNION_TAG, field, start)
+        return selected
 
     def mapping(
         self,

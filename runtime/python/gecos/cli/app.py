@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import signal
 import sys
 from collections.abc import Callable
 from typing import Annotated, TypeVar
@@ -12,6 +11,7 @@ import typer
 import gecos
 from gecos.cli import report
 from gecos.cli.laboratory import entries, find
+from gecos.ending import EndingSignals
 
 T = TypeVar("T")
 Name = Annotated[str, typer.Argument(help="Name under which the object is served: RX90")]
@@ -60,11 +60,9 @@ def stop(name: Name, broker: BrokerAddress = None) -> None:
 @app.command("broker")
 def run_broker() -> None:
     """Runs this host's broker until Ctrl-C."""
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
-    with gecos.Lab() as lab, gecos.Broker(lab):
+    with EndingSignals() as signals, gecos.Lab() as lab, gecos.Broker(lab):
         print("broker: ready", flush=True)
-        while True:
-            signal.pause()
+        signals.wait()
 
 
 def run() -> int:

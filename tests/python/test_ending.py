@@ -1,0 +1,43 @@
+from __future__ import annotations
+
+import signal
+import threading
+
+import pytest
+from gecos.ending import EndingSignals
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_that_came_before_ends_the_wait(number: signal.Signals) -> None:
+    with EndingSignals() as signals:
+        signal.raise_signal(number)
+        signals.wait()
+
+
+def test_a_signal_given_to_another_thread_ends_the_wait() -> None:
+    with EndingSignals() as signals:
+        other = threading.Thread(target=signal.raise_signal, args=(signal.SIGTERM,))
+        other.start()
+        signals.wait()
+        other.join()
+
+
+def test_afterwards_signals_do_what_they_did() -> None:
+    before = signal.getsignal(signal.SIGINT)
+    with EndingSignals():
+        assert signal.getsignal(signal.SIGINT) is not before
+    assert signal.getsignal(signal.SIGINT) is before
+    with pytest.raises(KeyboardInterrupt):
+        signal.raise_signal(signal.SIGINT)
+
+
+def test_other_signals_do_not_end_it() -> None:
+    with EndingSignals() as signals:
+        before = signal.signal(signal.SIGUSR1, lambda number, frame: None)
+        signal.raise_signal(signal.SIGUSR1)
+        signal.raise_signal(signal.SIGTERM)
+        signals.wait()
+        signal.signal(signal.SIGUSR1, before)
+        signals._here.setblocking(False)
+        with pytest.raises(BlockingIOError):
+            signals._here.recv(1)
