@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
 #include <string>
 #include <vector>
 
@@ -90,6 +91,31 @@ TEST(Contents, BytesLeftOverAreRefused) {
   const auto result = from_bytes<Node>(bytes);
   ASSERT_FALSE(result);
   EXPECT_EQ(result.error(), (DecodeError{DecodeProblem::TrailingBytes, 9, ""}));
+}
+
+// Under the sanitizers this also shows that nothing outside the bytes is read.
+TEST(Contents, MutatedBytesAreRefusedOrTheEncodingOfWhatWasRead) {
+  std::mt19937 random(1994);
+  const auto below = [&random](std::size_t limit) {
+    return std::uniform_int_distribution<std::size_t>(0, limit - 1)(random);
+  };
+  const Bytes original = to_bytes(Node{"root", {Node{"left", {}}, chain(4)}});
+  int refused = 0;
+  for (int round = 0; round < 20'000; ++round) {
+    Bytes bytes = original;
+    bytes[below(bytes.size())] = static_cast<std::byte>(below(256));
+    bytes[below(bytes.size())] ^= static_cast<std::byte>(1u << below(8));
+    if (below(4) == 0) bytes.resize(below(bytes.size() + 8));
+    const auto result = from_bytes<Node>(bytes);
+    if (result) {
+      ASSERT_EQ(to_bytes(*result), bytes);
+    } else {
+      ++refused;
+      ASSERT_LE(result.error().offset, bytes.size());
+    }
+  }
+  EXPECT_GT(refused, 1'000);
+  EXPECT_LT(refused, 20'000);
 }
 
 TEST(Contents, SixteenLevelsPassAndSeventeenAreRefused) {
