@@ -45,6 +45,14 @@ def test_every_make_target_exists(document: Path) -> None:
     assert sorted(x for x in asked if not re.search(rf"^{x}:", makefile, re.MULTILINE)) == []
 
 
+def test_every_annotation_is_documented() -> None:
+    vocabulary = text_of(TREE / "codegen/gidl/include/gecos/annotations.gidl")
+    declared = set(re.findall(r"^@annotation (\w+)", vocabulary, re.MULTILINE))
+    assert declared
+    documented = set(re.findall(r"`@(\w+)", text_of(TREE / "docs/gidl.md")))
+    assert declared - documented == set()
+
+
 def test_the_documents_that_visitors_look_for_are_there() -> None:
     present = {name(document) for document in DOCUMENTS}
     assert {"README.md", "CONTRIBUTING.md", "CHANGELOG.md", "docs/architecture.md"} <= present
