@@ -48,7 +48,7 @@ ROOMS: dict[str, Room] = {
     ),
     "umbrella": _room("base session", "gecos.hpp gathers what programs use: base and session"),
     "broker": _room(
-        _BELOW_SESSION + " session generated-stubs",
+        _BELOW_SESSION + " session umbrella generated-stubs",
         "the broker is an object like any other: session and generated code, no medium",
     ),
     "frames": _room("base wire", "robcl/frames knows neither session nor generated code"),
@@ -61,11 +61,11 @@ ROOMS: dict[str, Room] = {
         _BELOW_SESSION + " frames session", "generated clients and servers know session and types"
     ),
     "devices": _room(
-        _BELOW_SESSION + " session frames arm motion generated-stubs",
+        _BELOW_SESSION + " session umbrella frames arm motion generated-stubs",
         "a device is a generated skeleton, robcl and one piece of hardware: no medium, no broker",
     ),
     "binding": _room(
-        _BELOW_SESSION + " session broker",
+        _BELOW_SESSION + " session umbrella broker",
         "the binding sits on session and broker, at the byte seam: no generated client",
     ),
 }
