@@ -17,7 +17,6 @@ from gidl.output import compare, diff_text, write
 
 FINE, FAILED, USAGE, FINDINGS = 0, 1, 2, 100
 TARGETS = ("cpp", "python", "lcm", "model")
-_RECURSION = 10_000  # nesting is bounded by the parser; this lets 200 levels through
 
 
 def run() -> None:
@@ -32,7 +31,6 @@ def main(arguments: Sequence[str]) -> int:
         chosen = parser.parse_args(arguments)
     except SystemExit as ended:
         return ended.code if isinstance(ended.code, int) else USAGE
-    sys.setrecursionlimit(max(sys.getrecursionlimit(), _RECURSION))
     command: Callable[[argparse.Namespace], int] = chosen.command
     try:
         return command(chosen)

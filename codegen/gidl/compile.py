@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import sys
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -25,7 +27,11 @@ class Compiled:
 
 def compile_files(paths: Iterable[str], search: Iterable[str] = ()) -> Compiled:
     """Reads, resolves and checks `paths` and what they include; never raises for their contents."""
-    wanted = list(paths)
+    with _room_for_nesting():
+        return _compile(list(paths), list(search))
+
+
+def _compile(wanted: list[str], search: list[str]) -> Compiled:
     folders = tuple(Path(p) for p in search) or default_search(wanted)
     findings = Findings()
     loader = Loader(findings, folders)
@@ -35,3 +41,14 @@ def compile_files(paths: Iterable[str], search: Iterable[str] = ()) -> Compiled:
     check_all(model, findings, codes_of)
     order = list(loader.files)
     return Compiled(model, tuple(findings.in_order(order)), loader.sources, findings.has_errors)
+
+
+@contextmanager
+def _room_for_nesting() -> Iterator[None]:
+    """The parser bounds nesting at 200 levels; this lets them through, ten calls each."""
+    usual = sys.getrecursionlimit()
+    sys.setrecursionlimit(max(usual, 20_000))
+    try:
+        yield
+    finally:
+        sys.setrecursionlimit(usual)

@@ -78,8 +78,20 @@ class _Calculator:
                 return found
             case Unary(operator, operand, span):
                 return self._unary(operator, self.value(operand), span)
-            case Binary(operator, left, right, span):
-                return self._binary(operator, left, right, span)
+            case Binary():
+                return self._chain(expression)
+
+    def _chain(self, expression: Binary) -> Computed:
+        """`a + b + c ...`, however long, without recursion: the operators group to the left."""
+        chain: list[Binary] = []
+        first: Expression = expression
+        while isinstance(first, Binary):
+            chain.append(first)
+            first = first.left
+        result = self.value(first)
+        for link in reversed(chain):
+            result = self._binary(link.operator, result, link.right, link.span)
+        return result
 
     def _unary(self, operator: str, operand: Computed, span: Span) -> Computed:
         value = operand.value
@@ -100,9 +112,9 @@ class _Calculator:
                 return operand
 
     def _binary(
-        self, operator: str, left_side: Expression, right_side: Expression, span: Span
+        self, operator: str, left: Computed, right_side: Expression, span: Span
     ) -> Computed:
-        left, right = self.value(left_side), self.value(right_side)
+        right = self.value(right_side)
         if left.kind == right.kind == "int":
             assert isinstance(left.value, int) and isinstance(right.value, int)
             return self._integers(operator, left.value, right.value, right_side.span, span)

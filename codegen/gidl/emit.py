@@ -10,7 +10,7 @@ import jinja2
 
 from gidl.model import Model
 from gidl.targets.cpp import view as cpp
-from gidl.targets.layout import wrapped_text
+from gidl.targets.layout import laid_out
 from gidl.targets.lcm import view as lcm
 from gidl.targets.naming import OutputFile, UnsupportedError
 from gidl.targets.python import view as python
@@ -36,13 +36,8 @@ def render(model: Model, layout: Layout, languages: Collection[str] = LANGUAGES)
             continue
         for output in _TARGETS[language](model, layout):
             template = _environment(output.language).get_template(output.template)
-            texts[output.path] = _tidy(template.render(view=output.view), language)
+            texts[output.path] = laid_out(template.render(view=output.view), language)
     return texts
-
-
-def _tidy(text: str, language: str) -> str:
-    """One newline at the end, and no line of code too long to read."""
-    return wrapped_text(text.strip("\n") + "\n", language)
 
 
 @cache

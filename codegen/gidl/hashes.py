@@ -145,7 +145,7 @@ class _Writer:
                 members = self._model.all_members(struct)
                 if struct.is_appendable and not self._whole:
                     members = members[: _core_length(members)]
-                slots = ",".join(self._slot(m.name, m.type, m.optional) for m in members)
+                slots = ",".join(self._slot(_old_name(m), m.type, m.optional) for m in members)
                 return f"{struct.extensibility.value} {slots}"
             case EnumDeclaration() as enum:
                 if enum.default_literal is not None and not self._whole:
@@ -167,6 +167,10 @@ class _Writer:
                 return head + ";" + ";".join(cases)
             case _:
                 raise AssertionError(declaration)
+
+
+def _old_name(member: Member) -> str:
+    return member.facts.hash_as or member.name
 
 
 def _core_length(slots: tuple[Member, ...] | tuple[Parameter, ...]) -> int:

@@ -55,6 +55,7 @@ _TOKEN = re.compile(
     re.VERBOSE | re.DOTALL,
 )
 _DIRECTIVE_LINE = re.compile(r"[^\n\\]*(?:\\\r?\n[^\n\\]*|\\[^\n])*")
+_ALPHABET = "names are ASCII letters, digits and '_'; other text belongs into comments and strings"
 _IDENTIFIER_TAIL = re.compile(r"[A-Za-z0-9_]+")
 
 
@@ -102,9 +103,10 @@ class _Lexer:
                     "leave out the L: strings are UTF-8",
                 )
             else:
+                body = text[at:stop]
                 if kind in ("int", "float"):
                     stop = self._number(at, stop)
-                tokens.append(Token(kind or "", text[at:stop], at, stop))
+                tokens.append(Token(kind or "", body, at, stop))
             at = stop
         tokens.append(Token("eof", "", end, end))
         return self._lexed
@@ -113,26 +115,49 @@ class _Lexer:
         self._findings.error(code, Span(self._source, start, end), message, *help_lines)
 
     def _unknown(self, at: int) -> int:
+        """Reports what is no token, and stands in for it where one is missed less that way."""
         text = self._source.text
         char = text[at]
-        line_end = text.find("\n", at)
-        line_end = len(text) if line_end < 0 else line_end
         if char in "\"'":
-            name = "string" if char == '"' else "character"
-            self._error("G0007", at, line_end, f"this {name} literal is not closed on its line")
-            return line_end
-        end = at + 1
-        while end < line_end and not text[end].isascii() and not char.isascii():
+            return self._unclosed(at)
+        if not char.isascii() and char.isprintable():
+            return self._foreign_word(at)
+        shown = char if char.isprintable() else f"U+{ord(char):04X}"
+        self._error("G0008", at, at + 1, f"'{shown}' is no character of the language", _ALPHABET)
+        return at + 1
+
+    def _unclosed(self, at: int) -> int:
+        """A literal that its line does not close ends with the line, or before a last `;`."""
+        text = self._source.text
+        line_end = text.find("\n", at)
+        end = len(text) if line_end < 0 else line_end
+        name = "string" if text[at] == '"' else "character"
+        self._error("G0007", at, end, f"this {name} literal is not closed on its line")
+        while end > at + 1 and text[end - 1] in " \t\r;,})":
+            end -= 1
+        body = text[at + 1 : end].replace("\\", "") if name == "string" else "?"
+        quote = text[at]
+        kind = "string" if name == "string" else "char"
+        self._lexed.tokens.append(Token(kind, f"{quote}{body}{quote}", at, end))
+        return end
+
+    def _foreign_word(self, at: int) -> int:
+        """A word with letters outside ASCII is one finding, and is taken for an identifier."""
+        text = self._source.text
+        tokens = self._lexed.tokens
+        start = at
+        if tokens and tokens[-1].kind == "id" and tokens[-1].end == at:
+            start = tokens.pop().start
+        end = at
+        while end < len(text) and (
+            text[end] == "_" or text[end].isalnum() or not text[end].isascii()
+        ):
+            if not text[end].isprintable():
+                break
             end += 1
-        shown = text[at:end] if text[at:end].isprintable() else f"U+{ord(char):04X}"
-        self._error(
-            "G0008",
-            at,
-            end,
-            f"'{shown}' is no character of the language",
-            "identifiers are ASCII letters, digits and '_'; other text belongs into comments and "
-            "strings",
-        )
+        word = text[start:end]
+        self._error("G0008", start, end, f"'{word}' is no name of the language", _ALPHABET)
+        tokens.append(Token("id", word, start, end))
         return end
 
     def _number(self, start: int, end: int) -> int:

@@ -57,12 +57,18 @@ class Loader:
         self.sources.setdefault(VOCABULARY, source)
         return parse(source, self.findings, {}, lambda _include: None)
 
-    def _include_path(self, place: Path) -> str:
-        """How others include the file: relative to the search folder it lies in."""
+    def _include_path(self, place: Path, beside: tuple[str, str] | None = None) -> str:
+        """How others include the file: relative to the search folder it lies in, else as the file
+        `beside` it wrote it."""
         absolute = place.absolute()
         for folder in (*self.search, PACKAGED):
             if absolute.is_relative_to(folder.absolute()):
                 return absolute.relative_to(folder.absolute()).as_posix()
+        if beside is not None:
+            including, written = beside
+            joined = PurePosixPath(including).parent / written
+            if ".." not in joined.parts and not joined.is_absolute():
+                return joined.as_posix()
         return place.name
 
     def _load(self, place: Path, path: str, shown: str, asked_for: bool) -> str | None:
@@ -139,7 +145,7 @@ class Loader:
         if place is None:
             self._not_found(include, source)
             return None
-        path = self._include_path(place)
+        path = self._include_path(place, beside=(source.path, include.path))
         known = self._by_place.get(place.resolve())
         if known is not None:
             if known in self._open:
@@ -170,11 +176,11 @@ class Loader:
 
     def _not_found(self, include: Include, source: Source) -> None:
         folders = self._folders(include, source)
-        wanted = PurePosixPath(include.path).name
+        wanted = PurePosixPath(include.path).stem
         names: dict[str, str] = {}
         for folder in folders[:-1]:
             for place in sorted(folder.glob("*.gidl")) + sorted(folder.glob("*/*.gidl")):
-                names.setdefault(place.name, place.relative_to(folder).as_posix())
+                names.setdefault(place.stem, place.relative_to(folder).as_posix())
         close = get_close_matches(wanted, list(names), n=1, cutoff=0.7)
         searched = ", ".join(_shown(f) + "/" for f in folders[:-1]) or "nowhere"
         self.findings.error(

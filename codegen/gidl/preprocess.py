@@ -194,7 +194,7 @@ class _Preprocessor:
                     self._span(use),
                     f"macro '{use.text}' stands for more than {_MAX_EXPANSION} tokens",
                 )
-                return []
+                return [Token("int", "1", use.start, use.end)]
         return result
 
     def _conditional(self, word: str, rest: str, token: Token) -> None:

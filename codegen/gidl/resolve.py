@@ -6,7 +6,7 @@ is declared before it is used. What is wrong is reported and left out; the rest 
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 from gidl.diagnostics import Findings
@@ -34,13 +34,16 @@ from gidl.resolve_interfaces import InterfaceResolver
 from gidl.scopes import Names, Scope, Symbol
 from gidl.syntax import (
     AnnotationSyntax,
+    AttributeSyntax,
     DeclarationSyntax,
     FileSyntax,
+    ForwardSyntax,
     ImportSyntax,
     InterfaceSyntax,
     ModuleSyntax,
     RepositorySyntax,
     ScopedName,
+    TypedefSyntax,
 )
 from gidl.vocabulary import PLACES, Declared, Parameter, Vocabulary
 
@@ -75,6 +78,7 @@ class Resolver(InterfaceResolver):
             self._out = []
             self._modules = []
             self._names.visible = set(loaded.visible)
+            self._names.declared_here = dict(_declared_names(loaded.tree.body))
             if loaded.source.path != VOCABULARY:
                 for syntax in loaded.tree.body:
                     self._declaration(syntax, self._names.top)
@@ -222,6 +226,23 @@ class Resolver(InterfaceResolver):
             file = files[places[symbol.file]]
             completed = replace(file, declarations=(*file.declarations, empty))
             files[places[symbol.file]] = completed
+
+
+def _declared_names(body: Iterable[DeclarationSyntax]) -> Iterator[tuple[str, int]]:
+    """Names of the types and constants of a file, with their lines."""
+    for syntax in body:
+        if isinstance(syntax, ModuleSyntax | InterfaceSyntax):
+            yield from _declared_names(syntax.body)
+        if isinstance(syntax, TypedefSyntax):
+            names = [d.name for d in syntax.declarators]
+        elif isinstance(
+            syntax, ImportSyntax | RepositorySyntax | AttributeSyntax | ForwardSyntax | ModuleSyntax
+        ):
+            names = []
+        else:
+            names = [syntax.name]
+        for name in names:
+            yield name.text, name.span.location.line
 
 
 def _files_of(symbol: Symbol) -> set[str]:

@@ -249,7 +249,7 @@ class InterfaceResolver(TypeResolver):
         if "presence" in marks:
             needs_presence = marks.flag("presence")
         qos = self._qos(marks).over(outer)
-        found = []
+        found: list[Attribute] = []
         for name in syntax.names:
             symbol = self._names.declare(scope, name, "attribute")
             if symbol is None or used is None:
@@ -274,7 +274,7 @@ class InterfaceResolver(TypeResolver):
                     marks.flag("optional"),
                     "secret" in marks,
                     "bulk" in marks,
-                    marks.number("id"),
+                    None if found else marks.number("id"),
                 )
             )
         self._one_id_each(marks, syntax.names)

@@ -94,14 +94,30 @@ class ValueResolver:
             self._findings.error(code, name.span, f"unknown {what} '{name}'", hint)
             return None
         if symbol.kind not in kinds:
-            self._findings.error(
-                "G0107",
-                name.span,
-                f"'{name}' is {_a(symbol.kind)}, not {_a(what)}",
-                notes=(Note("declared here", symbol.span.location),),
-            )
+            self._wrong_kind(name, symbol, scope, kinds, what)
             return None
+        self._names.check_spelling(name, symbol)
         return symbol
+
+    def _wrong_kind(
+        self, name: ScopedName, symbol: Symbol, scope: Scope, kinds: frozenset[str], what: str
+    ) -> None:
+        if symbol.kind == "broken":  # its own declaration has a finding already
+            return
+        hidden = self._names.hidden(name, scope, kinds)
+        help_line = ""
+        if hidden is not None:
+            help_line = (
+                f"'{symbol.name}' is nearer than the {what} '{hidden.name}', and names are "
+                f"compared without regard to case: write '{hidden.scoped}'"
+            )
+        self._findings.error(
+            "G0405" if what == "exception" else "G0107",
+            name.span,
+            f"'{name}' is {_a(symbol.kind)}, not {_a(what)}",
+            help_line,
+            notes=(Note("declared here", symbol.span.location),),
+        )
 
     # -- constants -----------------------------------------------------------------------------
 
@@ -290,11 +306,12 @@ class ValueResolver:
         if declared.name != name and not declared.name.endswith(f"::{name}"):
             self._vocabulary.unknown(use)
             return None
-        literals: dict[str, Value] = {}
-        for parameter in declared.parameters:
-            literals.update(parameter.literals)
         given = []
         for argument, expression in use.arguments:
+            literals: dict[str, Value] = {}
+            for parameter in declared.parameters:
+                if argument is None or argument.text == parameter.name:
+                    literals.update(parameter.literals)
             value = self._argument(expression, literals, scope)
             if value is None:
                 return None

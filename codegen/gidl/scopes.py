@@ -59,6 +59,7 @@ class Names:
         self._findings = findings
         self.top = Scope("", "file")
         self.visible: set[str] = set()
+        self.declared_here: dict[str, int] = {}  # names of the present file and their lines
 
     # -- declaring -----------------------------------------------------------------------------
 
@@ -125,7 +126,7 @@ class Names:
     def _with_module(self, scope: Scope, used: tuple[str, Span]) -> str:
         for outer in scope.chain():
             symbol = outer.symbols.get(used[0].lower())
-            if symbol is not None:
+            if symbol is not None and symbol.kind in TYPE_KINDS:
                 return symbol.scoped if outer.name else f"::{symbol.scoped}"
         return used[0]
 
@@ -148,7 +149,11 @@ class Names:
             if symbol is None or symbol.scope is None:
                 return None
             symbol = self._in(symbol.scope, part)
-        if symbol is not None and symbol.name != name.parts[-1]:
+        return symbol
+
+    def check_spelling(self, name: ScopedName, symbol: Symbol) -> None:
+        """A name is used as it is declared."""
+        if symbol.name != name.parts[-1]:
             self._findings.error(
                 "G0103",
                 name.span,
@@ -156,7 +161,14 @@ class Names:
                 f"write '{symbol.name}'",
                 notes=(Note("declared here", symbol.span.location),),
             )
-        return symbol
+
+    def hidden(self, name: ScopedName, scope: Scope, kinds: frozenset[str]) -> Symbol | None:
+        """What `name` would mean further out, were it not for something nearer of another kind."""
+        for outer in scope.chain():
+            symbol = self._in(outer, name.parts[0])
+            if len(name.parts) == 1 and symbol is not None and symbol.kind in kinds:
+                return symbol
+        return None
 
     def _in(self, scope: Scope, part: str) -> Symbol | None:
         symbol = scope.symbols.get(part.lower())
@@ -173,6 +185,9 @@ class Names:
     def hint(self, name: ScopedName, scope: Scope, kinds: frozenset[str]) -> str:
         """A help line for a name that means nothing."""
         wanted = name.parts[-1]
+        below = self.declared_here.get(wanted, 0)
+        if below > name.span.location.line:
+            return f"it is declared below, in line {below}: IDL wants it before its use"
         hidden = [
             s for s in self._everything(self.top) if s.name == wanted and s.file not in self.visible
         ]

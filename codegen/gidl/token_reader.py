@@ -81,7 +81,8 @@ class TokenReader:
         now = self._now
         on_same_line = self._source.line_of(end) == self._source.line_of(now.start)
         self._findings.error("G0100", at, f"';' is missing after {where}")
-        if on_same_line and now.text not in ("}", "{") and now.kind != "eof":
+        goes_on = now.kind in ("id", "escaped", "eof") or now.text in ("}", "@")
+        if on_same_line and not goes_on:
             self._skip_statement()
 
     def _syntax_error(self, expected: str, where: str = "", *help_lines: str) -> None:

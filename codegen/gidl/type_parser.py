@@ -78,8 +78,8 @@ class TypeParser(TokenReader):
         while self._now.kind == "op" and self._now.text in ("-", "+", "~"):
             operators.append(self._advance())
         result = self._primary()
-        if len(operators) > 20:
-            self._findings.error("G0013", self._span(start), "more than 20 signs before a value")
+        if len(operators) > 5:
+            self._findings.error("G0013", self._span(start), "more than 5 signs before a value")
             raise Skip
         for operator in reversed(operators):
             result = Unary(operator.text, result, self._since(operator))

@@ -61,7 +61,7 @@ PLACES: Mapping[str, frozenset[str]] = {
     "version": _TYPES | {"module", "interface"},
     "since": _TYPES | _CALLS | _SLOTS | {"interface", "enumerator", "flag", "constant"},
     "deprecated": _TYPES | _CALLS | _SLOTS | {"interface", "enumerator", "flag", "constant"},
-    "hash_as": _STRUCTS | _CALLS | {"interface", "enum", "bitmask", "bitset"},
+    "hash_as": _STRUCTS | _CALLS | {"member", "interface", "enum", "bitmask", "bitset"},
 }
 
 # Annotations of the standard that mean nothing here: never taken for a slip of the pen.
@@ -178,6 +178,10 @@ class Vocabulary:
     ) -> Applied | None:
         """Matches arguments with parameters. None (and a finding) where they do not fit."""
         parameters = {p.name: p for p in declared.parameters}
+        if len(parameters) == 1 and len(given) > 1:
+            message = f"'@{declared.name}' takes one argument"
+            self._findings.error("G0503", given[1][2], message, f"write {_example(declared)}")
+            return None
         arguments: dict[str, Value] = {}
         for name, value, span in given:
             parameter = self._parameter(name, parameters, declared, span)
@@ -241,8 +245,10 @@ class Vocabulary:
         if parameter.literals:
             hint = "one of " + ", ".join(parameter.literals)
         elif isinstance(parameter.type, StringType):
-            hint = f"write it in quotes: {_example(declared)}"
-        shown = describe_kind(given.kind)
+            single = len(declared.parameters) == 1
+            shown_use = _example(declared) if single else f'{parameter.name}="..."'
+            hint = f"write it in quotes: {shown_use}"
+        shown = str(given.value) if given.kind == "int" else describe_kind(given.kind)
         message = f"'{parameter.name}' of '@{declared.name}' is {wanted}, not {shown}"
         self._findings.error("G0503", span, message, hint)
         return None

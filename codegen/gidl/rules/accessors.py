@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from gidl.diagnostics import Findings, Note
 from gidl.model import Attribute, Model
+from gidl.rules.walk import meet_first
 
 
 def check(model: Model, findings: Findings) -> None:
@@ -14,11 +15,14 @@ def check(model: Model, findings: Findings) -> None:
                 continue
             for generated in _generated(attribute):
                 other = by_name.get(generated.lower())
-                if other is None or interface.name not in (attribute.interface, other.interface):
+                if other is None or not meet_first(
+                    model, interface, attribute.interface, other.interface
+                ):
                     continue
+                is_own = interface.name in (attribute.interface, other.interface)
                 findings.error(
                     "G0407",
-                    other.facts.location,
+                    other.facts.location if is_own else interface.facts.location,
                     f"'{other.name}' is the name generated for attribute '{attribute.name}'",
                     "rename one of them",
                     notes=(Note("the attribute", attribute.facts.location),),

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable
 
 from gidl.diagnostics import Findings, Note
 from gidl.model import Attribute, Interface, Model, Operation
+from gidl.rules.walk import meet_first
 
 RESERVED_INTERFACE = "gecos::GecosObject"
 LAST_RESERVED = 255
@@ -57,11 +58,14 @@ def _unique(
     for part in model.lineage(interface):
         for code, name, member in own[part.name]:
             first = seen.setdefault(code, (name, member))
-            if first[0] == name or interface.name not in (member.interface, first[1].interface):
+            if first[0] == name or not meet_first(
+                model, interface, member.interface, first[1].interface
+            ):
                 continue
+            is_own = interface.name in (member.interface, first[1].interface)
             findings.error(
                 "G0603",
-                member.facts.place_of("id"),
+                member.facts.place_of("id") if is_own else interface.facts.location,
                 f"'{name}' and '{first[0]}' have the same function code {code}",
                 f"write @id(n) on one of them, n above {LAST_RESERVED} and new",
                 notes=(Note("the other one", first[1].facts.location),),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from gidl.diagnostics import Findings, Note
 from gidl.model import Attribute, Interface, Model, Operation
+from gidl.rules.walk import meet_first
 
 
 def check(model: Model, findings: Findings) -> None:
@@ -30,9 +31,8 @@ def _inherited(
     for base in interface.all_bases:
         for member in model.interface(base).members:
             first = found.setdefault(member.name.lower(), member)
-            if first.interface == member.interface or _clashes_below(
-                model, interface, member, first
-            ):
+            same = first.interface == member.interface
+            if same or not meet_first(model, interface, first.interface, member.interface):
                 continue
             findings.error(
                 "G0403",
@@ -46,14 +46,3 @@ def _inherited(
                 ),
             )
     return found
-
-
-def _clashes_below(
-    model: Model, interface: Interface, one: Operation | Attribute, other: Operation | Attribute
-) -> bool:
-    """Whether a base already has both, so that the finding stands there."""
-    for base in interface.all_bases:
-        lineage = {i.name for i in model.lineage(model.interface(base))}
-        if one.interface in lineage and other.interface in lineage:
-            return True
-    return False

@@ -78,7 +78,8 @@ class _Walker:
 
     def _report_cycle(self, name: str) -> None:
         cycle = self._open[self._open.index(name) :]
-        first = min(cycle, key=lambda n: self._model.find(n).facts.location)
+        structs = [n for n in cycle if not isinstance(self._model.find(n), Typedef)]
+        first = min(structs or cycle, key=lambda n: self._model.find(n).facts.location)
         start = cycle.index(first)
         ordered = [*cycle[start:], *cycle[:start], first]
         declaration = self._model.find(first)

@@ -78,7 +78,9 @@ def is_known(unit: str) -> bool:
 def _known(unit: str, at: Location, findings: Findings) -> None:
     if is_known(unit):
         return
-    hint = f"write '{SPELLED[unit]}'" if unit in SPELLED else suggestion(unit, _NAMES)
+    hint = f"write '{SPELLED[unit]}'" if unit in SPELLED else ""
+    if unit.isalpha():
+        hint = hint or suggestion(unit, _NAMES)
     findings.error(
         "G0507",
         at,

@@ -9,6 +9,7 @@ from gidl.model import (
     ArrayType,
     Attribute,
     Facts,
+    Interface,
     MapType,
     Model,
     Operation,
@@ -81,6 +82,15 @@ def members(model: Model) -> Iterator[Operation | Attribute]:
     """Every operation, event and attribute, where it is declared."""
     for interface in model.interfaces():
         yield from interface.members
+
+
+def meet_first(model: Model, interface: Interface, one: str, other: str) -> bool:
+    """Whether `interface` is the first to have both of two interfaces in its line."""
+    for base in interface.all_bases:
+        lineage = {i.name for i in model.lineage(model.interface(base))}
+        if one in lineage and other in lineage:
+            return False
+    return True
 
 
 def numeric_core(model: Model, used: Type) -> PrimitiveType | None:
