@@ -13,7 +13,7 @@ help:  ## this list
 
 .PHONY: demo
 demo: build  ## broker, devices and the block: the whole system at work, in C++ and in Python
-	@tools/demo.sh
+	@$(PYTHON) examples/demo.py --build $(BUILD)
 
 .PHONY: test
 test: build  ## everything that must hold, in lanes; says at the end what each of them said last

@@ -1,0 +1,160 @@
+"""The whole system at work: broker and devices as processes, the block gripped and lifted twice.
+
+Runs `02_grip_block` in C++ and then in Python, each in a laboratory of its own, and asks the
+simulated world how high the block was before and after. Exits 0 exactly when it was lifted by
+200 mm ± 1 mm both times. Everything it started is gone when it ends, also after Ctrl-C.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from types import FrameType
+
+import gecos
+from robcl.frames import mm
+from robcl.world import World
+
+HERE = Path(__file__).resolve().parent
+LIFT = mm(200)
+TOLERANCE = mm(1)
+PATIENCE_S = 60.0  # for a process to get ready, or for the program to end
+
+
+class DemoError(RuntimeError):
+    """The demonstration did not show what it should; the text says why."""
+
+
+def start_server(command: Sequence[str | Path], env: dict[str, str]) -> subprocess.Popen[str]:
+    """Starts a server and returns once it says that it is ready; passes its lines on."""
+    name = Path(command[0]).name
+    process = subprocess.Popen(
+        [str(part) for part in command],
+        env=env,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        start_new_session=True,  # Ctrl-C is for this program, which ends the others in order
+    )
+    assert process.stdout is not None
+    ready = threading.Event()
+
+    def pass_on() -> None:
+        assert process.stdout is not None
+        for line in process.stdout:
+            print(f"  [{name}] {line}", end="", flush=True)
+            if "ready" in line:
+                ready.set()
+        ready.set()
+
+    threading.Thread(target=pass_on, daemon=True).start()
+    in_time = ready.wait(PATIENCE_S)
+    if process.poll() is not None or not in_time:
+        end(process)
+        raise DemoError(f"{name} did not get ready; its own words are above")
+    return process
+
+
+def end(process: subprocess.Popen[str]) -> None:
+    """Asks a process to end, insists after 5 s."""
+    if process.poll() is None:
+        process.terminate()
+        try:
+            process.wait(5.0)
+        except subprocess.TimeoutExpired:
+            print(f"{process.args!r} does not end: killed", file=sys.stderr)
+            process.kill()
+    process.wait()
+
+
+@contextmanager
+def laboratory(build: Path) -> Iterator[None]:
+    """Broker, world and devices as processes of their own; all gone when the block ends."""
+    with ExitStack() as running:
+        folder = running.enter_context(tempfile.TemporaryDirectory(prefix="gecos-"))
+        os.environ["GECOS_RUNTIME_DIR"] = folder
+        os.environ.pop("GECOS_BROKER", None)
+        for command in (
+            (build / "runtime/cpp/gecos/broker/gecos-broker",),
+            (build / "devices/world/robcl-world",),
+            (build / "devices/rx90/robcl-rx90",),
+            (build / "devices/gripper/robcl-gripper",),
+            (build / "devices/laser_distance_sensor/robcl-lds",),
+        ):
+            process = start_server(command, dict(os.environ))
+            running.callback(end, process)
+        yield
+
+
+def block_height(world: World) -> float:
+    """m, as the simulated world says."""
+    return world.find("BLOCK").result().pose.z
+
+
+def lift(title: str, program: Sequence[str | Path], build: Path) -> None:
+    """Runs one program in a laboratory of its own. Raises DemoError unless the block was lifted."""
+    print(f"\n== {title}", flush=True)
+    with laboratory(build), gecos.Lab() as lab:
+        world = lab.create(World, "WORLD")
+        before = block_height(world)
+        process = subprocess.Popen([str(part) for part in program], stdin=subprocess.DEVNULL)
+        try:
+            status = process.wait(PATIENCE_S)
+        except subprocess.TimeoutExpired:
+            raise DemoError(f"the program still runs after {PATIENCE_S} s") from None
+        finally:
+            end(process)
+        after = block_height(world)
+    lifted = after - before
+    print(
+        f"block: {1e3 * before:.2f} mm before, {1e3 * after:.2f} mm after: "
+        f"lifted by {1e3 * lifted:.2f} mm",
+        flush=True,
+    )
+    if status != 0:
+        raise DemoError(f"the program ended with status {status}; its own words are above")
+    if abs(lifted - LIFT) > TOLERANCE:
+        raise DemoError(
+            f"the block was lifted by {1e3 * lifted:.2f} mm; "
+            f"{1e3 * LIFT:.0f} mm ± {1e3 * TOLERANCE:.0f} mm were asked"
+        )
+
+
+def interrupt(number: int, frame: FrameType | None) -> None:
+    raise KeyboardInterrupt
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description="Shows a block being gripped and lifted.")
+    parser.add_argument("--build", type=Path, default=HERE.parent / "build", help="build folder")
+    parser.add_argument("--medium", choices=["shm", "lcm"], help="medium to use (default: the best)")
+    words = parser.parse_args()
+    signal.signal(signal.SIGTERM, interrupt)
+
+    medium = [words.medium] if words.medium else []
+    cpp = words.build / "examples" / "grip_block"
+    python = HERE / "02_grip_block" / "grip_block.py"
+    try:
+        lift("02_grip_block in C++", [cpp, *medium], words.build)
+        lift("02_grip_block in Python", [sys.executable, python, *medium], words.build)
+    except (DemoError, gecos.CreateError, gecos.CommandFailed, gecos.ConnectionFailed) as error:
+        print(f"\ndemo: failed: {error}", file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        print("\ndemo: interrupted; everything it started is gone", file=sys.stderr)
+        return 130
+    print("\ndemo: the block was lifted by 200 mm, from C++ and from Python")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

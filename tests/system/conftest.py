@@ -1,0 +1,68 @@
+"""A laboratory of processes per test, and the Python that gidl makes of the tests' own interface."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from processes import Laboratory, laboratory
+
+TREE = Path(__file__).resolve().parents[2]
+
+
+@pytest.fixture(scope="session")
+def build() -> Path:
+    folder = TREE / os.environ.get("GECOS_BUILD", "build")
+    assert (folder / "CMakeCache.txt").exists(), f"nothing is built in {folder}: run `make build`"
+    return folder
+
+
+@pytest.fixture(scope="session", autouse=True)
+def rail_python(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """The Python of rail_sensor.gidl, importable here and in every program that is started."""
+    out = tmp_path_factory.mktemp("rail")
+    root = TREE / "tests" / "system" / "rail"
+    subprocess.run(
+        [sys.executable, "-m", "gidl", "gen", "--lang", "python", "-I", root, "-I", TREE / "idl"]
+        + ["--out", out, root / "lab" / "rail_sensor.gidl"],
+        check=True,
+    )
+    sys.path.insert(0, str(out / "python"))
+    before = os.environ.get("PYTHONPATH")
+    os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [str(out / "python"), before]))
+    yield out / "python"
+
+
+@pytest.fixture
+def lab(build: Path) -> Iterator[Laboratory]:
+    # Not tmp_path: the name of a Unix socket has at most 107 characters.
+    with tempfile.TemporaryDirectory(prefix="gecos-") as directory:
+        yield from laboratory(Path(directory), build)
+
+
+@pytest.fixture
+def lab_with_broker(lab: Laboratory) -> Laboratory:
+    lab.start(lab.build / "runtime" / "cpp" / "gecos" / "broker" / "gecos-broker", ready="ready")
+    return lab
+
+
+@pytest.fixture
+def here(lab: Laboratory, monkeypatch: pytest.MonkeyPatch) -> None:
+    """This process is a client of the test's laboratory too."""
+    monkeypatch.setenv("GECOS_RUNTIME_DIR", lab.env["GECOS_RUNTIME_DIR"])
+    monkeypatch.delenv("GECOS_BROKER", raising=False)
+
+
+@pytest.fixture
+def lab_with_devices(lab_with_broker: Laboratory) -> Laboratory:
+    lab = lab_with_broker
+    for device in ("world/robcl-world", "rx90/robcl-rx90", "gripper/robcl-gripper"):
+        lab.start(lab.build / "devices" / device, ready="ready")
+    lab.start(lab.build / "devices" / "laser_distance_sensor" / "robcl-lds", ready="ready")
+    return lab

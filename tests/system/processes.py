@@ -1,0 +1,139 @@
+"""Programs as processes of their own: started, read line by line, killed, and never left behind."""
+
+from __future__ import annotations
+
+import os
+import queue
+import signal
+import subprocess
+import threading
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+
+PATIENCE_S = 30.0
+"""How long a test waits for a line or an end: far beyond what is promised, so a miss is a defect."""
+
+
+class Program:
+    """A running program. Its output is collected while it runs; lines can be waited for."""
+
+    def __init__(self, command: Sequence[str | Path], env: Mapping[str, str]) -> None:
+        self.command = [str(part) for part in command]
+        self._process = subprocess.Popen(
+            self.command,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            bufsize=1,
+            env=dict(env),
+        )
+        self.lines: list[str] = []
+        self._fresh: queue.Queue[str | None] = queue.Queue()
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
+
+    @property
+    def pid(self) -> int:
+        return self._process.pid
+
+    def _read(self) -> None:
+        assert self._process.stdout is not None
+        for line in self._process.stdout:
+            self.lines.append(line.rstrip("\n"))
+            self._fresh.put(line.rstrip("\n"))
+        self._fresh.put(None)
+
+    def wait_for(self, text: str, patience: float = PATIENCE_S) -> str:
+        """The next line that contains `text`; lines before it are passed over."""
+        end = time.monotonic() + patience
+        while True:
+            try:
+                line = self._fresh.get(timeout=max(0.0, end - time.monotonic()))
+            except queue.Empty:
+                raise AssertionError(f"no line with {text!r} in {patience} s from {self}") from None
+            if line is None:
+                raise AssertionError(f"{self} ended before it printed {text!r}")
+            if text in line:
+                return line
+
+    def finish(self, patience: float = PATIENCE_S) -> int:
+        """Waits for the end; the exit status, negative for a signal."""
+        try:
+            status = self._process.wait(patience)
+        except subprocess.TimeoutExpired:
+            raise AssertionError(f"still runs after {patience} s: {self}") from None
+        self._reader.join(patience)
+        return status
+
+    def running(self) -> bool:
+        return self._process.poll() is None
+
+    def signal(self, number: int) -> None:
+        if self.running():
+            self._process.send_signal(number)
+
+    def kill(self) -> None:
+        self.signal(signal.SIGKILL)
+        self.finish()
+
+    def terminate(self) -> int:
+        self.signal(signal.SIGTERM)
+        return self.finish()
+
+    def output(self) -> str:
+        return "\n".join(self.lines)
+
+    def __str__(self) -> str:
+        return f"{' '.join(self.command)}\n--- its output ---\n{self.output()}\n---"
+
+
+class Laboratory:
+    """A private laboratory: its own runtime directory, so it meets no other one on this machine."""
+
+    def __init__(self, directory: Path, build: Path) -> None:
+        self.build = build
+        self.env = {
+            **os.environ,
+            "GECOS_RUNTIME_DIR": str(directory),
+            "PYTHONUNBUFFERED": "1",
+        }
+        self.env.pop("GECOS_BROKER", None)
+        self.programs: list[Program] = []
+
+    def start(self, *command: str | Path, ready: str | None = None) -> Program:
+        program = Program(command, self.env)
+        self.programs.append(program)
+        if ready is not None:
+            program.wait_for(ready)
+        return program
+
+    def run(self, *command: str | Path) -> Program:
+        """Runs a program to its end."""
+        program = self.start(*command)
+        program.finish()
+        return program
+
+    def close(self) -> None:
+        """Ends what still runs, last started first, and insists that it does end."""
+        stuck = []
+        for program in reversed(self.programs):
+            if not program.running():
+                continue
+            program.signal(signal.SIGCONT)
+            program.signal(signal.SIGTERM)
+            try:
+                program.finish(10.0)
+            except AssertionError:
+                program.kill()
+                stuck.append(str(program))
+        assert not stuck, "did not end on SIGTERM:\n" + "\n".join(stuck)
+
+
+def laboratory(directory: Path, build: Path) -> Iterator[Laboratory]:
+    lab = Laboratory(directory, build)
+    try:
+        yield lab
+    finally:
+        lab.close()

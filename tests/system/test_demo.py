@@ -1,0 +1,73 @@
+"""`make demo`, and the promises around it."""
+
+from __future__ import annotations
+
+import signal
+import sys
+import uuid
+from pathlib import Path
+
+import pytest
+
+import gecos
+from processes import PATIENCE_S, Laboratory
+from robcl.world import World
+from test_loss import until
+
+TREE = Path(__file__).resolve().parents[2]
+DEMO = TREE / "examples" / "demo.py"
+
+
+def alive_with(marker: str) -> list[str]:
+    """Command lines of the processes that have inherited `marker` in their environment."""
+    found = []
+    for process in Path("/proc").glob("[0-9]*"):
+        try:
+            if marker.encode() in (process / "environ").read_bytes():
+                found.append((process / "cmdline").read_bytes().replace(b"\0", b" ").decode())
+        except OSError:
+            continue  # it has ended, or is somebody else's
+    return found
+
+
+@pytest.mark.timeout(240)
+def test_the_block_is_lifted_from_cpp_and_from_python(lab: Laboratory) -> None:
+    demo = lab.start(sys.executable, DEMO, "--build", lab.build)
+    assert demo.finish(200) == 0, str(demo)
+    lifts = [line for line in demo.lines if "lifted by" in line and line.startswith("block:")]
+    assert len(lifts) == 2, str(demo)
+    assert "lift: RUNNING/EXECUTING" in demo.output()
+    assert "FINISHED" in demo.output()
+
+
+def test_ctrl_c_leaves_nothing_behind(lab: Laboratory) -> None:
+    marker = f"demo-of-{uuid.uuid4()}"
+    lab.env["GECOS_TEST_MARKER"] = marker
+    demo = lab.start(sys.executable, DEMO, "--build", lab.build)
+    demo.wait_for("approach: RUNNING/EXECUTING")
+    assert len(alive_with(marker)) >= 7, "the demo, its five servers and the program"
+    demo.signal(signal.SIGINT)
+    assert demo.finish() == 130, str(demo)
+    assert alive_with(marker) == []
+
+
+@pytest.mark.usefixtures("here")
+@pytest.mark.parametrize("language", ["C++", "Python"])
+def test_a_program_that_ends_without_waiting_still_lifts_the_block(
+    language: str, lab_with_devices: Laboratory
+) -> None:
+    lab = lab_with_devices
+    program = {
+        "C++": [lab.build / "examples" / "grip_block"],
+        "Python": [sys.executable, TREE / "examples" / "02_grip_block" / "grip_block.py"],
+    }[language]
+    world = gecos.Lab().create(World, "WORLD")
+
+    def height() -> float:
+        return world.find("BLOCK").result().pose.z
+
+    before = height()
+    left = lab.start(*program, "--leave")
+    assert left.finish(PATIENCE_S) == 0, str(left)
+    assert "lift: left to the robot" in left.output()
+    until(lambda: abs(height() - before - 0.2) < 1e-3, "the block is lifted")
