@@ -1,1 +1,1 @@
-"""One package per language: `lower` decides how a type and its codec look, `view` prepares files."""
+"""One package per language: `lower` decides how types and codecs look, `view` prepares files."""

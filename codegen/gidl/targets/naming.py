@@ -2,10 +2,18 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 
-from gidl.model import AnnotationDeclaration, Facts, Location, Model, Range, Value
+from gidl.model import (
+    AnnotationDeclaration,
+    Facts,
+    Location,
+    Model,
+    Range,
+    Value,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +60,9 @@ def source_stem(path: str) -> str:
 
 def doc_lines(facts: Facts, note: str = "") -> tuple[str, ...]:
     """The author's comment, then unit and range in brackets, then since and deprecation."""
-    lines = [line.strip() for line in facts.doc.strip().splitlines()] if facts.doc.strip() else []
+    lines: list[str] = []
+    for line in facts.doc.strip().splitlines():
+        lines += textwrap.wrap(line.strip(), 88) or [""]
     if note:
         if lines:
             lines[-1] = f"{lines[-1]} [{note}]"

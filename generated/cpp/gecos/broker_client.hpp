@@ -10,7 +10,8 @@
 
 namespace gecos {
 
-/// Knows where objects are. Stands at a well-known place; everything else is found through it.
+/// Knows where objects are. Stands at a well-known place; everything else is found through
+/// it.
 class Broker : public virtual gecos::Object {
  public:
   static const gecos::InterfaceDescription& gecos_description();
@@ -19,7 +20,8 @@ class Broker : public virtual gecos::Object {
   Broker() = default;
   explicit Broker(std::shared_ptr<gecos::session::ClientSession> session);
 
-  /// Makes an object findable until the calling session ends. Named enlist because `register` is a word of C++.
+  /// Makes an object findable until the calling session ends. Named enlist because `register`
+  /// is a word of C++.
   /// May fail with gecos::NameTaken.
   gecos::Command<void> enlist(const gecos::Entry& what) const;
 

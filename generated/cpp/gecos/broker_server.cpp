@@ -29,7 +29,8 @@ void BrokerServant::gecos_dispatch(gecos::IncomingCall call) {
       case 0xc5ebb42f:  // withdraw
         return gecos_call_withdraw(call);
       default:
-        return call.fail({gecos::Detail::UnknownOperation, "gecos::Broker has no such operation", {}, {}});
+        return call.fail(
+            {gecos::Detail::UnknownOperation, "gecos::Broker has no such operation", {}, {}});
     }
   } catch (const std::exception& error) {
     call.fail({gecos::Detail::Fault, std::string("the handler threw: ") + error.what(), {}, {}});
@@ -75,7 +76,8 @@ void BrokerServant::gecos_call_lookup(gecos::IncomingCall& call) {
     return {};
   }();
   if (!wrong.empty()) {
-    return call.fail({gecos::Detail::Fault, "the handler of gecos::Broker::lookup gave " + wrong, {}, {}});
+    return call.fail(
+        {gecos::Detail::Fault, "the handler of gecos::Broker::lookup gave " + wrong, {}, {}});
   }
   std::size_t size = 4;
   size += value.encoded_size();
@@ -96,7 +98,8 @@ void BrokerServant::gecos_call_list(gecos::IncomingCall& call) {
     return {};
   }();
   if (!wrong.empty()) {
-    return call.fail({gecos::Detail::Fault, "the handler of gecos::Broker::list gave " + wrong, {}, {}});
+    return call.fail(
+        {gecos::Detail::Fault, "the handler of gecos::Broker::list gave " + wrong, {}, {}});
   }
   std::size_t size = 4;
   size += 4 * value.size();

@@ -10,14 +10,16 @@
 
 namespace gecos {
 
-/// Knows where objects are. Stands at a well-known place; everything else is found through it.
+/// Knows where objects are. Stands at a well-known place; everything else is found through
+/// it.
 class BrokerServant : public virtual gecos::Servant {
  public:
   const gecos::InterfaceDescription& gecos_interface() const override;
   void gecos_dispatch(gecos::IncomingCall call) override;
 
  protected:
-  /// Makes an object findable until the calling session ends. Named enlist because `register` is a word of C++.
+  /// Makes an object findable until the calling session ends. Named enlist because `register`
+  /// is a word of C++.
   /// May fail with gecos::NameTaken.
   virtual gecos::Result<void> enlist(const gecos::Entry& what) = 0;
 

@@ -148,7 +148,11 @@ GecosObject::GecosObject(std::shared_ptr<gecos::session::ClientSession> session)
 gecos::Command<std::vector<gecos::Holder>> GecosObject::holders() const {
   return gecos::Command<std::vector<gecos::Holder>>(gecos_session_->call(
       gecos_object_operations[0], 0, [](gecos::wire::Encoder&) {}, gecos_options_),
-        [](gecos::wire::Decoder& from, std::vector<gecos::Holder>& value) { return gecos::wire::get_sequence(from, value, 4, gecos::wire::npos, "holders", [&](gecos::Holder& item) { return gecos::wire::get_block(from, item, "holders"); }); });
+        [](gecos::wire::Decoder& from, std::vector<gecos::Holder>& value) {
+          return gecos::wire::get_sequence(from, value, 4, gecos::wire::npos, "holders", [&](gecos::Holder& item) {
+                   return gecos::wire::get_block(from, item, "holders");
+                 });
+        });
 }
 
 gecos::Command<void> GecosObject::stop() const {
@@ -164,10 +168,14 @@ gecos::Command<void> GecosObject::ping() const {
 gecos::Command<gecos::Description> GecosObject::describe() const {
   return gecos::Command<gecos::Description>(gecos_session_->call(
       gecos_object_operations[3], 0, [](gecos::wire::Encoder&) {}, gecos_options_),
-        [](gecos::wire::Decoder& from, gecos::Description& value) { return gecos::wire::get_block(from, value, "describe"); });
+        [](
+            gecos::wire::Decoder& from,
+            gecos::Description& value) { return gecos::wire::get_block(from, value, "describe"); });
 }
 
-gecos::Command<gecos::Grant> GecosObject::acquire(gecos::Status wanted, const std::optional<std::string>& password) const {
+gecos::Command<gecos::Grant> GecosObject::acquire(
+    gecos::Status wanted,
+    const std::optional<std::string>& password) const {
   const std::string wrong = [&]() -> std::string {
     if (password) {
       if (!gecos::wire::valid_text(*password)) return gecos::wire::bad_text("acquire.password");
@@ -177,7 +185,9 @@ gecos::Command<gecos::Grant> GecosObject::acquire(gecos::Status wanted, const st
   if (!wrong.empty()) {
     return gecos::Command<gecos::Grant>(gecos::session::ended(
         {gecos::Detail::BadParameter, wrong, {}, {}}),
-        [](gecos::wire::Decoder& from, gecos::Grant& value) { return gecos::wire::get_block(from, value, "acquire"); });
+        [](
+            gecos::wire::Decoder& from,
+            gecos::Grant& value) { return gecos::wire::get_block(from, value, "acquire"); });
   }
   std::size_t size = 5;
   if (password) {
@@ -193,7 +203,9 @@ gecos::Command<gecos::Grant> GecosObject::acquire(gecos::Status wanted, const st
           to.put_string(*password);
         }
       }, gecos_options_),
-        [](gecos::wire::Decoder& from, gecos::Grant& value) { return gecos::wire::get_block(from, value, "acquire"); });
+        [](
+            gecos::wire::Decoder& from,
+            gecos::Grant& value) { return gecos::wire::get_block(from, value, "acquire"); });
 }
 
 gecos::Command<void> GecosObject::release(std::uint64_t epoch, bool now) const {
@@ -211,7 +223,9 @@ gecos::Command<std::uint32_t> GecosObject::subscribe(std::uint32_t code) const {
       [&](gecos::wire::Encoder& to) {
         to.put(code);
       }, gecos_options_),
-        [](gecos::wire::Decoder& from, std::uint32_t& value) { return from.get(value, "subscribe"); });
+        [](
+            gecos::wire::Decoder& from,
+            std::uint32_t& value) { return from.get(value, "subscribe"); });
 }
 
 gecos::Command<void> GecosObject::unsubscribe(std::uint32_t code) const {

@@ -27,7 +27,9 @@ class GecosObject : public virtual gecos::Object {
   gecos::Command<gecos::Description> describe() const;
 
   /// May fail with gecos::StatusRefused.
-  gecos::Command<gecos::Grant> acquire(gecos::Status wanted, const std::optional<std::string>& password = {}) const;
+  gecos::Command<gecos::Grant> acquire(
+      gecos::Status wanted,
+      const std::optional<std::string>& password = {}) const;
 
   /// Gives status back. Queued commands of the holder finish first unless `now`.
   gecos::Command<void> release(std::uint64_t epoch, bool now) const;

@@ -37,7 +37,8 @@ void GecosObjectServant::gecos_dispatch(gecos::IncomingCall call) {
       case 0x00000008:  // unsubscribe
         return gecos_call_unsubscribe(call);
       default:
-        return call.fail({gecos::Detail::UnknownOperation, "gecos::GecosObject has no such operation", {}, {}});
+        return call.fail(
+            {gecos::Detail::UnknownOperation, "gecos::GecosObject has no such operation", {}, {}});
     }
   } catch (const std::exception& error) {
     call.fail({gecos::Detail::Fault, std::string("the handler threw: ") + error.what(), {}, {}});
@@ -55,7 +56,8 @@ void GecosObjectServant::gecos_call_holders(gecos::IncomingCall& call) {
     return {};
   }();
   if (!wrong.empty()) {
-    return call.fail({gecos::Detail::Fault, "the handler of gecos::GecosObject::holders gave " + wrong, {}, {}});
+    return call.fail(
+        {gecos::Detail::Fault, "the handler of gecos::GecosObject::holders gave " + wrong, {}, {}});
   }
   std::size_t size = 4;
   size += 4 * value.size();
@@ -92,7 +94,8 @@ void GecosObjectServant::gecos_call_describe(gecos::IncomingCall& call) {
     return {};
   }();
   if (!wrong.empty()) {
-    return call.fail({gecos::Detail::Fault, "the handler of gecos::GecosObject::describe gave " + wrong, {}, {}});
+    return call.fail(
+        {gecos::Detail::Fault, "the handler of gecos::GecosObject::describe gave " + wrong, {}, {}});
   }
   std::size_t size = 4;
   size += value.encoded_size();
@@ -108,7 +111,9 @@ void GecosObjectServant::gecos_call_acquire(gecos::IncomingCall& call) {
   std::optional<std::string> password{};
   const bool read = gecos::decode_enum(from, wanted, "acquire.wanted") &&
          (from.at_end() ||
-          gecos::wire::get_optional(from, password, "acquire.password", [&](std::string& value) { return from.get_string(value, gecos::wire::npos, "acquire.password"); }));
+          gecos::wire::get_optional(from, password, "acquire.password", [&](std::string& value) {
+            return from.get_string(value, gecos::wire::npos, "acquire.password");
+          }));
   if (!read) {
     return call.fail({gecos::Detail::BadParameter, from.error().message(), {}, {}});
   }

@@ -25,7 +25,9 @@ class GecosObjectServant : public virtual gecos::Servant {
   virtual gecos::Result<gecos::Description> describe() = 0;
 
   /// May fail with gecos::StatusRefused.
-  virtual gecos::Result<gecos::Grant> acquire(gecos::Status wanted, const std::optional<std::string>& password) = 0;
+  virtual gecos::Result<gecos::Grant> acquire(
+      gecos::Status wanted,
+      const std::optional<std::string>& password) = 0;
 
   /// Gives status back. Queued commands of the holder finish first unless `now`.
   virtual gecos::Result<void> release(std::uint64_t epoch, bool now) = 0;

@@ -152,11 +152,15 @@ bool Description::decode([[maybe_unused]] gecos::wire::Decoder& from) {
 
 std::string gecos_violation(const Description& value) {
   if (!gecos::wire::valid_text(value.name)) return gecos::wire::bad_text("Description.name");
-  if (!gecos::wire::valid_text(value.interface_name)) return gecos::wire::bad_text("Description.interface_name");
+  if (
+      !gecos::wire::valid_text(value.interface_name)) return gecos::wire::bad_text("Description.interface_name");
   if (!gecos::wire::valid_text(value.version)) return gecos::wire::bad_text("Description.version");
-  if (!gecos::wire::valid_text(value.presence)) return gecos::wire::bad_text("Description.presence");
-  if (!gecos::wire::valid_text(value.authentication)) return gecos::wire::bad_text("Description.authentication");
-  if (!gecos::wire::valid_text(value.executing)) return gecos::wire::bad_text("Description.executing");
+  if (
+      !gecos::wire::valid_text(value.presence)) return gecos::wire::bad_text("Description.presence");
+  if (
+      !gecos::wire::valid_text(value.authentication)) return gecos::wire::bad_text("Description.authentication");
+  if (
+      !gecos::wire::valid_text(value.executing)) return gecos::wire::bad_text("Description.executing");
   return {};
 }
 
@@ -208,7 +212,9 @@ void StatusRefused::encode(gecos::wire::Encoder& to) const {
 
 bool StatusRefused::decode([[maybe_unused]] gecos::wire::Decoder& from) {
   return from.get_string(reason, gecos::wire::npos, "StatusRefused.reason") &&
-         gecos::wire::get_sequence(from, holders, 4, gecos::wire::npos, "StatusRefused.holders", [&](gecos::Holder& item) { return gecos::wire::get_block(from, item, "StatusRefused.holders"); });
+         gecos::wire::get_sequence(from, holders, 4, gecos::wire::npos, "StatusRefused.holders", [&](gecos::Holder& item) {
+           return gecos::wire::get_block(from, item, "StatusRefused.holders");
+         });
 }
 
 std::string gecos_violation(const StatusRefused& value) {

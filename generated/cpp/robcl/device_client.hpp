@@ -25,7 +25,8 @@ class Device : public virtual gecos::Object {
   /// Device whose flange carries this one; empty when it stands in the world.
   gecos::Command<std::string> parent() const;
 
-  /// Places the base on the flange of `carrier`, or in the world when `carrier` is empty. Refused while moving.
+  /// Places the base on the flange of `carrier`, or in the world when `carrier` is empty.
+  /// Refused while moving.
   /// May fail with robcl::MountRefused.
   gecos::Command<void> mount(const std::string& carrier, const robcl::Frame& offset) const;
 };

@@ -27,7 +27,8 @@ void DeviceServant::gecos_dispatch(gecos::IncomingCall call) {
       case 0xeb6da7e6:  // mount
         return gecos_call_mount(call);
       default:
-        return call.fail({gecos::Detail::UnknownOperation, "robcl::Device has no such operation", {}, {}});
+        return call.fail(
+            {gecos::Detail::UnknownOperation, "robcl::Device has no such operation", {}, {}});
     }
   } catch (const std::exception& error) {
     call.fail({gecos::Detail::Fault, std::string("the handler threw: ") + error.what(), {}, {}});
@@ -50,7 +51,8 @@ void DeviceServant::gecos_call_parent(gecos::IncomingCall& call) {
     return {};
   }();
   if (!wrong.empty()) {
-    return call.fail({gecos::Detail::Fault, "the handler of robcl::Device::parent gave " + wrong, {}, {}});
+    return call.fail(
+        {gecos::Detail::Fault, "the handler of robcl::Device::parent gave " + wrong, {}, {}});
   }
   std::size_t size = 5;
   size += value.size();

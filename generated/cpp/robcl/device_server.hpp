@@ -23,7 +23,8 @@ class DeviceServant : public virtual gecos::Servant {
   /// Device whose flange carries this one; empty when it stands in the world.
   virtual gecos::Result<std::string> parent() = 0;
 
-  /// Places the base on the flange of `carrier`, or in the world when `carrier` is empty. Refused while moving.
+  /// Places the base on the flange of `carrier`, or in the world when `carrier` is empty.
+  /// Refused while moving.
   /// May fail with robcl::MountRefused.
   virtual gecos::Result<void> mount(const std::string& carrier, const robcl::Frame& offset) = 0;
 

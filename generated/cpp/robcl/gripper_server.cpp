@@ -39,7 +39,8 @@ void GripperServant::gecos_dispatch(gecos::IncomingCall call) {
       case 0xeb6da7e6:  // mount
         return gecos_call_mount(call);
       default:
-        return call.fail({gecos::Detail::UnknownOperation, "robcl::Gripper has no such operation", {}, {}});
+        return call.fail(
+            {gecos::Detail::UnknownOperation, "robcl::Gripper has no such operation", {}, {}});
     }
   } catch (const std::exception& error) {
     call.fail({gecos::Detail::Fault, std::string("the handler threw: ") + error.what(), {}, {}});
@@ -55,7 +56,8 @@ void GripperServant::gecos_call_jaws(gecos::IncomingCall& call) {
     return {};
   }();
   if (!wrong.empty()) {
-    return call.fail({gecos::Detail::Fault, "the handler of robcl::Gripper::jaws gave " + wrong, {}, {}});
+    return call.fail(
+        {gecos::Detail::Fault, "the handler of robcl::Gripper::jaws gave " + wrong, {}, {}});
   }
   std::size_t size = 4;
   size += value.encoded_size();

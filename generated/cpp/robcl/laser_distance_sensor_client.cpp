@@ -136,7 +136,8 @@ gecos::Command<robcl::Distance> LaserDistanceSensor::beam() const {
         [](gecos::wire::Decoder& from, robcl::Distance& value) { return value.decode(from); });
 }
 
-tl::expected<gecos::Stream<robcl::Distance>, gecos::Failure> LaserDistanceSensor::beam(gecos::StreamTag) const {
+tl::expected<gecos::Stream<robcl::Distance>, gecos::Failure> LaserDistanceSensor::beam(
+    gecos::StreamTag) const {
   auto core = gecos_session_->subscribe(laser_distance_sensor_streams[0]);
   if (!core) return tl::unexpected(std::move(core.error()));
   return gecos::Stream<robcl::Distance>(std::move(*core),

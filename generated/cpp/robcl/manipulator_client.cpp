@@ -170,7 +170,8 @@ gecos::Command<robcl::Frame> Manipulator::tool() const {
         [](gecos::wire::Decoder& from, robcl::Frame& value) { return value.decode(from); });
 }
 
-tl::expected<gecos::Stream<robcl::Frame>, gecos::Failure> Manipulator::tool(gecos::StreamTag) const {
+tl::expected<gecos::Stream<robcl::Frame>, gecos::Failure> Manipulator::tool(
+    gecos::StreamTag) const {
   auto core = gecos_session_->subscribe(manipulator_streams[0]);
   if (!core) return tl::unexpected(std::move(core.error()));
   return gecos::Stream<robcl::Frame>(std::move(*core),
@@ -183,7 +184,8 @@ gecos::Command<robcl::Frame> Manipulator::flange() const {
         [](gecos::wire::Decoder& from, robcl::Frame& value) { return value.decode(from); });
 }
 
-tl::expected<gecos::Stream<robcl::Frame>, gecos::Failure> Manipulator::flange(gecos::StreamTag) const {
+tl::expected<gecos::Stream<robcl::Frame>, gecos::Failure> Manipulator::flange(
+    gecos::StreamTag) const {
   auto core = gecos_session_->subscribe(manipulator_streams[1]);
   if (!core) return tl::unexpected(std::move(core.error()));
   return gecos::Stream<robcl::Frame>(std::move(*core),
@@ -204,7 +206,9 @@ gecos::Command<void> Manipulator::set_tool_offset(const robcl::Frame& value) con
       }, gecos_options_));
 }
 
-gecos::Command<void, robcl::MotionProgress> Manipulator::move(const robcl::Frame& goal, const std::optional<robcl::Trajectory>& how) const {
+gecos::Command<void, robcl::MotionProgress> Manipulator::move(
+    const robcl::Frame& goal,
+    const std::optional<robcl::Trajectory>& how) const {
   const std::string wrong = [&]() -> std::string {
     if (how) {
       if (auto why = gecos_violation(*how); !why.empty()) return why;

@@ -40,7 +40,9 @@ class Manipulator : public virtual robcl::Device {
 
   /// Moves the tool frame to `goal`, given in the world. FINISHED when it stands at the goal.
   /// May fail with robcl::OutOfReach, robcl::JointLimit, robcl::Singular.
-  gecos::Command<void, robcl::MotionProgress> move(const robcl::Frame& goal, const std::optional<robcl::Trajectory>& how = {}) const;
+  gecos::Command<void, robcl::MotionProgress> move(
+      const robcl::Frame& goal,
+      const std::optional<robcl::Trajectory>& how = {}) const;
 };
 
 }  // namespace robcl

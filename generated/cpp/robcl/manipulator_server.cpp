@@ -37,7 +37,8 @@ void ManipulatorServant::gecos_dispatch(gecos::IncomingCall call) {
       case 0xeb6da7e6:  // mount
         return gecos_call_mount(call);
       default:
-        return call.fail({gecos::Detail::UnknownOperation, "robcl::Manipulator has no such operation", {}, {}});
+        return call.fail(
+            {gecos::Detail::UnknownOperation, "robcl::Manipulator has no such operation", {}, {}});
     }
   } catch (const std::exception& error) {
     call.fail({gecos::Detail::Fault, std::string("the handler threw: ") + error.what(), {}, {}});
@@ -83,7 +84,9 @@ void ManipulatorServant::gecos_call_move(gecos::IncomingCall& call) {
   std::optional<robcl::Trajectory> how{};
   const bool read = goal.decode(from) &&
          (from.at_end() ||
-          gecos::wire::get_optional(from, how, "move.how", [&](robcl::Trajectory& value) { return gecos::wire::get_block(from, value, "move.how"); }));
+          gecos::wire::get_optional(from, how, "move.how", [&](robcl::Trajectory& value) {
+            return gecos::wire::get_block(from, value, "move.how");
+          }));
   if (!read) {
     return call.fail({gecos::Detail::BadParameter, from.error().message(), {}, {}});
   }

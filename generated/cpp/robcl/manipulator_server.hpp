@@ -38,7 +38,10 @@ class ManipulatorServant : public virtual robcl::DeviceServant {
 
   /// Moves the tool frame to `goal`, given in the world. FINISHED when it stands at the goal.
   /// May fail with robcl::OutOfReach, robcl::JointLimit, robcl::Singular.
-  virtual gecos::Result<void> move(const robcl::Frame& goal, const std::optional<robcl::Trajectory>& how, gecos::Execution<robcl::MotionProgress>& run) = 0;
+  virtual gecos::Result<void> move(
+      const robcl::Frame& goal,
+      const std::optional<robcl::Trajectory>& how,
+      gecos::Execution<robcl::MotionProgress>& run) = 0;
 
   void gecos_call_tool(gecos::IncomingCall& call);
   void gecos_call_flange(gecos::IncomingCall& call);

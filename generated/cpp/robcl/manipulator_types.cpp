@@ -95,13 +95,21 @@ bool Trajectory::decode([[maybe_unused]] gecos::wire::Decoder& from) {
   return from.get(speed, "Trajectory.speed") &&
          gecos::wire::in_range(from, (speed >= 0.01 && speed <= 1.0), 8, "Trajectory.speed") &&
          from.get(acceleration, "Trajectory.acceleration") &&
-         gecos::wire::in_range(from, (acceleration >= 0.01 && acceleration <= 1.0), 8, "Trajectory.acceleration") &&
+         gecos::wire::in_range(
+             from,
+             (acceleration >= 0.01 && acceleration <= 1.0),
+             8,
+             "Trajectory.acceleration") &&
          robcl::decode_enum(from, path, "Trajectory.path") &&
          robcl::decode_enum(from, at_goal, "Trajectory.at_goal") &&
          (from.at_end() ||
-          gecos::wire::get_optional(from, tool_speed, "Trajectory.tool_speed", [&](double& value) { return from.get(value, "Trajectory.tool_speed"); })) &&
+          gecos::wire::get_optional(from, tool_speed, "Trajectory.tool_speed", [&](double& value) {
+            return from.get(value, "Trajectory.tool_speed");
+          })) &&
          (from.at_end() ||
-          gecos::wire::get_optional(from, turn_speed, "Trajectory.turn_speed", [&](double& value) { return from.get(value, "Trajectory.turn_speed"); })) &&
+          gecos::wire::get_optional(from, turn_speed, "Trajectory.turn_speed", [&](double& value) {
+            return from.get(value, "Trajectory.turn_speed");
+          })) &&
          gecos::wire::skip_rest(from);
 }
 
@@ -145,7 +153,11 @@ void MotionProgress::encode(gecos::wire::Encoder& to) const {
 
 bool MotionProgress::decode([[maybe_unused]] gecos::wire::Decoder& from) {
   return from.get(fraction, "MotionProgress.fraction") &&
-         gecos::wire::in_range(from, (fraction >= 0.0 && fraction <= 1.0), 8, "MotionProgress.fraction") &&
+         gecos::wire::in_range(
+             from,
+             (fraction >= 0.0 && fraction <= 1.0),
+             8,
+             "MotionProgress.fraction") &&
          from.get(remaining, "MotionProgress.remaining") &&
          gecos::wire::skip_rest(from);
 }

@@ -217,7 +217,9 @@ Rx90::Rx90(std::shared_ptr<gecos::session::ClientSession> session)
 gecos::Command<robcl::Configuration> Rx90::posture() const {
   return gecos::Command<robcl::Configuration>(gecos_session_->call(
       rx90_operations[8], 0, [](gecos::wire::Encoder&) {}, gecos_options_),
-        [](gecos::wire::Decoder& from, robcl::Configuration& value) { return gecos::wire::get_block(from, value, "posture"); });
+        [](
+            gecos::wire::Decoder& from,
+            robcl::Configuration& value) { return gecos::wire::get_block(from, value, "posture"); });
 }
 
 }  // namespace robcl

@@ -43,7 +43,8 @@ void Rx90Servant::gecos_dispatch(gecos::IncomingCall call) {
       case 0xeb6da7e6:  // mount
         return gecos_call_mount(call);
       default:
-        return call.fail({gecos::Detail::UnknownOperation, "robcl::Rx90 has no such operation", {}, {}});
+        return call.fail(
+            {gecos::Detail::UnknownOperation, "robcl::Rx90 has no such operation", {}, {}});
     }
   } catch (const std::exception& error) {
     call.fail({gecos::Detail::Fault, std::string("the handler threw: ") + error.what(), {}, {}});

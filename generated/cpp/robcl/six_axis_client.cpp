@@ -212,7 +212,9 @@ tl::expected<gecos::Stream<robcl::Joints>, gecos::Failure> SixAxis::joints(gecos
         [](gecos::wire::Decoder& from, robcl::Joints& value) { return value.decode(from); });
 }
 
-gecos::Command<void, robcl::MotionProgress> SixAxis::move_joints(const robcl::Joints& target, const std::optional<robcl::Trajectory>& how) const {
+gecos::Command<void, robcl::MotionProgress> SixAxis::move_joints(
+    const robcl::Joints& target,
+    const std::optional<robcl::Trajectory>& how) const {
   const std::string wrong = [&]() -> std::string {
     if (how) {
       if (auto why = gecos_violation(*how); !why.empty()) return why;

@@ -28,7 +28,9 @@ class SixAxis : public virtual robcl::Manipulator {
 
   /// Moves all joints to `target`, arriving together.
   /// May fail with robcl::JointLimit.
-  gecos::Command<void, robcl::MotionProgress> move_joints(const robcl::Joints& target, const std::optional<robcl::Trajectory>& how = {}) const;
+  gecos::Command<void, robcl::MotionProgress> move_joints(
+      const robcl::Joints& target,
+      const std::optional<robcl::Trajectory>& how = {}) const;
 };
 
 }  // namespace robcl

@@ -41,7 +41,8 @@ void SixAxisServant::gecos_dispatch(gecos::IncomingCall call) {
       case 0xeb6da7e6:  // mount
         return gecos_call_mount(call);
       default:
-        return call.fail({gecos::Detail::UnknownOperation, "robcl::SixAxis has no such operation", {}, {}});
+        return call.fail(
+            {gecos::Detail::UnknownOperation, "robcl::SixAxis has no such operation", {}, {}});
     }
   } catch (const std::exception& error) {
     call.fail({gecos::Detail::Fault, std::string("the handler threw: ") + error.what(), {}, {}});
@@ -61,7 +62,9 @@ void SixAxisServant::gecos_call_move_joints(gecos::IncomingCall& call) {
   std::optional<robcl::Trajectory> how{};
   const bool read = target.decode(from) &&
          (from.at_end() ||
-          gecos::wire::get_optional(from, how, "move_joints.how", [&](robcl::Trajectory& value) { return gecos::wire::get_block(from, value, "move_joints.how"); }));
+          gecos::wire::get_optional(from, how, "move_joints.how", [&](robcl::Trajectory& value) {
+            return gecos::wire::get_block(from, value, "move_joints.how");
+          }));
   if (!read) {
     return call.fail({gecos::Detail::BadParameter, from.error().message(), {}, {}});
   }

@@ -26,7 +26,10 @@ class SixAxisServant : public virtual robcl::ManipulatorServant {
 
   /// Moves all joints to `target`, arriving together.
   /// May fail with robcl::JointLimit.
-  virtual gecos::Result<void> move_joints(const robcl::Joints& target, const std::optional<robcl::Trajectory>& how, gecos::Execution<robcl::MotionProgress>& run) = 0;
+  virtual gecos::Result<void> move_joints(
+      const robcl::Joints& target,
+      const std::optional<robcl::Trajectory>& how,
+      gecos::Execution<robcl::MotionProgress>& run) = 0;
 
   void gecos_call_joints(gecos::IncomingCall& call);
   void gecos_call_move_joints(gecos::IncomingCall& call);

@@ -10,7 +10,8 @@
 
 namespace robcl {
 
-/// The simulated laboratory: what is in it and where. It watches grippers and arms and moves what they carry.
+/// The simulated laboratory: what is in it and where. It watches grippers and arms and
+/// moves what they carry.
 class World : public virtual gecos::Object {
  public:
   static const gecos::InterfaceDescription& gecos_description();
@@ -28,7 +29,8 @@ class World : public virtual gecos::Object {
   /// @param reach [m]
   gecos::Command<robcl::RayHit> cast(const robcl::Frame& origin, double reach) const;
 
-  /// Width at which jaws meet a body when they close along y of `jaws` around it, from `opening`.
+  /// Width at which jaws meet a body when they close along y of `jaws` around it, from
+  /// `opening`.
   /// @param opening [m]
   gecos::Command<robcl::Contact> between(const robcl::Frame& jaws, double opening) const;
 

@@ -31,7 +31,8 @@ void WorldServant::gecos_dispatch(gecos::IncomingCall call) {
       case 0xe92da823:  // between
         return gecos_call_between(call);
       default:
-        return call.fail({gecos::Detail::UnknownOperation, "robcl::World has no such operation", {}, {}});
+        return call.fail(
+            {gecos::Detail::UnknownOperation, "robcl::World has no such operation", {}, {}});
     }
   } catch (const std::exception& error) {
     call.fail({gecos::Detail::Fault, std::string("the handler threw: ") + error.what(), {}, {}});
@@ -49,7 +50,8 @@ void WorldServant::gecos_call_bodies(gecos::IncomingCall& call) {
     return {};
   }();
   if (!wrong.empty()) {
-    return call.fail({gecos::Detail::Fault, "the handler of robcl::World::bodies gave " + wrong, {}, {}});
+    return call.fail(
+        {gecos::Detail::Fault, "the handler of robcl::World::bodies gave " + wrong, {}, {}});
   }
   std::size_t size = 4;
   size += 4 * value.size();
@@ -80,7 +82,8 @@ void WorldServant::gecos_call_find(gecos::IncomingCall& call) {
     return {};
   }();
   if (!wrong.empty()) {
-    return call.fail({gecos::Detail::Fault, "the handler of robcl::World::find gave " + wrong, {}, {}});
+    return call.fail(
+        {gecos::Detail::Fault, "the handler of robcl::World::find gave " + wrong, {}, {}});
   }
   std::size_t size = 4;
   size += value.encoded_size();
@@ -107,7 +110,8 @@ void WorldServant::gecos_call_cast(gecos::IncomingCall& call) {
     return {};
   }();
   if (!wrong.empty()) {
-    return call.fail({gecos::Detail::Fault, "the handler of robcl::World::cast gave " + wrong, {}, {}});
+    return call.fail(
+        {gecos::Detail::Fault, "the handler of robcl::World::cast gave " + wrong, {}, {}});
   }
   std::size_t size = 4;
   size += value.encoded_size();
@@ -134,7 +138,8 @@ void WorldServant::gecos_call_between(gecos::IncomingCall& call) {
     return {};
   }();
   if (!wrong.empty()) {
-    return call.fail({gecos::Detail::Fault, "the handler of robcl::World::between gave " + wrong, {}, {}});
+    return call.fail(
+        {gecos::Detail::Fault, "the handler of robcl::World::between gave " + wrong, {}, {}});
   }
   std::size_t size = 4;
   size += value.encoded_size();

@@ -10,7 +10,8 @@
 
 namespace robcl {
 
-/// The simulated laboratory: what is in it and where. It watches grippers and arms and moves what they carry.
+/// The simulated laboratory: what is in it and where. It watches grippers and arms and
+/// moves what they carry.
 class WorldServant : public virtual gecos::Servant {
  public:
   const gecos::InterfaceDescription& gecos_interface() const override;
@@ -26,7 +27,8 @@ class WorldServant : public virtual gecos::Servant {
   /// @param reach [m]
   virtual gecos::Result<robcl::RayHit> cast(const robcl::Frame& origin, double reach) = 0;
 
-  /// Width at which jaws meet a body when they close along y of `jaws` around it, from `opening`.
+  /// Width at which jaws meet a body when they close along y of `jaws` around it, from
+  /// `opening`.
   /// @param opening [m]
   virtual gecos::Result<robcl::Contact> between(const robcl::Frame& jaws, double opening) = 0;
 

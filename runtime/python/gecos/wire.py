@@ -574,7 +574,7 @@ class Decoder:
     def arm(self, selected: bool, field: str = "") -> bool:
         """Whether an arm of a union is there, which it must be exactly when it is selected."""
         start = self.offset
-        if self.number("?", field) is not selected:
+        if self.number("?", field) != selected:
             self.refuse(DecodeProblem.UNKNOWN_UNION_TAG, field, start)
         return selected
 

@@ -6,29 +6,28 @@ from dataclasses import dataclass, replace
 
 from gidl.model import (
     Attribute,
-    Direction,
-    ExceptionStruct,
-    Extensibility,
-    Facts,
     File,
     Interface,
-    Member,
     Model,
-    NamedType,
     Operation,
-    Parameter,
-    Range,
-    Struct,
-    Type,
-    Value,
 )
 from gidl.policy import OnLoss, OnNew, Qos, QualityClass, Reliability
+from gidl.targets.calls import (
+    CallValue,
+    attribute_value,
+    first_missing,
+    parameter_value,
+    refuse_unsupported,
+    reply_values,
+    result_struct,
+    short_name,
+    stream_attributes,
+)
 from gidl.targets.cpp import names
 from gidl.targets.cpp.lower import Lowering, Slot, block, indented
 from gidl.targets.cpp.types_view import conjunction
 from gidl.targets.naming import (
     LocalNames,
-    UnsupportedError,
     doc_lines,
     escaped,
     snake_case,
@@ -148,18 +147,6 @@ class InterfacesView:
     namespaces: tuple[InterfacesNamespace, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class _Value:
-    """A parameter, result or attribute value as the code generator sees it."""
-
-    name: str
-    type: Type
-    optional: bool = False
-    range: Range | None = None
-    default: Value | None = None
-    unit: str | None = None
-
-
 def interfaces_view(lowering: Lowering, file: File) -> InterfacesView:
     model = lowering.model
     stem = source_stem(file.path)
@@ -189,64 +176,13 @@ def _has_interface(model: Model, path: str) -> bool:
     return any(file.path == path and file.has_interface for file in model.files)
 
 
-def result_structs(lowering: Lowering, file: File) -> tuple[Struct, ...]:
-    """Structs for operations that give several values: `Gripper_measure_result`."""
-    found = []
-    for declaration in file.declarations:
-        if isinstance(declaration, Interface):
-            for operation in declaration.operations:
-                struct = result_struct(lowering, operation)
-                if struct is not None:
-                    found.append(struct)
-    return tuple(found)
-
-
-def result_struct(lowering: Lowering, operation: Operation) -> Struct | None:
-    values = _reply_values(operation, lowering.layout.call(operation.scoped_name))
-    if len(values) < 2:
-        return None
-    facts = Facts(operation.facts.location, f"What `{operation.name}` gives.")
-    members = tuple(
-        Member(v.name, v.type, Facts(operation.facts.location), v.unit, v.range, v.default, v.optional)
-        for v in values
-    )
-    return Struct(
-        f"{operation.interface}_{operation.name}_result",
-        facts,
-        members,
-        extensibility=Extensibility.APPENDABLE,
-    )
-
-
-def _reply_values(operation: Operation, call: CallLayout) -> list[_Value]:
-    values = []
-    if operation.result is not None:
-        values.append(
-            _Value(
-                call.reply[0].name, operation.result, operation.result_optional,
-                operation.result_range, None, operation.result_unit,
-            )
-        )  # fmt: skip
-    return values + [_parameter_value(p) for p in operation.outputs]
-
-
-def _parameter_value(p: Parameter) -> _Value:
-    return _Value(p.name, p.type, p.optional, p.range, p.default, p.unit)
-
-
-def _attribute_value(a: Attribute) -> _Value:
-    return _Value("value", a.type, a.optional, a.range, None, a.unit)
-
-
 class _InterfaceBuilder:
     def __init__(self, lowering: Lowering, interface: Interface) -> None:
         self._lowering = lowering
         self._model = lowering.model
         self._layout = lowering.layout
         self._interface = interface
-        self._members = {
-            m.scoped_name: m for m in self._model.all_interface_members(interface)
-        }
+        self._members = {m.scoped_name: m for m in self._model.all_interface_members(interface)}
         self._calls = sorted(
             self._layout.all_calls(self._model, interface), key=lambda call: call.code
         )
@@ -256,16 +192,19 @@ class _InterfaceBuilder:
 
     def view(self) -> InterfaceView:
         interface = self._interface
-        for member in interface.members:
-            self._refuse_unsupported(member)
-        streams = self._stream_attributes()
+        refuse_unsupported(interface)
+        streams = stream_attributes(self._model, self._layout, interface)
         methods: list[MethodView] = []
         handlers: list[HandlerView] = []
         for call in self._layout.interfaces[interface.name].calls:
             methods.append(self._method(call))
             handlers.append(self._handler(call))
             member = self._member(call)
-            if call.kind is CallKind.GETTER and isinstance(member, Attribute) and member.streams_out:
+            if (
+                call.kind is CallKind.GETTER
+                and isinstance(member, Attribute)
+                and member.streams_out
+            ):
                 methods.append(self._subscribing(member, streams.index(member)))
         own = [s for s in streams if s.interface == interface.name]
         bases = [names.full_name(self._model, base) for base in interface.bases]
@@ -289,32 +228,12 @@ class _InterfaceBuilder:
             tuple(handlers),
             tuple(self._publisher(s, streams.index(s)) for s in own),
             tuple(
-                CaseView(_hex32(c.code), self._caller_name(c), _short(c)) for c in self._calls
+                CaseView(_hex32(c.code), self._caller_name(c), short_name(c)) for c in self._calls
             ),
         )
 
-    @staticmethod
-    def _refuse_unsupported(member: Operation | Attribute) -> None:
-        if isinstance(member, Operation) and member.is_event:
-            raise UnsupportedError(
-                member.facts.location,
-                f"{member.scoped_name}: events are not generated yet; publish a @stream attribute",
-            )
-        if isinstance(member, Attribute) and member.streams_in:
-            raise UnsupportedError(
-                member.facts.location,
-                f"{member.scoped_name}: inward streams are not generated yet;"
-                " use an operation that takes the value",
-            )
-
     def _member(self, call: CallLayout) -> Operation | Attribute:
         return self._members[call.name.removesuffix("=")]
-
-    def _stream_attributes(self) -> list[Attribute]:
-        found = [
-            m for m in self._members.values() if isinstance(m, Attribute) and m.streams_out
-        ]
-        return sorted(found, key=lambda a: self._layout.stream(a.scoped_name).code)
 
     def _index(self, call: CallLayout) -> int:
         return self._calls.index(call)
@@ -336,7 +255,7 @@ class _InterfaceBuilder:
             idempotent = member.idempotent or not setter
             kind = "Setter" if setter else "Getter"
         return OperationRow(
-            _hex32(call.code), _short(call), kind, status.capitalize(),
+            _hex32(call.code), short_name(call), kind, status.capitalize(),
             _bool(safety), _bool(presence), _bool(idempotent), _bool(cancelable),
             _bool(member.parallel), _bool(ordered), _on_new(member.on_new),
             "Finish" if member.on_loss is OnLoss.FINISH else "Stop",
@@ -360,12 +279,13 @@ class _InterfaceBuilder:
     def _method(self, call: CallLayout) -> MethodView:
         member = self._member(call)
         if isinstance(member, Operation):
-            name, values = escaped(member.name, names.KEYWORDS), [
-                _parameter_value(p) for p in member.inputs
-            ]
+            name, values = (
+                escaped(member.name, names.KEYWORDS),
+                [parameter_value(p) for p in member.inputs],
+            )
             doc = self._operation_doc(member)
         elif call.kind is CallKind.SETTER:
-            name, values = self._setter_name(member), [_attribute_value(member)]
+            name, values = self._setter_name(member), [attribute_value(member)]
             note = value_note(member.unit, member.range)
             doc = doc_lines(member.facts, note) or (f"Sets {member.name}.",)
         else:
@@ -385,12 +305,14 @@ class _InterfaceBuilder:
         )
 
     def _operation_doc(self, operation: Operation) -> tuple[str, ...]:
-        doc = list(doc_lines(operation.facts, value_note(operation.result_unit, operation.result_range)))
+        doc = list(
+            doc_lines(operation.facts, value_note(operation.result_unit, operation.result_range))
+        )
         for p in operation.parameters:
             note = value_note(p.unit, p.range)
             if note or p.facts.doc:
                 text = " ".join(doc_lines(p.facts, note))
-                doc.append(f"@param {names.escaped(p.name, names.KEYWORDS)} {text}")
+                doc.append(f"@param {escaped(p.name, names.KEYWORDS)} {text}")
         if operation.raises:
             raised = ", ".join(names.full_name(self._model, name) for name in operation.raises)
             doc.append(f"May fail with {raised}.")
@@ -401,11 +323,9 @@ class _InterfaceBuilder:
             f"set_{attribute.name}"
         )
 
-    def _parameters(self, values: list[_Value]) -> list[tuple[str, str, str]]:
+    def _parameters(self, values: list[CallValue]) -> list[tuple[str, str, str]]:
         """Type, name and default. A default needs one in all that follow."""
-        from_here = len(values)
-        while from_here and (values[from_here - 1].optional or values[from_here - 1].default is not None):
-            from_here -= 1
+        from_here = first_missing(values)
         result = []
         for i, value in enumerate(values):
             default = ""
@@ -414,20 +334,20 @@ class _InterfaceBuilder:
             result.append(
                 (
                     self._lowering.parameter(value.type, value.optional),
-                    names.escaped(value.name, names.KEYWORDS),
+                    escaped(value.name, names.KEYWORDS),
                     default,
                 )
             )
         return result
 
-    def _default(self, value: _Value) -> str:
+    def _default(self, value: CallValue) -> str:
         assert value.default is not None
         return self._lowering.literal(value.default, value.type)
 
-    def _reply(self, call: CallLayout, member: Operation | Attribute) -> list[_Value]:
+    def _reply(self, call: CallLayout, member: Operation | Attribute) -> list[CallValue]:
         if isinstance(member, Operation):
-            return _reply_values(member, call)
-        return [] if call.kind is CallKind.SETTER else [_attribute_value(member)]
+            return reply_values(member, call)
+        return [] if call.kind is CallKind.SETTER else [attribute_value(member)]
 
     def _result_type(self, call: CallLayout, member: Operation | Attribute) -> str:
         values = self._reply(call, member)
@@ -436,7 +356,7 @@ class _InterfaceBuilder:
         if len(values) == 1:
             return self._lowering.type(values[0].type, values[0].optional)
         assert isinstance(member, Operation)
-        struct = result_struct(self._lowering, member)
+        struct = result_struct(self._layout, member)
         assert struct is not None
         return names.full_name_of(self._model, struct.name)
 
@@ -446,21 +366,21 @@ class _InterfaceBuilder:
             return f"{result}, {self._lowering.type(member.feedback)}"
         return result
 
-    def _slots(self, values: list[_Value], owner: str) -> list[Slot]:
+    def _slots(self, values: list[CallValue], owner: str) -> list[Slot]:
         return [
-            Slot(names.escaped(v.name, names.KEYWORDS), f"{owner}.{v.name}", v.type, v.optional, v.range)
+            Slot(escaped(v.name, names.KEYWORDS), f"{owner}.{v.name}", v.type, v.optional, v.range)
             for v in values
         ]
 
     def _call_body(
         self,
         call: CallLayout,
-        values: list[_Value],
+        values: list[CallValue],
         taken: set[str],
         returns: str,
         member: Operation | Attribute,
     ) -> list[str]:
-        slots = self._slots(values, _short(call).removesuffix("="))
+        slots = self._slots(values, short_name(call).removesuffix("="))
         local = LocalNames(taken)
         wrong, size, to = local.fresh("wrong"), local.fresh("size"), local.fresh("to")
         used = taken | {wrong, size, to}
@@ -507,10 +427,10 @@ class _InterfaceBuilder:
         values = self._reply(call, member)
         if not values:
             return ""
-        owner = _short(call)
+        owner = short_name(call)
         return ",\n        " + self._decode_lambda(values, self._result_type(call, member), owner)
 
-    def _decode_lambda(self, values: list[_Value], result: str, owner: str) -> str:
+    def _decode_lambda(self, values: list[CallValue], result: str, owner: str) -> str:
         if len(values) > 1:
             terms = [["value.decode(from)"]]
         else:
@@ -526,7 +446,7 @@ class _InterfaceBuilder:
         return f"{head} {{\n{inner}\n        }}"
 
     def _subscribing(self, attribute: Attribute, index: int) -> MethodView:
-        value = _attribute_value(attribute)
+        value = attribute_value(attribute)
         used = self._lowering.type(value.type, value.optional)
         decode = self._decode_lambda([value], used, attribute.name)
         rate = attribute.stream.rate_hz if attribute.stream else None
@@ -548,7 +468,7 @@ class _InterfaceBuilder:
     # -- server ------------------------------------------------------------------------------------
 
     def _caller_name(self, call: CallLayout) -> str:
-        short = _short(call)
+        short = short_name(call)
         if short.endswith("="):
             return f"gecos_set_{short.removesuffix('=')}"
         return f"gecos_call_{short}"
@@ -556,12 +476,13 @@ class _InterfaceBuilder:
     def _handler(self, call: CallLayout) -> HandlerView:
         member = self._member(call)
         if isinstance(member, Operation):
-            name, values = escaped(member.name, names.KEYWORDS), [
-                _parameter_value(p) for p in member.inputs
-            ]
+            name, values = (
+                escaped(member.name, names.KEYWORDS),
+                [parameter_value(p) for p in member.inputs],
+            )
             doc = self._operation_doc(member)
         elif call.kind is CallKind.SETTER:
-            name, values = self._setter_name(member), [_attribute_value(member)]
+            name, values = self._setter_name(member), [attribute_value(member)]
             doc = doc_lines(member.facts, value_note(member.unit, member.range))
         else:
             name, values = escaped(member.name, names.KEYWORDS), []
@@ -571,7 +492,7 @@ class _InterfaceBuilder:
         if isinstance(member, Operation) and member.cancelable:
             feedback = self._lowering.type(member.feedback) if member.feedback else ""
             execution = f"gecos::Execution<{feedback}>"
-            run = LocalNames(names.escaped(v.name, names.KEYWORDS) for v in values).fresh("run")
+            run = LocalNames(escaped(v.name, names.KEYWORDS) for v in values).fresh("run")
             parameters.append(f"{execution}& {run}")
         returns = f"gecos::Result<{self._result_type(call, member)}>"
         return HandlerView(
@@ -590,10 +511,10 @@ class _InterfaceBuilder:
         call: CallLayout,
         member: Operation | Attribute,
         name: str,
-        values: list[_Value],
+        values: list[CallValue],
         execution: str,
     ) -> list[str]:
-        slots = self._slots(values, _short(call).removesuffix("="))
+        slots = self._slots(values, short_name(call).removesuffix("="))
         taken = {slot.expression for slot in slots}
         local = LocalNames(taken)
         source, result, run, request = (
@@ -609,15 +530,22 @@ class _InterfaceBuilder:
         lines.append(f"const auto {result} = this->{name}({', '.join(arguments)});")
         lines.append(f"if (!{result}) return {request}.fail({result}.error().failure());")
         lines += self._answer(call, member, result, request, taken)
-        return [f"gecos::IncomingCall& {request} = gecos_incoming;", *lines] if request != "call" else lines
+        return (
+            [f"gecos::IncomingCall& {request} = gecos_incoming;", *lines]
+            if request != "call"
+            else lines
+        )
 
     def _read_arguments(
-        self, values: list[_Value], slots: list[Slot], source: str, request: str, call: CallLayout
+        self,
+        values: list[CallValue],
+        slots: list[Slot],
+        source: str,
+        request: str,
+        call: CallLayout,
     ) -> list[str]:
         lines = [f"gecos::wire::Decoder {source}({request}.arguments());"]
-        required = len(values)
-        while required and (values[required - 1].optional or values[required - 1].default is not None):
-            required -= 1
+        required = first_missing(values)
         taken = LocalNames({s.expression for s in slots} | {source, request})
         terms = []
         for i, (value, slot) in enumerate(zip(values, slots, strict=True)):
@@ -663,7 +591,9 @@ class _InterfaceBuilder:
                 f"{request}.finish({value_name}.encoded_size(),",
                 f"            [&](gecos::wire::Encoder& {to}) {{ {value_name}.encode({to}); }});",
             ]
-        slot = Slot(value_name, _short(call), values[0].type, values[0].optional, values[0].range)
+        slot = Slot(
+            value_name, short_name(call), values[0].type, values[0].optional, values[0].range
+        )
         checks = self._lowering.check(slot, LocalNames(taken | {result, request, value_name}))
         if checks:
             wrong = local.fresh("wrong")
@@ -694,7 +624,7 @@ class _InterfaceBuilder:
         return lines
 
     def _publisher(self, attribute: Attribute, index: int) -> PublisherView:
-        value = _attribute_value(attribute)
+        value = attribute_value(attribute)
         used = LocalNames(names.method_names(self._model, self._interface))
         name = used.fresh(f"publish_{attribute.name}")
         slot = Slot("value", attribute.name, value.type, value.optional, value.range)
@@ -716,11 +646,17 @@ class _InterfaceBuilder:
         if layout.sample.fixed_size is not None:
             lines.append(f"std::array<std::byte, {always}> sample;")
         else:
-            lines += [f"std::size_t size = {always};", *more] if more else [f"const std::size_t size = {always};"]
+            lines += (
+                [f"std::size_t size = {always};", *more]
+                if more
+                else [f"const std::size_t size = {always};"]
+            )
             lines.append("gecos::Bytes sample(size);")
         lines.append("gecos::wire::Encoder to(sample);")
         lines += self._lowering.encode(slot, "to", LocalNames({*taken, "size", "to", "sample"}))
-        lines.append(f"gecos_publisher_->publish({self._name}::gecos_description().streams[{index}], sample, stamp_ns);")
+        lines.append(
+            f"gecos_publisher_->publish({self._name}::gecos_description().streams[{index}], sample, stamp_ns);"
+        )
         return PublisherView(
             name, attribute.name, self._lowering.parameter(value.type, value.optional), tuple(lines)
         )
@@ -743,10 +679,6 @@ def quality(qos: Qos) -> str:
     if qos.media is not None and set(qos.media) <= LARGEST_ON_SHM:
         terms.append(".shm_only_media = true")
     return "{" + ", ".join(terms) + "}"
-
-
-def _short(call: CallLayout) -> str:
-    return call.name.rpartition("::")[2]
 
 
 def _on_new(value: OnNew) -> str:

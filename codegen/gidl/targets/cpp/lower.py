@@ -31,7 +31,7 @@ from gidl.model import (
     Value,
 )
 from gidl.targets.cpp import names
-from gidl.targets.naming import LocalNames, range_text, within
+from gidl.targets.naming import LocalNames, escaped, range_text, within
 from gidl.wire_layout import Layout, min_size_of, node_of
 from gidl.wire_nodes import (
     AppendableNode,
@@ -108,9 +108,7 @@ class Lowering:
     def literal(self, value: Value, used: Type) -> str:
         match value:
             case EnumValue(enum, literal):
-                return (
-                    f"{names.full_name(self.model, enum)}::{names.escaped(literal, names.KEYWORDS)}"
-                )
+                return f"{names.full_name(self.model, enum)}::{escaped(literal, names.KEYWORDS)}"
             case bool():
                 return "true" if value else "false"
             case str():
@@ -149,7 +147,7 @@ class Lowering:
             declaration = self.model.find(target.name)
             if isinstance(declaration, EnumDeclaration):
                 enum = names.full_name(self.model, declaration.name)
-                return f" = {enum}::{names.escaped(declaration.initial.name, names.KEYWORDS)}"
+                return f" = {enum}::{escaped(declaration.initial.name, names.KEYWORDS)}"
             if isinstance(declaration, Bitmask):
                 return "{}"
         return ""
@@ -527,7 +525,8 @@ def with_lambda(head: str, parameter: str, name: str, body: list[str]) -> list[s
     first, *rest = body
     lines = [f"return {first}", *rest]
     lines[-1] += ";"
-    if len(lines) == 1:
+    short = len(lines) == 1 and len(head) + len(parameter) + len(lines[0]) < 80
+    if short:
         return [f"{head}[&]({parameter}& {name}) {{ {lines[0]} }})"]
     return [f"{head}[&]({parameter}& {name}) {{", *indented(lines), "})"]
 

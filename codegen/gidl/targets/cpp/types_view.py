@@ -172,7 +172,9 @@ class MappedView:
     header: str
 
 
-TypeView = EnumView | MaskView | BitsView | StructView | UnionView | AliasView | ConstantView | MappedView
+TypeView = (
+    EnumView | MaskView | BitsView | StructView | UnionView | AliasView | ConstantView | MappedView
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -196,7 +198,11 @@ def types_view(lowering: Lowering, file: File, extra: tuple[Struct, ...]) -> Typ
     builder = _Builder(lowering)
     declarations = (*file.declarations, *extra)
     stem = source_stem(file.path)
-    includes = {f"{source_stem(path)}_types.hpp" for path in file.includes if has_output(lowering.model, path)}
+    includes = {
+        f"{source_stem(path)}_types.hpp"
+        for path in file.includes
+        if has_output(lowering.model, path)
+    }
     for declaration in declarations:
         if isinstance(declaration, Struct) and declaration.maps_to and declaration.maps_to.cpp:
             includes.add(declaration.maps_to.cpp[1])
@@ -282,7 +288,9 @@ class _Builder:
         for declaration in run:
             if isinstance(declaration, Struct | Union):
                 used = self._named_types(declaration)
-                forward += [name for name in sorted(used) if name not in seen and name not in forward]
+                forward += [
+                    name for name in sorted(used) if name not in seen and name not in forward
+                ]
             seen.add(declaration.name)
         local = {d.name for d in run if isinstance(d, Struct | Union)}
         simple = tuple(names.simple_name(self._model, n) for n in forward if n in local)
@@ -389,7 +397,9 @@ class _Builder:
             initial = " = false" if kind is Primitive.BOOLEAN else " = 0"
             doc = doc_lines(field.facts, f"{field.width} bits")
             fields.append(FieldView(PRIMITIVES[kind], name, initial, doc))
-            pack.append(f"(({unsigned}{{static_cast<{unsigned}>({name})}} & 0x{mask:x}U) << {field.position})")
+            pack.append(
+                f"(({unsigned}{{static_cast<{unsigned}>({name})}} & 0x{mask:x}U) << {field.position})"
+            )
             raw = f"(raw >> {field.position}) & 0x{mask:x}U"
             if kind is Primitive.BOOLEAN:
                 unpack.append(f"{name} = ({raw}) != 0;")
@@ -418,10 +428,10 @@ class _Builder:
         if kind is Primitive.BOOLEAN or width == 8 * kind.size:
             return []
         if kind.is_unsigned:
-            low, high, wide, suffix = 0, (1 << width) - 1, "unsigned long long", "U"
+            low, high, wide = 0, (1 << width) - 1, "unsigned long long"
             test = f"value.{name} > {high}U"
         else:
-            low, high, wide, suffix = -(1 << (width - 1)), (1 << (width - 1)) - 1, "long long", ""
+            low, high, wide = -(1 << (width - 1)), (1 << (width - 1)) - 1, "long long"
             test = f"value.{name} < {low} || value.{name} > {high}"
         text = f"{bitset.simple_name}.{label}"
         return block(
@@ -435,7 +445,7 @@ class _Builder:
     # -- structs -----------------------------------------------------------------------------------
 
     def _struct(self, struct: Struct) -> StructView:
-        layout = self._layout.structs[struct.name] if struct.name in self._layout.structs else None
+        layout = self._layout.structs.get(struct.name)
         base = ""
         if struct.base is not None:
             base = f" : {names.full_name(self._model, struct.base)}"
@@ -454,7 +464,9 @@ class _Builder:
         )
 
     def _field(self, member: Member) -> FieldView:
-        note = [value_note(member.unit or unit_of(member.type), member.range, bound_of(member.type))]
+        note = [
+            value_note(member.unit or unit_of(member.type), member.range, bound_of(member.type))
+        ]
         if member.optional:
             note.append("optional")
         return FieldView(
@@ -473,12 +485,20 @@ class _Builder:
         lowering = self._lowering
         taken = {names.member_name(m.name) for m in members}
         slots = [
-            Slot(names.member_name(m.name), f"{struct.simple_name}.{m.name}", m.type, m.optional, m.range)
+            Slot(
+                names.member_name(m.name),
+                f"{struct.simple_name}.{m.name}",
+                m.type,
+                m.optional,
+                m.range,
+            )
             for m in members
         ]
         local = LocalNames(taken)
         writer, reader = local.fresh("to"), local.fresh("from")
-        encode = [line for s in slots for line in lowering.encode(s, writer, LocalNames(taken | {writer}))]
+        encode = [
+            line for s in slots for line in lowering.encode(s, writer, LocalNames(taken | {writer}))
+        ]
         return CodecView(
             writer if encode else "",
             reader,
@@ -628,11 +648,17 @@ class _Builder:
                 size += block(f"if (value.index() == {arm.index})", inner)
             encode.append(f"to.put(value.index() == {arm.index});")
             writes = lowering.encode(slot, "to", LocalNames({"to", "arm"}))
-            encode += block(f"if (value.index() == {arm.index})", [f"const auto& arm = {held};", *writes])
+            encode += block(
+                f"if (value.index() == {arm.index})", [f"const auto& arm = {held};", *writes]
+            )
             reads = lowering.decode(slot, "from", LocalNames({"from", "arm"}))
             there = f'gecos::wire::get_arm(from, gecos_arm(tag) == {arm.index}, "{label}")'
             if_there = [f"({there} &&", f" (gecos_arm(tag) != {arm.index} ||"]
-            lambda_lines = [f"  [&](auto& arm) {{", *(f"    {x}" for x in _returning(reads)), f"  }}(value.emplace<{arm.index}>())))"]
+            lambda_lines = [
+                "  [&](auto& arm) {",
+                *(f"    {x}" for x in _returning(reads)),
+                f"  }}(value.emplace<{arm.index}>())))",
+            ]
             terms.append([*if_there, *lambda_lines])
             checks = lowering.check(replace(slot, expression="arm"), LocalNames({"arm", "value"}))
             if checks:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from gidl.model import Model
-from gidl.targets.cpp.interface_view import interfaces_view, result_structs
+from gidl.targets.calls import result_structs
+from gidl.targets.cpp.interface_view import interfaces_view
 from gidl.targets.cpp.lower import Lowering
 from gidl.targets.cpp.types_view import types_view
 from gidl.targets.naming import OutputFile, has_output, source_stem
@@ -18,7 +19,7 @@ def files(model: Model, layout: Layout) -> Iterator[OutputFile]:
         if not (file.asked_for and has_output(model, file.path)):
             continue
         stem = source_stem(file.path)
-        types = types_view(lowering, file, result_structs(lowering, file))
+        types = types_view(lowering, file, result_structs(layout, file))
         for suffix in ("hpp", "cpp"):
             yield OutputFile(f"cpp/{stem}_types.{suffix}", "cpp", f"types.{suffix}.j2", types)
         if not file.has_interface:

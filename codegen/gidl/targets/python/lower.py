@@ -138,7 +138,7 @@ class Lowering:
     def literal(self, value: Value, used: Type) -> str:
         match value:
             case EnumValue(enum, literal):
-                return f"{names.type_name(self.model, enum)}.{names.member_name(literal)}"
+                return f"{names.type_name(self.model, enum)}.{names.enumerator(literal)}"
             case bool() | str():
                 return quoted(value) if isinstance(value, str) else str(value)
             case _:
@@ -179,7 +179,7 @@ class Lowering:
                 declaration = self.model.find(name)
                 mine = names.type_name(self.model, name)
                 if isinstance(declaration, EnumDeclaration):
-                    return f"{mine}.{names.member_name(declaration.initial.name)}", False
+                    return f"{mine}.{names.enumerator(declaration.initial.name)}", False
                 if isinstance(declaration, Bitmask):
                     return f"{mine}(0)", False
                 return mine, True
@@ -278,7 +278,7 @@ class Lowering:
         assert isinstance(declaration, EnumDeclaration)
         default = "None"
         if declaration.default_literal is not None:
-            default = f"{mine}.{names.member_name(declaration.default_literal)}"
+            default = f"{mine}.{names.enumerator(declaration.default_literal)}"
         return f'source.enumerator({mine}, {number}, {default}, "{label}", {behind})'
 
     # -- checks ------------------------------------------------------------------------------------
@@ -388,7 +388,9 @@ class Lowering:
             case SequenceNode(element, bound):
                 assert isinstance(target, SequenceType)
                 limits = self.limits(Slot(x, label, target.element))
-                return self._encode_sequence(element, target.element, bound, x, label, limits, local)
+                return self._encode_sequence(
+                    element, target.element, bound, x, label, limits, local
+                )
             case ArrayNode(element, dimensions):
                 assert isinstance(target, ArrayType)
                 limits = self.limits(Slot(x, label, target.element))
@@ -404,16 +406,10 @@ class Lowering:
                 ]
                 return [
                     f'out.append(wire.count(len({x}), {most(bound, "count")}, "{label}"))',
-                    f"for {key}, {value} in {self._sorted_items(target.key, x)}:",
+                    f"for {key}, {value} in sorted({x}.items(), key=wire.first):",
                     *indented(inner),
                 ]
         raise AssertionError(node)
-
-    def _sorted_items(self, key: Type, x: str) -> str:
-        """In the order of C++: strings by their bytes, everything else by value."""
-        if isinstance(self.model.target(key), StringType):
-            return f"wire.by_text({x})"
-        return f"sorted({x}.items(), key=wire.first)"
 
     def _encode_sequence(
         self,
@@ -470,7 +466,7 @@ class Lowering:
         limits = self.limits(slot)
         text = self._decode(slot.type, slot.label, limits)
         if slot.optional:
-            return f'{text} if source.number("?", "{slot.label}") else None'
+            return f'({text} if source.number("?", "{slot.label}") else None)'
         return text
 
     def _decode(self, used: Type, label: str, limits: Range | None) -> str:

@@ -7,10 +7,12 @@ import keyword
 from gidl.model import Interface, Model, Struct
 from gidl.targets.naming import LocalNames, escaped, snake_case, source_stem
 
-KEYWORDS = frozenset(keyword.kwlist) | {"self", "cls", "field", "dataclass", "property"}
+KEYWORDS = frozenset(keyword.kwlist) | {"self", "cls"}
 STRUCT_WORDS = KEYWORDS | {"encode", "decode", "fingerprint"}
 # A declared exception also is a CommandFailed and a BaseException.
 EXCEPTION_WORDS = STRUCT_WORDS | {"text", "detail", "args", "add_note", "with_traceback"}
+# What an enumerator cannot be called.
+ENUM_WORDS = KEYWORDS | {"mro", "name", "value"}
 # Types that hints are written with: a declaration of that name gets an underscore.
 BUILTINS = frozenset(("bool", "int", "float", "str", "bytes", "list", "dict", "tuple", "type"))
 
@@ -46,9 +48,21 @@ def member_name(name: str, words: frozenset[str] = STRUCT_WORDS) -> str:
 
 
 def constant(*words: str) -> str:
-    """ ("Manipulator", "tool_offset") -> "_MANIPULATOR_TOOL_OFFSET"."""
+    """("Manipulator", "tool_offset") -> "_MANIPULATOR_TOOL_OFFSET"."""
     return "_" + "_".join(snake_case(word) for word in words).upper()
 
 
 def method_names(model: Model, interface: Interface) -> LocalNames:
     return LocalNames(escaped(m.name, KEYWORDS) for m in model.all_interface_members(interface))
+
+
+def enumerator(name: str) -> str:
+    return escaped(name, ENUM_WORDS)
+
+
+def docstring(lines: tuple[str, ...]) -> tuple[str, ...]:
+    """The lines as they can stand between three quotes."""
+    safe = [line.replace("\\", "\\\\").replace('"""', '\\"\\"\\"') for line in lines]
+    if len(safe) == 1 and safe[0].endswith('"'):
+        safe[0] = safe[0][:-1] + '\\"'
+    return tuple(safe)

@@ -1,11 +1,26 @@
+"""The Python files of a model, each with its template and what that prints."""
+
 from __future__ import annotations
 
 from collections.abc import Iterator
 
 from gidl.model import Model
-from gidl.targets.naming import OutputFile
+from gidl.targets.calls import result_structs
+from gidl.targets.naming import OutputFile, has_output
+from gidl.targets.python import names
+from gidl.targets.python.interface_view import interfaces_view
+from gidl.targets.python.lower import Lowering
+from gidl.targets.python.types_view import types_view
 from gidl.wire_layout import Layout
 
 
 def files(model: Model, layout: Layout) -> Iterator[OutputFile]:
-    yield from ()
+    lowering = Lowering(model, layout)
+    for file in model.files:
+        if not (file.asked_for and has_output(model, file.path)):
+            continue
+        stem = names.module_stem(file.path)
+        types = types_view(lowering, file, result_structs(layout, file))
+        yield OutputFile(f"python/{stem}_types.py", "python", "types.py.j2", types)
+        interfaces = interfaces_view(lowering, file, types.exported)
+        yield OutputFile(f"python/{stem}.py", "python", "interfaces.py.j2", interfaces)

@@ -1,0 +1,117 @@
+"""What calls carry: parameters, results and streams, the same for every language."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from gidl.model import (
+    Attribute,
+    Extensibility,
+    Facts,
+    File,
+    Interface,
+    Member,
+    Model,
+    Operation,
+    Parameter,
+    Range,
+    Struct,
+    Type,
+    Value,
+)
+from gidl.targets.naming import UnsupportedError
+from gidl.wire_layout import CallLayout, Layout
+
+
+@dataclass(frozen=True, slots=True)
+class CallValue:
+    """A parameter, a result or the value of an attribute."""
+
+    name: str
+    type: Type
+    optional: bool = False
+    range: Range | None = None
+    default: Value | None = None
+    unit: str | None = None
+
+
+def parameter_value(p: Parameter) -> CallValue:
+    return CallValue(p.name, p.type, p.optional, p.range, p.default, p.unit)
+
+
+def attribute_value(a: Attribute) -> CallValue:
+    return CallValue("value", a.type, a.optional, a.range, None, a.unit)
+
+
+def reply_values(operation: Operation, call: CallLayout) -> list[CallValue]:
+    """The result, then `inout` and `out` parameters."""
+    values = []
+    if operation.result is not None:
+        values.append(
+            CallValue(
+                call.reply[0].name, operation.result, operation.result_optional,
+                operation.result_range, None, operation.result_unit,
+            )
+        )  # fmt: skip
+    return values + [parameter_value(p) for p in operation.outputs]
+
+
+def first_missing(values: Sequence[CallValue]) -> int:
+    """Index from which on an older caller may have left values out."""
+    index = len(values)
+    while index and (values[index - 1].optional or values[index - 1].default is not None):
+        index -= 1
+    return index
+
+
+def result_structs(layout: Layout, file: File) -> tuple[Struct, ...]:
+    """Structs for operations that give several values: `Gripper_measure_result`."""
+    operations = [o for d in file.declarations if isinstance(d, Interface) for o in d.operations]
+    found = (result_struct(layout, operation) for operation in operations)
+    return tuple(struct for struct in found if struct is not None)
+
+
+def result_struct(layout: Layout, operation: Operation) -> Struct | None:
+    """None for an operation that gives one value or nothing. It grows like any reply."""
+    values = reply_values(operation, layout.call(operation.scoped_name))
+    if len(values) < 2:
+        return None
+    bare = Facts(operation.facts.location)
+    members = tuple(
+        Member(v.name, v.type, bare, v.unit, v.range, v.default, v.optional) for v in values
+    )
+    return Struct(
+        f"{operation.interface}_{operation.name}_result",
+        Facts(operation.facts.location, f"What `{operation.name}` gives."),
+        members,
+        extensibility=Extensibility.APPENDABLE,
+    )
+
+
+def stream_attributes(model: Model, layout: Layout, interface: Interface) -> list[Attribute]:
+    """Outward streams, inherited ones too, by code."""
+    members = model.all_interface_members(interface)
+    found = [m for m in members if isinstance(m, Attribute) and m.streams_out]
+    return sorted(found, key=lambda a: layout.stream(a.scoped_name).code)
+
+
+def short_name(call: CallLayout) -> str:
+    """ "move", "tool_offset="."""
+    return call.name.rpartition("::")[2]
+
+
+def refuse_unsupported(interface: Interface) -> None:
+    """Raises UnsupportedError for what has a place in the model and none yet in our output."""
+    for member in interface.members:
+        if isinstance(member, Operation) and member.is_event:
+            raise UnsupportedError(
+                member.facts.location,
+                f"{member.scoped_name}: events are not generated yet; publish a @stream attribute",
+            )
+        if isinstance(member, Attribute) and member.streams_in:
+            raise UnsupportedError(
+                member.facts.location,
+                f"{member.scoped_name}: inward streams are not generated yet;"
+                " use an operation that takes the value",
+            )
