@@ -30,7 +30,7 @@ def describe(robot: Object) -> Command[Description]:
     """What the object is and what state it is in."""
     from gecos_idl.object_types import Description
 
-    return _call(robot, 4, "describe", Description.decode)
+    return _call(robot, 4, "describe", lambda body: Description.decode(body.block("describe")))
 
 
 def holders(robot: Object) -> Command[list[Holder]]:
@@ -46,4 +46,5 @@ def _call(robot: Object, code: int, name: str, result: Callable[[Decoder], T]) -
 def _holders(source: Decoder) -> list[Holder]:
     from gecos_idl.object_types import Holder
 
-    return [Holder.decode(source) for _ in range(source.count(4, field="holders"))]
+    count = source.count(4, field="holders")
+    return [Holder.decode(source.block("holders")) for _ in range(count)]
