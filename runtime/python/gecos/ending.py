@@ -13,8 +13,8 @@ _ENDING = (signal.SIGINT, signal.SIGTERM)
 class EndingSignals:
     """Inside the block these signals only end `wait`. For the main thread.
 
-    Nothing of Python runs in between, whichever thread the kernel gives the signal to: it arrives on
-    a socket, so none is lost between looking and sleeping.
+    Whichever thread the kernel gives the signal to, it arrives on a socket: none is lost between
+    looking and sleeping, and no lock is taken in a handler.
     """
 
     def __enter__(self) -> Self:
