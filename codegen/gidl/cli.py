@@ -145,7 +145,8 @@ def _gen(chosen: argparse.Namespace) -> int:
     sys.stdout.write(diff_text(chosen.out, texts, difference))
     sys.stdout.flush()
     mend = _mending_command(chosen)
-    print(f"gidl: {difference.count} files in {chosen.out}/ differ; this mends it: {mend}")
+    which = _count(difference.count, "file")
+    print(f"gidl: {which} in {chosen.out}/ not as generated; this mends it: {mend}")
     return FINDINGS
 
 
