@@ -25,7 +25,7 @@ from gidl.targets.calls import (
 )
 from gidl.targets.cpp import names
 from gidl.targets.cpp.lower import Lowering, Slot, block, indented
-from gidl.targets.cpp.types_view import conjunction
+from gidl.targets.cpp.types_view import conjunction, or_at_end
 from gidl.targets.naming import (
     LocalNames,
     doc_lines,
@@ -90,6 +90,7 @@ class HandlerView:
     name: str
     parameters: str
     caller: str  # "gecos_call_move"
+    request: str  # name of its parameter
     code: str
     operation: str  # "robcl::Manipulator::move"
     body: tuple[str, ...]
@@ -501,6 +502,7 @@ class _InterfaceBuilder:
             name,
             ", ".join(parameters),
             self._caller_name(call),
+            request_name(self._slots(values, "")),
             _hex32(call.code),
             call.name,
             tuple(self._handler_body(call, member, name, values, execution)),
@@ -518,7 +520,7 @@ class _InterfaceBuilder:
         taken = {slot.expression for slot in slots}
         local = LocalNames(taken)
         source, result, run, request = (
-            local.fresh("from"), local.fresh("result"), local.fresh("run"), local.fresh("call"),
+            local.fresh("from"), local.fresh("result"), local.fresh("run"), request_name(slots),
         )  # fmt: skip
         lines = []
         if values:
@@ -530,11 +532,7 @@ class _InterfaceBuilder:
         lines.append(f"const auto {result} = this->{name}({', '.join(arguments)});")
         lines.append(f"if (!{result}) return {request}.fail({result}.error().failure());")
         lines += self._answer(call, member, result, request, taken)
-        return (
-            [f"gecos::IncomingCall& {request} = gecos_incoming;", *lines]
-            if request != "call"
-            else lines
-        )
+        return lines
 
     def _read_arguments(
         self,
@@ -556,8 +554,7 @@ class _InterfaceBuilder:
             lines.append(f"{used} {slot.expression}{initial};")
             term = self._lowering.decode(slot, source, taken)
             if i >= required:
-                term = [f"({source}.at_end() ||", *(f" {line}" for line in term)]
-                term[-1] += ")"
+                term = or_at_end(source, term)
             terms.append(term)
         read = taken.fresh("read")
         expression = conjunction(terms)
@@ -660,6 +657,11 @@ class _InterfaceBuilder:
         return PublisherView(
             name, attribute.name, self._lowering.parameter(value.type, value.optional), tuple(lines)
         )
+
+
+def request_name(slots: list[Slot]) -> str:
+    """What a handler's caller calls the incoming call: parameters have their own names."""
+    return LocalNames(slot.expression for slot in slots).fresh("call")
 
 
 def quality(qos: Qos) -> str:

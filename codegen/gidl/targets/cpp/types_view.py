@@ -286,7 +286,7 @@ class _Builder:
         forward = []
         seen: set[str] = set()
         for declaration in run:
-            if isinstance(declaration, Struct | Union):
+            if isinstance(declaration, Struct | Union | Typedef):
                 used = self._named_types(declaration)
                 forward += [
                     name for name in sorted(used) if name not in seen and name not in forward
@@ -296,14 +296,16 @@ class _Builder:
         simple = tuple(names.simple_name(self._model, n) for n in forward if n in local)
         return NamespaceView(self._scope(run[0]), simple, tuple(self._type(d) for d in run))
 
-    def _named_types(self, declaration: Struct | Union) -> set[str]:
-        members = (
-            declaration.members
-            if isinstance(declaration, Struct)
-            else tuple(c.member for c in declaration.cases)
-        )
-        found = {name for member in members for name in named_types(member.type)}
-        return found - {declaration.name}
+    @staticmethod
+    def _named_types(declaration: Struct | Union | Typedef) -> set[str]:
+        match declaration:
+            case Struct():
+                used = [m.type for m in declaration.members]
+            case Union():
+                used = [case.member.type for case in declaration.cases]
+            case Typedef():
+                used = [declaration.type]
+        return {name for each in used for name in named_types(each)} - {declaration.name}
 
     def _type(self, declaration: AnyDeclaration) -> TypeView:
         match declaration:
@@ -535,8 +537,7 @@ class _Builder:
         for i, slot in enumerate(slots):
             lines = self._lowering.decode(slot, reader, LocalNames(taken | {reader}))
             if i >= required:
-                lines = [f"({reader}.at_end() ||", *(f" {line}" for line in lines)]
-                lines[-1] += ")"
+                lines = or_at_end(reader, lines)
             terms.append(lines)
         if struct.is_appendable:
             terms.append([f"gecos::wire::skip_rest({reader})"])
@@ -684,6 +685,16 @@ class _Builder:
             scope = "::".join(names.scope_of(self._model, tag.name))
             return [f'{scope}::decode_enum(from, tag, "{label}")']
         return [f'gecos::wire::get_tag<{wire_type}>(from, tag, "{label}")']
+
+
+def or_at_end(reader: str, term: list[str]) -> list[str]:
+    """`term`, unless nothing is left to read: an older writer's value."""
+    lines = [f"({reader}.at_end() ||", *(f" {line}" for line in term)]
+    if len(term) > 1 and term[0].endswith("&&"):
+        lines[1] = f" ({term[0]}"
+        lines[-1] += ")"
+    lines[-1] += ")"
+    return lines
 
 
 def conjunction(terms: list[list[str]]) -> list[str]:

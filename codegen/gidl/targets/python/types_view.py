@@ -402,6 +402,8 @@ class _Builder:
             default = f"_field({kind}={default}, repr=False)"
         elif made:
             default = f"_field(default_factory={default})"
+        elif default.endswith(")"):
+            default = f"_field(default={default})"
         note = value_note(member.unit, member.range, getattr(member.type, "bound", None))
         return FieldView(
             names.member_name(member.name, words),
