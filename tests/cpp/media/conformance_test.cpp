@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "gecos/media/inproc.hpp"
+#include "gecos/media/lcm.hpp"
 #include "gecos/media/shm/shm.hpp"
 #include "media_under_test.hpp"
 
@@ -456,6 +457,13 @@ INSTANTIATE_TEST_SUITE_P(
                     Candidate{"shm",
                               [](const std::string& directory) {
                                 return make_shm({.directory = directory});
+                              }},
+                    Candidate{"lcm", [](const std::string&) { 
+                                // A well-known place of this process: a broker may run on this host.
+                                LcmOptions options;
+                                options.well_known_port =
+                                    static_cast<std::uint16_t>(33000 + ::getpid() % 20000);
+                                return make_lcm(options);
                               }}),
     [](const auto& candidate) { return candidate.param.name; });
 

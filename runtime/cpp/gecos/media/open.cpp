@@ -1,6 +1,7 @@
 #include "gecos/media/open.hpp"
 
 #include "gecos/media/inproc.hpp"
+#include "gecos/media/lcm.hpp"
 #include "gecos/media/shm/shm.hpp"
 
 namespace gecos::media {
@@ -9,7 +10,7 @@ tl::expected<std::unique_ptr<Medium>, MediumError> open(Kind kind) {
   switch (kind) {
     case Kind::Inproc: return make_inproc();
     case Kind::Shm: return make_shm();
-    case Kind::Lcm: break;
+    case Kind::Lcm: return make_lcm();
   }
   return tl::unexpected(MediumError{"this program does not know the medium"});
 }

@@ -1,0 +1,117 @@
+#include "gecos/media/lcm/datagram.hpp"
+
+#include <algorithm>
+#include <charconv>
+
+namespace gecos::media {
+namespace {
+
+constexpr std::uint16_t magic = 0x6763;
+constexpr std::uint8_t version = 1;
+constexpr std::size_t longest_channel = 63;
+constexpr std::size_t longest_group = 45;  // of any Internet address
+
+template <class T>
+void put(std::byte* to, T value) {
+  for (std::size_t i = 0; i < sizeof(T); ++i) {
+    to[i] = static_cast<std::byte>(value >> (8 * (sizeof(T) - 1 - i)));
+  }
+}
+
+template <class T>
+T get(const std::byte* from) {
+  std::uint64_t value = 0;
+  for (std::size_t i = 0; i < sizeof(T); ++i) {
+    value = value << 8 | std::to_integer<std::uint64_t>(from[i]);
+  }
+  return static_cast<T>(value);
+}
+
+}  // namespace
+
+void DatagramHeader::write(std::span<std::byte, bytes> to) const {
+  put<std::uint16_t>(&to[0], magic);
+  to[2] = std::byte{version};
+  to[3] = static_cast<std::byte>(kind);
+  put<std::uint16_t>(&to[4], reply_port);
+  put<std::uint16_t>(&to[6], 0);
+  put<std::uint64_t>(&to[8], server);
+  put<std::uint64_t>(&to[16], client);
+  put<std::uint64_t>(&to[24], number);
+}
+
+std::optional<DatagramHeader> DatagramHeader::read(ByteView from) {
+  if (from.size() < bytes || get<std::uint16_t>(&from[0]) != magic ||
+      from[2] != std::byte{version}) {
+    return std::nullopt;
+  }
+  DatagramHeader header;
+  const auto kind = std::to_integer<std::uint8_t>(from[3]);
+  if (kind < static_cast<std::uint8_t>(DatagramKind::Hello) ||
+      kind > static_cast<std::uint8_t>(DatagramKind::Sample)) {
+    return std::nullopt;
+  }
+  header.kind = static_cast<DatagramKind>(kind);
+  header.reply_port = get<std::uint16_t>(&from[4]);
+  header.server = get<std::uint64_t>(&from[8]);
+  header.client = get<std::uint64_t>(&from[16]);
+  header.number = get<std::uint64_t>(&from[24]);
+  return header;
+}
+
+void SharedStream::write(std::span<std::byte, bytes> to) const {
+  put<std::uint32_t>(&to[0], id);
+  put<std::uint32_t>(&to[4], largest);
+  put<std::uint16_t>(&to[8], depth);
+  put<std::uint16_t>(&to[10], port);
+  put<std::uint64_t>(&to[12], channel);
+}
+
+std::optional<SharedStream> SharedStream::read(ByteView from) {
+  if (from.size() != bytes) return std::nullopt;
+  SharedStream stream;
+  stream.id = get<std::uint32_t>(&from[0]);
+  stream.largest = get<std::uint32_t>(&from[4]);
+  stream.depth = get<std::uint16_t>(&from[8]);
+  stream.port = get<std::uint16_t>(&from[10]);
+  stream.channel = get<std::uint64_t>(&from[12]);
+  if (stream.depth == 0 || stream.port == 0) return std::nullopt;
+  return stream;
+}
+
+void write_stamp(std::span<std::byte, 8> to, std::int64_t stamp_ns) {
+  put<std::uint64_t>(to.data(), static_cast<std::uint64_t>(stamp_ns));
+}
+
+std::int64_t read_stamp(ByteView from) { return get<std::int64_t>(from.data()); }
+
+std::string LcmAddress::to_string() const {
+  return "lcm:" + group + ":" + std::to_string(port) + "/" + channel;
+}
+
+std::optional<LcmAddress> LcmAddress::parse(std::string_view text) {
+  constexpr std::string_view prefix = "lcm:";
+  if (!text.starts_with(prefix)) return std::nullopt;
+  text.remove_prefix(prefix.size());
+  const std::size_t slash = text.find('/');
+  if (slash == std::string_view::npos) return std::nullopt;
+  const std::size_t colon = text.substr(0, slash).rfind(':');
+  if (colon == std::string_view::npos) return std::nullopt;
+  LcmAddress address;
+  address.group = text.substr(0, colon);
+  address.channel = text.substr(slash + 1);
+  // It becomes part of a provider's name of LCM: nothing but an address may get there.
+  const bool plain = std::ranges::all_of(
+      address.group, [](char c) { return (c >= '0' && c <= '9') || c == '.'; });
+  const std::string_view port = text.substr(colon + 1, slash - colon - 1);
+  const auto [end, problem] =
+      std::from_chars(port.data(), port.data() + port.size(), address.port);
+  if (!plain || address.group.empty() || address.group.size() > longest_group ||
+      problem != std::errc{} || end != port.data() + port.size() || address.port == 0 ||
+      address.channel.empty() || address.channel.size() > longest_channel) {
+    return std::nullopt;
+  }
+  return address;
+}
+
+}  // namespace gecos::media

@@ -1,0 +1,309 @@
+#include "gecos/media/lcm/link.hpp"
+
+#include <sys/epoll.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace gecos::media {
+namespace {
+
+std::string peer_text(const LcmOptions& options, std::uint16_t port) {
+  return options.group + ":" + std::to_string(port) + ", not authenticated";
+}
+
+}  // namespace
+
+const Offer& lcm_offer() {
+  static constexpr Offer offer{.kind = Kind::Lcm,
+                               .same_host_only = false,
+                               .ordered = false,
+                               .reliable = false,
+                               .real_time = false,
+                               .reports_death = false,
+                               .authenticated = false,
+                               .largest_packet = largest_lcm_packet};
+  return offer;
+}
+
+LcmLink::LcmLink(std::shared_ptr<LcmInbox> inbox, std::unique_ptr<LcmPort> out,
+                 std::string out_channel, std::uint64_t client, std::uint16_t reply_port, Peer peer)
+    : inbox_(std::move(inbox)),
+      out_(std::move(out)),
+      out_channel_(std::move(out_channel)),
+      client_(client),
+      reply_port_(reply_port),
+      peer_(std::move(peer)),
+      fork_watch_(this, [](void* owner) noexcept {
+        static_cast<LcmLink*>(owner)->inherited_.store(true);
+      }) {}
+
+void LcmLink::say(DatagramKind kind, std::uint64_t number, ByteView body) {
+  constexpr std::size_t most = DatagramHeader::bytes + SharedStream::bytes;
+  std::array<std::byte, most> datagram;
+  const DatagramHeader header{kind, reply_port_, server(), client_, number};
+  header.write(std::span(datagram).first<DatagramHeader::bytes>());
+  std::ranges::copy(body, datagram.begin() + DatagramHeader::bytes);
+  out_->publish(out_channel_, ByteView(datagram).first(DatagramHeader::bytes + body.size()));
+}
+
+tl::expected<std::uint64_t, SendProblem> LcmLink::send(ByteView head, ByteView body) {
+  const std::size_t size = head.size() + body.size();
+  if (size > largest_lcm_packet) return tl::unexpected(SendProblem::TooLarge);
+  if (inherited() || inbox_->closed()) return tl::unexpected(SendProblem::Lost);
+  const DatagramHeader header{DatagramKind::Packet, reply_port_, server(), client_, sent_ + 1};
+  outgoing_.resize(DatagramHeader::bytes + size);
+  header.write(std::span(outgoing_).first<DatagramHeader::bytes>());
+  const auto rest = std::ranges::copy(head, outgoing_.begin() + DatagramHeader::bytes).out;
+  std::ranges::copy(body, rest);
+  if (!out_->publish(out_channel_, outgoing_)) return tl::unexpected(SendProblem::Full);
+  return ++sent_;
+}
+
+std::optional<ByteView> LcmLink::receive() {
+  if (inherited()) return std::nullopt;
+  if (!inbox_->pop(current_)) {
+    pump();
+    if (!inbox_->pop(current_)) return std::nullopt;
+  }
+  return ByteView(current_);
+}
+
+void LcmLink::beat() {
+  if (!inherited() && !inbox_->closed()) say(DatagramKind::Beat);
+}
+
+std::uint64_t LcmLink::beats_seen() {
+  if (!inherited()) pump();
+  return inbox_->beats();
+}
+
+Loss LcmLink::loss() {
+  if (inherited()) return Loss::Broken;
+  pump();
+  return inbox_->closed() ? Loss::Closed : Loss::None;
+}
+
+std::string LcmLink::loss_text() const {
+  if (inherited()) {
+    return "this connection belongs to the process that forked this one: make your own";
+  }
+  return inbox_->closed() ? "the other end closed" : "";
+}
+
+tl::expected<std::unique_ptr<Link>, MediumError> LcmClientLink::connect(const LcmOptions& options,
+                                                                        const LcmAddress& address) {
+  LcmOptions here = options;
+  here.group = address.group;
+  const std::uint64_t client = draw_number();
+  const std::uint16_t reply_port = draw_port();
+  auto in = LcmPort::open(here, reply_port);
+  if (!in) return tl::unexpected(std::move(in.error()));
+  auto out = LcmPort::open(here, address.port);
+  if (!out) return tl::unexpected(std::move(out.error()));
+  auto inbox = std::make_shared<LcmInbox>();
+  const auto subscribed =
+      (*in)->subscribe(lcm_channel("GC", client), [inbox](ByteView datagram) {
+        const auto header = DatagramHeader::read(datagram);
+        if (!header) return;
+        // The first server that answers is ours; another one at the same place is not.
+        if (inbox->server() != 0 && header->server != inbox->server()) return;
+        inbox->take(*header, datagram.subspan(DatagramHeader::bytes));
+      });
+  if (!subscribed) return tl::unexpected(subscribed.error());
+  auto link = std::make_unique<LcmClientLink>(here, std::move(inbox), std::move(*in),
+                                              std::move(*out), address, client, reply_port);
+  link->say(DatagramKind::Hello);
+  return link;
+}
+
+LcmClientLink::LcmClientLink(const LcmOptions& options, std::shared_ptr<LcmInbox> inbox,
+                             std::unique_ptr<LcmPort> in, std::unique_ptr<LcmPort> out,
+                             const LcmAddress& address, std::uint64_t client,
+                             std::uint16_t reply_port)
+    : LcmLink(std::move(inbox), std::move(out), address.channel, client, reply_port,
+              Peer{std::nullopt, std::nullopt, peer_text(options, address.port)}),
+      options_(options),
+      in_(std::move(in)),
+      streams_(::epoll_create1(EPOLL_CLOEXEC)),
+      descriptors_{in_->descriptor(), inbox_->bell().descriptor(), streams_.get()} {}
+
+LcmClientLink::~LcmClientLink() {
+  if (!inherited() && !inbox_->closed()) say(DatagramKind::Bye);
+}
+
+bool LcmClientLink::arm() {
+  if (inherited()) return false;
+  inbox_->set_asleep(true);
+  pump();
+  if (!inbox_->has_packets() && !inbox_->closed() && !new_samples()) return true;
+  inbox_->set_asleep(false);
+  return false;
+}
+
+void LcmClientLink::disarm() {
+  if (inherited()) return;
+  inbox_->set_asleep(false);
+  inbox_->bell().quiet();
+  pump();
+  new_samples();
+}
+
+void LcmClientLink::pump() {
+  // What is left over keeps LCM's descriptor readable; an edge-triggered watcher needs the bell.
+  if (in_->pump()) ring_bell(inbox_->bell().descriptor());
+  for (const auto& notice : inbox_->notices()) {
+    const std::lock_guard lock(mutex_);
+    if (notice.kind == DatagramKind::Unshare) {
+      arrived_.erase(static_cast<std::uint32_t>(notice.number));
+    } else if (notice.kind == DatagramKind::Share) {
+      Arrived& arrived = arrived_[notice.stream.id];
+      if (arrived.where.channel != notice.stream.channel) arrived = {notice.stream, false};
+      // Told again although it is open: our answer was lost.
+      if (arrived.opened) say(DatagramKind::Opened, notice.stream.id);
+    }
+  }
+}
+
+bool LcmClientLink::new_samples() {
+  std::vector<std::shared_ptr<LcmStreamInbox>> reading;
+  {
+    const std::lock_guard lock(mutex_);
+    std::erase_if(reading_, [&](const auto& held) {
+      if (auto inbox = held.lock()) {
+        reading.push_back(std::move(inbox));
+        return false;
+      }
+      return true;
+    });
+  }
+  bool found = false;
+  for (const auto& inbox : reading) found = inbox->anything_new() || found;
+  return found;
+}
+
+tl::expected<void, SendProblem> LcmClientLink::share(std::uint32_t /*id*/, StreamWriter& /*stream*/) {
+  return tl::unexpected(SendProblem::Lost);  // only servers have outward streams
+}
+void LcmClientLink::unshare(std::uint32_t /*id*/) {}
+
+std::unique_ptr<StreamReader> LcmClientLink::open_stream(std::uint32_t id) {
+  if (inherited()) return nullptr;
+  pump();
+  const std::lock_guard lock(mutex_);
+  const auto found = arrived_.find(id);
+  if (found == arrived_.end()) return nullptr;
+  const SharedStream& where = found->second.where;
+  auto opened = LcmPort::open(options_, where.port);
+  if (!opened) return nullptr;
+  const std::shared_ptr<LcmPort> port = std::move(*opened);
+  auto inbox = std::make_shared<LcmStreamInbox>(port, where.depth, inbox_);
+  // The port keeps the callback, and the inbox the port: a weak one back, or none would ever go.
+  const auto subscribed =
+      port->subscribe(lcm_channel("GS", where.channel),
+                      [weak = std::weak_ptr(inbox)](ByteView datagram) {
+                        if (const auto to = weak.lock()) to->take(datagram);
+                      });
+  epoll_event event{EPOLLIN, {.fd = port->descriptor()}};
+  if (!subscribed ||
+      ::epoll_ctl(streams_.get(), EPOLL_CTL_ADD, port->descriptor(), &event) != 0) {
+    return nullptr;
+  }
+  reading_.push_back(inbox);
+  found->second.opened = true;
+  say(DatagramKind::Opened, id);
+  return std::make_unique<LcmStreamReader>(std::move(inbox));
+}
+
+LcmServerLink::LcmServerLink(std::shared_ptr<LcmDoor> door, const LcmDoor::Guest& guest,
+                             std::unique_ptr<LcmPort> out)
+    : LcmLink(guest.inbox, std::move(out), lcm_channel("GC", guest.client), guest.client, 0,
+              Peer{std::nullopt, std::nullopt, peer_text(door->options(), guest.reply_port)}),
+      door_(std::move(door)),
+      client_(guest.client),
+      descriptors_{inbox_->bell().descriptor()} {}
+
+tl::expected<std::unique_ptr<Link>, MediumError> LcmServerLink::welcome(
+    std::shared_ptr<LcmDoor> door, const LcmDoor::Guest& guest) {
+  auto out = LcmPort::open(door->options(), guest.reply_port);
+  if (!out) return tl::unexpected(std::move(out.error()));
+  auto link = std::make_unique<LcmServerLink>(std::move(door), guest, std::move(*out));
+  link->say(DatagramKind::Welcome);
+  return link;
+}
+
+LcmServerLink::~LcmServerLink() {
+  if (inherited()) return;
+  if (!inbox_->closed()) say(DatagramKind::Bye);
+  door_->forget(client_);
+}
+
+bool LcmServerLink::arm() {
+  if (inherited()) return false;
+  inbox_->set_asleep(true);
+  pump();
+  if (!inbox_->has_packets() && !inbox_->closed()) return true;
+  inbox_->set_asleep(false);
+  return false;
+}
+
+void LcmServerLink::disarm() {
+  if (inherited()) return;
+  inbox_->set_asleep(false);
+  inbox_->bell().quiet();
+}
+
+void LcmServerLink::pump() {
+  door_->pump();
+  for (const auto& notice : inbox_->notices()) {
+    if (notice.kind != DatagramKind::Opened) continue;
+    std::shared_ptr<LcmStream> stream;
+    {
+      const std::lock_guard lock(mutex_);
+      const auto found = shared_.find(static_cast<std::uint32_t>(notice.number));
+      if (found == shared_.end()) continue;
+      found->second.opened = true;
+      stream = found->second.stream.lock();
+    }
+    if (stream != nullptr) stream->repeat_last();
+  }
+}
+
+void LcmServerLink::beat() {
+  LcmLink::beat();
+  if (inherited()) return;
+  const std::lock_guard lock(mutex_);
+  for (const auto& [id, shared] : shared_) {
+    if (shared.opened) continue;
+    if (const auto stream = shared.stream.lock()) tell(id, *stream);
+  }
+}
+
+void LcmServerLink::tell(std::uint32_t id, const LcmStream& stream) {
+  SharedStream where = stream.where();
+  where.id = id;
+  std::array<std::byte, SharedStream::bytes> body;
+  where.write(body);
+  say(DatagramKind::Share, id, body);
+}
+
+tl::expected<void, SendProblem> LcmServerLink::share(std::uint32_t id, StreamWriter& stream) {
+  if (inherited() || inbox_->closed()) return tl::unexpected(SendProblem::Lost);
+  const auto& shared = dynamic_cast<LcmStreamWriter&>(stream).stream();
+  const std::lock_guard lock(mutex_);
+  shared_[id] = {shared, false};
+  tell(id, *shared);
+  return {};
+}
+
+void LcmServerLink::unshare(std::uint32_t id) {
+  if (inherited()) return;
+  const std::lock_guard lock(mutex_);
+  if (shared_.erase(id) != 0) say(DatagramKind::Unshare, id);
+}
+
+std::unique_ptr<StreamReader> LcmServerLink::open_stream(std::uint32_t /*id*/) {
+  return nullptr;  // only servers have outward streams
+}
+
+}  // namespace gecos::media

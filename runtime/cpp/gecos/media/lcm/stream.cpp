@@ -1,0 +1,103 @@
+#include "gecos/media/lcm/stream.hpp"
+
+#include <algorithm>
+#include <random>
+#include <utility>
+
+namespace gecos::media {
+namespace {
+
+constexpr std::size_t sample_at = DatagramHeader::bytes + 8;
+
+}  // namespace
+
+LcmStream::LcmStream(std::shared_ptr<LcmPort> port, SharedStream where, std::uint64_t server)
+    : port_(std::move(port)),
+      where_(where),
+      server_(server),
+      channel_(lcm_channel("GS", where.channel)) {}
+
+tl::expected<void, SendProblem> LcmStream::publish(ByteView sample, std::int64_t stamp_ns) {
+  if (sample.size() > where_.largest) return tl::unexpected(SendProblem::TooLarge);
+  const std::lock_guard lock(mutex_);
+  last_.resize(sample_at + sample.size());
+  const DatagramHeader header{
+      .kind = DatagramKind::Sample, .server = server_, .number = ++sequence_};
+  header.write(std::span(last_).first<DatagramHeader::bytes>());
+  write_stamp(std::span(last_).subspan<DatagramHeader::bytes, 8>(), stamp_ns);
+  std::ranges::copy(sample, last_.begin() + sample_at);
+  port_->publish(channel_, last_);
+  return {};
+}
+
+void LcmStream::repeat_last() {
+  const std::lock_guard lock(mutex_);
+  if (sequence_ != 0) port_->publish(channel_, last_);
+}
+
+LcmStreamInbox::LcmStreamInbox(std::shared_ptr<LcmPort> port, std::size_t depth,
+                               std::weak_ptr<Sleeper> sleeper)
+    : port_(std::move(port)), depth_(depth), sleeper_(std::move(sleeper)) {}
+
+void LcmStreamInbox::take(ByteView datagram) {
+  const auto header = DatagramHeader::read(datagram);
+  if (!header || header->kind != DatagramKind::Sample || datagram.size() < sample_at) return;
+  {
+    const std::lock_guard lock(mutex_);
+    // Repeated, or overtaken by a newer one: a stream never goes back.
+    if (!samples_.empty() && header->number <= samples_.back().sequence) return;
+    StreamSample sample;
+    if (samples_.size() == depth_) {
+      sample = std::move(samples_.front());  // its memory is used again
+      samples_.pop_front();
+    }
+    const ByteView bytes = datagram.subspan(sample_at);
+    sample.sequence = header->number;
+    sample.stamp_ns = read_stamp(datagram.subspan(DatagramHeader::bytes, 8));
+    sample.bytes.assign(bytes.begin(), bytes.end());
+    samples_.push_back(std::move(sample));
+  }
+  if (const auto sleeper = sleeper_.lock()) sleeper->wake_if_asleep();
+}
+
+bool LcmStreamInbox::read(std::uint64_t after, bool newest, StreamSample& into) {
+  port_->pump();
+  const std::lock_guard lock(mutex_);
+  if (samples_.empty()) return false;
+  seen_ = samples_.back().sequence;
+  if (seen_ <= after) return false;
+  auto found = std::prev(samples_.end());
+  if (!newest) {
+    found = std::ranges::find_if(samples_, [&](const auto& held) { return held.sequence > after; });
+  }
+  into.sequence = found->sequence;
+  into.stamp_ns = found->stamp_ns;
+  into.bytes.assign(found->bytes.begin(), found->bytes.end());
+  return true;
+}
+
+bool LcmStreamInbox::anything_new() {
+  port_->pump();
+  const std::lock_guard lock(mutex_);
+  const std::uint64_t newest = samples_.empty() ? 0 : samples_.back().sequence;
+  return std::exchange(seen_, newest) != newest;
+}
+
+std::string lcm_channel(std::string_view prefix, std::uint64_t number) {
+  constexpr std::string_view digits = "0123456789abcdef";
+  std::string channel(prefix);
+  for (int shift = 60; shift >= 0; shift -= 4) channel += digits[(number >> shift) & 0xf];
+  return channel;
+}
+
+std::uint64_t draw_number() {
+  std::random_device device;
+  return std::uniform_int_distribution<std::uint64_t>(1)(device);
+}
+
+std::uint16_t draw_port() {
+  std::random_device device;
+  return std::uniform_int_distribution<std::uint16_t>(20'000, 32'000)(device);
+}
+
+}  // namespace gecos::media
