@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import keyword
+
 
 def _words(text: str) -> frozenset[str]:
     return frozenset(text.split())
@@ -27,6 +29,21 @@ UNUSED = _words(
     truncatable typename uses
     """
 )
+
+# Words of C++ and Python; each target puts an underscore behind those that it cannot write.
+CPP = _words(
+    """
+    alignas alignof and and_eq asm auto bitand bitor bool break case catch char char8_t char16_t
+    char32_t class compl concept const consteval constexpr constinit const_cast continue
+    co_await co_return co_yield decltype default delete do double dynamic_cast else enum
+    explicit export extern false float for friend goto if inline int long mutable namespace new
+    noexcept not not_eq nullptr operator or or_eq private protected public register
+    reinterpret_cast requires return short signed sizeof static static_assert static_cast struct
+    switch template this thread_local throw true try typedef typeid typename union unsigned
+    using virtual void volatile wchar_t while xor xor_eq
+    """
+)
+PYTHON = frozenset(keyword.kwlist)
 
 USED_BY_LOWER = {word.lower(): word for word in USED}
 UNUSED_BY_LOWER = {word.lower(): word for word in UNUSED}

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
+from gidl.keywords import CPP, PYTHON
 from gidl.model import (
     Bitmask,
     Bitset,
@@ -40,8 +41,8 @@ from gidl.wire_nodes import (
 LCM_PRIMITIVES = frozenset(
     ("int8_t", "int16_t", "int32_t", "int64_t", "byte", "float", "double", "string", "boolean")
 )
-# A member of these names is no LCM; it gets an underscore.
-LCM_WORDS = LCM_PRIMITIVES | {"struct", "const", "enum", "package"}
+# Names that are no LCM, or that lcm-gen's C++ and Python cannot write, get an underscore.
+LCM_WORDS = LCM_PRIMITIVES | CPP | PYTHON | {"package", "encode", "decode"}
 
 OBJECT_REF = "gecos.ObjectRef"
 

@@ -18,7 +18,7 @@ from gidl.model import (
 
 @dataclass(frozen=True, slots=True)
 class OutputFile:
-    """One file to write: `template` printed with `view`. Paths are relative to the output folder."""
+    """One file to write: `template` printed with `view`. The path is below the output folder."""
 
     path: str
     language: str  # folder of the target whose templates these are

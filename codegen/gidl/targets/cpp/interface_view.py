@@ -394,7 +394,8 @@ class _InterfaceBuilder:
                 f"if (!{wrong}.empty())",
                 [
                     f"return {returns}(gecos::session::ended(",
-                    f"    {{gecos::Detail::BadParameter, {wrong}, {{}}, {{}}}}){self._decode_argument(call, member)});",
+                    f"    {{gecos::Detail::BadParameter, {wrong}, {{}}, {{}}}})"
+                    f"{self._decode_argument(call, member)});",
                 ],
             )
         constant, sizes = 0, []
@@ -563,7 +564,8 @@ class _InterfaceBuilder:
         lines += block(
             f"if (!{read})",
             [
-                f"return {request}.fail({{gecos::Detail::BadParameter, {source}.error().message(), {{}}, {{}}}});"
+                f"return {request}.fail({{gecos::Detail::BadParameter, "
+                f"{source}.error().message(), {{}}, {{}}}});"
             ],
         )
         return lines
@@ -599,7 +601,8 @@ class _InterfaceBuilder:
             lines += block(
                 f"if (!{wrong}.empty())",
                 [
-                    f'return {request}.fail({{gecos::Detail::Fault, "the handler of {call.name} gave " + {wrong}, {{}}, {{}}}});'
+                    f"return {request}.fail({{gecos::Detail::Fault, "
+                    f'"the handler of {call.name} gave " + {wrong}, {{}}, {{}}}});'
                 ],
             )
         always, more = self._lowering.size(slot, size, LocalNames(taken | {size, value_name}))
@@ -652,7 +655,8 @@ class _InterfaceBuilder:
         lines.append("gecos::wire::Encoder to(sample);")
         lines += self._lowering.encode(slot, "to", LocalNames({*taken, "size", "to", "sample"}))
         lines.append(
-            f"gecos_publisher_->publish({self._name}::gecos_description().streams[{index}], sample, stamp_ns);"
+            f"gecos_publisher_->publish({self._name}::gecos_description().streams[{index}],"
+            " sample, stamp_ns);"
         )
         return PublisherView(
             name, attribute.name, self._lowering.parameter(value.type, value.optional), tuple(lines)

@@ -179,7 +179,7 @@ class Lowering:
                 each, lines = self._size(element, item, total, local)
                 if not lines:
                     return each * node.count, []
-                for depth in range(len(dimensions) - 1, 0, -1):
+                for _ in dimensions[1:]:
                     outer = local.fresh("row")
                     lines = loop(item, outer, lines)
                     item = outer

@@ -453,7 +453,7 @@ class _Builder:
         if call.exceptions:
             listed = ", ".join(names.type_name(self._model, name) for name, _ in call.exceptions)
             notes.append(f"May raise {listed}.")
-        return tuple([*lines, *([""] if lines and notes else []), *notes])
+        return (*lines, *([""] if lines and notes else []), *notes)
 
     def _parameters(self, call: CallLayout, defaults: bool) -> list[str]:
         values = self._inputs(call)

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import keyword
-
+from gidl.keywords import PYTHON
 from gidl.model import Interface, Model, Struct
 from gidl.targets.naming import LocalNames, escaped, snake_case, source_stem
 
-KEYWORDS = frozenset(keyword.kwlist) | {"self", "cls"}
+KEYWORDS = PYTHON | {"self", "cls"}
 STRUCT_WORDS = KEYWORDS | {"encode", "decode", "fingerprint"}
 # A declared exception also is a CommandFailed and a BaseException.
 EXCEPTION_WORDS = STRUCT_WORDS | {"text", "detail", "args", "add_note", "with_traceback"}
