@@ -14,6 +14,8 @@ from gidl.model import Type, Value
 from gidl.source import Span
 from gidl.syntax import Name, ScopedName
 
+_UNNAMED = frozenset(("file", "operation", "annotation"))  # may hold something of their own name
+
 TYPE_KINDS = frozenset(
     ("struct", "union", "enum", "bitmask", "bitset", "typedef", "interface", "exception")
 )
@@ -66,6 +68,13 @@ class Names:
     def declare(self, scope: Scope, name: Name, kind: str) -> Symbol | None:
         """A new symbol; None (and a finding) where the name is taken."""
         key = name.text.lower()
+        if key == scope.name.rpartition("::")[2].lower() and scope.kind not in _UNNAMED:
+            self._findings.error(
+                "G0109",
+                name.span,
+                f"{kind} '{name.text}' has the name of the {scope.kind} it stands in",
+                "the name of a scope cannot be declared again directly in it: rename one of them",
+            )
         known = scope.symbols.get(key)
         if known is not None and not self._may_redeclare(known, name, kind):
             self._clash(known, name, kind)
