@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <utility>
 
@@ -37,7 +38,17 @@ class ClientSession {
   virtual const std::string& interface_name() const = 0;
   virtual const std::string& object_name() const = 0;
   virtual const media::Offer& offer() const = 0;
+  /// Commands are issued under this status epoch from now on; 0: under none.
+  virtual void hold(std::uint64_t epoch) = 0;
 };
+
+/// Stands in for a proxy that was never created: every call is CONNECTION_FAILED/NO_SERVER.
+const std::shared_ptr<ClientSession>& nil_session();
+/// A command that ended before it was sent.
+std::shared_ptr<CommandCore> ended(Failure failure);
+
+/// A command that ended before anything was sent; generated proxies refuse bad parameters with it.
+std::shared_ptr<CommandCore> ended(Failure failure);
 
 }  // namespace session
 
@@ -46,9 +57,12 @@ class ClientSession {
 /// answers is reached by the free functions of `gecos/session/reserved.hpp`.
 class Object {
  protected:
-  Object() = default;
+  Object() : gecos_session_(session::nil_session()) {}
   explicit Object(std::shared_ptr<session::ClientSession> gecos_session)
       : gecos_session_(std::move(gecos_session)) {}
+  // Copied, never moved: as a virtual base it would be moved once per path that leads to it.
+  Object(const Object&) = default;
+  Object& operator=(const Object&) = default;
 
   std::shared_ptr<session::ClientSession> gecos_session_;
   CallOptions gecos_options_;
@@ -89,4 +103,5 @@ Proxy with(Proxy proxy, CallOptions options) {
 // A root interface derives from `public virtual gecos::Object`. A method body is one expression:
 //   return gecos::Command<void, MotionProgress>(gecos_session_->call(
 //       kMove, size, [&](gecos::wire::Encoder& to) { goal.encode(to); … }, gecos_options_));
-// A call on a nil proxy gives a command that is CONNECTION_FAILED/NO_SERVER (session::nil_session()).
+// A call on a nil proxy gives a command that is CONNECTION_FAILED/NO_SERVER (session::nil_session(),
+// which Object() has).

@@ -156,11 +156,17 @@ class Servant {
   /// handler into FAULT with its text.
   virtual void gecos_dispatch(IncomingCall call) = 0;
 
-  void gecos_attach(session::Publisher* publisher) { gecos_publisher_ = publisher; }
+  /// A session in which calls came (Caller::session) has ended. On a thread of the server, beside
+  /// handlers: must not block.
+  virtual void gecos_session_ended(std::uint64_t session) { static_cast<void>(session); }
+
+  void gecos_attach(std::shared_ptr<session::Publisher> publisher) {
+    gecos_publisher_ = std::move(publisher);
+  }
 
  protected:
   /// Null until the servant was added to a server.
-  session::Publisher* gecos_publisher_ = nullptr;
+  std::shared_ptr<session::Publisher> gecos_publisher_;
 };
 
 /// Unix time now in ns, the stamp of a sample measured now.

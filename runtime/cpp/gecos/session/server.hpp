@@ -1,8 +1,10 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "gecos/session/lab.hpp"
 #include "gecos/session/servant.hpp"

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "gecos/broker/directory.hpp"
+#include "gecos/broker_server.hpp"
+#include "gecos/session/server.hpp"
+
+namespace gecos::broker {
+
+/// The broker as an object: `broker.serve(server)` puts it at this host's well-known place.
+/// What was enlisted is dropped when the session that did it ends.
+class Broker final : public BrokerServant {
+ public:
+  /// Serves itself. Fails when this host has a broker already.
+  tl::expected<void, ServeError> serve(Server& server, std::vector<media::Kind> media = {});
+
+  void gecos_dispatch(IncomingCall call) override;
+  void gecos_session_ended(std::uint64_t session) override;
+
+ protected:
+  Result<void> enlist(const Entry& what) override;
+  Result<void> withdraw(const std::string& name) override;
+  Result<Entry> lookup(const std::string& name) override;
+  Result<std::vector<Entry>> list() override;
+
+ private:
+  std::uint64_t calling_ = 0;  ///< session of the call that is being answered
+  std::mutex mutex_;           ///< sessions end on other threads than calls run on
+  Directory directory_;
+};
+
+}  // namespace gecos::broker

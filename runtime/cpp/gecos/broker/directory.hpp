@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "gecos/base/result.hpp"
+#include "gecos/broker_types.hpp"
+
+namespace gecos::broker {
+
+/// Which objects there are, and which session enlisted each of them. Pure; not thread-safe.
+class Directory {
+ public:
+  /// Adds it, or replaces what the same session enlisted under that name.
+  tl::expected<void, NameTaken> enlist(std::uint64_t session, const Entry& entry);
+  /// Only who enlisted an object takes it off.
+  tl::expected<void, UnknownName> withdraw(std::uint64_t session, const std::string& name);
+  /// Drops all that the session enlisted, and names it.
+  std::vector<std::string> end_session(std::uint64_t session);
+
+  tl::expected<Entry, UnknownName> look_up(const std::string& name) const;
+  std::vector<Entry> list() const;
+
+ private:
+  struct Place {
+    std::uint64_t session;
+    Entry entry;
+  };
+  UnknownName unknown(const std::string& name) const;
+
+  std::map<std::string, Place> places_;
+};
+
+}  // namespace gecos::broker

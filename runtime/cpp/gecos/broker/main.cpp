@@ -1,0 +1,42 @@
+// gecos-broker: knows where the objects of this host are.
+#include <cstdio>
+#include <cstring>
+
+#include "gecos/broker/broker.hpp"
+#include "gecos/gecos.hpp"
+
+namespace {
+
+constexpr const char* usage =
+    "usage: gecos-broker [inproc|shm|lcm]...\n"
+    "Knows where the objects of this host are. Without arguments it is found over every medium that\n"
+    "can be opened here. Prints one line when it is ready and ends on SIGINT or SIGTERM.\n";
+
+}  // namespace
+
+int main(int count, char** arguments) {
+  std::vector<gecos::media::Kind> media;
+  for (int at = 1; at < count; ++at) {
+    if (std::strcmp(arguments[at], "--help") == 0 || std::strcmp(arguments[at], "-h") == 0) {
+      std::fputs(usage, stdout);
+      return 0;
+    }
+    const auto kind = gecos::media::kind_from(arguments[at]);
+    if (!kind) {
+      std::fprintf(stderr, "gecos-broker: '%s' is no medium\n%s", arguments[at], usage);
+      return 2;
+    }
+    media.push_back(*kind);
+  }
+  gecos::Lab lab;
+  gecos::broker::Broker broker;
+  gecos::Server server(lab);
+  if (const auto served = broker.serve(server, std::move(media)); !served) {
+    std::fprintf(stderr, "gecos-broker: %s\n", served.error().text.c_str());
+    return 1;
+  }
+  std::puts("gecos-broker: ready");
+  std::fflush(stdout);
+  server.run();
+  return 0;
+}

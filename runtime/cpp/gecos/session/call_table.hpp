@@ -1,0 +1,122 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <utility>
+#include <vector>
+
+namespace gecos::session {
+
+/// The unfinished calls of one session by their counter. Allocates only while it grows to the
+/// largest number that was ever open at once. Not thread-safe.
+template <class Call>
+class CallTable {
+ public:
+  CallTable() : slots_(16) {}
+
+  std::size_t size() const { return size_; }
+
+  /// @pre no call with this counter is in it, and counter is not 0.
+  void insert(std::uint64_t counter, std::shared_ptr<Call> call) {
+    if ((size_ + 1) * 2 > slots_.size()) grow();
+    place({counter, std::move(call)});
+    ++size_;
+  }
+
+  /// Null when it is not there. The pointer is valid until the table changes.
+  const std::shared_ptr<Call>* find(std::uint64_t counter) const {
+    for (std::size_t at = home(counter);; at = next(at)) {
+      if (slots_[at].counter == counter) return &slots_[at].call;
+      if (slots_[at].counter == 0) return nullptr;
+    }
+  }
+
+  /// Takes it out; null when it is not there.
+  std::shared_ptr<Call> take(std::uint64_t counter) {
+    std::size_t at = home(counter);
+    while (slots_[at].counter != counter) {
+      if (slots_[at].counter == 0) return nullptr;
+      at = next(at);
+    }
+    auto taken = std::move(slots_[at].call);
+    slots_[at] = {};
+    --size_;
+    close_gap(at);
+    return taken;
+  }
+
+  /// The lowest counter in it; 0 when it is empty.
+  std::uint64_t lowest() const {
+    std::uint64_t least = 0;
+    for (const auto& slot : slots_) {
+      if (slot.counter != 0 && (least == 0 || slot.counter < least)) least = slot.counter;
+    }
+    return least;
+  }
+
+  /// Takes out all, in the order of their counters.
+  std::vector<std::pair<std::uint64_t, std::shared_ptr<Call>>> take_all();
+  /// In the order of their counters.
+  std::vector<std::pair<std::uint64_t, std::shared_ptr<Call>>> all() const;
+
+ private:
+  struct Slot {
+    std::uint64_t counter = 0;  ///< 0: free
+    std::shared_ptr<Call> call;
+  };
+
+  std::size_t home(std::uint64_t counter) const { return counter & (slots_.size() - 1); }
+  std::size_t next(std::size_t at) const { return (at + 1) & (slots_.size() - 1); }
+
+  void place(Slot slot) {
+    std::size_t at = home(slot.counter);
+    while (slots_[at].counter != 0) at = next(at);
+    slots_[at] = std::move(slot);
+  }
+
+  void grow() {
+    std::vector<Slot> old(slots_.size() * 2);
+    old.swap(slots_);
+    for (auto& slot : old) {
+      if (slot.counter != 0) place(std::move(slot));
+    }
+  }
+
+  /// Moves up what was placed behind `gap` only because its home was taken.
+  void close_gap(std::size_t gap) {
+    for (std::size_t at = next(gap); slots_[at].counter != 0; at = next(at)) {
+      const std::size_t distance_home = (at - home(slots_[at].counter)) & (slots_.size() - 1);
+      const std::size_t distance_gap = (at - gap) & (slots_.size() - 1);
+      if (distance_home < distance_gap) continue;
+      slots_[gap] = std::move(slots_[at]);
+      slots_[at] = {};
+      gap = at;
+    }
+  }
+
+  std::vector<Slot> slots_;
+  std::size_t size_ = 0;
+};
+
+template <class Call>
+std::vector<std::pair<std::uint64_t, std::shared_ptr<Call>>> CallTable<Call>::all() const {
+  std::vector<std::pair<std::uint64_t, std::shared_ptr<Call>>> calls;
+  for (const auto& slot : slots_) {
+    if (slot.counter != 0) calls.emplace_back(slot.counter, slot.call);
+  }
+  std::sort(calls.begin(), calls.end(),
+            [](const auto& a, const auto& b) { return a.first < b.first; });
+  return calls;
+}
+
+template <class Call>
+std::vector<std::pair<std::uint64_t, std::shared_ptr<Call>>> CallTable<Call>::take_all() {
+  auto calls = all();
+  for (auto& slot : slots_) slot = {};
+  size_ = 0;
+  return calls;
+}
+
+}  // namespace gecos::session

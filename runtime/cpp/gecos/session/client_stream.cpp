@@ -1,0 +1,49 @@
+#include "gecos/session/client_stream.hpp"
+
+#include "gecos/session/linked_session.hpp"
+#include "gecos/session/servant.hpp"
+
+namespace gecos {
+
+std::string_view to_string(StreamEnd end) {
+  switch (end) {
+    case StreamEnd::Nothing: return "NOTHING";
+    case StreamEnd::Closed: return "CLOSED";
+    case StreamEnd::Lost: return "LOST";
+  }
+  return "?";
+}
+
+}  // namespace gecos
+
+namespace gecos::session {
+
+ClientStream::ClientStream(std::shared_ptr<LinkedSession> session, FunctionCode code,
+                           std::unique_ptr<media::StreamReader> reader)
+    : session_(std::move(session)), code_(code), reader_(std::move(reader)) {}
+
+ClientStream::~ClientStream() { session_->stream_closed(*this); }
+
+bool ClientStream::latest(media::StreamSample& into) {
+  session_->glance();
+  reader_->latest(into.sequence, into);
+  return into.sequence != 0;
+}
+
+tl::expected<void, StreamEnd> ClientStream::next(media::StreamSample& into, TimePoint deadline) {
+  bool got = false;
+  session_->wait(
+      nullptr,
+      [&] {
+        got = got || reader_->next(into.sequence, into);
+        return got || closed_.load(std::memory_order_acquire) || session_->lost();
+      },
+      deadline);
+  if (got) return {};
+  if (session_->lost()) return tl::unexpected(StreamEnd::Lost);
+  return tl::unexpected(closed_.load() ? StreamEnd::Closed : StreamEnd::Nothing);
+}
+
+std::int64_t ClientStream::now_ns() const { return unix_now_ns(); }
+
+}  // namespace gecos::session

@@ -1,0 +1,48 @@
+#include "gecos/session/duplicates.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace gecos::session {
+
+DuplicateWindow::Verdict DuplicateWindow::arrived(std::uint64_t counter) {
+  if (counter <= all_up_to_) return Verdict::Seen;
+  if (counter > all_up_to_ + width) return Verdict::Beyond;
+  if (later_[counter % width]) return Verdict::Seen;
+  later_[counter % width] = true;
+  while (later_[(all_up_to_ + 1) % width]) {
+    ++all_up_to_;
+    later_[all_up_to_ % width] = false;
+  }
+  return Verdict::New;
+}
+
+void ReplyCache::keep(std::uint64_t counter, Bytes packet) {
+  if (counter <= acknowledged_) return;
+  bytes_ += packet.size();
+  kept_.push_back({counter, std::move(packet)});
+  while (kept_.size() > 1 && (kept_.size() > most_replies || bytes_ > most_bytes)) {
+    bytes_ -= kept_.front().packet.size();
+    kept_.pop_front();
+  }
+}
+
+void ReplyCache::acknowledged(std::uint64_t counter) {
+  if (counter <= acknowledged_) return;
+  acknowledged_ = counter;
+  const auto gone = std::remove_if(kept_.begin(), kept_.end(), [&](const Kept& kept) {
+    if (kept.counter > counter) return false;
+    bytes_ -= kept.packet.size();
+    return true;
+  });
+  kept_.erase(gone, kept_.end());
+}
+
+const Bytes* ReplyCache::find(std::uint64_t counter) const {
+  for (const auto& kept : kept_) {
+    if (kept.counter == counter) return &kept.packet;
+  }
+  return nullptr;
+}
+
+}  // namespace gecos::session

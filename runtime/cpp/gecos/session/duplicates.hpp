@@ -1,0 +1,53 @@
+#pragma once
+
+#include <bitset>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <optional>
+
+#include "gecos/base/bytes.hpp"
+
+namespace gecos::session {
+
+/// Which counters of a session have arrived, so that no call runs twice.
+class DuplicateWindow {
+ public:
+  enum class Verdict : std::uint8_t {
+    New,
+    Seen,
+    Beyond,  ///< too far ahead of what is missing: refused, it cannot be remembered
+  };
+  /// Notes that `counter` arrived.
+  Verdict arrived(std::uint64_t counter);
+  /// Highest counter up to which all arrived.
+  std::uint64_t all_up_to() const { return all_up_to_; }
+
+ private:
+  static constexpr std::size_t width = 1024;
+  std::uint64_t all_up_to_ = 0;
+  std::bitset<width> later_;  ///< later_[c % width]: c arrived, for all_up_to_ < c <= all_up_to_ + width
+};
+
+/// Replies that the client may still ask for, because its medium loses packets.
+class ReplyCache {
+ public:
+  void keep(std::uint64_t counter, Bytes packet);
+  /// The client has all replies up to `counter`.
+  void acknowledged(std::uint64_t counter);
+  /// Null when it was acknowledged or crowded out.
+  const Bytes* find(std::uint64_t counter) const;
+
+ private:
+  static constexpr std::size_t most_replies = 256;
+  static constexpr std::size_t most_bytes = 64 * 1024;
+  struct Kept {
+    std::uint64_t counter;
+    Bytes packet;
+  };
+  std::deque<Kept> kept_;
+  std::size_t bytes_ = 0;
+  std::uint64_t acknowledged_ = 0;
+};
+
+}  // namespace gecos::session

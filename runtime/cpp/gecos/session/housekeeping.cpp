@@ -1,0 +1,104 @@
+#include "gecos/session/housekeeping.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+#include "gecos/session/thread.hpp"
+#include "gecos/session/wakeup.hpp"
+
+namespace gecos::session {
+
+/// What the thread needs; it outlives a Housekeeping that is destroyed on its own thread.
+struct Housekeeping::Shared {
+  explicit Shared(const Clock& its_clock) : clock(its_clock) {}
+
+  void run();
+  std::vector<std::function<void()>> take_jobs();
+  std::vector<std::shared_ptr<Tended>> look_at();
+
+  const Clock& clock;
+  Wakeup wakeup;
+  std::thread thread;
+  std::atomic<bool> ended{false};  // publishes nothing but itself
+  std::mutex mutex;
+  std::vector<std::weak_ptr<Tended>> tended;
+  std::vector<std::function<void()>> jobs;
+};
+
+std::vector<std::function<void()>> Housekeeping::Shared::take_jobs() {
+  const std::lock_guard lock(mutex);
+  return std::exchange(jobs, {});
+}
+
+std::vector<std::shared_ptr<Tended>> Housekeeping::Shared::look_at() {
+  const std::lock_guard lock(mutex);
+  std::vector<std::shared_ptr<Tended>> alive;
+  for (const auto& candidate : tended) {
+    if (auto one = candidate.lock()) alive.push_back(std::move(one));
+  }
+  tended.assign(alive.begin(), alive.end());
+  return alive;
+}
+
+void Housekeeping::Shared::run() {
+  std::vector<pollfd> descriptors;
+  while (!ended.load()) {
+    wakeup.quiet();
+    for (const auto& job : take_jobs()) job();
+    auto alive = look_at();
+    const TimePoint now = clock.now();
+    for (const auto& one : alive) one->tend(now);
+
+    descriptors.assign(1, {wakeup.descriptor(), POLLIN, 0});
+    for (const auto& one : alive) one->watch(descriptors);
+    const bool idle = alive.empty();
+    std::vector<std::weak_ptr<Tended>> watched(alive.begin(), alive.end());
+    alive.clear();  // whoever is dropped meanwhile ends at once, not after this sleep
+    const auto milliseconds = std::chrono::duration_cast<std::chrono::milliseconds>(tick).count();
+    poll(descriptors.data(), descriptors.size(), idle ? -1 : static_cast<int>(milliseconds));
+    for (const auto& one : watched) {
+      if (const auto still = one.lock()) still->unwatch();
+    }
+  }
+}
+
+Housekeeping::Housekeeping(const Clock& clock) : shared_(std::make_shared<Shared>(clock)) {
+  shared_->thread = start_thread("gecos-house", [shared = shared_] { shared->run(); });
+}
+
+Housekeeping::~Housekeeping() {
+  shared_->ended = true;
+  shared_->wakeup.ring();
+  if (on_this_thread()) {
+    shared_->thread.detach();
+  } else {
+    shared_->thread.join();
+  }
+}
+
+void Housekeeping::tend(std::weak_ptr<Tended> tended) {
+  {
+    const std::lock_guard lock(shared_->mutex);
+    shared_->tended.push_back(std::move(tended));
+  }
+  wake();
+}
+
+void Housekeeping::post(std::function<void()> job) {
+  {
+    const std::lock_guard lock(shared_->mutex);
+    shared_->jobs.push_back(std::move(job));
+  }
+  wake();
+}
+
+void Housekeeping::wake() { shared_->wakeup.ring(); }
+
+bool Housekeeping::on_this_thread() const {
+  return std::this_thread::get_id() == shared_->thread.get_id();
+}
+
+}  // namespace gecos::session

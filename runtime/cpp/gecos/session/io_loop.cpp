@@ -1,0 +1,315 @@
+#include "gecos/session/io_loop.hpp"
+
+#include <sys/epoll.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <system_error>
+
+#include "gecos/session/packets.hpp"
+#include "gecos/session/thread.hpp"
+
+namespace gecos::session {
+namespace {
+
+constexpr std::uint64_t wakeup_key = 0;
+constexpr std::uint64_t door_bit = std::uint64_t{1} << 63;
+constexpr Duration stays_hot = std::chrono::milliseconds(10);
+constexpr unsigned turns_between_events = 64;
+
+int make_epoll() {
+  const int descriptor = epoll_create1(EPOLL_CLOEXEC);
+  if (descriptor < 0) throw std::system_error(errno, std::generic_category(), "epoll_create1");
+  return descriptor;
+}
+
+}  // namespace
+
+IoLoop::IoLoop(std::shared_ptr<LabCore> lab)
+    : lab_(std::move(lab)), epoll_(make_epoll()), spin_(system_clock()) {
+  add_descriptor(wakeup_.descriptor(), wakeup_key);
+  main_ = start_thread("gecos-io", [this] { run(); });
+  standby_ = start_thread("gecos-standby", [this] { run_standby(); });
+}
+
+IoLoop::~IoLoop() {
+  end();
+  close(epoll_);
+}
+
+void IoLoop::serve(std::shared_ptr<ServedObject> object,
+                   std::shared_ptr<media::Acceptor> acceptor) {
+  object->streams().offer(acceptor);
+  {
+    const std::lock_guard list(list_mutex_);
+    new_doors_.push_back(std::make_unique<Door>(Door{std::move(object), std::move(acceptor)}));
+  }
+  wakeup_.ring();
+}
+
+void IoLoop::open_doors() {
+  std::vector<std::unique_ptr<Door>> opened;
+  {
+    const std::lock_guard list(list_mutex_);
+    opened.swap(new_doors_);
+  }
+  for (auto& door : opened) {
+    const auto key = door_bit | doors_.size();
+    for (const int descriptor : door->acceptor->descriptors()) add_descriptor(descriptor, key);
+    doors_.push_back(std::move(door));
+    accept(*doors_.back());
+  }
+}
+
+void IoLoop::add_descriptor(int descriptor, std::uint64_t key) {
+  epoll_event event{};
+  event.events = EPOLLIN | EPOLLET;
+  event.data.u64 = key;
+  if (epoll_ctl(epoll_, EPOLL_CTL_ADD, descriptor, &event) != 0 && errno != EEXIST) {
+    throw std::system_error(errno, std::generic_category(), "epoll_ctl");
+  }
+}
+
+// Polling
+
+void IoLoop::run() {
+  Polling polling(polling_);
+  main_id_ = std::this_thread::get_id();
+  spin_.begin();
+  while (!ended_.load()) turn(polling);
+}
+
+void IoLoop::run_standby() {
+  for (;;) {
+    {
+      std::unique_lock called(standby_mutex_);
+      standby_called_.wait(called, [this] { return standby_wanted_ || ended_.load(); });
+      standby_wanted_ = false;
+    }
+    if (ended_.load()) return;
+    Polling polling(polling_);
+    while (!ended_.load() && !main_waits_.load()) turn(polling);
+  }
+}
+
+/// Polling is wanted back after a handler; a standby that polls meanwhile lets go.
+void IoLoop::take_back(Polling& polling) {
+  if (polling.try_lock()) return;
+  const bool main = std::this_thread::get_id() == main_id_;
+  if (main) {
+    main_waits_.store(true);
+    wakeup_.ring();
+  }
+  polling.lock();
+  if (main) main_waits_.store(false);
+}
+
+void IoLoop::turn(Polling& polling) {
+  if (look_at_hot(polling)) {
+    spin_.begin();
+    if (++turns_ % turns_between_events == 0) {
+      cool_down(lab_->clock().now());
+      take_events(0, polling);
+    }
+    return;
+  }
+  if (!hot_.empty() && spin_.again()) return;
+  if (arm_all()) take_events(-1, polling);
+  spin_.begin();
+}
+
+bool IoLoop::look_at_hot(Polling& polling) {
+  bool something = false;
+  for (std::size_t at = 0; at < hot_.size(); ++at) {
+    const auto session = hot_[at];
+    if (const auto packet = session->link().receive()) {
+      something = true;
+      session->quiet_looks = 0;
+      session->object()->take(session, *packet);
+    }
+    if (session->object()->ready()) {
+      something = true;
+      handler_turn_.fetch_add(1);
+      polling.unlock();
+      session->object()->run_ready(Starter::Poller);
+      take_back(polling);
+      handler_turn_.fetch_add(1);
+    }
+  }
+  return something;
+}
+
+void IoLoop::cool_down(TimePoint now) {
+  const auto cold = [&](const std::shared_ptr<ServerSession>& session) {
+    if (session->quiet_looks == 0) session->last_heard = now;
+    session->quiet_looks = 1;
+    if (now - session->last_heard < stays_hot || !session->link().arm()) return false;
+    session->hot = false;
+    return true;
+  };
+  hot_.erase(std::remove_if(hot_.begin(), hot_.end(), cold), hot_.end());
+}
+
+/// False when something arrived meanwhile.
+bool IoLoop::arm_all() {
+  std::vector<std::shared_ptr<ServerSession>> still;
+  for (const auto& session : hot_) {
+    session->hot = false;
+    if (session->gone.load() || session->link().arm()) continue;
+    session->link().disarm();
+    part_if_lost(session);
+    if (session->gone.load()) continue;
+    session->hot = true;
+    still.push_back(session);
+  }
+  hot_.swap(still);
+  return hot_.empty();
+}
+
+void IoLoop::heat(const std::shared_ptr<ServerSession>& session) {
+  if (session->hot || session->gone.load()) return;
+  session->link().disarm();
+  session->hot = true;
+  session->quiet_looks = 0;
+  hot_.push_back(session);
+}
+
+void IoLoop::take_events(int milliseconds, Polling& polling) {
+  std::array<epoll_event, 64> events{};
+  polling.unlock();
+  const int count = epoll_wait(epoll_, events.data(), static_cast<int>(events.size()), milliseconds);
+  take_back(polling);
+  for (int at = 0; at < count; ++at) {
+    const std::uint64_t key = events[static_cast<std::size_t>(at)].data.u64;
+    if (key == wakeup_key) {
+      wakeup_.quiet();
+      open_doors();
+      part_from_suspects();
+    } else if ((key & door_bit) != 0) {
+      accept(*doors_[key & ~door_bit]);
+    } else if (const auto found = sessions_.find(key); found != sessions_.end()) {
+      heat(found->second);
+    }
+  }
+}
+
+void IoLoop::accept(Door& door) {
+  while (auto link = door.acceptor->accept()) {
+    watch(std::make_shared<ServerSession>(std::move(link), door.object));
+  }
+  // A medium that loses packets brings those of its links through this door.
+  for (const auto& [key, session] : sessions_) {
+    if (session->repeats() && session->object() == door.object) heat(session);
+  }
+}
+
+void IoLoop::watch(const std::shared_ptr<ServerSession>& session) {
+  const std::uint64_t key = next_key_++;
+  for (const int descriptor : session->link().descriptors()) add_descriptor(descriptor, key);
+  session->last_heard = lab_->clock().now();
+  {
+    const std::lock_guard list(list_mutex_);
+    sessions_.emplace(key, session);
+  }
+  hot_.push_back(session);
+}
+
+// Losses
+
+void IoLoop::part_if_lost(const std::shared_ptr<ServerSession>& session) {
+  if (session->gone.load()) return;
+  const media::Loss loss = session->link().loss();
+  if (loss == media::Loss::None) return;
+  while (const auto packet = session->link().receive()) session->object()->take(session, *packet);
+  session->gone = true;
+  session->object()->depart(session, loss == media::Loss::Closed
+                                         ? ServedObject::Departure::InOrder
+                                         : ServedObject::Departure::Lost);
+}
+
+/// Housekeeping saw that they are lost; what they sent before is still to be read, here.
+void IoLoop::part_from_suspects() {
+  if (!suspects_.exchange(false)) return;
+  std::vector<std::shared_ptr<ServerSession>> gone;
+  const std::lock_guard list(list_mutex_);
+  for (auto at = sessions_.begin(); at != sessions_.end();) {
+    part_if_lost(at->second);
+    if (!at->second->gone.load()) {
+      ++at;
+      continue;
+    }
+    gone.push_back(at->second);
+    at = sessions_.erase(at);
+  }
+}
+
+void IoLoop::tend(TimePoint now) {
+  const std::uint64_t handler = handler_turn_.load();
+  if (handler % 2 == 1 && handler == handler_seen_) {
+    const std::lock_guard called(standby_mutex_);
+    standby_wanted_ = true;
+    standby_called_.notify_one();
+  }
+  handler_seen_ = handler;
+
+  std::vector<std::shared_ptr<ServerSession>> sessions;
+  {
+    const std::lock_guard list(list_mutex_);
+    for (const auto& [key, session] : sessions_) sessions.push_back(session);
+  }
+  const bool beat = now >= next_beat_;
+  if (beat) next_beat_ = now + lab_->options().heartbeat;
+  bool suspects = false;
+  for (const auto& session : sessions) {
+    session->flush();
+    if (beat) session->link().beat();
+    if (session->object()->judge_silence(session, now)) {
+      session->gone = true;
+      session->object()->depart(session, ServedObject::Departure::Lost);
+    }
+    suspects = suspects || session->gone.load() ||
+               (beat && session->link().loss() != media::Loss::None);
+  }
+  if (!suspects) return;
+  suspects_.store(true);
+  wakeup_.ring();
+}
+
+void IoLoop::withdraw(const ServedObject& object) {
+  {
+    const std::lock_guard list(list_mutex_);
+    for (const auto& [key, session] : sessions_) {
+      if (session->object().get() == &object) session->gone = true;
+    }
+  }
+  suspects_.store(true);
+  wakeup_.ring();
+}
+
+void IoLoop::end() {
+  if (ended_.exchange(true)) return;
+  wakeup_.ring();
+  {
+    const std::lock_guard called(standby_mutex_);
+    standby_called_.notify_one();
+  }
+  main_.join();
+  standby_.join();
+  const Polling polling(polling_);
+  for (const auto& [key, session] : sessions_) {
+    session->flush();
+    wire::PacketHeader header;
+    header.kind = wire::PacketKind::Goodbye;
+    session->send(header, {});
+    session->object()->depart(session, ServedObject::Departure::InOrder);
+  }
+  hot_.clear();
+  const std::lock_guard list(list_mutex_);
+  sessions_.clear();
+  doors_.clear();
+  new_doors_.clear();
+}
+
+}  // namespace gecos::session

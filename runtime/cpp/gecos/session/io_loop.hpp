@@ -1,0 +1,92 @@
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <thread>
+#include <unordered_map>
+#include <vector>
+
+#include "gecos/media/waiting.hpp"
+#include "gecos/session/lab_core.hpp"
+#include "gecos/session/served_object.hpp"
+#include "gecos/session/wakeup.hpp"
+
+namespace gecos::session {
+
+/// Accepts clients and reads their packets; short handlers run here, between two looks.
+///
+/// Only hot connections are looked at; one silent for 10 ms is armed and costs nothing until it
+/// rings. One thread polls at a time. While it is inside a handler it gives polling up, and when the
+/// handler takes more than a tick a standby polls in its place, so nobody waits for a slow handler
+/// but its own callers.
+class IoLoop {
+ public:
+  explicit IoLoop(std::shared_ptr<LabCore> lab);
+  ~IoLoop();
+
+  /// Accepts clients of `object` from now on.
+  void serve(std::shared_ptr<ServedObject> object, std::shared_ptr<media::Acceptor> acceptor);
+  /// Parts from the clients of `object`, which could not be made findable.
+  void withdraw(const ServedObject& object);
+  /// Heartbeats, silence and lost links; wakes the standby. On the housekeeping thread.
+  void tend(TimePoint now);
+  /// Waits until the threads have ended, a running handler included; then parts from the clients.
+  void end();
+
+ private:
+  struct Door {
+    std::shared_ptr<ServedObject> object;
+    std::shared_ptr<media::Acceptor> acceptor;
+  };
+  using Polling = std::unique_lock<std::mutex>;
+
+  void run();
+  void run_standby();
+  void take_back(Polling& polling);
+  /// One look at everything hot; sleeps when nothing is.
+  void turn(Polling& polling);
+  bool look_at_hot(Polling& polling);
+  void read(const std::shared_ptr<ServerSession>& session, Polling& polling);
+  bool arm_all();
+  void cool_down(TimePoint now);
+  void heat(const std::shared_ptr<ServerSession>& session);
+  void take_events(int milliseconds, Polling& polling);
+  void open_doors();
+  void accept(Door& door);
+  void watch(const std::shared_ptr<ServerSession>& session);
+  void part_from_suspects();
+  void part_if_lost(const std::shared_ptr<ServerSession>& session);
+  void add_descriptor(int descriptor, std::uint64_t key);
+
+  const std::shared_ptr<LabCore> lab_;
+  const int epoll_;
+  Wakeup wakeup_;
+  std::atomic<bool> ended_{false};              // publishes nothing but itself
+  std::atomic<bool> main_waits_{false};         // publishes nothing but itself: standby, let go
+  std::atomic<std::uint64_t> handler_turn_{0};  // publishes nothing: odd while a handler runs
+
+  std::mutex polling_;  ///< held by who polls; guards what follows
+  media::SpinPolicy spin_;
+  std::vector<std::unique_ptr<Door>> doors_;
+  std::vector<std::shared_ptr<ServerSession>> hot_;
+  std::uint64_t next_key_ = 1;
+  unsigned turns_ = 0;
+  std::thread::id main_id_;
+
+  std::mutex list_mutex_;  ///< held for moments; the map is written by who polls
+  std::unordered_map<std::uint64_t, std::shared_ptr<ServerSession>> sessions_;  ///< by watch key
+  std::vector<std::unique_ptr<Door>> new_doors_;
+  std::atomic<bool> suspects_{false};  // publishes ServerSession::suspect to who polls
+
+  std::mutex standby_mutex_;
+  std::condition_variable standby_called_;
+  bool standby_wanted_ = false;
+  std::uint64_t handler_seen_ = 0;  ///< housekeeping: which handler ran at the last tick
+  TimePoint next_beat_{};
+  std::thread main_;
+  std::thread standby_;
+};
+
+}  // namespace gecos::session

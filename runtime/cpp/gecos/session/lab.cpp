@@ -1,0 +1,88 @@
+#include "gecos/session/lab.hpp"
+
+#include <algorithm>
+#include <ostream>
+
+#include "gecos/session/lab_core.hpp"
+#include "gecos/session/linked_session.hpp"
+#include "gecos/session/packets.hpp"
+#include "gecos/session/registry.hpp"
+#include "gecos/session/select.hpp"
+
+namespace gecos {
+
+std::string CreateError::to_string() const {
+  std::string text;
+  for (const auto& attempt : attempts) {
+    text += (text.empty() ? "" : "\n") + attempt.name + ": " +
+            std::string(gecos::to_string(attempt.detail)) + ": " + attempt.reason;
+  }
+  return text;
+}
+
+std::ostream& operator<<(std::ostream& out, const CreateError& error) {
+  return out << error.to_string();
+}
+
+Lab::Lab(LabOptions options)
+    : core_(session::make_lab_core(std::move(options), session::system_clock())) {}
+
+Lab::~Lab() = default;
+
+namespace session {
+namespace {
+
+using Attempt = CreateError::Attempt;
+
+bool entry_is_a(const Entry& entry, std::string_view interface_name) {
+  return entry.interface_name == interface_name ||
+         std::find(entry.bases.begin(), entry.bases.end(), interface_name) != entry.bases.end();
+}
+
+tl::expected<std::shared_ptr<LinkedSession>, Attempt> create_one(LabCore& lab,
+                                                                 const InterfaceDescription& wanted,
+                                                                 const std::string& name,
+                                                                 const CreateOptions& options) {
+  const TimePoint deadline = deadline_after(options.patience);
+  const auto entry = look_up(lab, name, deadline);
+  if (!entry) return tl::unexpected(Attempt{name, Detail::NoServer, entry.error()});
+  if (!entry_is_a(*entry, wanted.name)) {
+    return tl::unexpected(Attempt{name, Detail::Refused,
+                                  name + " is a " + entry->interface_name + ", not a " +
+                                      std::string(wanted.name)});
+  }
+  const auto addresses = select(lab, *entry, wanted.quality, options.medium);
+  if (!addresses) {
+    return tl::unexpected(
+        Attempt{name, Detail::QosUnavailable, name + " " + addresses.error()});
+  }
+  Attempt failed{name, Detail::NoServer, {}};
+  for (const auto& address : *addresses) {
+    auto session = lab.connect(address, wanted, deadline, &failed.detail);
+    if (session) return std::move(*session);
+    failed.reason += (failed.reason.empty() ? "" : "; ") + address + ": " + session.error();
+    if (failed.detail == Detail::Refused) break;
+  }
+  if (failed.detail == Detail::NoServer) failed.reason = name + " is offline (" + failed.reason + ")";
+  return tl::unexpected(std::move(failed));
+}
+
+}  // namespace
+
+tl::expected<Created, CreateError> create(LabCore& lab, const InterfaceDescription& wanted,
+                                          const std::vector<std::string>& names,
+                                          const CreateOptions& options) {
+  CreateError passed_over;
+  for (const auto& name : names) {
+    auto session = create_one(lab, wanted, name, options);
+    if (session) return Created{std::move(*session), std::move(passed_over)};
+    passed_over.attempts.push_back(std::move(session.error()));
+  }
+  if (names.empty()) {
+    passed_over.attempts.push_back({"", Detail::NoServer, "create was given no name"});
+  }
+  return tl::unexpected(std::move(passed_over));
+}
+
+}  // namespace session
+}  // namespace gecos

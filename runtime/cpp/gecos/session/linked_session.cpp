@@ -1,0 +1,366 @@
+#include "gecos/session/linked_session.hpp"
+
+#include <algorithm>
+
+#include "gecos/base/log.hpp"
+#include "gecos/media/waiting.hpp"
+#include "gecos/session/client_stream.hpp"
+#include "gecos/session/function_code.hpp"
+#include "gecos/session/lab_core.hpp"
+#include "gecos/session/packets.hpp"
+#include "gecos/session/retry.hpp"
+
+namespace gecos::session {
+
+LinkedSession::LinkedSession(std::shared_ptr<LabCore> lab, std::unique_ptr<media::Link> link,
+                             SessionId id, Welcome welcome)
+    : lab_(std::move(lab)),
+      link_(std::move(link)),
+      id_(id),
+      welcome_(std::move(welcome)),
+      repeats_(!link_->offer().reliable),
+      spin_(system_clock()) {
+  last_sign_ = lab_->clock().now();
+}
+
+LinkedSession::~LinkedSession() {
+  close(lab_->housekeeping().on_this_thread() ? Duration{} : lab_->options().heartbeat * 2);
+}
+
+// Calls
+
+std::shared_ptr<CommandCore> LinkedSession::call(const OperationDescription& operation,
+                                                 std::size_t size,
+                                                 FunctionRef<void(wire::Encoder&)> encode,
+                                                 const CallOptions& options) {
+  auto command = std::make_shared<PendingCommand>(shared_from_this());
+  wire::PacketHeader header;
+  header.kind = wire::PacketKind::Call;
+  header.code = operation.code;
+  header.session = id_;
+  header.epoch = Epoch{epoch_.load(std::memory_order_relaxed)};
+  header.deadline = options.deadline.count() > 0 ? options.deadline : operation.quality.deadline;
+
+  auto sent = send_call(header, size, encode, command);
+  if (!sent && sent.error() == media::SendProblem::Full) {
+    glance();  // replies that wait may make room
+    sent = send_call(header, size, encode, command);
+  }
+  if (!sent) command->fail(not_sent(operation, size, sent.error()));
+  return command;
+}
+
+tl::expected<void, media::SendProblem> LinkedSession::send_call(
+    wire::PacketHeader& header, std::size_t size, FunctionRef<void(wire::Encoder&)> encode,
+    const std::shared_ptr<PendingCommand>& command) {
+  const std::lock_guard lock(mutex_);
+  if (lost_.load(std::memory_order_relaxed)) return tl::unexpected(media::SendProblem::Lost);
+  if (calls_.size() >= welcome_.credits) return tl::unexpected(media::SendProblem::Full);
+  if (wire::packet_size(size) > link_->offer().largest_packet) {
+    return tl::unexpected(media::SendProblem::TooLarge);
+  }
+  header.counter = next_counter_;
+  if (repeats_) header.acknowledged = finished_up_to();
+  write_packet(packet_, header, size, encode);
+  const auto sent = link_->send(packet_, {});
+  if (!sent && !(repeats_ && sent.error() == media::SendProblem::Full)) {
+    return tl::unexpected(sent.error());
+  }
+  ++next_counter_;
+  command->counter = header.counter;
+  command->sent_as = sent.value_or(0);
+  if (repeats_) {
+    command->retry.packet = packet_;
+    command->retry.next = lab_->clock().now() + retry_after(1);
+  }
+  calls_.insert(header.counter, command);
+  return {};
+}
+
+Failure LinkedSession::not_sent(const OperationDescription& operation, std::size_t size,
+                                media::SendProblem problem) {
+  const std::string what = "'" + std::string(operation.name) + "' of " + welcome_.object;
+  switch (problem) {
+    case media::SendProblem::Full:
+      return {Detail::QueueFull, what + " was not sent: " + std::to_string(welcome_.credits) +
+                                     " calls are unanswered; wait for one of them", {}, {}};
+    case media::SendProblem::TooLarge:
+      return {Detail::BadParameter,
+              what + " was not sent: its arguments take " + std::to_string(size) + " bytes and " +
+                  std::string(media::to_string(link_->offer().kind)) + " carries " +
+                  std::to_string(link_->offer().largest_packet), {}, {}};
+    case media::SendProblem::Lost: break;
+  }
+  const std::lock_guard lock(mutex_);
+  return {Detail::NoServer,
+          what + " was not sent: " + (loss_text_.empty() ? "the connection is lost" : loss_text_) +
+              "; create a new proxy", {}, {}};
+}
+
+void LinkedSession::cancel(PendingCommand& command) {
+  const std::lock_guard lock(mutex_);
+  if (command.terminal() || calls_.find(command.counter) == nullptr) return;
+  command.retry.cancel = true;
+  wire::PacketHeader header;
+  header.kind = wire::PacketKind::Cancel;
+  header.counter = command.counter;
+  if (!send(header, {})) {
+    command.retry.next = {};  // housekeeping tries again
+    cancels_waiting_ = true;
+  }
+}
+
+tl::expected<std::uint64_t, media::SendProblem> LinkedSession::send(wire::PacketHeader header,
+                                                                    ByteView body) {
+  header.session = id_;
+  header.acknowledged = repeats_ ? finished_up_to() : 0;
+  write_packet(packet_, header, body);
+  return link_->send(packet_, {});
+}
+
+std::uint64_t LinkedSession::finished_up_to() const {
+  const auto open = calls_.lowest();
+  return open != 0 ? open - 1 : next_counter_ - 1;
+}
+
+// Waiting
+
+void LinkedSession::glance() {
+  if (!baton_.try_take()) return;
+  read_all();
+  baton_.drop();
+}
+
+bool LinkedSession::wait(const void* subject, FunctionRef<bool()> done, TimePoint deadline) {
+  if (done()) return true;
+  for (;;) {
+    if (baton_.try_take()) {
+      const bool finished = lead(done, deadline);
+      baton_.drop();
+      return finished;
+    }
+    switch (baton_.follow(subject, done, deadline)) {
+      case Baton::Woken::Done: return true;
+      case Baton::Woken::TimedOut: return done();
+      case Baton::Woken::Poked: break;
+    }
+  }
+}
+
+bool LinkedSession::lead(FunctionRef<bool()> done, TimePoint deadline) {
+  spin_.begin();
+  for (;;) {
+    const std::size_t taken = read_all();
+    if (done()) return true;
+    if (taken != 0) {
+      baton_.poke(nullptr);
+      spin_.begin();
+    } else if (!spin_.again()) {
+      if (std::chrono::steady_clock::now() >= deadline) return false;
+      sleep(done, deadline);
+      baton_.poke(nullptr);
+      spin_.begin();
+    }
+  }
+}
+
+void LinkedSession::sleep(FunctionRef<bool()> done, TimePoint deadline) {
+  leader_wakeup_.quiet();
+  if (link_->arm() && !done()) {
+    descriptors_.assign(link_->descriptors().begin(), link_->descriptors().end());
+    descriptors_.push_back(leader_wakeup_.descriptor());
+    media::sleep_on(descriptors_, deadline);
+  }
+  link_->disarm();
+  look_for_loss();
+}
+
+std::size_t LinkedSession::read_all() {
+  std::size_t taken = 0;
+  while (const auto packet = link_->receive()) {
+    take_packet(*packet);
+    ++taken;
+  }
+  return taken;
+}
+
+void LinkedSession::look_for_loss() {
+  const media::Loss loss = link_->loss();
+  if (loss == media::Loss::None || lost()) return;
+  read_all();  // what it answered before it went
+  const std::string who = welcome_.object + " (" + link_->peer().description + ")";
+  switch (loss) {
+    case media::Loss::Died: return lose(Ending::Died, "the server of " + who + " died");
+    case media::Loss::Broken:
+      return lose(Ending::Broken, "the server of " + who + " broke the rules of its medium: " +
+                                      link_->loss_text());
+    default: return lose(Ending::Closed, "the server closed the session with " + who);
+  }
+}
+
+// What arrives
+
+void LinkedSession::take_packet(ByteView bytes) {
+  const auto packet = wire::decode_packet(bytes);
+  if (!packet || packet->header.session != id_) return;
+  switch (packet->header.kind) {
+    case wire::PacketKind::Reply: return take_reply(*packet);
+    case wire::PacketKind::Progress: return take_progress(*packet);
+    case wire::PacketKind::Closed: return take_closed(packet->header.code);
+    case wire::PacketKind::Goodbye:
+      goodbye_heard_.store(true, std::memory_order_release);
+      return lose(Ending::Closed, "the server closed the session with " + welcome_.object +
+                                      text_of(packet->body));
+    default: return;  // newer kinds, and answers to what is over
+  }
+}
+
+void LinkedSession::take_reply(const wire::PacketView& packet) {
+  std::shared_ptr<PendingCommand> command;
+  {
+    const std::lock_guard lock(mutex_);
+    command = calls_.take(packet.header.counter);
+  }
+  if (!command) return;  // a repeated reply
+  const auto detail = detail_from(static_cast<std::uint8_t>(packet.header.flags));
+  if (detail == Detail::Done) {
+    command->finish(packet.body);
+  } else {
+    command->fail(failure_from(detail, packet.body));
+  }
+  baton_.poke(command.get());
+}
+
+void LinkedSession::take_progress(const wire::PacketView& packet) {
+  std::shared_ptr<PendingCommand> command;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto* found = calls_.find(packet.header.counter);
+    if (found == nullptr) return;
+    command = *found;
+    command->retry.arrived = true;
+  }
+  const auto detail = detail_from(static_cast<std::uint8_t>(packet.header.flags));
+  const auto body = wire::from_bytes<ProgressBody>(packet.body);
+  if (!body || !detail || project(*detail) != State::Running) return;
+  command->report(*detail, *body);
+}
+
+void LinkedSession::take_closed(FunctionCode stream) {
+  const std::lock_guard lock(mutex_);
+  for (ClientStream* open : streams_) {
+    if (open->code() == stream) open->close();
+  }
+}
+
+// Streams
+
+tl::expected<std::shared_ptr<StreamCore>, Failure> LinkedSession::subscribe(
+    const StreamDescription& stream) {
+  const OperationDescription operation = reserved_operation(Reserved::Subscribe);
+  const auto code = number(stream.code);
+  const auto command =
+      call(operation, sizeof code, [&](wire::Encoder& to) { to.put(code); }, {});
+  command->wait_until(TimePoint::max());
+  if (command->progress().detail != Detail::Done) return tl::unexpected(command->failure());
+  std::uint32_t id = 0;
+  if (wire::Decoder from(command->result()); !from.get(id, "id")) {
+    return tl::unexpected(Failure{Detail::Fault, "the reply does not decode: " +
+                                                     from.error().message(), {}, {}});
+  }
+  std::unique_ptr<media::StreamReader> reader;
+  wait(nullptr,
+       [&] {
+         if (!reader) reader = open_stream(id);
+         return reader != nullptr || lost();
+       },
+       deadline_after(lab_->options().grace));
+  if (!reader) {
+    return tl::unexpected(Failure{Detail::OutcomeUnknown,
+                                  "stream '" + std::string(stream.name) + "' of " +
+                                      welcome_.object + " did not arrive over " +
+                                      std::string(media::to_string(link_->offer().kind)), {}, {}});
+  }
+  auto opened = std::make_shared<ClientStream>(shared_from_this(), stream.code, std::move(reader));
+  const std::lock_guard lock(mutex_);
+  streams_.push_back(opened.get());
+  return opened;
+}
+
+std::unique_ptr<media::StreamReader> LinkedSession::open_stream(std::uint32_t id) {
+  return link_->open_stream(id);
+}
+
+void LinkedSession::stream_closed(ClientStream& stream) {
+  {
+    const std::lock_guard lock(mutex_);
+    streams_.erase(std::remove(streams_.begin(), streams_.end(), &stream), streams_.end());
+    const auto same = [&](const ClientStream* other) { return other->code() == stream.code(); };
+    if (lost() || std::any_of(streams_.begin(), streams_.end(), same)) return;
+  }
+  const auto code = number(stream.code());
+  call(reserved_operation(Reserved::Unsubscribe), sizeof code,
+       [&](wire::Encoder& to) { to.put(code); }, {});
+}
+
+// The end
+
+void LinkedSession::lose(Ending how, const std::string& text) {
+  std::vector<std::pair<std::uint64_t, std::shared_ptr<PendingCommand>>> open;
+  {
+    const std::lock_guard lock(mutex_);
+    if (lost_.load(std::memory_order_relaxed)) return;
+    loss_text_ = text;
+    lost_.store(true, std::memory_order_release);
+    open = calls_.take_all();
+  }
+  for (const auto& [counter, command] : open) command->fail(failure_of(*command, how, text));
+  baton_.poke_all();
+  leader_wakeup_.ring();
+}
+
+Failure LinkedSession::failure_of(const PendingCommand& command, Ending how,
+                                  const std::string& text) const {
+  // A peer that is gone takes nothing any more; one that is only silent may still.
+  if (how == Ending::Died || how == Ending::Closed) {
+    const auto taken = link_->taken_by_peer();
+    if (taken && command.sent_as > *taken) {
+      return {Detail::NotStarted, text + " before it took this command", {}, {}};
+    }
+  }
+  if (how == Ending::Died) {
+    return {Detail::ServerCrashed, text + "; the command may have been carried out in part", {}, {}};
+  }
+  return {Detail::OutcomeUnknown, text + "; whether the command was carried out is not known", {}, {}};
+}
+
+void LinkedSession::close(Duration patience) {
+  if (lost()) return;
+  const TimePoint give_up = deadline_after(patience);
+  if (repeats_ && patience > Duration{}) {
+    wait(nullptr, [this] { return lost() || everything_arrived(); }, give_up);
+  }
+  int tries = 1;
+  do {
+    {
+      const std::lock_guard lock(mutex_);
+      wire::PacketHeader header;
+      header.kind = wire::PacketKind::Goodbye;
+      static_cast<void>(send(header, {}));
+    }
+    if (!repeats_ || patience == Duration{}) break;
+    const TimePoint next = deadline_after(retry_after(tries++));
+    wait(nullptr, [this] { return goodbye_heard_.load() || lost(); }, std::min(next, give_up));
+  } while (!lost() && std::chrono::steady_clock::now() < give_up);
+  lose(Ending::ByUs, "this program closed the session");
+}
+
+bool LinkedSession::everything_arrived() {
+  const std::lock_guard lock(mutex_);
+  for (const auto& [counter, command] : calls_.all()) {
+    if (!command->retry.arrived) return false;
+  }
+  return true;
+}
+
+}  // namespace gecos::session

@@ -1,0 +1,139 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "gecos/session/baton.hpp"
+#include "gecos/session/call_table.hpp"
+#include "gecos/session/handshake.hpp"
+#include "gecos/session/housekeeping.hpp"
+#include "gecos/session/object.hpp"
+#include "gecos/session/pending_command.hpp"
+#include "gecos/media/waiting.hpp"
+#include "gecos/wire/packet.hpp"
+
+namespace gecos::session {
+
+class ClientStream;
+class LabCore;
+
+/// Client side of a session over one link.
+///
+/// Sending takes the mutex; receiving belongs to whoever holds the baton. A session that was lost
+/// stays lost: every later call is CONNECTION_FAILED, and `Lab::create` makes a new one.
+class LinkedSession final : public ClientSession,
+                            public Tended,
+                            public std::enable_shared_from_this<LinkedSession> {
+ public:
+  /// Why the server opened no session.
+  struct NotOpened {
+    Detail detail = Detail::NoServer;
+    std::string reason;
+  };
+  /// Greets the server and waits for its answer until `deadline`.
+  static tl::expected<std::shared_ptr<LinkedSession>, NotOpened> open(
+      std::shared_ptr<LabCore> lab, std::unique_ptr<media::Link> link, const Hello& hello,
+      TimePoint deadline);
+
+  LinkedSession(std::shared_ptr<LabCore> lab, std::unique_ptr<media::Link> link, SessionId id,
+                Welcome welcome);
+  ~LinkedSession() override;  ///< says goodbye: what was issued still runs
+
+  std::shared_ptr<CommandCore> call(const OperationDescription& operation, std::size_t size,
+                                    FunctionRef<void(wire::Encoder&)> encode,
+                                    const CallOptions& options) override;
+  tl::expected<std::shared_ptr<StreamCore>, Failure> subscribe(
+      const StreamDescription& stream) override;
+  const std::string& interface_name() const override { return welcome_.interface_name; }
+  const std::string& object_name() const override { return welcome_.object; }
+  const media::Offer& offer() const override { return link_->offer(); }
+  void hold(std::uint64_t epoch) override { epoch_.store(epoch, std::memory_order_relaxed); }
+
+  const Welcome& welcome() const { return welcome_; }
+  bool lost() const { return lost_.load(std::memory_order_acquire); }
+  bool unreachable() const { return unreachable_.load(std::memory_order_relaxed); }
+
+  /// Ends the session in order. Waits at most `patience` until the server has what was sent.
+  void close(Duration patience);
+
+  // For commands and streams.
+  /// Reads what has arrived, if nobody else is at it. Never waits.
+  void glance();
+  /// Reads, or waits for who reads, until `done` or `deadline`; gives `done()`.
+  bool wait(const void* subject, FunctionRef<bool()> done, TimePoint deadline);
+  void cancel(PendingCommand& command);
+  /// Somebody sleeps on a descriptor: from now on packets are read though nobody waits here.
+  void attend() { attended_.store(true, std::memory_order_relaxed); house_wake(); }
+  void stream_closed(ClientStream& stream);
+
+  void tend(TimePoint now) override;
+  void watch(std::vector<pollfd>& into) override;
+  void unwatch() override;
+
+ private:
+  friend class ClientStream;
+
+  // With the baton.
+  bool lead(FunctionRef<bool()> done, TimePoint deadline);
+  std::size_t read_all();
+  void sleep(FunctionRef<bool()> done, TimePoint deadline);
+  void take_packet(ByteView bytes);
+  void take_reply(const wire::PacketView& packet);
+  void take_progress(const wire::PacketView& packet);
+  void take_closed(FunctionCode stream);
+  void look_for_loss();
+
+  tl::expected<void, media::SendProblem> send_call(wire::PacketHeader& header, std::size_t size,
+                                                   FunctionRef<void(wire::Encoder&)> encode,
+                                                   const std::shared_ptr<PendingCommand>& command);
+  Failure not_sent(const OperationDescription& operation, std::size_t size,
+                   media::SendProblem problem);
+  std::unique_ptr<media::StreamReader> open_stream(std::uint32_t id);
+
+  // With the mutex.
+  tl::expected<std::uint64_t, media::SendProblem> send(wire::PacketHeader header, ByteView body);
+  std::uint64_t finished_up_to() const;
+
+  enum class Ending : std::uint8_t { Died, Closed, Silent, Broken, ByUs };
+  void lose(Ending how, const std::string& text);
+  Failure failure_of(const PendingCommand& command, Ending how, const std::string& text) const;
+  void judge_silence(TimePoint now);
+  void repeat(TimePoint now);
+  void house_wake();
+  bool everything_arrived();
+
+  const std::shared_ptr<LabCore> lab_;
+  const std::unique_ptr<media::Link> link_;
+  const SessionId id_;
+  const Welcome welcome_;
+  const bool repeats_;  ///< the medium may lose packets
+
+  Baton baton_;
+  media::SpinPolicy spin_;        ///< whoever has the baton
+  std::vector<int> descriptors_;  ///< whoever has the baton: reused
+  Wakeup leader_wakeup_;
+  std::atomic<bool> lost_{false};         // publishes loss_text_
+  std::atomic<bool> unreachable_{false};  // publishes nothing but itself
+  std::atomic<bool> attended_{false};     // publishes nothing but itself
+  std::atomic<bool> goodbye_heard_{false};  // publishes nothing but itself
+  std::atomic<std::uint64_t> epoch_{0};   // publishes nothing but itself
+
+  std::mutex mutex_;
+  std::uint64_t next_counter_ = 1;
+  CallTable<PendingCommand> calls_;
+  std::vector<ClientStream*> streams_;
+  Bytes packet_;  ///< sending: reused
+  std::string loss_text_;
+  bool cancels_waiting_ = false;  ///< one found no room
+
+  // Housekeeping thread only.
+  bool watching_ = false;
+  std::uint64_t beats_judged_ = 0;
+  TimePoint last_sign_{};
+  TimePoint next_beat_{};
+};
+
+}  // namespace gecos::session

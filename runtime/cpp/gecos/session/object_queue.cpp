@@ -1,0 +1,101 @@
+#include "gecos/session/object_queue.hpp"
+
+#include <algorithm>
+
+namespace gecos::session {
+
+tl::expected<void, ObjectQueue::Full> ObjectQueue::push(std::shared_ptr<Ticket> ticket) {
+  const std::size_t waiting = safety_.size() + sensor_.size() + actor_.size();
+  if (waiting != 0 && !ticket->operation.safety) {
+    if (waiting >= most_of_object) return tl::unexpected(Full::Object);
+    std::ptrdiff_t of_client = 0;
+    for (const Lane* lane : {&sensor_, &actor_}) {
+      of_client += std::count_if(lane->begin(), lane->end(),
+                                 [&](const auto& other) { return other->client == ticket->client; });
+    }
+    if (of_client >= static_cast<std::ptrdiff_t>(most_of_client)) {
+      return tl::unexpected(Full::Client);
+    }
+  }
+  if (ticket->operation.safety) {
+    ticket->lane = Ticket::Place::Safety;
+  } else if (ticket->operation.status == access::Status::Sensor && !keeps_place(*ticket)) {
+    ticket->lane = Ticket::Place::Sensor;
+  } else {
+    ticket->lane = Ticket::Place::Actor;
+  }
+  lane_of(*ticket).push_back(std::move(ticket));
+  return {};
+}
+
+/// An @ordered reading queues behind the commands of its own caller.
+bool ObjectQueue::keeps_place(const Ticket& ticket) const {
+  if (!ticket.operation.ordered) return false;
+  const auto same_client = [&](const auto& other) { return other->client == ticket.client; };
+  return std::any_of(actor_.begin(), actor_.end(), same_client) ||
+         std::any_of(running_.begin(), running_.end(), same_client);
+}
+
+ObjectQueue::Lane& ObjectQueue::lane_of(const Ticket& ticket) {
+  switch (ticket.lane) {
+    case Ticket::Place::Safety: return safety_;
+    case Ticket::Place::Sensor: return sensor_;
+    default: return actor_;
+  }
+}
+
+bool ObjectQueue::beside_running(const Ticket& ticket) const {
+  return std::all_of(running_.begin(), running_.end(), [&](const Ticket* other) {
+    const bool both_blend = other->operation.on_new == OnNew::Blend &&
+                            ticket.operation.on_new == OnNew::Blend;
+    return other->operation.parallel || ticket.operation.parallel || both_blend;
+  });
+}
+
+std::shared_ptr<Ticket> ObjectQueue::next() {
+  if (threads_ == LaneThreads::One && inside_ != 0) return nullptr;
+  Lane* lane = !safety_.empty() ? &safety_ : !sensor_.empty() ? &sensor_ : nullptr;
+  if (lane == nullptr && !actor_.empty() && beside_running(*actor_.front())) lane = &actor_;
+  if (lane == nullptr) return nullptr;
+
+  auto ticket = std::move(lane->front());
+  lane->pop_front();
+  ticket->started = true;
+  ++inside_;
+  if (ticket->lane == Ticket::Place::Actor) running_.push_back(ticket.get());
+  return ticket;
+}
+
+void ObjectQueue::returned(const Ticket& /*ticket*/) { --inside_; }
+
+void ObjectQueue::ended(const Ticket& ticket) {
+  running_.erase(std::remove(running_.begin(), running_.end(), &ticket), running_.end());
+}
+
+bool ObjectQueue::remove(const Ticket& ticket) {
+  if (ticket.started) return false;
+  Lane& lane = lane_of(ticket);
+  const auto at = std::find_if(lane.begin(), lane.end(),
+                               [&](const auto& other) { return other.get() == &ticket; });
+  if (at == lane.end()) return false;
+  lane.erase(at);
+  return true;
+}
+
+std::vector<std::shared_ptr<Ticket>> ObjectQueue::drop() {
+  std::vector<std::shared_ptr<Ticket>> dropped;
+  for (Lane* lane : {&safety_, &sensor_, &actor_}) {
+    dropped.insert(dropped.end(), lane->begin(), lane->end());
+    lane->clear();
+  }
+  return dropped;
+}
+
+std::optional<std::size_t> ObjectQueue::position(const Ticket& ticket) const {
+  const auto at = std::find_if(actor_.begin(), actor_.end(),
+                               [&](const auto& other) { return other.get() == &ticket; });
+  if (at == actor_.end()) return std::nullopt;
+  return static_cast<std::size_t>(at - actor_.begin()) + running_.size();
+}
+
+}  // namespace gecos::session

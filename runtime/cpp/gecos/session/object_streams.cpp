@@ -1,0 +1,71 @@
+#include "gecos/session/object_streams.hpp"
+
+#include "gecos/base/log.hpp"
+
+namespace gecos::session {
+namespace {
+
+constexpr std::size_t unbounded_sample = 64 * 1024;
+constexpr std::size_t usual_depth = 16;
+
+}  // namespace
+
+ObjectStreams::ObjectStreams(std::string object, const InterfaceDescription& interface)
+    : object_(std::move(object)), interface_(interface), outlets_(interface.streams.size()) {}
+
+void ObjectStreams::offer(std::shared_ptr<media::Acceptor> acceptor) {
+  const std::lock_guard lock(mutex_);
+  const media::Kind kind = acceptor->offer().kind;
+  acceptors_[kind] = std::move(acceptor);
+}
+
+void ObjectStreams::close() {
+  const std::lock_guard lock(mutex_);
+  for (Outlet& outlet : outlets_) outlet.writers.clear();
+  acceptors_.clear();
+}
+
+tl::expected<std::uint32_t, std::string> ObjectStreams::share(const StreamDescription& stream,
+                                                              media::Link& link) {
+  const std::lock_guard lock(mutex_);
+  const auto index = static_cast<std::size_t>(&stream - interface_.streams.data());
+  Outlet& outlet = outlets_[index];
+  auto& writer = outlet.writers[link.offer().kind];
+  if (!writer) {
+    const std::size_t largest = stream.largest != 0 ? stream.largest : unbounded_sample;
+    const std::size_t depth = stream.quality.depth != 0 ? stream.quality.depth : usual_depth;
+    writer = acceptors_.at(link.offer().kind)->make_stream(largest, depth);
+    if (outlet.published) {
+      static_cast<void>(writer->publish(outlet.latest, outlet.latest_stamp_ns));
+    }
+  }
+  const auto id = static_cast<std::uint32_t>(index + 1);
+  if (!link.share(id, *writer)) {
+    return tl::unexpected("stream '" + std::string(stream.name) + "' of " + object_ +
+                          " cannot be shared over " +
+                          std::string(media::to_string(link.offer().kind)) +
+                          ": the link is lost or has no room for another stream");
+  }
+  return id;
+}
+
+void ObjectStreams::publish(const StreamDescription& stream, ByteView sample,
+                            std::int64_t stamp_ns) {
+  const std::lock_guard lock(mutex_);
+  const StreamDescription* own = interface_.find_stream(stream.code);
+  if (own == nullptr) return;
+  Outlet& outlet = outlets_[static_cast<std::size_t>(own - interface_.streams.data())];
+  outlet.latest.assign(sample.begin(), sample.end());
+  outlet.latest_stamp_ns = stamp_ns;
+  outlet.published = true;
+  for (const auto& [kind, writer] : outlet.writers) {
+    if (writer->publish(sample, stamp_ns) || outlet.complained) continue;
+    outlet.complained = true;
+    log_error("session", object_ + ": a sample of '" + std::string(stream.name) + "' takes " +
+                             std::to_string(sample.size()) + " bytes, more than " +
+                             std::string(media::to_string(kind)) +
+                             " carries for this stream; it is dropped");
+  }
+}
+
+}  // namespace gecos::session

@@ -1,0 +1,34 @@
+// Packets as the session writes them: one buffer, reused, head and body behind each other.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "gecos/base/function_ref.hpp"
+#include "gecos/session/command.hpp"
+#include "gecos/session/description.hpp"
+#include "gecos/session/function_code.hpp"
+#include "gecos/wire/packet.hpp"
+
+namespace gecos::session {
+
+void write_packet(Bytes& into, const wire::PacketHeader& header, ByteView body);
+/// With a body that takes `size` bytes.
+void write_packet(Bytes& into, const wire::PacketHeader& header, std::size_t size,
+                  FunctionRef<void(wire::Encoder&)> encode);
+
+/// The terminal outcome of a call as a packet.
+void write_failure(Bytes& into, wire::PacketHeader header, const Failure& failure);
+/// What `write_failure` wrote. A detail that is not known, or not terminal, counts as FAULT.
+Failure failure_from(std::optional<Detail> detail, ByteView body);
+/// ": why", from the body of a Goodbye; empty when it gives no reason.
+std::string text_of(ByteView goodbye);
+
+/// The clock of real waits; policies use the lab's.
+const Clock& system_clock();
+
+/// How gecos::GecosObject declares it.
+const OperationDescription& reserved_operation(Reserved which);
+const OperationDescription* find_reserved(FunctionCode code);
+
+}  // namespace gecos::session

@@ -1,0 +1,96 @@
+#include "gecos/session/pending_command.hpp"
+
+#include <algorithm>
+
+#include "gecos/session/linked_session.hpp"
+
+namespace gecos::session {
+
+PendingCommand::PendingCommand(Failure failure)
+    : detail_(failure.detail), failure_(std::move(failure)) {}
+
+std::shared_ptr<LinkedSession> PendingCommand::session() const {
+  const std::lock_guard lock(mutex_);
+  return session_;
+}
+
+Progress PendingCommand::progress() const {
+  bool unreachable = false;
+  if (const auto session = this->session()) {
+    session->glance();
+    unreachable = session->unreachable();
+  }
+  const std::lock_guard lock(mutex_);
+  const Detail detail = detail_.load(std::memory_order_relaxed);
+  const bool running = project(detail) == State::Running;
+  return {running && unreachable ? Detail::Unreachable : detail, position_, fraction_};
+}
+
+Bytes PendingCommand::feedback() const {
+  if (const auto session = this->session()) session->glance();
+  const std::lock_guard lock(mutex_);
+  return feedback_;
+}
+
+bool PendingCommand::wait_until(TimePoint deadline) {
+  const auto session = this->session();
+  if (!session) return true;
+  return session->wait(this, [this] { return terminal(); }, deadline);
+}
+
+void PendingCommand::cancel() {
+  if (const auto session = this->session()) session->cancel(*this);
+}
+
+int PendingCommand::descriptor() {
+  std::shared_ptr<LinkedSession> session;
+  int descriptor = -1;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!exported_) {
+      exported_ = std::make_unique<Wakeup>();
+      if (terminal()) exported_->ring();
+      session = session_;
+    }
+    descriptor = exported_->descriptor();
+  }
+  if (session) session->attend();
+  return descriptor;
+}
+
+void PendingCommand::report(Detail detail, const ProgressBody& body) {
+  const std::lock_guard lock(mutex_);
+  if (terminal()) return;
+  detail_.store(detail, std::memory_order_relaxed);
+  position_ = body.position;
+  fraction_ = std::clamp(body.fraction, 0.0, 1.0);
+  if (!body.feedback.empty()) feedback_ = body.feedback;
+}
+
+/// Publishing the terminal state is the last touch: the waiter may drop the command at once. What
+/// keeps this call alive is its caller's reference.
+template <class Publish>
+void PendingCommand::end(Detail detail, Publish publish) {
+  std::shared_ptr<LinkedSession> released;
+  const std::lock_guard lock(mutex_);
+  if (terminal()) return;
+  publish();
+  position_ = 0;
+  released = std::move(session_);
+  if (exported_) exported_->ring();
+  detail_.store(detail, std::memory_order_seq_cst);
+}
+
+void PendingCommand::finish(ByteView result) {
+  end(Detail::Done, [&] {
+    result_.assign(result.begin(), result.end());
+    fraction_ = 1;
+  });
+}
+
+void PendingCommand::fail(Failure failure) {
+  const Detail detail = failure.detail;
+  end(detail, [&] { failure_ = std::move(failure); });
+}
+
+}  // namespace gecos::session

@@ -1,0 +1,114 @@
+#include "gecos/session/registrar.hpp"
+
+#include <unistd.h>
+
+#include "gecos/base/log.hpp"
+#include "gecos/session/linked_session.hpp"
+#include "gecos/session/registry.hpp"
+#include "gecos/session/served_object.hpp"
+#include "gecos/session/thread.hpp"
+
+namespace gecos::session {
+namespace {
+
+constexpr Duration patience = std::chrono::seconds(2);
+constexpr Duration between_tries = std::chrono::milliseconds(200);
+
+}  // namespace
+
+Registrar::Registrar(std::shared_ptr<LabCore> lab) : lab_(std::move(lab)) {
+  thread_ = start_thread("gecos-registrar", [this] { run(); });
+}
+
+tl::expected<void, std::string> Registrar::add(const ServedObject& object,
+                                               std::vector<std::string> addresses) {
+  const InterfaceDescription& interface = object.interface();
+  const Hello self = lab_->introduce(interface);
+  Entry entry;
+  entry.name = object.name();
+  entry.interface_name = interface.name;
+  entry.bases.assign(interface.bases.begin(), interface.bases.end());
+  entry.interface_hash = interface.hash;
+  entry.boot = self.boot;
+  entry.pid = self.pid;
+  entry.user = self.user;
+  entry.host = lab_->host_identity();
+  entry.hostname = self.host;
+  entry.addresses = std::move(addresses);
+  entry.simulated = object.options().simulated;
+
+  const TimePoint deadline = deadline_after(patience);
+  auto broker = lab_->broker(deadline);
+  if (!broker) return tl::unexpected(entry.name + " is not served: " + broker.error());
+  if (auto enlisted = enlist(**broker, entry, deadline); !enlisted) {
+    return tl::unexpected(entry.name + " is not served: " + enlisted.error().text);
+  }
+  const std::lock_guard lock(mutex_);
+  entries_.push_back(std::move(entry));
+  broker_ = std::move(*broker);
+  return {};
+}
+
+void Registrar::look() {
+  const std::unique_lock lock(mutex_, std::try_to_lock);
+  if (!lock || !broker_ || !broker_->lost() || wanted_) return;
+  wanted_ = true;
+  changed_.notify_one();
+}
+
+void Registrar::run() {
+  std::unique_lock lock(mutex_);
+  while (!ended_) {
+    changed_.wait(lock, [this] { return wanted_ || ended_; });
+    while (!ended_ && wanted_) {
+      lock.unlock();
+      const bool enlisted = enlist_again();
+      lock.lock();
+      if (enlisted) {
+        wanted_ = false;
+      } else {
+        changed_.wait_for(lock, between_tries, [this] { return ended_; });
+      }
+    }
+  }
+}
+
+bool Registrar::enlist_again() {
+  const TimePoint deadline = deadline_after(patience);
+  auto broker = lab_->broker(deadline);
+  if (!broker) return false;
+  std::vector<Entry> entries;
+  {
+    const std::lock_guard lock(mutex_);
+    entries = entries_;
+  }
+  for (const auto& entry : entries) {
+    const auto enlisted = enlist(**broker, entry, deadline);
+    if (enlisted) continue;
+    log_warning("session", entry.name + " is not findable: " + enlisted.error().text);
+    return false;
+  }
+  log_info("session", "a new broker knows the objects of this server");
+  const std::lock_guard lock(mutex_);
+  broker_ = std::move(*broker);
+  return true;
+}
+
+void Registrar::end() {
+  std::shared_ptr<LinkedSession> broker;
+  std::vector<Entry> entries;
+  {
+    const std::lock_guard lock(mutex_);
+    if (ended_) return;
+    ended_ = true;
+    broker = std::move(broker_);
+    entries.swap(entries_);
+  }
+  changed_.notify_one();
+  thread_.join();
+  for (const auto& entry : entries) {
+    if (!broker->lost()) withdraw(*broker, entry.name);
+  }
+}
+
+}  // namespace gecos::session

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "gecos/broker_types.hpp"  // generated from idl/gecos/broker.gidl
+#include "gecos/session/lab_core.hpp"
+
+namespace gecos::session {
+
+class ServedObject;
+
+/// Keeps the objects of a server findable: enlists them with the broker, and again with every broker
+/// that comes up after the one before was lost.
+class Registrar {
+ public:
+  explicit Registrar(std::shared_ptr<LabCore> lab);
+  ~Registrar() { end(); }
+
+  /// Enlists it; findable when this returns. Fails when no broker answers or the name is taken.
+  tl::expected<void, std::string> add(const ServedObject& object,
+                                      std::vector<std::string> addresses);
+  /// Sees to it that a lost broker is looked for. Never blocks.
+  void look();
+  /// Withdraws all.
+  void end();
+
+ private:
+  void run();
+  bool enlist_again();
+
+  const std::shared_ptr<LabCore> lab_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::vector<Entry> entries_;
+  std::shared_ptr<LinkedSession> broker_;  ///< where they are enlisted
+  bool wanted_ = false;
+  bool ended_ = false;
+  std::thread thread_;  ///< looking for a broker blocks, so it has a thread of its own
+};
+
+}  // namespace gecos::session

@@ -1,0 +1,84 @@
+#include "gecos/session/registry.hpp"
+
+#include <array>
+
+#include "gecos/session/function_code.hpp"
+#include "gecos/session/linked_session.hpp"
+#include "gecos/session/reserved_codec.hpp"
+
+namespace gecos::session {
+namespace {
+
+OperationDescription broker_operation(std::string_view name) {
+  OperationDescription operation;
+  operation.code = function_code("gecos::Broker::" + std::string(name));
+  operation.name = name;
+  operation.status = access::Status::Sensor;
+  return operation;
+}
+
+std::shared_ptr<CommandCore> call_with_text(LinkedSession& broker, std::string_view operation,
+                                            const std::string& text) {
+  return broker.call(broker_operation(operation), wire::string_size(text),
+                     [&](wire::Encoder& to) { to.put_string(text); }, {});
+}
+
+std::string listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (const auto& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text.empty() ? "nothing is registered" : "known are " + text;
+}
+
+}  // namespace
+
+const InterfaceDescription& broker_interface() {
+  static const InterfaceDescription description = [] {
+    InterfaceDescription broker;
+    broker.name = "gecos::Broker";
+    return broker;
+  }();
+  return description;
+}
+
+tl::expected<Entry, std::string> look_up(LabCore& lab, const std::string& name,
+                                         TimePoint deadline) {
+  const auto broker = lab.broker(deadline);
+  if (!broker) return tl::unexpected(broker.error());
+  const auto command = call_with_text(**broker, "lookup", name);
+  if (!command->wait_until(deadline)) return tl::unexpected(std::string("the broker did not answer in time"));
+  if (command->progress().detail == Detail::Done) {
+    Entry entry;
+    wire::Decoder from(command->result());
+    if (wire::get_block(from, entry, "entry")) return entry;
+    return tl::unexpected("the broker's answer does not decode: " + from.error().message());
+  }
+  const Failure& failure = command->failure();
+  if (const auto unknown = failure.as<UnknownName>()) {
+    return tl::unexpected("no object is called " + name + "; " + listed(unknown->known));
+  }
+  return tl::unexpected("the broker did not answer: " + failure.text);
+}
+
+tl::expected<void, NotEnlisted> enlist(LinkedSession& broker, const Entry& entry,
+                                       TimePoint deadline) {
+  const auto command = broker.call(
+      broker_operation("enlist"), block_size(entry),
+      [&](wire::Encoder& to) { put_block(to, entry); }, {});
+  if (!command->wait_until(deadline)) {
+    return tl::unexpected(NotEnlisted{false, "the broker did not answer in time"});
+  }
+  if (command->progress().detail == Detail::Done) return {};
+  const Failure& failure = command->failure();
+  if (const auto taken = failure.as<NameTaken>()) {
+    return tl::unexpected(
+        NotEnlisted{true, "the name " + taken->name + " is taken by " + taken->by});
+  }
+  return tl::unexpected(NotEnlisted{false, "the broker did not take it: " + failure.text});
+}
+
+void withdraw(LinkedSession& broker, const std::string& name) {
+  const auto command = call_with_text(broker, "withdraw", name);
+  command->wait_until(deadline_after(std::chrono::milliseconds(500)));
+}
+
+}  // namespace gecos::session

@@ -1,0 +1,116 @@
+#include "gecos/session/reserved.hpp"
+
+#include <ostream>
+
+#include "gecos/session/function_code.hpp"
+#include "gecos/session/packets.hpp"
+#include "gecos/session/reserved_codec.hpp"
+
+namespace gecos {
+namespace {
+
+using session::Reserved;
+
+std::shared_ptr<session::CommandCore> call_bare(const Object& object, Reserved which) {
+  return session_of(object)->call(session::reserved_operation(which), 0, [](wire::Encoder&) {}, {});
+}
+
+tl::expected<Lease, LeaseRefusal> acquire(const Object& object, Status wanted,
+                                          const std::string& password) {
+  const auto& session = session_of(object);
+  const std::size_t size = 4 + 1 + (password.empty() ? 0 : wire::string_size(password));
+  const auto command = session->call(
+      session::reserved_operation(Reserved::Acquire), size,
+      [&](wire::Encoder& to) {
+        to.put(static_cast<std::int32_t>(wanted));
+        to.put(!password.empty());
+        if (!password.empty()) to.put_string(password);
+      },
+      {});
+  command->wait_until(TimePoint::max());
+  if (command->progress().detail != Detail::Done) {
+    LeaseRefusal refusal{command->failure(), {}};
+    if (auto refused = refusal.failure.as<StatusRefused>()) {
+      refusal.holders = std::move(refused->holders);
+    }
+    return tl::unexpected(std::move(refusal));
+  }
+  Grant grant;
+  wire::Decoder from(command->result());
+  if (!wire::get_block(from, grant, "grant")) {
+    return tl::unexpected(LeaseRefusal{
+        {Detail::Fault, "the reply does not decode: " + from.error().message(), {}, {}}, {}});
+  }
+  session->hold(grant.epoch);
+  return Lease(session, grant);
+}
+
+void give_back(session::ClientSession& session, std::uint64_t epoch, bool now) {
+  static_cast<void>(session.call(
+      session::reserved_operation(Reserved::Release), 8 + 1,
+      [&](wire::Encoder& to) {
+        to.put(epoch);
+        to.put(now);
+      },
+      {}));
+}
+
+}  // namespace
+
+Lease::Lease(std::shared_ptr<session::ClientSession> session, Grant grant)
+    : session_(std::move(session)), grant_(grant) {}
+
+Lease& Lease::operator=(Lease&& other) noexcept {
+  if (this != &other) {
+    release();
+    session_ = std::move(other.session_);
+    grant_ = other.grant_;
+  }
+  return *this;
+}
+
+Lease::~Lease() { release(); }
+
+void Lease::release() {
+  if (const auto session = std::exchange(session_, nullptr)) {
+    give_back(*session, grant_.epoch, false);
+  }
+}
+
+void Lease::release_now() {
+  if (const auto session = std::exchange(session_, nullptr)) {
+    give_back(*session, grant_.epoch, true);
+  }
+}
+
+std::ostream& operator<<(std::ostream& out, const LeaseRefusal& refusal) {
+  return out << refusal.failure;
+}
+
+tl::expected<Lease, LeaseRefusal> actor(const Object& object, std::string password) {
+  return acquire(object, Status::ACTOR, password);
+}
+
+tl::expected<Lease, LeaseRefusal> master(const Object& object, std::string password) {
+  return acquire(object, Status::MASTER, password);
+}
+
+Command<void> stop(const Object& object) { return Command<void>(call_bare(object, Reserved::Stop)); }
+
+Command<void> ping(const Object& object) { return Command<void>(call_bare(object, Reserved::Ping)); }
+
+Command<Description> describe(const Object& object) {
+  return Command<Description>(call_bare(object, Reserved::Describe),
+                              [](wire::Decoder& from, Description& value) {
+                                return wire::get_block(from, value, "description");
+                              });
+}
+
+Command<std::vector<Holder>> holders(const Object& object) {
+  return Command<std::vector<Holder>>(call_bare(object, Reserved::Holders),
+                                      [](wire::Decoder& from, std::vector<Holder>& value) {
+                                        return session::get_blocks(from, value);
+                                      });
+}
+
+}  // namespace gecos

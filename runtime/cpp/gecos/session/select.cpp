@@ -1,0 +1,78 @@
+#include "gecos/session/select.hpp"
+
+#include <algorithm>
+
+#include "gecos/qos/match.hpp"
+
+namespace gecos::session {
+namespace {
+
+qos::LineOffer line_of(const media::Offer& offer) {
+  qos::LineOffer line;
+  line.name = media::to_string(offer.kind);
+  line.between_hosts = !offer.same_host_only;
+  line.reliable = true;  // where the medium loses packets the session repeats them
+  line.real_time = offer.real_time;
+  line.reports_death = offer.reports_death;
+  return line;
+}
+
+/// Why this medium does not lead from here to there; empty when it does.
+std::string out_of_reach(LabCore& lab, const Entry& entry, media::Kind kind) {
+  switch (kind) {
+    case media::Kind::Inproc:
+      return entry.boot == number(process_boot()) ? "" : "it is in another process";
+    case media::Kind::Shm:
+      return entry.host == lab.host_identity() ? "" : "it is on another host (" + entry.hostname + ")";
+    case media::Kind::Lcm: return "";
+  }
+  return "this program does not know it";
+}
+
+}  // namespace
+
+tl::expected<std::vector<std::string>, std::string> select(LabCore& lab, const Entry& entry,
+                                                           const qos::Quality& asked,
+                                                           std::optional<media::Kind> only) {
+  std::vector<std::string> addresses;
+  std::vector<qos::LineOffer> lines;
+  std::string reasons;
+  const auto pass_over = [&](std::string_view medium, const std::string& why) {
+    reasons += (reasons.empty() ? "" : "; ") + std::string(medium) + ": " + why;
+  };
+  for (const auto& address : entry.addresses) {
+    const std::string medium = address.substr(0, address.find(':'));
+    const auto kind = media::kind_from(medium);
+    if (!kind) {
+      pass_over(medium, "this program does not know this medium");
+      continue;
+    }
+    if (only && *kind != *only) continue;
+    if (const auto why = out_of_reach(lab, entry, *kind); !why.empty()) {
+      pass_over(medium, why);
+    } else if (const auto opened = lab.medium(*kind); !opened) {
+      pass_over(medium, opened.error().text);
+    } else {
+      addresses.push_back(address);
+      lines.push_back(line_of((*opened)->offer()));
+    }
+  }
+  if (addresses.empty()) {
+    const std::string asked_for = only ? " over " + std::string(media::to_string(*only)) : "";
+    return tl::unexpected("cannot be reached" + asked_for +
+                          (reasons.empty() ? ": its server does not offer it" : " (" + reasons + ")"));
+  }
+  // A simulated device has nothing that a late packet could hurt.
+  qos::Quality held_to = asked;
+  if (entry.simulated && held_to.line == qos::Class::HardRealtime) {
+    held_to.line = qos::Class::SoftRealtime;
+  }
+  if (const auto chosen = qos::choose(held_to, lines); !chosen) {
+    return tl::unexpected(chosen.error() + (reasons.empty() ? "" : "; " + reasons));
+  }
+  std::vector<std::string> ranked;
+  for (const std::size_t index : qos::rank(held_to, lines)) ranked.push_back(addresses[index]);
+  return ranked;
+}
+
+}  // namespace gecos::session

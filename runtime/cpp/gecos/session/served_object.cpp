@@ -1,0 +1,305 @@
+#include "gecos/session/served_object.hpp"
+
+#include <algorithm>
+
+#include "gecos/session/function_code.hpp"
+#include "gecos/session/packets.hpp"
+
+namespace gecos::session {
+
+ServedObject::ServedObject(std::shared_ptr<LabCore> lab, std::string name, Servant& servant,
+                           ObjectOptions options)
+    : lab_(std::move(lab)),
+      name_(std::move(name)),
+      servant_(servant),
+      interface_(servant.gecos_interface()),
+      options_(std::move(options)),
+      leases_(process_boot(), lab_->options().lease_ttl),
+      queue_(options_.thread_safe ? LaneThreads::Many : LaneThreads::One),
+      now_(lab_->clock().now()),
+      streams_(name_, interface_),
+      workers_("gecos-" + name_) {}
+
+// Running handlers
+
+void ServedObject::run_ready(Starter starter) {
+  for (;;) {
+    std::shared_ptr<ServerCall> call;
+    {
+      const Lock lock(mutex_);
+      ready_.store(false, std::memory_order_relaxed);
+      call = start_next();
+    }
+    if (!call) return;
+    if (starter == Starter::Other || runs_long(call->operation())) {
+      workers_.post([self = shared_from_this(), call] {
+        self->execute(call);
+        self->run_ready(Starter::Worker);
+      });
+    } else {
+      execute(call);
+    }
+  }
+}
+
+void ServedObject::execute(const std::shared_ptr<ServerCall>& call) {
+  servant_.gecos_dispatch(IncomingCall(call));
+  const Lock lock(mutex_);
+  call->returned = true;
+  queue_.returned(*call);
+  if (call->answered) {
+    finished(*call);
+  } else if (!call->terminal) {
+    open_.push_back(call);  // its handler answers later
+    call->session->report(*call, Detail::Executing, 0);
+  }
+  note_ready();
+}
+
+std::shared_ptr<ServerCall> ServedObject::start_next() {
+  while (auto ticket = queue_.next()) {
+    auto call = std::static_pointer_cast<ServerCall>(ticket);
+    leave_queue(*call);
+    if (starts_on_time(*call)) {
+      if (runs_long(call->operation())) {
+        open_.push_back(call);
+        call->session->report(*call, Detail::Executing, 0);
+      }
+      return call;
+    }
+    call->answered = call->returned = true;
+    queue_.returned(*call);
+    finished(*call);
+  }
+  return nullptr;
+}
+
+/// What was true when it was queued need not be true any more.
+bool ServedObject::starts_on_time(ServerCall& call) {
+  if (call.terminal) return false;
+  if (call.deadline != TimePoint::max() && lab_->clock().now() >= call.deadline) {
+    end(call, Failure{Detail::Expired,
+                      "the deadline of '" + std::string(call.operation().name) +
+                          "' passed before it started; it was not carried out", {}, {}});
+    return false;
+  }
+  if (call.operation().safety) return true;
+  const auto may = leases_.may_start(call.client, call.epoch, call.operation().status, now_);
+  if (may) return true;
+  const bool lost = may.error().reason == access::Denial::Reason::LeaseEnded;
+  end(call, Failure{lost ? Detail::LeaseLost : Detail::Denied,
+                    "'" + std::string(call.operation().name) + "' of " + name_ + ": " +
+                        may.error().text, {}, {}});
+  return false;
+}
+
+// Outcomes
+
+void ServedObject::answered(ServerCall& call, ByteView result) {
+  bool freed = false;
+  {
+    const Lock lock(mutex_);
+    if (std::exchange(call.answered, true)) return;
+    if (!call.terminal) end(call, result);
+    freed = call.returned;
+    if (freed) finished(call);
+  }
+  if (freed) run_ready(Starter::Other);
+}
+
+void ServedObject::answered(ServerCall& call, Failure failure) {
+  bool freed = false;
+  {
+    const Lock lock(mutex_);
+    if (std::exchange(call.answered, true)) return;
+    if (!call.terminal) {
+      if (failure.detail == Detail::Canceled) failure.text = "canceled while it was executing";
+      if (project(failure.detail) == State::Running || failure.detail == Detail::Done) {
+        failure.detail = Detail::Fault;
+      }
+      end(call, failure);
+    }
+    freed = call.returned;
+    if (freed) finished(call);
+  }
+  if (freed) run_ready(Starter::Other);
+}
+
+void ServedObject::end(ServerCall& call, ByteView result) {
+  call.terminal = true;
+  call.session->calls.take(call.counter);
+  call.session->reply(call, result);
+}
+
+void ServedObject::end(ServerCall& call, const Failure& failure) {
+  call.terminal = true;
+  call.session->calls.take(call.counter);
+  call.session->reply(call.counter, failure);
+}
+
+void ServedObject::leave_queue(ServerCall& call) {
+  open_.erase(std::remove_if(open_.begin(), open_.end(),
+                             [&](const auto& other) { return other.get() == &call; }),
+              open_.end());
+}
+
+/// Its handler has returned and answered: the lane is free, and a released status may have drained.
+void ServedObject::finished(ServerCall& call) {
+  queue_.ended(call);
+  leave_queue(call);
+  if (call.lane != Ticket::Place::Actor) return;
+  if (--call.session->commands == 0) leases_.drained(call.client);
+}
+
+void ServedObject::end_commands(const std::function<bool(const ServerCall&)>& which,
+                                const Failure& failure) {
+  const auto open = open_;
+  for (const auto& call : open) {
+    if (call->lane != Ticket::Place::Actor || !which(*call)) continue;
+    if (!call->started) {
+      queue_.remove(*call);
+      end(*call, failure);
+      call->answered = call->returned = true;
+      finished(*call);
+    } else {
+      call->interrupt();
+      if (!call->terminal) end(*call, failure);
+    }
+  }
+  note_ready();
+}
+
+void ServedObject::progressed(ServerCall& call, double fraction, ByteView feedback) {
+  const Lock lock(mutex_);
+  if (call.terminal) return;
+  call.fraction = fraction;
+  call.feedback.assign(feedback.begin(), feedback.end());
+  call.untold = true;
+  tell(call, lab_->clock().now());
+}
+
+void ServedObject::tell(ServerCall& call, TimePoint now) {
+  constexpr Duration between = std::chrono::milliseconds(2);
+  if (!call.untold || call.terminal || now < call.told + between) return;
+  const Detail detail = call.canceling ? Detail::Canceling : Detail::Executing;
+  if (!call.session->report(call, detail, 0)) return;
+  call.untold = false;
+  call.told = now;
+}
+
+void ServedObject::tell_positions() {
+  std::size_t position = queue_.running().size();
+  for (const auto& ticket : queue_.waiting()) {
+    auto& call = static_cast<ServerCall&>(*ticket);
+    if (call.told_position != position && call.session->report(call, Detail::Queued, position)) {
+      call.told_position = position;
+    }
+    ++position;
+  }
+}
+
+// Time and losses
+
+void ServedObject::tend(TimePoint now) {
+  const Lock lock(mutex_);
+  now_ = now;
+  for (const auto& holder : leases_.expire(now)) {
+    lose_status(holder.session, "its holder has been silent for " +
+                                    std::to_string(std::chrono::duration_cast<std::chrono::milliseconds>(
+                                                       lab_->options().lease_ttl)
+                                                       .count()) +
+                                    " ms");
+  }
+  const auto open = open_;
+  for (const auto& call : open) {
+    if (!call->terminal && now >= call->deadline) {
+      if (queue_.remove(*call)) {
+        end(*call, Failure{Detail::Expired,
+                           "the deadline of '" + std::string(call->operation().name) +
+                               "' passed before it started; it was not carried out", {}, {}});
+        call->answered = call->returned = true;
+        finished(*call);
+      } else {
+        call->interrupt();
+        end(*call, Failure{Detail::TimedOut,
+                           "the deadline of '" + std::string(call->operation().name) +
+                               "' passed while it was executing; it was told to stop", {}, {}});
+      }
+      note_ready();
+    }
+    tell(*call, now);
+  }
+  tell_positions();
+}
+
+bool ServedObject::judge_silence(const std::shared_ptr<ServerSession>& session, TimePoint now) {
+  const Lock lock(mutex_);
+  const auto beats = session->link().beats_seen();
+  if (beats != session->beats_judged || session->last_sign == TimePoint{}) {
+    session->beats_judged = beats;
+    session->last_sign = now;
+    leases_.renew(session->id(), now);
+    return false;
+  }
+  return now - session->last_sign >= lab_->options().lease_ttl + lab_->options().grace;
+}
+
+void ServedObject::depart(const std::shared_ptr<ServerSession>& session, Departure how) {
+  {
+    const Lock lock(mutex_);
+    if (std::exchange(session->departed, true)) return;
+    if (how == Departure::InOrder || session->left) {
+      give_back_all(*session);
+    } else if (leases_.lose(session->id())) {
+      lose_status(session->id(), "its holder (" + session->caller().program + ", pid " +
+                                     std::to_string(session->caller().pid) + ") is gone");
+    }
+    session->subscriptions.clear();
+  }
+  if (session->greeted()) servant_.gecos_session_ended(number(session->id()));
+}
+
+void ServedObject::lose_status(SessionId session, const std::string& why) {
+  const Failure failure{Detail::LeaseLost, "the status under which it was issued ended: " + why,
+                        {}, {}};
+  end_commands(
+      [&](const ServerCall& call) {
+        return call.client == session && call.operation().status != access::Status::Sensor &&
+               !(call.started && call.operation().on_loss == OnLoss::Finish);
+      },
+      failure);
+}
+
+void ServedObject::give_back_all(ServerSession& session) {
+  using Commands = access::LeaseTable::Commands;
+  while (leases_.status_of(session.id()) != access::Status::Sensor &&
+         !leases_.releasing(session.id())) {
+    leases_.release(session.id(), leases_.epoch(),
+                    session.commands != 0 ? Commands::Pending : Commands::None);
+  }
+}
+
+void ServedObject::close() {
+  const Lock lock(mutex_);
+  closed_ = true;
+  const Failure failure{Detail::Stopped, "the server withdrew " + name_, {}, {}};
+  end_commands([](const ServerCall&) { return true; }, failure);
+  for (const auto& ticket : queue_.drop()) {
+    auto& call = static_cast<ServerCall&>(*ticket);
+    end(call, failure);
+    call.answered = call.returned = true;
+    finished(call);
+  }
+  const auto open = open_;  // what is left reads, and is answered later
+  for (const auto& call : open) {
+    call->interrupt();
+    if (!call->terminal) end(*call, failure);
+  }
+}
+
+void ServedObject::publish(const StreamDescription& stream, ByteView sample,
+                           std::int64_t stamp_ns) {
+  streams_.publish(stream, sample, stamp_ns);
+}
+
+}  // namespace gecos::session

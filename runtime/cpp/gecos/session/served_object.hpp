@@ -1,0 +1,126 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "gecos/access/lease_table.hpp"
+#include "gecos/session/handshake.hpp"
+#include "gecos/session/lab_core.hpp"
+#include "gecos/session/object_queue.hpp"
+#include "gecos/session/object_streams.hpp"
+#include "gecos/session/server.hpp"
+#include "gecos/session/server_session.hpp"
+#include "gecos/session/worker_pool.hpp"
+
+namespace gecos::session {
+
+/// Which thread asks for calls to be started.
+enum class Starter : std::uint8_t {
+  Poller,  ///< runs short handlers itself
+  Worker,  ///< likewise
+  Other,   ///< runs none: a thread of the user, or housekeeping
+};
+
+/// One object of a server: admits calls, keeps its leases, queues commands, runs handlers, answers.
+/// Every call that was taken is answered exactly once, by its handler or by what ended it.
+class ServedObject final : public Publisher, public std::enable_shared_from_this<ServedObject> {
+ public:
+  ServedObject(std::shared_ptr<LabCore> lab, std::string name, Servant& servant,
+               ObjectOptions options);
+
+  const std::string& name() const { return name_; }
+  const InterfaceDescription& interface() const { return interface_; }
+  const ObjectOptions& options() const { return options_; }
+
+  // The poller.
+  /// Takes one packet of `session`. Handlers that it makes ready run in `run_ready`.
+  void take(const std::shared_ptr<ServerSession>& session, ByteView packet);
+  void run_ready(Starter starter);
+  /// True when `run_ready` may have something to do; a hint that spares the lock.
+  bool ready() const { return ready_.load(std::memory_order_acquire); }
+
+  // Any thread.
+  /// The link is gone. In order: its commands go on, its status drains.
+  enum class Departure : std::uint8_t { InOrder, Lost };
+  void depart(const std::shared_ptr<ServerSession>& session, Departure how);
+  /// Heartbeat seen from it, or not, judged every tick. True: silent for so long that it ends.
+  bool judge_silence(const std::shared_ptr<ServerSession>& session, TimePoint now);
+  /// Deadlines, leases, progress that waits to be told. On the housekeeping thread.
+  void tend(TimePoint now);
+
+  void answered(ServerCall& call, ByteView result);
+  void answered(ServerCall& call, Failure failure);
+  void progressed(ServerCall& call, double fraction, ByteView feedback);
+  void publish(const StreamDescription& stream, ByteView sample, std::int64_t stamp_ns) override;
+  ObjectStreams& streams() { return streams_; }
+
+  /// Ends all calls as STOPPED and takes no more.
+  void close();
+  /// Waits until the handlers have returned. @pre closed, and not in one of them
+  void join() { workers_.join(); }
+
+ private:
+  using Lock = std::lock_guard<std::mutex>;
+
+  // Packets; with the mutex.
+  void greet(const std::shared_ptr<ServerSession>& session, const wire::PacketView& packet);
+  void arrive(const std::shared_ptr<ServerSession>& session, const wire::PacketView& packet);
+  void admit(const std::shared_ptr<ServerSession>& session, const wire::PacketView& packet,
+             const OperationDescription& operation);
+  void answer_again(ServerSession& session, std::uint64_t counter);
+  void cancel(ServerSession& session, std::uint64_t counter);
+  void say_goodbye(ServerSession& session, SessionId to, const std::string& why);
+
+  // Reserved operations; with the mutex.
+  void answer_reserved(const std::shared_ptr<ServerSession>& session,
+                       const wire::PacketView& packet);
+  void holders(ServerSession& session, std::uint64_t counter);
+  void describe(ServerSession& session, std::uint64_t counter);
+  void acquire(ServerSession& session, std::uint64_t counter, wire::Decoder& from);
+  void release(ServerSession& session, std::uint64_t counter, wire::Decoder& from);
+  void subscribe(ServerSession& session, std::uint64_t counter, wire::Decoder& from);
+  void unsubscribe(ServerSession& session, std::uint64_t counter, wire::Decoder& from);
+  void stop(ServerSession& by, std::uint64_t counter);
+
+  // Life of calls; with the mutex.
+  std::shared_ptr<ServerCall> start_next();
+  bool starts_on_time(ServerCall& call);
+  void end(ServerCall& call, const Failure& failure);
+  void end(ServerCall& call, ByteView result);
+  void leave_queue(ServerCall& call);
+  void finished(ServerCall& call);
+  void preempt(const ServerCall& by);
+  /// Ends those of the actor commands that `which` picks: drops the waiting, interrupts the running.
+  void end_commands(const std::function<bool(const ServerCall&)>& which, const Failure& failure);
+  void lose_status(SessionId session, const std::string& why);
+  void give_back_all(ServerSession& session);
+  void tell_positions();
+  void tell(ServerCall& call, TimePoint now);
+  void note_ready() { ready_.store(true, std::memory_order_release); }
+
+  void execute(const std::shared_ptr<ServerCall>& call);
+  bool runs_long(const OperationDescription& operation) const {
+    return operation.cancelable || options_.blocking;
+  }
+
+  const std::shared_ptr<LabCore> lab_;
+  const std::string name_;
+  Servant& servant_;
+  const InterfaceDescription& interface_;
+  const ObjectOptions options_;
+
+  std::mutex mutex_;
+  access::LeaseTable leases_;
+  ObjectQueue queue_;
+  std::vector<std::shared_ptr<ServerCall>> open_;  ///< commands that queue or run long
+  TimePoint now_;                                  ///< of the last tick: good enough for leases
+  bool closed_ = false;
+  std::atomic<bool> ready_{false};  // a hint: something was queued or ended since it was last looked
+  ObjectStreams streams_;
+  WorkerPool workers_;  ///< last: its threads end first
+};
+
+}  // namespace gecos::session

@@ -1,0 +1,221 @@
+// What a served object does with the packets of its clients.
+#include <pwd.h>
+#include <sys/random.h>
+
+#include "gecos/session/function_code.hpp"
+#include "gecos/session/packets.hpp"
+#include "gecos/session/served_object.hpp"
+
+namespace gecos::session {
+namespace {
+
+SessionId new_session_id() {
+  std::uint64_t id = 0;
+  while (id == 0) {
+    if (getrandom(&id, sizeof id, 0) != sizeof id) id = 0;
+  }
+  return SessionId{id};
+}
+
+/// The kernel's word counts more than the client's.
+std::string user_of(const media::Peer& peer, const std::string& claimed) {
+  if (!peer.uid) return claimed;
+  passwd entry{};
+  passwd* found = nullptr;
+  char text[4096];
+  if (getpwuid_r(*peer.uid, &entry, text, sizeof text, &found) != 0 || found == nullptr) {
+    return "uid " + std::to_string(*peer.uid);
+  }
+  return entry.pw_name;
+}
+
+}  // namespace
+
+void ServedObject::take(const std::shared_ptr<ServerSession>& session, ByteView bytes) {
+  const auto packet = wire::decode_packet(bytes);
+  if (!packet) return;
+  const auto& header = packet->header;
+  const Lock lock(mutex_);
+  if (header.kind == wire::PacketKind::Hello) return greet(session, *packet);
+  const bool theirs = session->greeted() && header.session == session->id();
+  if (header.kind == wire::PacketKind::Goodbye) {
+    session->left = true;
+    if (theirs) give_back_all(*session);
+    return say_goodbye(*session, header.session, "as you asked");
+  }
+  if (!theirs) return say_goodbye(*session, header.session, "it is not known here");
+
+  if (session->repeats()) session->replies.acknowledged(header.acknowledged);
+  switch (header.kind) {
+    case wire::PacketKind::Call: return arrive(session, *packet);
+    case wire::PacketKind::Cancel: return cancel(*session, header.counter);
+    case wire::PacketKind::Query: return answer_again(*session, header.counter);
+    default: return;  // a newer client's
+  }
+}
+
+void ServedObject::greet(const std::shared_ptr<ServerSession>& session,
+                         const wire::PacketView& packet) {
+  const auto hello = wire::from_bytes<Hello>(packet.body);
+  wire::PacketHeader header;
+  const auto refuse = [&](const std::string& why) {
+    header.kind = wire::PacketKind::Refused;
+    header.flags = static_cast<std::int8_t>(Detail::Refused);
+    const FailureBody body{why, {}, {}};
+    session->send(header, wire::to_bytes(body));
+  };
+  if (packet.header.version != wire::packet_version) {
+    return refuse("this server speaks version " + std::to_string(wire::packet_version) +
+                  " of the session protocol and the client " +
+                  std::to_string(packet.header.version) + "; update the older one");
+  }
+  if (!hello) return refuse("the greeting does not decode: " + hello.error().message());
+  if (closed_) return refuse("the server is about to end");
+  if (!interface_.is_a(hello->interface_name)) {
+    return refuse(name_ + " is a " + std::string(interface_.name) + ", not a " +
+                  hello->interface_name);
+  }
+  if (!session->greeted()) {
+    Caller caller;
+    caller.user = user_of(session->link().peer(), hello->user);
+    caller.host = hello->host;
+    caller.program = hello->program;
+    caller.pid = session->link().peer().pid.value_or(hello->pid);
+    const SessionId id = new_session_id();
+    caller.session = number(id);
+    session->greet(id, std::move(caller));
+    session->last_sign = now_;
+  }
+  Welcome welcome{name_, std::string(interface_.name), {}, interface_.hash,
+                  number(process_boot()), static_cast<std::uint32_t>(ObjectQueue::most_of_object)};
+  welcome.bases.assign(interface_.bases.begin(), interface_.bases.end());
+  header.kind = wire::PacketKind::Welcome;
+  session->send(header, wire::to_bytes(welcome));
+}
+
+void ServedObject::say_goodbye(ServerSession& session, SessionId to, const std::string& why) {
+  wire::PacketHeader header;
+  header.kind = wire::PacketKind::Goodbye;
+  header.session = to;
+  Bytes body(wire::string_size(why));
+  wire::Encoder(body).put_string(why);
+  session.send(header, body);
+}
+
+void ServedObject::arrive(const std::shared_ptr<ServerSession>& session,
+                          const wire::PacketView& packet) {
+  const std::uint64_t counter = packet.header.counter;
+  if (session->repeats()) {
+    switch (session->window.arrived(counter)) {
+      case DuplicateWindow::Verdict::New: break;
+      case DuplicateWindow::Verdict::Seen: return answer_again(*session, counter);
+      case DuplicateWindow::Verdict::Beyond:
+        return session->reply(counter, Failure{Detail::Rejected,
+                                               "too many calls are missing before this one", {}, {}});
+    }
+  }
+  const FunctionCode code = packet.header.code;
+  if (number(code) <= last_reserved_code) return answer_reserved(session, packet);
+  const OperationDescription* operation = interface_.find(code);
+  if (operation == nullptr) {
+    return session->reply(counter,
+                          Failure{Detail::UnknownOperation,
+                                  name_ + " (" + std::string(interface_.name) + ", version " +
+                                      std::string(interface_.version) +
+                                      ") has no operation with code " +
+                                      std::to_string(number(code)) +
+                                      "; its server is older than this client's interface", {}, {}});
+  }
+  admit(session, packet, *operation);
+}
+
+void ServedObject::admit(const std::shared_ptr<ServerSession>& session,
+                         const wire::PacketView& packet, const OperationDescription& operation) {
+  const auto refuse = [&](Detail detail, const std::string& why) {
+    session->reply(packet.header.counter,
+                   Failure{detail, "'" + std::string(operation.name) + "' of " + name_ + " " + why,
+                           {}, {}});
+  };
+  if (closed_) return refuse(Detail::Rejected, "was not started: the server is about to end");
+  if (!operation.safety) {
+    const auto may =
+        leases_.may_queue(session->id(), packet.header.epoch, operation.status, now_);
+    if (!may) {
+      const bool lost = may.error().reason == access::Denial::Reason::LeaseEnded;
+      return refuse(lost ? Detail::LeaseLost : Detail::Denied, may.error().text);
+    }
+  }
+  if (operation.on_new == OnNew::Reject && !queue_.running().empty()) {
+    return refuse(Detail::Rejected, "was not started: another command runs");
+  }
+  auto call = std::make_shared<ServerCall>(shared_from_this(), session, operation,
+                                           packet.header.counter, packet.header.epoch, packet.body);
+  if (packet.header.deadline > Duration{}) {
+    call->deadline = lab_->clock().now() + packet.header.deadline;
+  }
+  if (operation.on_new == OnNew::Preempt) preempt(*call);
+  if (const auto queued = queue_.push(call); !queued) {
+    const bool client = queued.error() == ObjectQueue::Full::Client;
+    return refuse(Detail::QueueFull, "was not queued: " +
+                                         std::to_string(client ? ObjectQueue::most_of_client
+                                                               : ObjectQueue::most_of_object) +
+                                         " calls of " + (client ? "this client" : "all clients") +
+                                         " wait already");
+  }
+  session->calls.insert(call->counter, call);
+  if (call->lane == Ticket::Place::Actor) {
+    ++session->commands;
+    const auto position = queue_.position(*call).value_or(0);
+    if (position != 0 || session->repeats() || runs_long(operation)) {
+      call->told_position = position;
+      if (position != 0) session->report(*call, Detail::Queued, position);
+    }
+  }
+  if (call->lane == Ticket::Place::Actor || call->deadline != TimePoint::max()) {
+    open_.push_back(call);
+  }
+  note_ready();
+}
+
+void ServedObject::preempt(const ServerCall& by) {
+  const Failure failure{Detail::Preempted,
+                        "replaced by '" + std::string(by.operation().name) + "' of " +
+                            by.caller().program + " (pid " + std::to_string(by.caller().pid) + ")",
+                        {}, {}};
+  end_commands([](const ServerCall&) { return true; }, failure);
+}
+
+void ServedObject::answer_again(ServerSession& session, std::uint64_t counter) {
+  if (const Bytes* kept = session.replies.find(counter)) return session.send_again(*kept);
+  const auto* found = session.calls.find(counter);
+  if (found == nullptr) return;  // acknowledged, or never seen: its call is on the way again
+  const ServerCall& call = **found;
+  const Detail detail = call.canceling ? Detail::Canceling
+                        : call.started ? Detail::Executing
+                                       : Detail::Queued;
+  session.report(call, detail, queue_.position(call).value_or(0));
+}
+
+void ServedObject::cancel(ServerSession& session, std::uint64_t counter) {
+  const auto* found = session.calls.find(counter);
+  if (found == nullptr) return;
+  const std::shared_ptr<ServerCall> call = *found;
+  const bool motion = call->started && call->operation().cancelable;
+  if (motion && !call->canceling) {
+    call->canceling = true;
+    call->interrupt();
+    session.report(*call, Detail::Canceling, 0);
+    end_commands(
+        [&](const ServerCall& other) {
+          return other.client == call->client && !other.started && other.counter > call->counter;
+        },
+        Failure{Detail::Canceled, "canceled with the command before it", {}, {}});
+  } else if (!call->started && queue_.remove(*call)) {
+    end(*call, Failure{Detail::Canceled, "canceled before it started", {}, {}});
+    call->answered = call->returned = true;
+    finished(*call);
+    note_ready();
+  }
+}
+
+}  // namespace gecos::session

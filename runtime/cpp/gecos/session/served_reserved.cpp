@@ -1,0 +1,190 @@
+// What every object answers, whatever its interface says: gecos::GecosObject.
+#include <unistd.h>
+
+#include <algorithm>
+
+#include "gecos/session/function_code.hpp"
+#include "gecos/session/packets.hpp"
+#include "gecos/session/reserved_codec.hpp"
+#include "gecos/session/served_object.hpp"
+
+namespace gecos::session {
+namespace {
+
+double seconds(Duration duration) { return std::chrono::duration<double>(duration).count(); }
+
+std::string cut(std::string text, std::size_t longest) {
+  while (text.size() > longest) text.pop_back();
+  while (!wire::valid_utf8(text)) text.pop_back();
+  return text;
+}
+
+Holder shown(const access::Holder& holder, TimePoint now) {
+  Holder line;
+  line.status = status_of(holder.status);
+  line.user = cut(holder.client.user, 64);
+  line.host = cut(holder.client.host, 64);
+  line.program = cut(holder.client.program, 128);
+  line.pid = holder.client.pid;
+  line.held_for = seconds(now - holder.since);
+  line.expires_in = std::max(0.0, seconds(holder.expires - now));
+  line.releasing = holder.releasing;
+  return line;
+}
+
+std::vector<Holder> shown(const std::vector<access::Holder>& roster, TimePoint now) {
+  std::vector<Holder> lines;
+  for (const auto& holder : roster) lines.push_back(shown(holder, now));
+  return lines;
+}
+
+Failure undecodable(const wire::Decoder& from) {
+  return {Detail::BadParameter, from.error().message(), {}, {}};
+}
+
+std::string who(const Caller& caller) {
+  return caller.user + " on " + caller.host + " (" + caller.program + ", pid " +
+         std::to_string(caller.pid) + ")";
+}
+
+}  // namespace
+
+void ServedObject::answer_reserved(const std::shared_ptr<ServerSession>& session,
+                                   const wire::PacketView& packet) {
+  const std::uint64_t counter = packet.header.counter;
+  wire::Decoder from(packet.body);
+  switch (static_cast<Reserved>(number(packet.header.code))) {
+    case Reserved::Holders: return holders(*session, counter);
+    case Reserved::Stop: return stop(*session, counter);
+    case Reserved::Ping: return session->reply(counter, ByteView{});
+    case Reserved::Describe: return describe(*session, counter);
+    case Reserved::Acquire: return acquire(*session, counter, from);
+    case Reserved::Release: return release(*session, counter, from);
+    case Reserved::Subscribe: return subscribe(*session, counter, from);
+    case Reserved::Unsubscribe: return unsubscribe(*session, counter, from);
+  }
+  session->reply(counter, Failure{Detail::UnknownOperation,
+                                  "reserved code " + std::to_string(number(packet.header.code)) +
+                                      " is newer than this server", {}, {}});
+}
+
+void ServedObject::holders(ServerSession& session, std::uint64_t counter) {
+  session.reply(counter, blocks_bytes(shown(leases_.roster(), lab_->clock().now())));
+}
+
+void ServedObject::describe(ServerSession& session, std::uint64_t counter) {
+  Description about;
+  about.name = name_;
+  about.interface_name = interface_.name;
+  about.version = interface_.version;
+  about.interface_hash = interface_.hash;
+  about.simulated = options_.simulated;
+  about.presence = options_.simulated ? "not required (simulated)" : "not checked yet";
+  about.authentication = session.link().offer().authenticated
+                             ? "by the kernel: " + session.link().peer().description
+                             : "not authenticated";
+  about.epoch = number(leases_.epoch());
+  about.queued = static_cast<std::uint32_t>(queue_.waiting().size());
+  if (!queue_.running().empty()) about.executing = queue_.running().front()->operation.name;
+  about.pid = getpid();
+  session.reply(counter, block_bytes(about));
+}
+
+void ServedObject::acquire(ServerSession& session, std::uint64_t counter, wire::Decoder& from) {
+  Status wanted{};
+  std::optional<std::string> password;
+  const bool read =
+      decode_enum(from, wanted, "wanted") &&
+      (from.at_end() || wire::get_optional(from, password, "password", [&](std::string& text) {
+         return from.get_string(text, 1024, "password");
+       }));
+  if (!read) return session.reply(counter, undecodable(from));
+  if (status_of(wanted) == access::Status::Sensor) {
+    return session.reply(counter, Failure{Detail::BadParameter,
+                                          "sensor status is everybody's: acquire actor or master",
+                                          {}, {}});
+  }
+  const TimePoint now = lab_->clock().now();
+  auto granted = leases_.acquire(session.id(), session.client(), status_of(wanted),
+                                 access::plain_proof(password.value_or("")), now);
+  if (granted) {
+    return session.reply(counter,
+                         block_bytes(Grant{status_of(granted->status), number(granted->epoch)}));
+  }
+  StatusRefused refused;
+  refused.reason = name_ + ": " + granted.error().text;
+  refused.holders = shown(granted.error().holders, now);
+  session.reply(counter, Failure{Detail::Fault, refused.reason,
+                                 std::string(StatusRefused::type_name()), wire::to_bytes(refused)});
+}
+
+void ServedObject::release(ServerSession& session, std::uint64_t counter, wire::Decoder& from) {
+  using Commands = access::LeaseTable::Commands;
+  std::uint64_t epoch = 0;
+  bool now = false;
+  if (!from.get(epoch, "epoch") || !from.get(now, "now")) {
+    return session.reply(counter, undecodable(from));
+  }
+  for (auto at = session.renewed.find(epoch); at != session.renewed.end();
+       at = session.renewed.find(epoch)) {
+    epoch = at->second;
+  }
+  if (now && Epoch{epoch} == leases_.epoch() &&
+      leases_.status_of(session.id()) != access::Status::Sensor) {
+    end_commands([&](const ServerCall& call) { return call.client == session.id(); },
+                 Failure{Detail::Stopped, "its caller gave the status back at once", {}, {}});
+  }
+  leases_.release(session.id(), Epoch{epoch},
+                  session.commands != 0 && !now ? Commands::Pending : Commands::None);
+  session.reply(counter, ByteView{});
+}
+
+/// Acted on here, whatever a handler is doing: status, queue and interruption are the session's.
+void ServedObject::stop(ServerSession& by, std::uint64_t counter) {
+  const Epoch before = leases_.epoch();
+  leases_.stop(by.id());
+  const bool still_holds = leases_.status_of(by.id()) != access::Status::Sensor;
+  if (still_holds) by.renewed[number(before)] = number(leases_.epoch());
+  end_commands([](const ServerCall&) { return true; },
+               Failure{Detail::Stopped, "stopped by " + who(by.caller()), {}, {}});
+  if (options_.on_stop) lab_->housekeeping().post(options_.on_stop);
+  by.reply(counter, ByteView{}, still_holds ? leases_.epoch() : Epoch{});
+}
+
+void ServedObject::subscribe(ServerSession& session, std::uint64_t counter, wire::Decoder& from) {
+  std::uint32_t code = 0;
+  if (!from.get(code, "code")) return session.reply(counter, undecodable(from));
+  const StreamDescription* stream = interface_.find_stream(FunctionCode{code});
+  if (stream == nullptr) {
+    return session.reply(counter, Failure{Detail::UnknownOperation,
+                                          name_ + " (" + std::string(interface_.name) +
+                                              ") has no stream with code " + std::to_string(code),
+                                          {}, {}});
+  }
+  const auto may = leases_.may_queue(session.id(), leases_.epoch(), stream->status, now_);
+  if (!may) {
+    return session.reply(counter, Failure{Detail::Denied,
+                                          "stream '" + std::string(stream->name) + "' of " + name_ +
+                                              " " + may.error().text, {}, {}});
+  }
+  const auto shared = session.share(*stream);
+  if (!shared) return session.reply(counter, Failure{Detail::Rejected, shared.error(), {}, {}});
+  session.subscriptions[stream->code] = *shared;
+  Bytes result(sizeof *shared);
+  wire::Encoder(result).put(*shared);
+  session.reply(counter, result);
+}
+
+void ServedObject::unsubscribe(ServerSession& session, std::uint64_t counter,
+                               wire::Decoder& from) {
+  std::uint32_t code = 0;
+  if (!from.get(code, "code")) return session.reply(counter, undecodable(from));
+  const auto found = session.subscriptions.find(FunctionCode{code});
+  if (found != session.subscriptions.end()) {
+    session.unshare(found->second);
+    session.subscriptions.erase(found);
+  }
+  session.reply(counter, ByteView{});
+}
+
+}  // namespace gecos::session

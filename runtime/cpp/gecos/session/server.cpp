@@ -1,0 +1,159 @@
+#include "gecos/session/server.hpp"
+
+#include <signal.h>
+
+#include <atomic>
+#include <mutex>
+
+#include "gecos/base/log.hpp"
+#include "gecos/session/io_loop.hpp"
+#include "gecos/session/lab_core.hpp"
+#include "gecos/session/registrar.hpp"
+#include "gecos/session/served_object.hpp"
+#include "gecos/session/signal_descriptor.hpp"
+
+namespace gecos {
+
+using session::LabCore;
+using session::ServedObject;
+
+class Server::Core {
+ public:
+  explicit Core(std::shared_ptr<LabCore> lab)
+      : lab_(std::move(lab)), io_(lab_), registrar_(lab_), upkeep_(std::make_shared<Upkeep>(*this)) {
+    lab_->housekeeping().tend(upkeep_);
+  }
+  ~Core();
+
+  tl::expected<void, ServeError> add(std::string name, Servant& servant, ObjectOptions options);
+  void run();
+  void shut_down();
+
+ private:
+  /// What housekeeping holds: it lets go of the server before the server's parts end.
+  struct Upkeep final : session::Tended {
+    explicit Upkeep(Core& its_core) : core(&its_core) {}
+    void tend(TimePoint now) override;
+    std::mutex mutex;
+    Core* core;  ///< null once the server ends
+  };
+
+  struct Opened {
+    std::vector<std::shared_ptr<media::Acceptor>> acceptors;
+    std::vector<std::string> addresses;
+  };
+  tl::expected<Opened, ServeError> open_places(const std::string& name,
+                                               const ObjectOptions& options);
+
+  const std::shared_ptr<LabCore> lab_;
+  std::mutex mutex_;
+  std::vector<std::shared_ptr<ServedObject>> objects_;
+  session::IoLoop io_;
+  session::Registrar registrar_;
+  session::Wakeup ended_;
+  std::shared_ptr<Upkeep> upkeep_;
+};
+
+void Server::Core::Upkeep::tend(TimePoint now) {
+  const std::lock_guard lock(mutex);
+  if (core == nullptr) return;
+  core->io_.tend(now);
+  core->registrar_.look();
+  const std::lock_guard objects(core->mutex_);
+  for (const auto& object : core->objects_) object->tend(now);
+}
+
+Server::Core::~Core() {
+  registrar_.end();
+  const std::lock_guard objects(mutex_);
+  for (const auto& object : objects_) object->close();
+  {
+    const std::lock_guard lock(upkeep_->mutex);
+    upkeep_->core = nullptr;
+  }
+  for (const auto& object : objects_) object->join();
+  io_.end();
+  for (const auto& object : objects_) object->streams().close();
+}
+
+tl::expected<Server::Core::Opened, ServeError> Server::Core::open_places(
+    const std::string& name, const ObjectOptions& options) {
+  auto kinds = options.media;
+  if (kinds.empty()) kinds = {media::Kind::Inproc, media::Kind::Shm, media::Kind::Lcm};
+  Opened opened;
+  std::string failed;
+  for (const media::Kind kind : kinds) {
+    auto acceptor = [&]() -> tl::expected<std::unique_ptr<media::Acceptor>, media::MediumError> {
+      const auto medium = lab_->medium(kind);
+      if (!medium) return tl::unexpected(medium.error());
+      return (*medium)->listen(name, options.well_known);
+    }();
+    if (acceptor) {
+      opened.addresses.push_back((*acceptor)->address());
+      opened.acceptors.push_back(std::move(*acceptor));
+      continue;
+    }
+    const std::string why =
+        name + " is not served over " + std::string(media::to_string(kind)) + ": " +
+        acceptor.error().text;
+    if (!options.media.empty() || options.well_known) return tl::unexpected(ServeError{why});
+    log_warning("session", why);
+    failed += (failed.empty() ? "" : "; ") + why;
+  }
+  if (opened.acceptors.empty()) return tl::unexpected(ServeError{failed});
+  return opened;
+}
+
+tl::expected<void, ServeError> Server::Core::add(std::string name, Servant& servant,
+                                                 ObjectOptions options) {
+  const bool well_known = options.well_known;
+  auto opened = open_places(name, options);
+  if (!opened) return tl::unexpected(opened.error());
+  auto object = std::make_shared<ServedObject>(lab_, name, servant, std::move(options));
+  servant.gecos_attach(object);
+  for (auto& acceptor : opened->acceptors) io_.serve(object, std::move(acceptor));
+  {
+    const std::lock_guard lock(mutex_);
+    objects_.push_back(object);
+  }
+  if (well_known) return {};
+  if (auto enlisted = registrar_.add(*object, std::move(opened->addresses)); !enlisted) {
+    io_.withdraw(*object);
+    object->close();
+    object->streams().close();
+    const std::lock_guard lock(mutex_);
+    objects_.pop_back();
+    return tl::unexpected(ServeError{enlisted.error()});
+  }
+  return {};
+}
+
+void Server::Core::run() {
+  sigset_t asked;
+  sigemptyset(&asked);
+  sigaddset(&asked, SIGINT);
+  sigaddset(&asked, SIGTERM);
+  sigset_t before;
+  pthread_sigmask(SIG_BLOCK, &asked, &before);
+  const session::SignalDescriptor signals(asked);
+  const int descriptors[] = {signals.descriptor(), ended_.descriptor()};
+  while (media::sleep_on(descriptors, TimePoint::max()) == media::Wake::Interrupted) {
+  }
+  signals.take();
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+}
+
+void Server::Core::shut_down() { ended_.ring(); }
+
+Server::Server(Lab& lab)
+    : core_(std::make_unique<Core>(lab.core().shared_from_this())) {}
+Server::~Server() = default;
+
+tl::expected<void, ServeError> Server::add(std::string name, Servant& servant,
+                                           ObjectOptions options) {
+  return core_->add(std::move(name), servant, std::move(options));
+}
+void Server::run() { core_->run(); }
+void Server::shut_down() { core_->shut_down(); }
+
+}  // namespace gecos

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+
+#include "gecos/session/object_queue.hpp"
+#include "gecos/session/servant.hpp"
+
+namespace gecos::session {
+
+class ServedObject;
+class ServerSession;
+
+/// One call at the server, from its arrival until it is answered and its handler has returned.
+class ServerCall final : public CallCore,
+                         public Ticket,
+                         public std::enable_shared_from_this<ServerCall> {
+ public:
+  ServerCall(std::shared_ptr<ServedObject> object, std::shared_ptr<ServerSession> session,
+             const OperationDescription& operation, std::uint64_t counter, Epoch epoch,
+             ByteView arguments);
+
+  const OperationDescription& operation() const override { return Ticket::operation; }
+  ByteView arguments() const override { return arguments_; }
+  const Caller& caller() const override;
+  bool interrupted() const override { return interrupted_.load(std::memory_order_acquire); }
+  bool wait_interrupted_until(TimePoint deadline) override;
+  void progress(double fraction, ByteView feedback) override;
+  void finish(ByteView result) override;
+  void fail(Failure failure) override;
+
+  void interrupt();
+
+  const std::shared_ptr<ServedObject> object;
+  const std::shared_ptr<ServerSession> session;
+  const std::uint64_t counter;
+  const Epoch epoch;
+
+  // Guarded by the object's mutex.
+  TimePoint deadline = TimePoint::max();
+  bool terminal = false;   ///< the caller has its outcome
+  bool answered = false;   ///< the handler has given its answer, heard or not
+  bool returned = false;   ///< the handler's thread came back
+  bool canceling = false;
+  double fraction = 0;
+  Bytes feedback;
+  bool untold = false;     ///< progress that the caller does not know yet
+  TimePoint told{};
+  std::size_t told_position = 0;
+
+ private:
+  const Bytes arguments_;
+  std::atomic<bool> interrupted_{false};  // publishes nothing but itself
+  std::mutex mutex_;
+  std::condition_variable woken_;
+};
+
+}  // namespace gecos::session

@@ -1,0 +1,104 @@
+#include "gecos/session/server_session.hpp"
+
+#include "gecos/session/handshake.hpp"
+#include "gecos/session/packets.hpp"
+#include "gecos/session/served_object.hpp"
+
+namespace gecos::session {
+namespace {
+
+wire::PacketHeader reply_to(std::uint64_t counter) {
+  wire::PacketHeader header;
+  header.kind = wire::PacketKind::Reply;
+  header.flags = static_cast<std::int8_t>(Detail::Done);
+  header.counter = counter;
+  return header;
+}
+
+}  // namespace
+
+ServerSession::ServerSession(std::unique_ptr<media::Link> link,
+                             std::shared_ptr<ServedObject> object)
+    : link_(std::move(link)), object_(std::move(object)), repeats_(!link_->offer().reliable) {}
+
+void ServerSession::send(wire::PacketHeader header, ByteView body) {
+  const std::lock_guard lock(send_mutex_);
+  if (header.session == SessionId{}) header.session = id_;
+  write_packet(packet_, header, body);
+  deliver(packet_);
+}
+
+void ServerSession::reply(const ServerCall& call, ByteView result) { reply(call.counter, result); }
+
+void ServerSession::reply(std::uint64_t counter, ByteView result, Epoch epoch) {
+  const std::lock_guard lock(send_mutex_);
+  auto header = reply_to(counter);
+  header.session = id_;
+  header.epoch = epoch;
+  if (wire::packet_size(result.size()) > link_->offer().largest_packet) {
+    write_failure(packet_, header,
+                  {Detail::Fault, "the result takes " + std::to_string(result.size()) +
+                                      " bytes and the medium carries " +
+                                      std::to_string(link_->offer().largest_packet), {}, {}});
+  } else {
+    write_packet(packet_, header, result);
+  }
+  if (repeats_) replies.keep(counter, packet_);
+  deliver(packet_);
+}
+
+void ServerSession::reply(std::uint64_t counter, const Failure& failure) {
+  const std::lock_guard lock(send_mutex_);
+  auto header = reply_to(counter);
+  header.session = id_;
+  write_failure(packet_, header, failure);
+  if (repeats_) replies.keep(counter, packet_);
+  deliver(packet_);
+}
+
+bool ServerSession::report(const ServerCall& call, Detail detail, std::size_t position) {
+  const ProgressBody body{static_cast<std::uint32_t>(position), call.fraction, call.feedback};
+  wire::PacketHeader header;
+  header.kind = wire::PacketKind::Progress;
+  header.flags = static_cast<std::int8_t>(detail);
+  header.counter = call.counter;
+  header.session = id_;
+  const std::lock_guard lock(send_mutex_);
+  if (!backlog_.empty()) return false;
+  write_packet(packet_, header, body.encoded_size(), [&](wire::Encoder& to) { body.encode(to); });
+  return link_->send(packet_, {}).has_value();
+}
+
+void ServerSession::send_again(const Bytes& packet) {
+  const std::lock_guard lock(send_mutex_);
+  deliver(packet);
+}
+
+void ServerSession::deliver(ByteView packet) {
+  if (backlog_.empty()) {
+    const auto sent = link_->send(packet, {});
+    if (sent || sent.error() != media::SendProblem::Full) return;
+  }
+  backlog_.emplace_back(packet.begin(), packet.end());
+}
+
+void ServerSession::flush() {
+  const std::lock_guard lock(send_mutex_);
+  while (!backlog_.empty()) {
+    const auto sent = link_->send(backlog_.front(), {});
+    if (!sent && sent.error() == media::SendProblem::Full) return;
+    backlog_.pop_front();
+  }
+}
+
+tl::expected<std::uint32_t, std::string> ServerSession::share(const StreamDescription& stream) {
+  const std::lock_guard lock(send_mutex_);
+  return object_->streams().share(stream, *link_);
+}
+
+void ServerSession::unshare(std::uint32_t id) {
+  const std::lock_guard lock(send_mutex_);
+  link_->unshare(id);
+}
+
+}  // namespace gecos::session

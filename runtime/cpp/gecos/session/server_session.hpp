@@ -1,0 +1,86 @@
+#pragma once
+
+#include <atomic>
+#include <deque>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+
+#include "gecos/access/lease_table.hpp"
+#include "gecos/media/medium.hpp"
+#include "gecos/session/call_table.hpp"
+#include "gecos/session/duplicates.hpp"
+#include "gecos/session/server_call.hpp"
+#include "gecos/wire/packet.hpp"
+
+namespace gecos::session {
+
+/// Server side of one client's session with one object.
+///
+/// Receiving belongs to whoever polls the server's links; sending takes a mutex of its own. What
+/// the members below are guarded by is said with them.
+class ServerSession {
+ public:
+  ServerSession(std::unique_ptr<media::Link> link, std::shared_ptr<ServedObject> object);
+
+  media::Link& link() { return *link_; }
+  const std::shared_ptr<ServedObject>& object() const { return object_; }
+  bool repeats() const { return repeats_; }
+
+  /// What it was opened as; the caller is constant once greeted.
+  void greet(SessionId id, Caller caller) { id_ = id, caller_ = std::move(caller); }
+  SessionId id() const { return id_; }
+  bool greeted() const { return id_ != SessionId{}; }
+  const Caller& caller() const { return caller_; }
+  access::Client client() const {
+    return {caller_.user, caller_.host, caller_.program, caller_.pid};
+  }
+
+  // Any thread.
+  /// Sends now, or as soon as the client has room. Order is kept.
+  void send(wire::PacketHeader header, ByteView body);
+  void reply(const ServerCall& call, ByteView result);
+  void reply(std::uint64_t counter, const Failure& failure);
+  void reply(std::uint64_t counter, ByteView result, Epoch epoch = {});
+  /// The latest progress; dropped when there is no room. True when it was sent.
+  bool report(const ServerCall& call, Detail detail, std::size_t position);
+  void send_again(const Bytes& packet);
+  void flush();
+  tl::expected<std::uint32_t, std::string> share(const StreamDescription& stream);
+  void unshare(std::uint32_t id);
+
+  // The poller.
+  bool hot = true;
+  unsigned quiet_looks = 0;  ///< 0: something came since the last round of cooling
+  TimePoint last_heard{};
+
+  std::atomic<bool> gone{false};  // publishes nothing but itself: the poller forgets it
+
+  // Guarded by the object's mutex.
+  CallTable<ServerCall> calls;
+  DuplicateWindow window;
+  ReplyCache replies;
+  std::map<FunctionCode, std::uint32_t> subscriptions;  ///< stream and the id it is shared under
+  std::map<std::uint64_t, std::uint64_t> renewed;       ///< epochs that a stop of its own replaced
+  std::size_t commands = 0;  ///< actor commands queued or running
+  bool left = false;         ///< said goodbye
+  bool departed = false;     ///< its link is gone
+  std::uint64_t beats_judged = 0;
+  TimePoint last_sign{};
+
+ private:
+  void deliver(ByteView packet);
+
+  const std::unique_ptr<media::Link> link_;
+  const std::shared_ptr<ServedObject> object_;
+  const bool repeats_;
+  SessionId id_{};
+  Caller caller_;
+
+  std::mutex send_mutex_;
+  Bytes packet_;              ///< reused
+  std::deque<Bytes> backlog_;  ///< what found no room
+};
+
+}  // namespace gecos::session

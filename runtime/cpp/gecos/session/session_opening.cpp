@@ -1,0 +1,68 @@
+// The greeting that opens the client side of a session.
+#include <algorithm>
+
+#include "gecos/session/lab_core.hpp"
+#include "gecos/session/linked_session.hpp"
+#include "gecos/session/packets.hpp"
+#include "gecos/session/retry.hpp"
+
+namespace gecos::session {
+namespace {
+
+using NotOpened = LinkedSession::NotOpened;
+
+NotOpened silent(const media::Link& link) {
+  return {Detail::NoServer, link.peer().description + " did not answer"};
+}
+
+/// The next packet before `deadline`; nothing when there was none, or the link is lost.
+std::optional<wire::PacketView> next_packet(media::Link& link, TimePoint deadline) {
+  for (;;) {
+    while (const auto bytes = link.receive()) {
+      if (const auto packet = wire::decode_packet(*bytes)) return *packet;
+    }
+    if (link.loss() != media::Loss::None || std::chrono::steady_clock::now() >= deadline) {
+      return std::nullopt;
+    }
+    if (link.arm()) media::sleep_on(link.descriptors(), deadline);
+    link.disarm();
+  }
+}
+
+}  // namespace
+
+tl::expected<std::shared_ptr<LinkedSession>, NotOpened> LinkedSession::open(
+    std::shared_ptr<LabCore> lab, std::unique_ptr<media::Link> link, const Hello& hello,
+    TimePoint deadline) {
+  wire::PacketHeader header;
+  header.kind = wire::PacketKind::Hello;
+  Bytes greeting;
+  write_packet(greeting, header, wire::to_bytes(hello));
+
+  for (int sent = 1;; ++sent) {
+    if (const auto left = link->send(greeting, {}); !left) {
+      if (left.error() != media::SendProblem::Full) return tl::unexpected(silent(*link));
+    }
+    const TimePoint again =
+        link->offer().reliable ? deadline : std::min(deadline, deadline_after(retry_after(sent)));
+    while (const auto packet = next_packet(*link, again)) {
+      if (packet->header.kind == wire::PacketKind::Refused) {
+        const auto detail = detail_from(static_cast<std::uint8_t>(packet->header.flags));
+        return tl::unexpected(NotOpened{Detail::Refused, failure_from(detail, packet->body).text});
+      }
+      if (packet->header.kind != wire::PacketKind::Welcome) continue;
+      auto welcome = wire::from_bytes<Welcome>(packet->body);
+      if (!welcome || packet->header.session == SessionId{} || welcome->credits == 0) {
+        return tl::unexpected(NotOpened{Detail::Refused, "its welcome does not decode"});
+      }
+      return std::make_shared<LinkedSession>(std::move(lab), std::move(link),
+                                             packet->header.session, std::move(*welcome));
+    }
+    const bool lost = link->loss() != media::Loss::None;
+    if (lost || std::chrono::steady_clock::now() >= deadline) {
+      return tl::unexpected(silent(*link));
+    }
+  }
+}
+
+}  // namespace gecos::session

@@ -1,0 +1,92 @@
+// What housekeeping does for the client side of a session.
+#include "gecos/session/lab_core.hpp"
+#include "gecos/session/linked_session.hpp"
+#include "gecos/session/packets.hpp"
+#include "gecos/session/retry.hpp"
+
+namespace gecos::session {
+
+void LinkedSession::house_wake() { lab_->housekeeping().wake(); }
+
+void LinkedSession::tend(TimePoint now) {
+  if (lost()) return;
+  const bool beat = now >= next_beat_;
+  if (beat) {
+    link_->beat();
+    next_beat_ = now + lab_->options().heartbeat;
+  }
+  if (baton_.try_take()) {
+    const std::size_t taken = read_all();
+    if (beat) look_for_loss();
+    baton_.drop();
+    if (taken != 0) baton_.poke(nullptr);
+  }
+  if (!lost()) judge_silence(now);
+  if (!lost()) repeat(now);
+}
+
+void LinkedSession::judge_silence(TimePoint now) {
+  const auto beats = link_->beats_seen();
+  if (beats != beats_judged_) {
+    beats_judged_ = beats;
+    last_sign_ = now;
+    unreachable_.store(false, std::memory_order_relaxed);
+    return;
+  }
+  const Duration silent = now - last_sign_;
+  if (silent < lab_->options().lease_ttl) return;
+  unreachable_.store(true, std::memory_order_relaxed);
+  if (silent < lab_->options().lease_ttl + lab_->options().grace) return;
+  const auto milliseconds = std::chrono::duration_cast<std::chrono::milliseconds>(silent).count();
+  lose(Ending::Silent, "the server of " + welcome_.object + " (" + link_->peer().description +
+                           ") has been silent for " + std::to_string(milliseconds) + " ms");
+}
+
+/// Until a call's outcome is known it is asked for again under its own counter: in full while it may
+/// not have arrived, then without its arguments.
+void LinkedSession::repeat(TimePoint now) {
+  const std::lock_guard lock(mutex_);
+  if (!repeats_ && !cancels_waiting_) return;
+  cancels_waiting_ = false;
+  for (const auto& [counter, command] : calls_.all()) {
+    auto& retry = command->retry;
+    if (!repeats_ && !retry.cancel) continue;
+    if (now < retry.next) continue;
+    wire::PacketHeader header;
+    header.counter = counter;
+    if (retry.cancel) {
+      header.kind = wire::PacketKind::Cancel;
+      if (!send(header, {})) cancels_waiting_ = true;
+    }
+    if (repeats_ && retry.arrived) {
+      header.kind = wire::PacketKind::Query;
+      static_cast<void>(send(header, {}));
+    } else if (repeats_) {
+      static_cast<void>(link_->send(retry.packet, {}));
+    }
+    retry.next = now + retry_after(++retry.sent);
+    if (!repeats_) retry.cancel = cancels_waiting_;
+  }
+}
+
+void LinkedSession::watch(std::vector<pollfd>& into) {
+  if (lost() || !attended_.load(std::memory_order_relaxed) || !baton_.try_take()) return;
+  watching_ = true;
+  if (link_->arm()) {
+    for (const int descriptor : link_->descriptors()) into.push_back({descriptor, POLLIN, 0});
+  } else {
+    house_wake();
+  }
+}
+
+void LinkedSession::unwatch() {
+  if (!watching_) return;
+  watching_ = false;
+  link_->disarm();
+  read_all();
+  look_for_loss();
+  baton_.drop();
+  baton_.poke(nullptr);
+}
+
+}  // namespace gecos::session

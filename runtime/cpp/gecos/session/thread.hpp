@@ -1,0 +1,13 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <thread>
+
+namespace gecos::session {
+
+/// A thread of ours: named for debuggers (at most 15 characters), and no signal is delivered to it,
+/// so that the program's own threads get them.
+std::thread start_thread(const std::string& name, std::function<void()> run);
+
+}  // namespace gecos::session

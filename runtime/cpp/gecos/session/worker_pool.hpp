@@ -1,0 +1,39 @@
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace gecos::session {
+
+/// The threads of one object's handlers that take long. An idle one takes the next job, else a new
+/// one is started: as many as handlers may run at once, and none before the first job.
+class WorkerPool {
+ public:
+  explicit WorkerPool(std::string name) : name_(std::move(name)) {}
+  ~WorkerPool() { join(); }
+  WorkerPool(const WorkerPool&) = delete;
+  WorkerPool& operator=(const WorkerPool&) = delete;
+
+  /// Runs it soon; dropped after `join` began.
+  void post(std::function<void()> job);
+  /// Waits for what runs; what waits is dropped. @pre not on one of these threads.
+  void join();
+
+ private:
+  void run();
+
+  const std::string name_;
+  std::mutex mutex_;
+  std::condition_variable work_;
+  std::deque<std::function<void()>> jobs_;
+  std::vector<std::thread> threads_;
+  std::size_t idle_ = 0;
+  bool ended_ = false;
+};
+
+}  // namespace gecos::session

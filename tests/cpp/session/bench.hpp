@@ -1,0 +1,50 @@
+// One process with a broker, a server and clients, each with a lab of its own.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include "gecos/broker/broker.hpp"
+#include "gecos/gecos.hpp"
+#include "probe.hpp"
+
+namespace probe {
+
+/// Ends in the order of real programs: clients, server, broker.
+class Bench : public ::testing::Test {
+ protected:
+  explicit Bench(gecos::media::Kind kind = gecos::media::Kind::Inproc) : kind_(kind) {}
+
+  void SetUp() override {
+    const auto served = broker_.serve(broker_server_, {gecos::media::Kind::Inproc});
+    ASSERT_TRUE(served) << served.error().text;
+  }
+
+  void serve(const std::string& name, ProbeServant& servant, bool thread_safe = true) {
+    gecos::ObjectOptions options;
+    options.simulated = true;
+    options.thread_safe = thread_safe;
+    options.media = {kind_};
+    const auto added = server_->add(name, servant, std::move(options));
+    ASSERT_TRUE(added) << added.error().text;
+  }
+
+  Probe connect(gecos::Lab& lab, const std::string& name = "PROBE") {
+    gecos::CreateOptions options;
+    options.medium = kind_;
+    auto created = lab.create<Probe>(name, options);
+    EXPECT_TRUE(created) << created.error();
+    return created ? *created : Probe();
+  }
+
+  const gecos::media::Kind kind_;
+  gecos::Lab broker_lab_;
+  gecos::broker::Broker broker_;
+  gecos::Server broker_server_{broker_lab_};
+  ProbeServant servant_;
+  gecos::Lab server_lab_;
+  std::unique_ptr<gecos::Server> server_ = std::make_unique<gecos::Server>(server_lab_);
+  gecos::Lab lab_;
+  gecos::Lab second_lab_;
+};
+
+}  // namespace probe

@@ -1,0 +1,86 @@
+#include "bench.hpp"
+
+namespace {
+
+using namespace std::chrono_literals;
+using gecos::Detail;
+using gecos::State;
+
+class Call : public probe::Bench {
+ protected:
+  void SetUp() override {
+    Bench::SetUp();
+    serve("PROBE", servant_);
+    probe_ = connect(lab_);
+  }
+  probe::Probe probe_;
+};
+
+TEST_F(Call, GivesTheResultOfTheHandler) {
+  const auto read = probe_.read();
+  EXPECT_EQ(read.wait(), State::Finished);
+  EXPECT_EQ(read.get().value(), 7);
+  EXPECT_EQ(read.progress().detail, Detail::Done);
+}
+
+TEST_F(Call, FinishesWhenItsStateIsOnlyPolled) {
+  const auto read = probe_.read();
+  while (read.state() == State::Running) {
+  }
+  EXPECT_EQ(read.state(), State::Finished);
+}
+
+TEST_F(Call, ThatMovesTheDeviceIsDeniedWithoutStatusAndSaysHowToGetIt) {
+  const auto set = probe_.set(3).get();
+  ASSERT_FALSE(set);
+  EXPECT_EQ(set.error().detail, Detail::Denied);
+  EXPECT_EQ(set.error().text,
+            "'set' of PROBE needs actor status; take it with gecos::actor(object)");
+}
+
+TEST_F(Call, IsCarriedOutUnderALease) {
+  const auto lease = gecos::actor(probe_);
+  ASSERT_TRUE(lease) << lease.error();
+  EXPECT_EQ(probe_.set(3).get().value(), 3);
+}
+
+TEST_F(Call, CarriesADeclaredExceptionTyped) {
+  const auto lease = gecos::actor(probe_);
+  ASSERT_TRUE(lease) << lease.error();
+  const auto set = probe_.set(-2).get();
+  ASSERT_FALSE(set);
+  EXPECT_EQ(set.error().detail, Detail::Fault);
+  ASSERT_TRUE(set.error().as<probe::Jammed>());
+  EXPECT_EQ(set.error().as<probe::Jammed>()->axis, -2);
+}
+
+TEST_F(Call, OfAnOperationThatTheServerLacksSaysSo) {
+  const auto missing = probe_.missing().get();
+  ASSERT_FALSE(missing);
+  EXPECT_EQ(missing.error().detail, Detail::UnknownOperation);
+}
+
+TEST_F(Call, ShowsProgressWhileItRunsAndIsAnsweredBesideIt) {
+  const auto lease = gecos::actor(probe_);
+  ASSERT_TRUE(lease) << lease.error();
+  const auto move = probe_.move(5);
+  servant_.await_moves(1);
+  while (move.progress().fraction != 0.25) {
+  }
+  EXPECT_EQ(move.progress().detail, Detail::Executing);
+  EXPECT_EQ(move.core()->feedback().size(), 4u);
+  EXPECT_EQ(probe_.read().get().value(), 7) << "a sensor call waits for no motion";
+  servant_.open_gate();
+  EXPECT_EQ(move.get().value(), 5);
+  EXPECT_EQ(move.progress().fraction, 1);
+}
+
+TEST_F(Call, IsNilOnAProxyThatWasNeverCreated) {
+  const probe::Probe nil;
+  const auto read = nil.read().get();
+  ASSERT_FALSE(read);
+  EXPECT_EQ(read.error().detail, Detail::NoServer);
+  EXPECT_EQ(read.error().state(), State::ConnectionFailed);
+}
+
+}  // namespace

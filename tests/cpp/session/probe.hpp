@@ -1,0 +1,100 @@
+// A device for tests, written by hand as gidl would write it: what it does is in the hands of the
+// test.
+#pragma once
+
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "gecos/gecos.hpp"
+#include "gecos/session/function_code.hpp"
+
+namespace probe {
+
+inline constexpr auto read_code = gecos::session::function_code("probe::Probe::read");
+inline constexpr auto move_code = gecos::session::function_code("probe::Probe::move");
+inline constexpr auto set_code = gecos::session::function_code("probe::Probe::set");
+inline constexpr auto level_code = gecos::session::function_code("probe::Probe::level");
+inline constexpr auto urgent_code = gecos::session::function_code("probe::Probe::urgent");
+inline constexpr auto finish_code = gecos::session::function_code("probe::Probe::finish");
+inline constexpr auto missing_code = gecos::session::function_code("probe::Probe::missing");
+
+const gecos::InterfaceDescription& description();
+/// The same operations under another name, and as a type that is not a Probe.
+const gecos::InterfaceDescription& other_description();
+gecos::OperationDescription operation(gecos::FunctionCode code);
+
+/// What a handler raises.
+struct Jammed {
+  std::int32_t axis = 0;
+  static constexpr std::string_view type_name() { return "probe::Jammed"; }
+  static std::int64_t fingerprint() { return 1; }
+  std::size_t encoded_size() const { return 4; }
+  void encode(gecos::wire::Encoder& to) const { to.put(axis); }
+  bool decode(gecos::wire::Decoder& from) { return from.get(axis, "axis"); }
+};
+
+/// Client proxy.
+class Probe : public virtual gecos::Object {
+ public:
+  static const gecos::InterfaceDescription& gecos_description() { return description(); }
+  Probe() = default;
+  explicit Probe(std::shared_ptr<gecos::session::ClientSession> session)
+      : gecos::Object(std::move(session)) {}
+
+  gecos::Command<std::int32_t> read() const { return number(read_code, 0); }
+  gecos::Command<std::int32_t> move(std::int32_t goal) const { return number(move_code, goal); }
+  gecos::Command<std::int32_t> set(std::int32_t value) const { return number(set_code, value); }
+  gecos::Command<std::int32_t> urgent() const { return number(urgent_code, 0); }
+  /// Goes on when its caller is lost.
+  gecos::Command<std::int32_t> finish(std::int32_t goal) const { return number(finish_code, goal); }
+  gecos::Command<std::int32_t> missing() const { return number(missing_code, 0); }
+  tl::expected<gecos::Stream<std::int32_t>, gecos::Failure> level(gecos::StreamTag) const;
+
+  const std::shared_ptr<gecos::session::ClientSession>& session() const { return gecos_session_; }
+
+ private:
+  gecos::Command<std::int32_t> number(gecos::FunctionCode code, std::int32_t argument) const;
+};
+
+class Other : public Probe {
+ public:
+  static const gecos::InterfaceDescription& gecos_description() { return other_description(); }
+  using Probe::Probe;
+};
+
+/// Server side: `read` gives the level, `set` sets it; `move` runs until the test opens the gate or
+/// it is interrupted, and notes what happened.
+class ProbeServant : public gecos::Servant {
+ public:
+  const gecos::InterfaceDescription& gecos_interface() const override { return description(); }
+  void gecos_dispatch(gecos::IncomingCall call) override;
+
+  void publish(std::int32_t value, std::int64_t stamp_ns = gecos::unix_now_ns());
+
+  /// Waits until `count` moves have started since the beginning.
+  void await_moves(int count);
+  /// Lets every move that runs or comes finish.
+  void open_gate();
+  void close_gate();
+  std::vector<std::string> events() const;
+  /// Waits until an event like this happened.
+  void await_event(const std::string& event);
+
+  std::function<void(gecos::IncomingCall)> on_read;  ///< instead of answering with the level
+
+ private:
+  void move(gecos::IncomingCall call, std::int32_t goal);
+  void note(const std::string& event);
+
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  std::vector<std::string> events_;
+  std::int32_t level_ = 7;
+  int moves_ = 0;
+  bool open_ = false;
+};
+
+}  // namespace probe
