@@ -1,0 +1,43 @@
+#include "robcl/motion/path.hpp"
+
+#include <algorithm>
+#include <cassert>
+
+namespace robcl::motion {
+namespace {
+
+/// The derivative of evenly spaced values at i: of fourth order inside, of second order near the ends.
+JointValues derivative(const std::vector<JointValues>& values, std::size_t i, double step) {
+  const std::size_t last = values.size() - 1;
+  if (last == 1) return (values[1] - values[0]) / step;
+  if (i == 0) return (-3 * values[0] + 4 * values[1] - values[2]) / (2 * step);
+  if (i == last) {
+    return (3 * values[last] - 4 * values[last - 1] + values[last - 2]) / (2 * step);
+  }
+  if (i == 1 || i + 1 == last) return (values[i + 1] - values[i - 1]) / (2 * step);
+  return (values[i - 2] - values[i + 2] + 8 * (values[i + 1] - values[i - 1])) / (12 * step);
+}
+
+}  // namespace
+
+Path::Path(std::vector<JointValues> knots) : knots_(std::move(knots)) {
+  assert(knots_.size() >= 2);
+  slopes_.reserve(knots_.size());
+  for (std::size_t i = 0; i < knots_.size(); ++i) slopes_.push_back(derivative(knots_, i, step()));
+}
+
+JointValues Path::curvature(std::size_t i) const {
+  if (i == 0 || i == intervals()) return derivative(slopes_, i, step());
+  return (knots_[i + 1] - 2 * knots_[i] + knots_[i - 1]) / (step() * step());
+}
+
+JointValues Path::position(double s) const {
+  const double along = std::clamp(s, 0.0, 1.0) * static_cast<double>(intervals());
+  const std::size_t i = std::min(static_cast<std::size_t>(along), intervals() - 1);
+  const double t = along - static_cast<double>(i);
+  const double rest = 1 - t;
+  return (1 + 2 * t) * rest * rest * knots_[i] + t * rest * rest * step() * slopes_[i] +
+         t * t * (3 - 2 * t) * knots_[i + 1] - t * t * rest * step() * slopes_[i + 1];
+}
+
+}  // namespace robcl::motion

@@ -1,0 +1,127 @@
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <sstream>
+
+#include "robcl/motion/planner.hpp"
+
+namespace robcl::motion {
+namespace {
+
+using arm::Failure;
+using arm::JointLimit;
+using arm::OutOfReach;
+
+constexpr int joint_move_knots = 100;
+constexpr double no_move = 1e-9;  // rad: nothing to do
+
+/// By how much the law has to be slowed for the joints to keep their limits between the knots, too: where
+/// a joint's way is steep (an arm that starts stretched) one interval may take many cycles.
+double excess(const Path& path, const TimeLaw& law, const arm::ArmModel& model, const Pace& pace) {
+  constexpr double look = 0.001, span = 0.004;  // s
+  double factor = 1;
+  for (double time = 0; time <= law.duration(); time += look) {
+    const JointValues before = path.position(law.at(time - span).s);
+    const JointValues here = path.position(law.at(time).s);
+    const JointValues after = path.position(law.at(time + span).s);
+    for (Eigen::Index axis = 0; axis < here.size(); ++axis) {
+      const auto& limits = model.limits()[static_cast<std::size_t>(axis)];
+      const double speed = std::abs(after[axis] - here[axis]) / span;
+      const double acceleration =
+          std::abs(after[axis] - 2 * here[axis] + before[axis]) / (span * span);
+      factor = std::max({factor, speed / (limits.speed * pace.speed),
+                         std::sqrt(acceleration / (limits.acceleration * pace.acceleration))});
+    }
+  }
+  return factor;
+}
+
+TimeLaw fastest_law(const Path& path, const PathBounds& bounds, const arm::ArmModel& model,
+                    const Pace& pace) {
+  const TimeLaw law = TimeLaw::fastest(bounds);
+  return law.slowed(excess(path, law, model, pace));
+}
+
+Plan standing(const arm::ArmModel& model, const JointValues& at) {
+  Path path({at, at});
+  PathBounds braking(path, model, {});
+  return {std::move(path), std::move(braking), TimeLaw::standing()};
+}
+
+}  // namespace
+
+Planner::Planner(const arm::ArmModel& model, const ToolLimits& limits)
+    : model_(model), limits_(limits), forward_(model), inverse_(arm::make_inverse(model)) {}
+
+Frame Planner::base_from_tool(const JointValues& joints, const Frame& flange_from_tool) {
+  return forward_.base_from_flange(joints) * flange_from_tool;
+}
+
+std::optional<OutOfReach> Planner::absurd(const Frame& base_from_goal) const {
+  const double away = base_from_goal.position().norm();
+  if (away <= 3 * model_.reach()) return std::nullopt;
+  std::ostringstream text;
+  text << std::setprecision(4) << "the goal is " << away << " m from the base, the arm reaches "
+       << model_.reach() << " m: were its numbers millimetres?";
+  return OutOfReach{text.str()};
+}
+
+tl::expected<Plan, Failure> Planner::joints(const JointValues& from, const JointValues& to,
+                                            const Pace& pace, const Frame& flange_from_tool) {
+  if (const auto outside = arm::first_outside(model_, to)) return tl::unexpected(*outside);
+  if ((to - from).cwiseAbs().maxCoeff() < no_move) return standing(model_, from);
+  std::vector<JointValues> knots;
+  for (int i = 0; i <= joint_move_knots; ++i) {
+    knots.push_back(from + (to - from) * (static_cast<double>(i) / joint_move_knots));
+  }
+  knots.back() = to;
+  Path path(std::move(knots));
+  PathBounds bounds(path, model_, pace);
+  if (pace.tool_speed || pace.turn_speed) {
+    Frame before = base_from_tool(path.knot(0), flange_from_tool);
+    for (std::size_t i = 1; i <= path.intervals(); ++i) {
+      const Frame here = base_from_tool(path.knot(i), flange_from_tool);
+      const double length = distance(before, here) / path.step();
+      const double turn = angle(before, here) / path.step();
+      for (const std::size_t knot : {i - 1, i}) {
+        if (pace.tool_speed && length > 0) bounds.cap(knot, std::pow(*pace.tool_speed / length, 2));
+        if (pace.turn_speed && turn > 0) bounds.cap(knot, std::pow(*pace.turn_speed / turn, 2));
+      }
+      before = here;
+    }
+  }
+  TimeLaw law = fastest_law(path, bounds, model_, pace);
+  PathBounds braking(path, model_, {});
+  return Plan{std::move(path), std::move(braking), std::move(law)};
+}
+
+tl::expected<Plan, Failure> Planner::joints_to(const JointValues& from, const Frame& base_from_goal,
+                                               const Frame& flange_from_tool, const Pace& pace,
+                                               const arm::Configuration& wanted) {
+  if (auto far = absurd(base_from_goal)) return tl::unexpected(*far);
+  const auto to = inverse_->solve(base_from_goal * flange_from_tool.inverse(), from, wanted);
+  if (!to) return tl::unexpected(to.error());
+  return joints(from, *to, pace, flange_from_tool);
+}
+
+tl::expected<Plan, Failure> Planner::straight(const JointValues& from, const Frame& base_from_goal,
+                                              const Frame& flange_from_tool, const Pace& pace) {
+  if (auto far = absurd(base_from_goal)) return tl::unexpected(*far);
+  const Frame tool_from_flange = flange_from_tool.inverse();
+  if (const auto there = inverse_->solve(base_from_goal * tool_from_flange, from); !there) {
+    return tl::unexpected(there.error());
+  }
+  const Frame start = base_from_tool(from, flange_from_tool);
+  if (near(start, base_from_goal, no_move, no_move)) return standing(model_, from);
+  const Line line(start, base_from_goal);
+  auto path = path_of_line(from, line, tool_from_flange);
+  if (!path) return tl::unexpected(path.error());
+  PathBounds bounds(*path, model_, pace);
+  bounds.add_tool(line.length(), line.turn(), limits_, pace);
+  PathBounds braking(*path, model_, {});
+  braking.add_tool(line.length(), line.turn(), limits_, {});
+  TimeLaw law = fastest_law(*path, bounds, model_, pace);
+  return Plan{std::move(*path), std::move(braking), std::move(law)};
+}
+
+}  // namespace robcl::motion

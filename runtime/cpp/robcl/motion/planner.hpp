@@ -1,0 +1,62 @@
+// From where an arm stands and where its tool shall be to a checked plan.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "gecos/base/result.hpp"
+#include "robcl/arm/failure.hpp"
+#include "robcl/arm/inverse.hpp"
+#include "robcl/arm/kinematics.hpp"
+#include "robcl/frames/frame.hpp"
+#include "robcl/motion/line.hpp"
+#include "robcl/motion/pace.hpp"
+#include "robcl/motion/plan.hpp"
+
+namespace robcl::motion {
+
+/// Plans moves of one arm, from standing to standing. Allocates; not for the control loop. One thread
+/// at a time.
+class Planner {
+ public:
+  Planner(const arm::ArmModel& model, const ToolLimits& limits);
+
+  /// All joints start and arrive together, each on a straight line in joint space. Fails with
+  /// JointLimit. @pre `from` is where the arm stands; problem_of(pace) is empty, here and below.
+  tl::expected<Plan, arm::Failure> joints(const JointValues& from, const JointValues& to,
+                                          const Pace& pace,
+                                          const Frame& flange_from_tool = {});
+
+  /// The same, to the joint positions that put the tool at `goal` (seen from the base) and are reached
+  /// soonest, in a configuration that `wanted` admits. Fails with OutOfReach or JointLimit.
+  tl::expected<Plan, arm::Failure> joints_to(const JointValues& from, const Frame& base_from_goal,
+                                             const Frame& flange_from_tool, const Pace& pace,
+                                             const arm::Configuration& wanted = {});
+
+  /// The tool's origin goes on a straight line to `goal` while its orientation turns about one axis,
+  /// in the configuration that the arm stands in. Fails with OutOfReach, JointLimit or Singular.
+  tl::expected<Plan, arm::Failure> straight(const JointValues& from, const Frame& base_from_goal,
+                                            const Frame& flange_from_tool, const Pace& pace);
+
+  Frame base_from_tool(const JointValues& joints, const Frame& flange_from_tool);
+  arm::Configuration configuration(const JointValues& joints) {
+    return inverse_->configuration(joints);
+  }
+
+ private:
+  tl::expected<Path, arm::Failure> path_of_line(const JointValues& from, const Line& line,
+                                                const Frame& tool_from_flange);
+  tl::expected<std::vector<JointValues>, arm::Failure> knots_of_line(const JointValues& from,
+                                                                     const Line& line,
+                                                                     const Frame& tool_from_flange,
+                                                                     std::size_t intervals);
+  std::optional<arm::OutOfReach> absurd(const Frame& base_from_goal) const;
+
+  arm::ArmModel model_;
+  ToolLimits limits_;
+  arm::Kinematics forward_;
+  std::unique_ptr<arm::InverseKinematics> inverse_;
+};
+
+}  // namespace robcl::motion

@@ -1,0 +1,96 @@
+#include "robcl/motion/time_law.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace robcl::motion {
+namespace {
+
+using Interval = PathBounds::Interval;
+
+/// The u that lead from a knot with x to the next one, which may be passed with at most `next`.
+Interval allowed(const PathBounds& bounds, std::size_t knot, double x, double next) {
+  Interval u = bounds.over_interval(knot, x);
+  const double per_u = 2 * bounds.step();
+  u.lower = std::max(u.lower, -x / per_u);
+  u.upper = std::min(u.upper, (next - x) / per_u);
+  return u;
+}
+
+/// Greatest x at a knot from which the next one can be met. What is allowed is convex and holds x = 0,
+/// so bisection finds it.
+double fastest_at(const PathBounds& bounds, std::size_t knot, double next) {
+  // No x leads below `next` that exceeds what the hardest braking loses; without a speed cap start there.
+  double good = 0, bad = bounds.speed_cap(knot);
+  if (!std::isfinite(bad)) {
+    bad = 1;
+    while (bad < 1e12 && !allowed(bounds, knot, bad, next).empty()) bad *= 4;
+  }
+  if (!allowed(bounds, knot, bad, next).empty()) return bad;
+  for (int round = 0; round < 60 && bad - good > 1e-12 * bad; ++round) {
+    const double middle = (good + bad) / 2;
+    (allowed(bounds, knot, middle, next).empty() ? bad : good) = middle;
+  }
+  return good;
+}
+
+}  // namespace
+
+TimeLaw TimeLaw::fastest(const PathBounds& bounds) {
+  const std::size_t last = bounds.intervals();
+  std::vector<double> squared(last + 1, 0.0);
+  for (std::size_t i = last; i-- > 1;) squared[i] = fastest_at(bounds, i, squared[i + 1]);
+  squared[0] = 0;
+  for (std::size_t i = 0; i < last; ++i) {
+    const Interval u = allowed(bounds, i, squared[i], squared[i + 1]);
+    squared[i + 1] = std::clamp(squared[i] + 2 * bounds.step() * u.upper, 0.0, squared[i + 1]);
+  }
+  return TimeLaw(squared);
+}
+
+TimeLaw TimeLaw::standing() {
+  TimeLaw law({0.0});
+  law.times_ = {0, 0};
+  law.speeds_ = {0, 0};
+  return law;
+}
+
+TimeLaw::TimeLaw(const std::vector<double>& squared_speeds) {
+  const double step = 1.0 / static_cast<double>(std::max<std::size_t>(squared_speeds.size() - 1, 1));
+  double time = 0;
+  for (std::size_t i = 0; i < squared_speeds.size(); ++i) {
+    speeds_.push_back(std::sqrt(squared_speeds[i]));
+    if (i > 0) time += 2 * step / (speeds_[i - 1] + speeds_[i]);
+    times_.push_back(time);
+  }
+}
+
+TimeLaw TimeLaw::slowed(double factor) const {
+  TimeLaw slower = *this;
+  for (double& time : slower.times_) time *= factor;
+  for (double& speed : slower.speeds_) speed /= factor;
+  return slower;
+}
+
+TimeLaw::State TimeLaw::at(double seconds) const {
+  if (seconds >= duration()) return {1, 0, 0};
+  if (seconds <= 0) return {0, 0, 0};
+  const auto after = std::upper_bound(times_.begin(), times_.end(), seconds);
+  const auto i = static_cast<std::size_t>(after - times_.begin()) - 1;
+  const double span = times_[i + 1] - times_[i];
+  const double acceleration = (speeds_[i + 1] - speeds_[i]) / span;
+  const double since = seconds - times_[i];
+  const double start = static_cast<double>(i) / static_cast<double>(times_.size() - 1);
+  return {start + since * (speeds_[i] + acceleration * since / 2),
+          speeds_[i] + acceleration * since, acceleration};
+}
+
+double TimeLaw::speed_at(double s) const {
+  const double along = std::clamp(s, 0.0, 1.0) * static_cast<double>(times_.size() - 1);
+  const std::size_t i = std::min(static_cast<std::size_t>(along), times_.size() - 2);
+  const double part = along - static_cast<double>(i);
+  const double before = speeds_[i] * speeds_[i], after = speeds_[i + 1] * speeds_[i + 1];
+  return std::sqrt(before + part * (after - before));  // (ds/dt)² is linear in s
+}
+
+}  // namespace robcl::motion

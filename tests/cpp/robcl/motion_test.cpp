@@ -1,0 +1,285 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "allocations.hpp"
+#include "arms.hpp"
+#include "robcl/motion/planner.hpp"
+#include "robcl/motion/playback.hpp"
+
+namespace robcl::motion {
+namespace {
+
+using arm::ArmModel;
+
+constexpr double cycle = 0.004;  // s: 250 Hz
+constexpr double slack = 1.01;  // sampling between the moments at which a plan was checked
+
+const JointValues ready = joints({0, -20, 110, 0, 90, 0});  // tool down in front of the arm
+
+class Motion : public ::testing::Test {
+ protected:
+  const ArmModel model_ = rx90();
+  const ToolLimits tool_limits_{};
+  Planner planner_{model_, tool_limits_};
+  arm::Kinematics forward_{model_};
+
+  std::vector<JointValues> samples(const Plan& plan) {
+    Playback playback(plan);
+    std::vector<JointValues> all{plan.start()};
+    while (!playback.standing()) all.push_back(playback.advance(cycle));
+    all.push_back(playback.advance(cycle));
+    return all;
+  }
+
+  void expect_within_limits(const std::vector<JointValues>& all, const Pace& pace) {
+    for (std::size_t k = 1; k + 1 < all.size(); ++k) {
+      for (Eigen::Index axis = 0; axis < 6; ++axis) {
+        const auto& limits = model_.limits()[static_cast<std::size_t>(axis)];
+        const double speed = std::abs(all[k][axis] - all[k - 1][axis]) / cycle;
+        const double acceleration =
+            std::abs(all[k + 1][axis] - 2 * all[k][axis] + all[k - 1][axis]) / (cycle * cycle);
+        ASSERT_LE(speed, limits.speed * pace.speed * slack) << "joint " << axis + 1;
+        ASSERT_LE(acceleration, limits.acceleration * pace.acceleration * slack)
+            << "joint " << axis + 1 << " in cycle " << k << " of " << all.size();
+        ASSERT_GE(all[k][axis], limits.lower - 1e-9);
+        ASSERT_LE(all[k][axis], limits.upper + 1e-9);
+      }
+    }
+  }
+};
+
+TEST_F(Motion, JointMovesKeepAllLimitsInEveryCycleAndArrive) {
+  RandomJoints random(model_, 11);
+  for (int i = 0; i < 200; ++i) {
+    const JointValues from = random(), to = random();
+    Pace pace;
+    pace.speed = 0.1 + 0.009 * (i % 100);
+    pace.acceleration = 1 - 0.009 * (i % 100);
+    const auto plan = planner_.joints(from, to, pace);
+    ASSERT_TRUE(plan.has_value());
+    const auto all = samples(*plan);
+    expect_within_limits(all, pace);
+    ASSERT_EQ(all.back(), to);
+  }
+}
+
+TEST_F(Motion, AJointMoveTakesTheTimeOfItsSlowestJointsTrapezoid) {
+  JointValues to = ready;
+  to[1] += 1.5;  // the slowest joint: 200 deg/s, full speed after 0.25 s
+  to[5] += 0.2;
+  const auto plan = planner_.joints(ready, to, {});
+  ASSERT_TRUE(plan.has_value());
+  EXPECT_NEAR(plan->law.duration(), 1.5 / 200_deg + 0.25, 1e-3);
+}
+
+TEST_F(Motion, JointsOfAJointMoveStayInProportion) {
+  const JointValues to = joints({50, 10, 40, -60, 20, 100});
+  const auto plan = planner_.joints(ready, to, {});
+  const auto all = samples(*plan);
+  for (const JointValues& q : all) {
+    const double part = (q[0] - ready[0]) / (to[0] - ready[0]);
+    ASSERT_LT((q - ready - part * (to - ready)).cwiseAbs().maxCoeff(), 1e-9);
+  }
+}
+
+TEST_F(Motion, AToolSpeedHoldsOnAJointMove) {
+  Pace pace;
+  pace.tool_speed = 0.25;
+  const auto plan = planner_.joints(ready, joints({60, -40, 120, 30, 60, 0}), pace);
+  ASSERT_TRUE(plan.has_value());
+  const auto all = samples(*plan);
+  double fastest = 0;
+  for (std::size_t k = 1; k < all.size(); ++k) {
+    fastest = std::max(fastest, distance(forward_.base_from_flange(all[k - 1]),
+                                         forward_.base_from_flange(all[k])) / cycle);
+  }
+  EXPECT_LE(fastest, 0.25 * slack);
+  EXPECT_GE(fastest, 0.25 * 0.95);
+}
+
+TEST_F(Motion, AStraightMoveIsStraightTurnsAboutOneAxisAndKeepsAllLimits) {
+  RandomJoints random(model_, 12);
+  const Frame flange_from_tool = Frame::from_euler_zyz(0.02, 0, 0.12, 0.1, 0.2, 0.3);
+  int made = 0;
+  for (int i = 0; i < 600 && made < 120; ++i) {
+    const JointValues from = random();
+    const Frame start = planner_.base_from_tool(from, flange_from_tool);
+    const Frame goal = planner_.base_from_tool(random(), flange_from_tool);
+    Pace pace;
+    pace.acceleration = 0.2 + 0.008 * (i % 100);
+    const auto plan = planner_.straight(from, goal, flange_from_tool, pace);
+    if (!plan) continue;
+    ++made;
+    const auto all = samples(*plan);
+    expect_within_limits(all, pace);
+    const Eigen::Vector3d direction = (goal.position() - start.position()).normalized();
+    const double length = distance(start, goal), turn = angle(start, goal);
+    Frame before = start;
+    for (const JointValues& q : all) {
+      const Frame tool = planner_.base_from_tool(q, flange_from_tool);
+      const Eigen::Vector3d along = tool.position() - start.position();
+      ASSERT_LT((along - direction * along.dot(direction)).norm(), 1e-5);
+      const double part = along.dot(direction) / length;
+      ASSERT_NEAR(angle(start, tool), part * turn, 1e-4);
+      ASSERT_NEAR(angle(tool, goal), (1 - part) * turn, 1e-4);
+      ASSERT_LE(distance(before, tool) / cycle, tool_limits_.speed * slack);
+      ASSERT_LE(angle(before, tool) / cycle, tool_limits_.turn_speed * slack);
+      before = tool;
+    }
+    ASSERT_TRUE(near(before, goal, 1e-9, 1e-9));
+  }
+  EXPECT_GE(made, 60);
+}
+
+TEST_F(Motion, AStraightMoveIsATrapezoidWhereOnlyTheToolsLimitsBind) {
+  const Frame start = forward_.base_from_flange(ready);
+  Pace pace;
+  pace.tool_speed = 0.2;
+  const auto plan = planner_.straight(ready, start * translate(0, 0, 0.2), Frame(), pace);
+  ASSERT_TRUE(plan.has_value()) << to_string(plan.error());
+  EXPECT_NEAR(plan->law.duration(), 0.2 / 0.2 + 0.2 / 3.0, 2e-3);
+}
+
+TEST_F(Motion, AStraightMoveKeepsItsConfiguration) {
+  const Frame start = forward_.base_from_flange(ready);
+  const auto plan = planner_.straight(ready, start * translate(0.1, 0.2, 0.1), Frame(), {});
+  ASSERT_TRUE(plan.has_value());
+  for (const JointValues& q : samples(*plan)) {
+    ASSERT_EQ(planner_.configuration(q), planner_.configuration(ready));
+  }
+}
+
+TEST_F(Motion, AStraightMoveNearTheWristSingularityIsSlowedDown) {
+  const JointValues from = joints({0, -30, 90, 0, 30, 0});
+  const Frame start = forward_.base_from_flange(from);
+  // Past joint 5 = 0 at a small distance, as seen in how long it takes.
+  const Frame goal = forward_.base_from_flange(joints({0, -30, 90, 150, 30, 0}));
+  const auto plan = planner_.straight(from, goal, Frame(), {});
+  ASSERT_TRUE(plan.has_value()) << to_string(plan.error());
+  const double unhindered = std::max(distance(start, goal) / 1.0, angle(start, goal) / 180_deg);
+  EXPECT_GT(plan->law.duration(), unhindered * 1.2);
+  expect_within_limits(samples(*plan), {});
+}
+
+TEST_F(Motion, AStraightMoveThroughTheWristSingularityIsRefused) {
+  const JointValues from = joints({0, -30, 90, 0, 30, 0});
+  const Frame goal = forward_.base_from_flange(joints({0, -30, 90, 0, -30, 0}));
+  const auto plan = planner_.straight(from, goal, Frame(), {});
+  ASSERT_FALSE(plan.has_value());
+  const auto* singular = std::get_if<arm::Singular>(&plan.error());
+  ASSERT_NE(singular, nullptr) << to_string(plan.error());
+  EXPECT_NE(singular->reason.find("joint 4 would have to turn"), std::string::npos)
+      << singular->reason;
+  EXPECT_LE(singular->reason.size(), 160u);
+  EXPECT_TRUE(planner_.joints_to(from, goal, Frame(), {}).has_value());
+}
+
+TEST_F(Motion, AStraightMoveThatLeavesTheReachOnTheWaySaysWhere) {
+  // Both ends are at full stretch with the tool outward; the chord's ends too, but not what turning asks.
+  const JointValues low = joints({0, 80, 12, 0, -90, 0});
+  const Frame high = forward_.base_from_flange(joints({0, 60, 12, 0, 90, 0}));
+  const auto plan = planner_.straight(low, high, Frame(), {});
+  ASSERT_FALSE(plan.has_value());
+  const auto* reach = std::get_if<arm::OutOfReach>(&plan.error());
+  ASSERT_NE(reach, nullptr) << to_string(plan.error());
+  EXPECT_NE(reach->reason.find(" mm along the line: the wrist centre would be "), std::string::npos)
+      << reach->reason;
+  EXPECT_LE(reach->reason.size(), 160u);
+  EXPECT_TRUE(planner_.joints_to(low, high, Frame(), {}).has_value());
+}
+
+TEST_F(Motion, AGoalInMillimetresIsAskedAbout) {
+  const auto plan = planner_.straight(ready, translate(500, 0, 300), Frame(), {});
+  ASSERT_FALSE(plan.has_value());
+  const auto* reach = std::get_if<arm::OutOfReach>(&plan.error());
+  ASSERT_NE(reach, nullptr);
+  EXPECT_EQ(reach->reason,
+            "the goal is 583.1 m from the base, the arm reaches 1.405 m: were its numbers millimetres?");
+  EXPECT_FALSE(planner_.joints_to(ready, translate(500, 0, 300), Frame(), {}).has_value());
+}
+
+TEST_F(Motion, AJointGoalOutsideTheLimitsNamesTheJoint) {
+  const auto plan = planner_.joints(ready, joints({0, 0, 0, 0, -110, 0}), {});
+  ASSERT_FALSE(plan.has_value());
+  EXPECT_EQ(to_string(plan.error()),
+            "joint 5 would have to stand at -110.0 deg, it turns from -105.0 to 120.0 deg");
+}
+
+TEST_F(Motion, AMoveToWhereItStandsIsOverAtOnce) {
+  const auto plan = planner_.straight(ready, forward_.base_from_flange(ready), Frame(), {});
+  ASSERT_TRUE(plan.has_value());
+  Playback playback(*plan);
+  EXPECT_EQ(playback.advance(cycle), ready);
+  EXPECT_TRUE(playback.standing());
+  EXPECT_EQ(playback.fraction(), 1);
+}
+
+TEST_F(Motion, StopDeceleratesOnThePathWithinTheLimits) {
+  RandomJoints random(model_, 13);
+  const Frame start = forward_.base_from_flange(ready);
+  const Frame goal = start * Frame::from_euler_zyz(0.2, -0.3, 0.1, 0.5, 0.5, 0);
+  const auto plan = planner_.straight(ready, goal, Frame(), {});
+  ASSERT_TRUE(plan.has_value()) << to_string(plan.error());
+  const Eigen::Vector3d direction = (goal.position() - start.position()).normalized();
+  const auto cycles = static_cast<int>(plan->law.duration() / cycle);
+  for (int stop_at = 1; stop_at < cycles; stop_at += 3) {
+    Playback playback(*plan);
+    std::vector<JointValues> all{ready};
+    for (int k = 0; k < stop_at; ++k) all.push_back(playback.advance(cycle));
+    playback.stop();
+    int braking = 0;
+    while (!playback.standing()) {
+      all.push_back(playback.advance(cycle));
+      ASSERT_LT(++braking, 250) << "does not stand";
+    }
+    all.push_back(playback.advance(cycle));
+    expect_within_limits(all, {});
+    for (const JointValues& q : all) {
+      const Eigen::Vector3d along = forward_.base_from_flange(q).position() - start.position();
+      ASSERT_LT((along - direction * along.dot(direction)).norm(), 1e-6);
+    }
+    EXPECT_LE(braking * cycle, 0.4) << "stopped after cycle " << stop_at;
+  }
+}
+
+TEST_F(Motion, ProgressRisesToOneWhileTheRemainingTimeFalls) {
+  const auto plan = planner_.joints(ready, joints({30, 0, 90, 0, 90, 0}), {});
+  Playback playback(*plan);
+  double fraction = 0, remaining = plan->law.duration();
+  while (!playback.standing()) {
+    playback.advance(cycle);
+    ASSERT_GE(playback.fraction(), fraction);
+    ASSERT_LE(playback.remaining(), remaining);
+    fraction = playback.fraction();
+    remaining = playback.remaining();
+  }
+  EXPECT_EQ(fraction, 1);
+  EXPECT_EQ(remaining, 0);
+}
+
+TEST_F(Motion, PlayingBackAndStoppingAllocatesNothing) {
+  const auto plan =
+      planner_.straight(ready, forward_.base_from_flange(ready) * translate(0, 0.1, 0.1), Frame(), {});
+  Playback playback(*plan);
+  CountAllocations allocations;
+  JointValues sum = playback.advance(cycle);
+  for (int k = 0; k < 30; ++k) sum += playback.advance(cycle);
+  playback.stop();
+  while (!playback.standing()) sum += playback.advance(cycle);
+  EXPECT_EQ(allocations.so_far(), 0);
+  EXPECT_TRUE(sum.allFinite());
+}
+
+TEST(Pace, ItsProblemIsNamed) {
+  EXPECT_EQ(problem_of({}), std::nullopt);
+  Pace pace;
+  pace.speed = 0;
+  EXPECT_EQ(problem_of(pace), "speed is 0.000000, it must be above 0, at most 1");
+  pace = {};
+  pace.tool_speed = std::nan("");
+  EXPECT_TRUE(problem_of(pace).has_value());
+}
+
+}  // namespace
+}  // namespace robcl::motion
