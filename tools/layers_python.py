@@ -31,7 +31,8 @@ def _gidl(*names: str) -> str:
 
 _FOUNDATION = ("source", "diagnostics")
 _MODEL = ("model", "policy")
-_TEXT = ("lexer", "preprocess", "keywords", "docs_text", "token_reader", "syntax")
+_WORDS = ("keywords",)
+_TEXT = (*_WORDS, "lexer", "preprocess", "docs_text", "token_reader", "syntax")
 _PARSER = ("parser", r"\w+_parser")
 _LAYOUT = ("wire_layout", "wire_nodes", "lcm_lowering", "function_codes", "hashes")
 _COMPILER = "the compiler stands alone: standard library, and jinja2 in emit.py"
@@ -49,11 +50,11 @@ ROWS = (
     ),
     _row(_gidl(*_TEXT), _gidl(*_FOUNDATION, *_TEXT), "text comes first, meaning later"),
     _row(_gidl(*_PARSER), _gidl(*_FOUNDATION, *_TEXT, *_PARSER), "parser -> syntax"),
-    _row(_gidl(*_LAYOUT), _gidl(*_LAYOUT, *_MODEL), "wire_layout -> model"),
+    _row(_gidl(*_LAYOUT), _gidl(*_WORDS, *_LAYOUT, *_MODEL), "wire_layout -> model"),
     _row(r"gidl\.rules(\..*)?", _gidl(*_FOUNDATION, *_MODEL, "rules"), "rules -> model"),
     _row(
         r"gidl\.targets(\..*)?",
-        _gidl("targets", *_LAYOUT, *_MODEL),
+        _gidl(*_WORDS, "targets", *_LAYOUT, *_MODEL),
         "targets -> wire_layout -> model",
     ),
     _row(

@@ -124,6 +124,7 @@ def main() -> int:
     if unknown:
         known = ", ".join(lane.name for lane in lanes)
         parser.error(f"no lane {', '.join(sorted(unknown))}; there are {known}")
+    os.environ["GECOS_BUILD"] = asked.build  # where pytest finds the programs
     verdicts = [run(lane) for lane in lanes if not asked.lanes or lane.name in asked.lanes]
     print("\n" + summary(verdicts), flush=True)
     return 0 if all(verdict.passed for verdict in verdicts) else 1
