@@ -124,10 +124,7 @@ class BrokerHandle {
  public:
   explicit BrokerHandle(const LabHandle& lab) : lab_(lab.get()) {
     auto serving = std::make_shared<Serving>(*lab_);
-    ObjectOptions options;
-    options.well_known = true;
-    const auto added =
-        without_gil([&] { return serving->server.add("BROKER", serving->broker, options); });
+    const auto added = without_gil([&] { return serving->broker.serve(serving->server); });
     if (!added) throw std::runtime_error(added.error().text);
     serving_ = std::move(serving);
   }
