@@ -176,17 +176,20 @@ TEST_F(Motion, AStraightMoveThroughTheWristSingularityIsRefused) {
 }
 
 TEST_F(Motion, AStraightMoveThatLeavesTheReachOnTheWaySaysWhere) {
-  // Both ends are at full stretch with the tool outward; the chord's ends too, but not what turning asks.
-  const JointValues low = joints({0, 80, 12, 0, -90, 0});
-  const Frame high = forward_.base_from_flange(joints({0, 60, 12, 0, 90, 0}));
-  const auto plan = planner_.straight(low, high, Frame(), {});
+  // The Puma's arm is beside its column, so its wrist comes no nearer to axis 1 than 150 mm.
+  Planner puma(puma560(), tool_limits_);
+  const Frame front = translate(0.4, -0.1, 0.5);
+  const auto to_front = puma.joints_to(joints({0, 45, -135, 0, 45, 0}), front, Frame(), {});
+  ASSERT_TRUE(to_front.has_value());
+  const Frame back = translate(-0.8, 0, 0) * front;
+  const auto plan = puma.straight(to_front->goal(), back, Frame(), {});
   ASSERT_FALSE(plan.has_value());
   const auto* reach = std::get_if<arm::OutOfReach>(&plan.error());
   ASSERT_NE(reach, nullptr) << to_string(plan.error());
-  EXPECT_NE(reach->reason.find(" mm along the line: the wrist centre would be "), std::string::npos)
-      << reach->reason;
-  EXPECT_LE(reach->reason.size(), 160u);
-  EXPECT_TRUE(planner_.joints_to(low, high, Frame(), {}).has_value());
+  EXPECT_EQ(reach->reason,
+            "289.0 mm along the line: the wrist centre would be 149.4 mm from axis 1, it can come as "
+            "near as 150.1 mm");
+  EXPECT_TRUE(puma.joints_to(to_front->goal(), back, Frame(), {}).has_value());
 }
 
 TEST_F(Motion, AGoalInMillimetresIsAskedAbout) {
