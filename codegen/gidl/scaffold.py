@@ -59,7 +59,7 @@ def write_device(wanted: str, into: Path | None) -> str:
 
 
 def _is_accepted(name: str, interface: str) -> bool:
-    """Whether the interface says nothing wrong: the name may be a word of IDL, or of the template."""
+    """Whether the interface has no finding: a name may be a word of IDL, or one of the template."""
     with tempfile.TemporaryDirectory() as folder:
         place = Path(folder) / f"{name}.gidl"
         place.write_text(interface, encoding="utf-8")
