@@ -37,7 +37,7 @@ class Lexed:
     trailing: dict[int, list[Token]] = field(default_factory=dict)  # by start of the token before
 
 
-_TOKEN = re.compile(
+TOKEN = re.compile(
     r"""
       (?P<space>[ \t\r\n\f\v\ufeff]+)
     | (?P<comment>//[^\n]*|/\*.*?\*/)
@@ -54,7 +54,7 @@ _TOKEN = re.compile(
     """,
     re.VERBOSE | re.DOTALL,
 )
-_DIRECTIVE_LINE = re.compile(r"[^\n\\]*(?:\\\r?\n[^\n\\]*|\\[^\n])*")
+DIRECTIVE_LINE = re.compile(r"[^\n\\]*(?:\\\r?\n[^\n\\]*|\\[^\n])*")
 _ALPHABET = "names are ASCII letters, digits and '_'; other text belongs into comments and strings"
 _IDENTIFIER_TAIL = re.compile(r"[A-Za-z0-9_]+")
 
@@ -74,7 +74,7 @@ class _Lexer:
         end = len(text)
         at = 0
         tokens = self._lexed.tokens
-        match_at = _TOKEN.match
+        match_at = TOKEN.match
         while at < end:
             match = match_at(text, at)
             if match is None:
@@ -194,7 +194,7 @@ class _Lexer:
     def _directive(self, at: int) -> int:
         text = self._source.text
         line_start = text.rfind("\n", 0, at) + 1
-        match = _DIRECTIVE_LINE.match(text, at)
+        match = DIRECTIVE_LINE.match(text, at)
         stop = match.end() if match else at + 1
         if text[line_start:at].strip(" \t\ufeff"):
             self._error("G0008", at, at + 1, "'#' stands at the beginning of a line only")
@@ -220,7 +220,7 @@ class _Lexer:
         text = self._source.text
         found: list[Token] = []
         while at < end:
-            match = _TOKEN.match(text, at, end)
+            match = TOKEN.match(text, at, end)
             if match is None:
                 at = min(self._unknown(at), end)
                 continue
