@@ -393,8 +393,9 @@ def zeros(code: str, *shape: int) -> Array:
 
 def same(left: Any, right: Any) -> bool:
     """`==` for values that hold arrays."""
-    if isinstance(left, list) and isinstance(right, list):
-        return len(left) == len(right) and all(map(same, left, right))
+    if isinstance(left, list) or isinstance(right, list):
+        sized = hasattr(left, "__len__") and hasattr(right, "__len__")
+        return sized and len(left) == len(right) and all(map(same, left, right))
     if isinstance(left, dict) and isinstance(right, dict):
         return left.keys() == right.keys() and all(same(left[key], right[key]) for key in left)
     if left is None or right is None:

@@ -1,0 +1,140 @@
+"""Writes types.json beside itself: values of interface types and their bytes, which C++, Python and
+lcm-gen's code must agree on. The bytes come from `encoded` in tests/generated/type_values.py, which
+shares no code with any of them. Run it after adding a case, and review the difference.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+HERE = Path(__file__).parent
+sys.path[:0] = [str(HERE.parent / "generated"), str(HERE.parents[1] / "codegen")]
+
+from type_values import encoded, load  # noqa: E402  (beside the tests that use it)
+
+FRAME = {
+    "position": {"x": 0.4521, "y": -0.15, "z": 0.4318},
+    "orientation": {"w": 0.5, "x": -0.5, "y": 0.5, "z": 0.5},
+}
+NUMBERS = {
+    "flag": True, "raw": 255, "letter": "\u00fc", "i8": -128, "u8": 200, "i16": -32768,
+    "u16": 65535, "i32": -(2**31), "u32": 2**32 - 1, "i64": -(2**63), "u64": 2**64 - 1,
+    "single": -0.15625, "twice": 0.1,
+}  # fmt: skip
+GROWN = {"first": -7, "second": 1.25, "third": "\u00e4", "fourth": ""}
+
+CASES: list[tuple[str, str, Any]] = [
+    ("gecos::Grant", "as made", {}),
+    ("gecos::Grant", "master", {"status": "MASTER", "epoch": 2**63 + 5}),
+    ("gecos::Holder", "somebody", {
+        "status": "ACTOR", "user": "ada", "host": "lab", "program": "02_grip_block", "pid": 4711,
+        "held_for": 12.5, "expires_in": 0.25, "releasing": True}),
+    ("gecos::StatusRefused", "two holders", {
+        "reason": "held", "holders": [{"user": "ada"}, {"status": "MASTER", "pid": -1}]}),
+    ("gecos::Description", "an arm", {
+        "name": "RX90", "interface_name": "robcl::Rx90", "version": "1.0",
+        "interface_hash": 2**64 - 1, "simulated": True, "presence": "not required (simulated)",
+        "epoch": 3, "queued": 2**32 - 1, "executing": "move", "pid": 1}),
+    ("gecos::Entry", "with places", {
+        "name": "RX90", "bases": ["robcl::SixAxis", "robcl::Device"], "boot": 2**63,
+        "addresses": ["shm:/run/gecos/1f3a.sock", "lcm:239.255.76.67:20017/RX90"]}),
+    ("gecos::UnknownName", "nobody", {"name": "RX91", "known": ["RX90", "St\u00e4ubli"]}),
+    ("gecos::NameTaken", "taken", {"name": "RX90", "by": "ada@lab, pid 4711"}),
+    ("robcl::Vector", "a point", {"x": 1.5, "y": -0.0, "z": 1e-300}),
+    ("robcl::Quaternion", "a turn", {"w": 0.5, "x": 0.5, "y": 0.5, "z": 0.5}),
+    ("robcl::Frame", "here", {"orientation": {"w": 1.0}}),
+    ("robcl::Frame", "a grip", FRAME),
+    ("robcl::MountRefused", "why", {"reason": "moving"}),
+    ("robcl::GripperState", "holding", {"width": 0.05, "force": 20.0, "holding": True, "held": "b"}),
+    ("robcl::OutOfRange", "too wide", {"what": "width", "value": 0.2, "upper": 0.1}),
+    ("robcl::Distance", "measured", {
+        "value": 0.731, "valid": True, "lower": 0.1, "upper": 2.0, "stamp": 1700000000.25}),
+    ("robcl::SensorFault", "off", {"reason": "the laser is off"}),
+    ("robcl::Trajectory", "as made", {}),
+    ("robcl::Trajectory", "slow and straight", {
+        "speed": 0.01, "acceleration": 0.5, "path": "STRAIGHT", "at_goal": "NOBREAK",
+        "tool_speed": 0.25, "turn_speed": 1.5}),
+    ("robcl::MotionProgress", "half", {"fraction": 0.5, "remaining": 1.75}),
+    ("robcl::JointLimit", "axis 3", {"axis": 3, "value": 2.9, "lower": -2.4, "upper": 2.4}),
+    ("robcl::Singular", "a line", {"reason": "the line passes the wrist"}),
+    ("robcl::OutOfReach", "at its bound", {"reason": "x" * 160}),
+    ("robcl::Joints", "ready", {"position": [0.0, -1.5707963267948966, 0.5, 0.0, -0.0, 3.0]}),
+    ("robcl::Configuration", "a lefty", {"arm": "LEFTY", "bend": "BELOW", "hand": "FLIP"}),
+    ("robcl::Body", "a block", {
+        "name": "block", "pose": FRAME, "size": {"x": 0.04, "y": 0.05, "z": 0.06}, "held_by": "G"}),
+    ("robcl::RayHit", "a hit", {"hit": True, "range": 0.5, "body_name": "block"}),
+    ("robcl::Contact", "none", {"width": 0.08}),
+    ("robcl::UnknownBody", "none known", {"name": "x", "known": []}),
+    ("everything::Numbers", "as made", {}),
+    ("everything::Numbers", "extreme", NUMBERS),
+    ("everything::Limits", "at the bounds", {
+        "both": -1.0, "lower": 0.0, "upper": 10, "share": 100, "few": 3}),
+    ("everything::Arrays", "filled", {
+        "grid": [[1, -2, 3], [4, 5, -6]], "flags": [True, False, False, True],
+        "block": [0, 127, 255], "names": ["a", "\u00f6"],
+        "rows": [[0.5, 1.5, 2.5], [-0.5, -1.5, -2.5]],
+        "corners": [{"x": 1.0}, {"z": -1.0}],
+        "colours": [["RED", "GREEN"], ["BLUE", "RED"]], "ragged": [[1, -1], []]}),
+    ("everything::Sequences", "as made", {}),
+    ("everything::Sequences", "filled", {
+        "reals": [i * 0.1 for i in range(40)], "few": [0.5, -0.25, 3.0], "blob": [1, 2, 255],
+        "flags": [True, False, True], "words": ["abcd", ""], "colours": ["BLUE", "RED"],
+        "rows": [[1, 65535], [], [7]], "poses": [FRAME], "percents": [0, 100],
+        "short_text": "12345"}),
+    ("everything::Optionals", "nothing", {}),
+    ("everything::Optionals", "everything", {
+        "number": -1, "part": 1.0, "text": "t", "many": [1, 2, 3], "all": NUMBERS,
+        "line": [1.0, 2.0, 3.0], "tint": "RED"}),
+    ("everything::Maps", "sorted", {
+        "counts": [["", 0], ["a", 1], ["ab", -1], ["\u00e4", 2]],
+        "places": [[-5, {"x": 1.0}], [0, {}], [7, {"z": 2.0}]],
+        "names": [["RED", ["r", "s"]], ["BLUE", []]]}),
+    ("everything::Shape", "a disc", {"tag": "RED", "arm": "radius", "value": 2.5}),
+    ("everything::Shape", "a box", {"tag": "GREEN", "arm": "size", "value": {"x": 1.0, "y": 2.0}}),
+    ("everything::Shape", "words", {"tag": "BLUE", "arm": "words", "value": ["a", "b"]}),
+    ("everything::Choice", "second label", {"tag": 2, "arm": "text", "value": "two"}),
+    ("everything::Choice", "negative label", {"tag": -3, "arm": "small", "value": 9}),
+    ("everything::Choice", "by default", {"tag": 100, "arm": "other", "value": True}),
+    ("everything::Gap", "held", {"tag": 2**64 - 1, "arm": "digit", "value": 9}),
+    ("everything::Gap", "nothing", {"tag": 4}),
+    ("everything::Answer", "yes", {"tag": True, "arm": "yes", "value": 1.0}),
+    ("everything::Answer", "no", {"tag": False, "arm": "no", "value": "never"}),
+    ("everything::Masks", "some", {
+        "lit": ["LEFT", "TOP"], "broad": ["LAST"],
+        "bits": {"mode": 5, "on": True, "offset": -200}, "level": "HIGH"}),
+    ("everything::Grows", "as made", {}),
+    ("everything::Grows", "grown", GROWN),
+    ("everything::Holds", "nested", {
+        "one": GROWN, "many": [{}, GROWN], "maybe": {"first": 1},
+        "pair": [{"first": 2}, GROWN],
+        "form": {"tag": "GREEN", "arm": "size", "value": {"x": 1.0}},
+        "choices": [{"tag": 1, "arm": "text", "value": "one"}], "hole": {"tag": 0},
+        "reply": {"tag": True, "arm": "yes", "value": 0.5}}),
+    ("everything::Tree", "three levels", {
+        "leaf": 1, "below": [{"leaf": 2, "below": [{"leaf": 3}]}, {"leaf": 4}]}),
+    ("everything::Base", "alone", {"below": -7}),
+    ("everything::Derived", "base first", {"below": 7, "above": "a"}),
+    ("everything::Nothing", "nothing", {}),
+    ("everything::Words", "all", {
+        "class": 1, "def": 2, "encode": 3, "size": 4, "to": 5, "pass": "secret", "value": 6.5}),
+    ("everything::Refused", "turned", {"reason": "too far", "angle": 3.5}),
+]  # fmt: skip
+
+
+def main() -> None:
+    model = load()
+    lines = [
+        json.dumps(
+            {"type": kind, "name": name, "value": value, "bytes": encoded(model, kind, value).hex()}
+        )
+        for kind, name, value in CASES
+    ]
+    text = "[\n " + ",\n ".join(lines) + "\n]\n"
+    (HERE / "types.json").write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
