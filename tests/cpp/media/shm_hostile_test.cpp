@@ -1,0 +1,330 @@
+// A peer that breaks every rule of shm: it is cut off, and nobody crashes, hangs or leaks.
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/mman.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+
+#include <cstring>
+#include <random>
+#include <thread>
+
+#include "gecos/media/bell.hpp"
+#include "gecos/media/ring.hpp"
+#include "gecos/media/shm/control.hpp"
+#include "gecos/media/shm/memory.hpp"
+#include "gecos/media/shm/shm.hpp"
+#include "gecos/media/stream_ring.hpp"
+#include "media_under_test.hpp"
+
+namespace gecos::media {
+namespace {
+
+using shm::ControlMessage;
+using shm::ControlType;
+
+constexpr std::size_t ring_bytes = RingMemory::bytes(usual_slot_count);
+
+Descriptor connect_raw(const std::string& address) {
+  sockaddr_un to{};
+  to.sun_family = AF_UNIX;
+  const std::string path = address.substr(4);
+  std::copy(path.begin(), path.end(), to.sun_path);
+  Descriptor socket(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0));
+  EXPECT_EQ(::connect(socket.get(), reinterpret_cast<sockaddr*>(&to), sizeof to), 0);
+  return socket;
+}
+
+Descriptor memfd_of(std::size_t size, int seals) {
+  Descriptor made(::memfd_create("hostile", MFD_CLOEXEC | MFD_ALLOW_SEALING));
+  EXPECT_EQ(::ftruncate(made.get(), static_cast<off_t>(size)), 0);
+  if (seals != 0) {
+    EXPECT_EQ(::fcntl(made.get(), F_ADD_SEALS, seals), 0);
+  }
+  return made;
+}
+
+class ShmHostile : public testing::Test {
+ protected:
+  void SetUp() override { before_ = open_descriptors(); }
+
+  /// Whoever it was, it made no link, it holds no descriptor of ours, and others are served.
+  void expect_refused() {
+    EXPECT_EQ(door_->accept(), nullptr);
+    EXPECT_EQ(door_->accept(), nullptr);
+    expect_served();
+  }
+  void expect_served() {
+    End client(std::move(*medium_->connect(door_->address())));
+    End server(wait_for_client(*door_));
+    ASSERT_NE(server.link, nullptr);
+    ASSERT_TRUE(client.send("an honest call"));
+    EXPECT_EQ(server.receive(), "an honest call");
+  }
+  void expect_hello_refused(int memfd, int bell) {
+    const Descriptor socket = connect_raw(door_->address());
+    const std::array given{memfd, bell};
+    ASSERT_TRUE(shm::send_control(socket.get(), {.type = ControlType::Hello}, given));
+    expect_refused();
+  }
+  void TearDown() override {
+    while (door_->accept() != nullptr) {
+    }
+    EXPECT_EQ(open_descriptors(), before_) << "descriptors leaked";
+  }
+
+  const ScratchDirectory directory_;
+  const std::unique_ptr<Medium> medium_ = make_shm({.directory = directory_.path()});
+  const std::unique_ptr<Acceptor> door_ = medium_->listen("RX90", false).value();
+  std::size_t before_ = 0;
+};
+
+/// A client with honest memory that writes what it likes.
+struct Scribbler {
+  explicit Scribbler(const std::string& address) : socket(connect_raw(address)) {
+    memory = shm::make_sealed("scribbler", ring_bytes).value();
+    ring = RingMemory::at(memory.mapping.data(), usual_slot_count);
+    const std::array given{memory.memfd.get(), bell.descriptor()};
+    EXPECT_TRUE(shm::send_control(socket.get(), {.type = ControlType::Hello}, given));
+  }
+  Descriptor socket;
+  shm::SealedMemory memory;
+  RingMemory ring;
+  Bell bell;
+};
+
+TEST_F(ShmHostile, GarbageOnTheSocketIsNoHello) {
+  std::mt19937_64 random(1);
+  for (const std::size_t size : {1u, 10u, 160u, 161u, 5000u}) {
+    const Descriptor socket = connect_raw(door_->address());
+    std::string garbage(size, ' ');
+    for (char& c : garbage) c = static_cast<char>(random());
+    ASSERT_EQ(::send(socket.get(), garbage.data(), size, 0), static_cast<ssize_t>(size));
+    expect_refused();
+  }
+}
+
+TEST_F(ShmHostile, AHelloWithoutMemoryIsRefused) {
+  const Descriptor socket = connect_raw(door_->address());
+  ASSERT_TRUE(shm::send_control(socket.get(), {.type = ControlType::Hello}));
+  expect_refused();
+}
+
+TEST_F(ShmHostile, UnsealedMemoryIsRefused) {
+  const Bell bell;
+  expect_hello_refused(memfd_of(ring_bytes, 0).get(), bell.descriptor());
+  expect_hello_refused(memfd_of(ring_bytes, F_SEAL_GROW | F_SEAL_FUTURE_WRITE).get(),
+                       bell.descriptor());
+}
+
+TEST_F(ShmHostile, MemoryOfAnotherSizeIsRefused) {
+  const Bell bell;
+  constexpr int all = F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_FUTURE_WRITE | F_SEAL_SEAL;
+  expect_hello_refused(memfd_of(std::size_t{1} << 40, all).get(), bell.descriptor());
+  expect_hello_refused(memfd_of(ring_bytes - 1, all).get(), bell.descriptor());
+  expect_hello_refused(memfd_of(0, all).get(), bell.descriptor());
+}
+
+TEST_F(ShmHostile, AFileIsNoMemory) {
+  const Bell bell;
+  const Descriptor file(::open("/dev/zero", O_RDWR | O_CLOEXEC));
+  expect_hello_refused(file.get(), bell.descriptor());
+  const Descriptor bell_twice(::dup(bell.descriptor()));
+  expect_hello_refused(bell_twice.get(), bell.descriptor());
+}
+
+TEST_F(ShmHostile, ABellThatIsNoneIsNeverRung) {
+  // A full pipe would block who writes to it: the socket is used instead.
+  int ends[2];
+  ASSERT_EQ(::pipe2(ends, O_CLOEXEC), 0);
+  const Descriptor reading(ends[0]);
+  const Descriptor writing(ends[1]);
+  ASSERT_EQ(::fcntl(writing.get(), F_SETFL, O_NONBLOCK), 0);
+  const std::string much(65536, 'x');
+  while (::write(writing.get(), much.data(), much.size()) > 0) {
+  }
+  ASSERT_EQ(::fcntl(writing.get(), F_SETFL, 0), 0);
+
+  const Descriptor socket = connect_raw(door_->address());
+  auto memory = shm::make_sealed("hostile", ring_bytes).value();
+  RingMemory::at(memory.mapping.data(), usual_slot_count).control->asleep.store(1);
+  const std::array given{memory.memfd.get(), writing.get()};
+  ASSERT_TRUE(shm::send_control(socket.get(), {.type = ControlType::Hello}, given));
+  const auto link = wait_for_client(*door_);
+  ASSERT_NE(link, nullptr);
+  ASSERT_TRUE(link->send(bytes_of("wake up"), {}));
+  shm::ReceivedControl got;
+  ASSERT_EQ(shm::receive_control(socket.get(), got), shm::ControlRead::Message);
+  EXPECT_EQ(got.message.type, ControlType::Welcome);
+  ASSERT_EQ(shm::receive_control(socket.get(), got), shm::ControlRead::Message);
+  EXPECT_EQ(got.message.type, ControlType::Poke);
+}
+
+TEST_F(ShmHostile, AFloodOfDescriptorsIsClosed) {
+  const Descriptor socket = connect_raw(door_->address());
+  std::array<int, 100> many;
+  many.fill(socket.get());
+  ControlMessage hello{.type = ControlType::Hello};
+  iovec piece{&hello, sizeof hello};
+  std::array<char, CMSG_SPACE(sizeof many)> space{};
+  msghdr header{};
+  header.msg_iov = &piece;
+  header.msg_iovlen = 1;
+  header.msg_control = space.data();
+  header.msg_controllen = space.size();
+  cmsghdr* const first = CMSG_FIRSTHDR(&header);
+  first->cmsg_level = SOL_SOCKET;
+  first->cmsg_type = SCM_RIGHTS;
+  first->cmsg_len = CMSG_LEN(sizeof many);
+  std::memcpy(CMSG_DATA(first), many.data(), sizeof many);
+  ASSERT_GT(::sendmsg(socket.get(), &header, 0), 0);
+  expect_refused();
+}
+
+TEST_F(ShmHostile, SilentGuestsDoNotKeepHonestOnesOut) {
+  std::vector<Descriptor> silent;
+  for (int i = 0; i < 200; ++i) {
+    silent.push_back(connect_raw(door_->address()));
+    if (i % 20 == 0) {
+      EXPECT_EQ(door_->accept(), nullptr);
+    }
+  }
+  expect_served();
+}
+
+TEST_F(ShmHostile, ALinkThatSendsGarbageLaterIsBroken) {
+  for (const ControlType type :
+       {ControlType::Hello, ControlType::Welcome, ControlType::Share, static_cast<ControlType>(99)}) {
+    const Scribbler scribbler(door_->address());
+    const auto link = wait_for_client(*door_);
+    ASSERT_NE(link, nullptr);
+    ASSERT_EQ(link->loss(), Loss::None);
+    ASSERT_TRUE(shm::send_control(scribbler.socket.get(), {.type = type}));
+    EXPECT_EQ(link->loss(), Loss::Broken);
+    EXPECT_FALSE(link->loss_text().empty());
+    EXPECT_FALSE(link->arm());
+  }
+}
+
+TEST_F(ShmHostile, AFloodOfPokesDelaysButNeverHolds) {
+  const Scribbler scribbler(door_->address());
+  const auto link = wait_for_client(*door_);
+  ASSERT_NE(link, nullptr);
+  for (int round = 0; round < 100; ++round) {
+    while (shm::send_control(scribbler.socket.get(), {.type = ControlType::Poke})) {
+    }
+    link->arm();
+    link->disarm();
+    ASSERT_EQ(link->loss(), Loss::None);
+  }
+}
+
+TEST_F(ShmHostile, AScribbledRingGivesPacketsOrBreaksButHurtsNobody) {
+  std::mt19937_64 random(11);
+  for (int round = 0; round < 50; ++round) {
+    const Scribbler scribbler(door_->address());
+    const auto link = wait_for_client(*door_);
+    ASSERT_NE(link, nullptr);
+    for (int i = 0; i < 2000 && link->loss() == Loss::None; ++i) {
+      auto* const words = reinterpret_cast<std::uint64_t*>(scribbler.memory.mapping.data());
+      const std::uint64_t value = random() >> (random() % 64);
+      // Anything anywhere, and now and then just what the reader looks at next.
+      words[random() % (ring_bytes / sizeof *words)] = value;
+      RingSlot& slot = scribbler.ring.slots[static_cast<std::size_t>(i) % 8];
+      slot.size.store(static_cast<std::uint32_t>(value));
+      slot.sequence.store(static_cast<std::uint64_t>(i) % 8 + 1);
+      if (const auto packet = link->receive()) {
+        ASSERT_LE(packet->size(), largest_ring_packet);
+      }
+      [[maybe_unused]] const auto sent = link->send(bytes_of("x"), {});
+      ASSERT_LE(link->taken_by_peer(), 2000u);
+      link->beats_seen();
+      if (link->arm()) link->disarm();
+    }
+  }
+  expect_served();
+}
+
+TEST_F(ShmHostile, ASizeThatChangesWhileItIsReadHurtsNobody) {
+  const Scribbler scribbler(door_->address());
+  const auto link = wait_for_client(*door_);
+  ASSERT_NE(link, nullptr);
+  std::atomic<bool> done{false};
+  std::thread scribbling([&] {
+    for (std::uint32_t i = 0; !done.load(); ++i) {
+      for (std::size_t slot = 0; slot < 16; ++slot) {
+        scribbler.ring.slots[slot].size.store(i % 2 == 0 ? 1 : 0xffffffff);
+      }
+    }
+  });
+  for (std::size_t slot = 0; slot < 16; ++slot) scribbler.ring.slots[slot].sequence.store(slot + 1);
+  for (int i = 0; i < 16; ++i) {
+    if (const auto packet = link->receive()) {
+      EXPECT_LE(packet->size(), largest_ring_packet);
+    }
+  }
+  done.store(true);
+  scribbling.join();
+}
+
+/// A server that answers a client's Hello and then does what it likes.
+class HostileServer {
+ public:
+  explicit HostileServer(const std::string& directory) : path_(directory + "/EVIL.sock") {
+    sockaddr_un at{};
+    at.sun_family = AF_UNIX;
+    std::copy(path_.begin(), path_.end(), at.sun_path);
+    EXPECT_EQ(::bind(listener_.get(), reinterpret_cast<sockaddr*>(&at), sizeof at), 0);
+    EXPECT_EQ(::listen(listener_.get(), 8), 0);
+  }
+  std::string address() const { return "shm:" + path_; }
+  Descriptor accept() const {
+    Descriptor socket(::accept4(listener_.get(), nullptr, nullptr, SOCK_CLOEXEC));
+    shm::ReceivedControl hello;
+    EXPECT_EQ(shm::receive_control(socket.get(), hello), shm::ControlRead::Message);
+    return socket;
+  }
+
+ private:
+  const std::string path_;
+  const Descriptor listener_{::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0)};
+};
+
+TEST_F(ShmHostile, AClientRefusesAServersUnsealedMemory) {
+  const HostileServer server(directory_.path());
+  End client(std::move(*medium_->connect(server.address())));
+  const Descriptor socket = server.accept();
+  const Bell bell;
+  const Descriptor memfd = memfd_of(ring_bytes, 0);
+  const std::array given{memfd.get(), bell.descriptor()};
+  ASSERT_TRUE(shm::send_control(socket.get(), {.type = ControlType::Welcome}, given));
+  EXPECT_EQ(client.wait_for_loss(), Loss::Broken);
+  EXPECT_EQ(client.link->loss_text(), "it sent memory that is not sealed");
+}
+
+TEST_F(ShmHostile, AClientRefusesStreamsOfImpossibleSizes) {
+  struct Case {
+    std::uint64_t largest;
+    std::uint64_t depth;
+  };
+  constexpr std::uint64_t all_ones = ~std::uint64_t{0};
+  const HostileServer server(directory_.path());
+  for (const auto& [largest, depth] :
+       {Case{all_ones, all_ones}, Case{64, 0}, Case{64, all_ones}, Case{all_ones - 8, 4},
+        Case{std::size_t{1} << 31, 1}, Case{64, 4}}) {
+    End client(std::move(*medium_->connect(server.address())));
+    const Descriptor socket = server.accept();
+    const auto memory = shm::make_sealed("hostile", StreamMemory::bytes(64, 5)).value();
+    ControlMessage share{.type = ControlType::Share, .id = 1};
+    share.largest = largest;
+    share.depth = depth;
+    const std::array given{memory.memfd.get()};
+    ASSERT_TRUE(shm::send_control(socket.get(), share, given));
+    EXPECT_EQ(client.link->open_stream(1), nullptr);
+    EXPECT_EQ(client.link->loss(), Loss::Broken);
+  }
+}
+
+}  // namespace
+}  // namespace gecos::media

@@ -1,0 +1,324 @@
+// shm between two processes: calls, and every way in which the other one can go.
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+
+#include <chrono>
+#include <filesystem>
+#include <thread>
+
+#include "child_process.hpp"
+#include "gecos/media/shm/shm.hpp"
+#include "media_under_test.hpp"
+
+namespace gecos::media {
+namespace {
+
+using namespace std::chrono_literals;
+
+class ShmProcess : public testing::Test {
+ protected:
+  std::string well_known() const { return "shm:" + directory_.path() + "/RX90.sock"; }
+
+  std::unique_ptr<Acceptor> listen() const {
+    return make_shm({.directory = directory_.path()})->listen("RX90", true).value();
+  }
+  End connect() const {
+    auto link = make_shm({.directory = directory_.path()})->connect(well_known());
+    if (!link) ADD_FAILURE() << link.error().text;
+    return End(link ? std::move(*link) : nullptr);
+  }
+
+  const ScratchDirectory directory_;
+};
+
+/// A server that echoes until it has read "end".
+void echo(Acceptor& door, const std::function<void()>& say_ready) {
+  say_ready();
+  End end(wait_for_client(door));
+  for (std::string text; text != "end";) {
+    text = end.receive();
+    if (!end.send(text)) break;
+  }
+}
+
+TEST_F(ShmProcess, TwoProcessesAnswerEachOther) {
+  ChildProcess server([&](const auto& say_ready) { echo(*listen(), say_ready); });
+  ASSERT_TRUE(server.wait_ready());
+  End client = connect();
+  EXPECT_EQ(client.link->peer().pid, server.pid());
+  EXPECT_EQ(client.link->peer().uid, ::geteuid());
+  const std::string large(client.link->offer().largest_packet, 'x');
+  for (int i = 0; i < 2000; ++i) {
+    const std::string text = i % 100 == 0 ? large : std::to_string(i);
+    ASSERT_TRUE(client.send(text));
+    ASSERT_EQ(client.receive(), text);
+  }
+  ASSERT_TRUE(client.send("end"));
+  EXPECT_EQ(client.receive(), "end");
+  EXPECT_EQ(client.wait_for_loss(), Loss::Closed) << client.link->loss_text();
+  EXPECT_EQ(server.wait(), 0);
+}
+
+TEST_F(ShmProcess, AKilledServerIsSeenByASleeperAtOnce) {
+  ChildProcess server([&](const auto& say_ready) {
+    const auto door = listen();
+    say_ready();
+    const End end(wait_for_client(*door));
+    ::pause();
+  });
+  ASSERT_TRUE(server.wait_ready());
+  End client = connect();
+  ASSERT_TRUE(client.link->arm());
+  std::thread killing([&] { server.kill(); });
+  // The promise: the kernel reports it; 100 ms is five times what a loaded host takes for that.
+  const TimePoint deadline = std::chrono::steady_clock::now() + 100ms;
+  killing.join();
+  while (client.link->loss() == Loss::None) {
+    ASSERT_NE(sleep_on(client.link->descriptors(), deadline), Wake::TimedOut);
+    client.link->disarm();
+  }
+  EXPECT_EQ(client.link->loss(), Loss::Died);
+  EXPECT_NE(client.link->loss_text().find(std::to_string(*client.link->peer().pid)),
+            std::string::npos);
+  EXPECT_EQ(client.send("anybody?").error(), SendProblem::Lost);
+}
+
+TEST_F(ShmProcess, WhatADeadServerTookAndAnsweredStaysKnown) {
+  ChildProcess server([&](const auto& say_ready) {
+    const auto door = listen();
+    say_ready();
+    End end(wait_for_client(*door));
+    for (int i = 0; i < 3; ++i) end.receive();
+    [[maybe_unused]] const auto sent = end.send("answer");
+    ::raise(SIGKILL);
+  });
+  ASSERT_TRUE(server.wait_ready());
+  End client = connect();
+  for (int i = 0; i < 10; ++i) ASSERT_TRUE(client.send("command"));
+  EXPECT_EQ(client.wait_for_loss(), Loss::Died);
+  EXPECT_EQ(client.link->taken_by_peer(), 3u);
+  EXPECT_EQ(client.receive(), "answer");
+  EXPECT_EQ(client.link->taken_by_peer(), 3u);
+}
+
+TEST_F(ShmProcess, AServerThatDiedBeforeItAcceptedHasTakenNothing) {
+  ChildProcess server([&](const auto& say_ready) {
+    const auto door = listen();
+    say_ready();
+    ::pause();
+  });
+  ASSERT_TRUE(server.wait_ready());
+  End client = connect();
+  ASSERT_TRUE(client.send("command"));
+  server.kill();
+  EXPECT_EQ(client.wait_for_loss(), Loss::Died);
+  EXPECT_EQ(client.link->taken_by_peer(), 0u);
+}
+
+TEST_F(ShmProcess, AKilledClientIsSeenByTheServer) {
+  const auto door = listen();
+  ChildProcess client([&](const auto& say_ready) {
+    End end = connect();
+    [[maybe_unused]] const auto sent = end.send("hello");
+    say_ready();
+    ::pause();
+  });
+  ASSERT_TRUE(client.wait_ready());
+  End server(wait_for_client(*door));
+  EXPECT_EQ(server.receive(), "hello");
+  EXPECT_EQ(server.link->loss(), Loss::None);
+  client.kill();
+  EXPECT_EQ(server.wait_for_loss(), Loss::Died);
+}
+
+TEST_F(ShmProcess, AProcessThatExitsWithoutAWordHasDied) {
+  const auto door = listen();
+  ChildProcess client([&](const auto& say_ready) {
+    End end = connect();
+    say_ready();
+    ::_exit(0);
+  });
+  ASSERT_TRUE(client.wait_ready());
+  End server(wait_for_client(*door));
+  EXPECT_EQ(server.wait_for_loss(), Loss::Died);
+}
+
+TEST_F(ShmProcess, AChildOfTheDeadServerThatHoldsItsSocketHidesNothing) {
+  ChildProcess server([&](const auto& say_ready) {
+    const auto door = listen();
+    say_ready();
+    End end(wait_for_client(*door));
+    end.receive();
+    // Past the handlers of fork(), as a container's tool or another language's runtime may do it.
+    if (::syscall(SYS_clone, SIGCHLD, nullptr, nullptr, nullptr, nullptr) == 0) {
+      ::prctl(PR_SET_PDEATHSIG, 0);
+      ::alarm(5);
+      ::pause();
+    }
+    [[maybe_unused]] const auto sent = end.send("forked");
+    ::pause();
+  });
+  ASSERT_TRUE(server.wait_ready());
+  End client = connect();
+  ASSERT_TRUE(client.send("go"));
+  ASSERT_EQ(client.receive(), "forked");
+  ::kill(server.pid(), SIGKILL);  // not reaped yet: its death alone must do
+  EXPECT_EQ(client.wait_for_loss(), Loss::Died) << client.link->loss_text();
+}
+
+TEST_F(ShmProcess, AStoppedPeerIsNotLost) {
+  ChildProcess server([&](const auto& say_ready) { echo(*listen(), say_ready); });
+  ASSERT_TRUE(server.wait_ready());
+  End client = connect();
+  ASSERT_TRUE(client.send("one"));
+  ASSERT_EQ(client.receive(), "one");
+  server.kill(SIGSTOP);
+  const std::uint64_t beats = client.link->beats_seen();
+  ASSERT_TRUE(client.send("two"));
+  EXPECT_EQ(client.link->loss(), Loss::None) << "only its silence tells, and the session judges that";
+  EXPECT_EQ(client.link->beats_seen(), beats);
+  server.kill(SIGCONT);
+  EXPECT_EQ(client.receive(), "two");
+  ASSERT_TRUE(client.send("end"));
+  EXPECT_EQ(client.receive(), "end");
+}
+
+TEST_F(ShmProcess, AStreamOfADeadServerCanStillBeReadAndHoldsNobody) {
+  ChildProcess server([&](const auto& say_ready) {
+    const auto door = listen();
+    say_ready();
+    End end(wait_for_client(*door));
+    const auto writer = door->make_stream(64, 4);
+    [[maybe_unused]] const auto shared = end.link->share(1, *writer);
+    for (;;) [[maybe_unused]] const auto published = writer->publish(bytes_of("pose"), 1);
+  });
+  ASSERT_TRUE(server.wait_ready());
+  End client = connect();
+  const auto reader = client.wait_for_stream(1);
+  ASSERT_NE(reader, nullptr);
+  StreamSample sample;
+  ASSERT_TRUE(client.wait([&] { return reader->latest(1000, sample); }));
+  server.kill();
+  EXPECT_EQ(client.wait_for_loss(), Loss::Died);
+  reader->latest(0, sample);
+  EXPECT_EQ(text_of(sample.bytes), "pose");
+  EXPECT_FALSE(reader->latest(~std::uint64_t{0}, sample));
+}
+
+TEST_F(ShmProcess, AKilledServersSocketGivesWayToTheNext) {
+  for (int life = 0; life < 3; ++life) {
+    ChildProcess server([&](const auto& say_ready) {
+      const auto medium = make_shm({.directory = directory_.path()});
+      const auto door = medium->listen("RX90", true).value();
+      const auto other = medium->listen("LASER", false).value();
+      say_ready();
+      ::pause();
+    });
+    ASSERT_TRUE(server.wait_ready());
+    EXPECT_TRUE(connect().link);
+    server.kill();
+  }
+  listen();
+  std::size_t left = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(directory_.path())) {
+    ADD_FAILURE() << "left behind: " << entry.path();
+    ++left;
+  }
+  EXPECT_EQ(left, 0u);
+}
+
+TEST_F(ShmProcess, NothingIsNamedInDevShm) {
+  const auto count = [] {
+    const std::filesystem::directory_iterator all("/dev/shm");
+    return std::distance(begin(all), end(all));
+  };
+  const auto before = count();
+  const auto door = listen();
+  End client = connect();
+  const auto server = wait_for_client(*door);
+  const auto writer = door->make_stream(64, 4);
+  EXPECT_EQ(count(), before);
+}
+
+TEST_F(ShmProcess, AClientIsTurnedAwayWhenNoDescriptorIsLeft) {
+  const auto door = listen();
+  End first = connect();
+  auto first_server = wait_for_client(*door);
+  ASSERT_NE(first_server, nullptr);
+  ChildProcess clients([&](const auto& say_ready) {
+    std::vector<End> ends;
+    for (int i = 0; i < 20; ++i) ends.push_back(connect());
+    say_ready();
+    // Whoever could not be let in is told so; the others stay.
+    for (End& end : ends) {
+      end.wait([&] { return end.link->loss() != Loss::None || end.link->beats_seen() > 0; });
+    }
+    ::_exit(0);
+  });
+  ASSERT_TRUE(clients.wait_ready());
+  rlimit before{};
+  ::getrlimit(RLIMIT_NOFILE, &before);
+  const rlimit tight{open_descriptors() + 12, before.rlim_max};
+  ::setrlimit(RLIMIT_NOFILE, &tight);
+  std::vector<std::unique_ptr<Link>> links;
+  while (sleep_on(door->descriptors(), TimePoint{}) == Wake::Ready) {
+    while (auto link = door->accept()) {
+      link->beat();
+      links.push_back(std::move(link));
+    }
+  }
+  ::setrlimit(RLIMIT_NOFILE, &before);
+  EXPECT_EQ(clients.wait(), 0);
+  ASSERT_TRUE(first.send("still served"));
+  EXPECT_EQ(End(std::move(first_server)).receive(), "still served");
+}
+
+TEST(RuntimeDirectory, IsMadeForThisUserAlone) {
+  const ScratchDirectory scratch;
+  const std::string path = scratch.path() + "/gecos";
+  ASSERT_TRUE(shm::prepare_directory(path));
+  struct stat made {};
+  ASSERT_EQ(::stat(path.c_str(), &made), 0);
+  EXPECT_EQ(made.st_mode & 0777, 0700u);
+  EXPECT_TRUE(shm::prepare_directory(path)) << "and found again";
+}
+
+TEST(RuntimeDirectory, IsRefusedWhereOthersCouldListenIn) {
+  const ScratchDirectory scratch;
+  ASSERT_EQ(::chmod(scratch.path().c_str(), 0777), 0);
+  const auto refused = shm::prepare_directory(scratch.path());
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().text, "shm: others may write to " + scratch.path() +
+                                      ", who could listen in; run:  chmod go-w " + scratch.path());
+  const auto file = scratch.path() + "/file";
+  std::filesystem::copy("/proc/self/comm", file);
+  EXPECT_FALSE(shm::prepare_directory(file));
+  EXPECT_FALSE(shm::prepare_directory(scratch.path() + "/not/there"));
+  const auto link = scratch.path() + "/link";
+  std::filesystem::create_directory_symlink("/", link);
+  EXPECT_FALSE(shm::prepare_directory(link)) << "in /tmp somebody else may have made the link";
+}
+
+TEST(RuntimeDirectory, IdentifiesTheHostTogetherWithItsBoot) {
+  const ScratchDirectory one;
+  const ScratchDirectory two;
+  const auto first = shm::host_identity(one.path());
+  ASSERT_TRUE(first);
+  EXPECT_EQ(*first, shm::host_identity(one.path()));
+  EXPECT_NE(*first, shm::host_identity(two.path()));
+}
+
+TEST(RuntimeDirectory, TooLongAPathIsExplained) {
+  const ScratchDirectory scratch;
+  const std::string path = scratch.path() + "/" + std::string(100, 'x');
+  const auto refused = make_shm({.directory = path})->listen("RX90", false);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().text.find("GECOS_RUNTIME_DIR"), std::string::npos)
+      << refused.error().text;
+}
+
+}  // namespace
+}  // namespace gecos::media
