@@ -153,7 +153,7 @@ def test_depth_is_bounded_where_types_hold_themselves(types: Any) -> None:
 
 
 def test_secrets_are_not_shown(types: Any) -> None:
-    assert "hunter2" not in repr(types.Words(**{"pass_": "hunter2"}))
+    assert "hunter2" not in repr(types.Words(pass_="hunter2"))
 
 
 def test_values_with_arrays_compare_as_a_whole(types: Any) -> None:

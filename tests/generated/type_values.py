@@ -3,10 +3,10 @@
     boolean, numbers, strings, char   as JSON has them
     enum                              the enumerator's name
     bitmask                           the list of its flags
-    struct, exception, bitset         {"member": value}; members that are left out have their default
+    struct, exception, bitset         {"member": value}; what is left out has its default
     sequence, array                   a list; of octets the list of numbers
     @optional                         null, or the value
-    union                             {"tag": value, "arm": "name", "value": value}; {"tag": value} holds none
+    union                             {"tag": value, "arm": name, "value": value}, or the tag only
     map                               [[key, value], ...] in ascending order
 
 `encoded` is a third implementation of the encoding, by nothing but `struct` and the wire layout.
