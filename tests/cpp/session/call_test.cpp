@@ -1,4 +1,4 @@
-#include "bench.hpp"
+#include "over_media.hpp"
 
 namespace {
 
@@ -6,31 +6,31 @@ using namespace std::chrono_literals;
 using gecos::Detail;
 using gecos::State;
 
-class Call : public probe::Bench {
+class Call : public probe::OverMedia {
  protected:
   void SetUp() override {
-    Bench::SetUp();
-    serve("PROBE", servant_);
+    OverMedia::SetUp();
     probe_ = connect(lab_);
   }
   probe::Probe probe_;
 };
+PROBE_OVER_MEDIA(Call);
 
-TEST_F(Call, GivesTheResultOfTheHandler) {
+TEST_P(Call, GivesTheResultOfTheHandler) {
   const auto read = probe_.read();
   EXPECT_EQ(read.wait(), State::Finished);
   EXPECT_EQ(read.get().value(), 7);
   EXPECT_EQ(read.progress().detail, Detail::Done);
 }
 
-TEST_F(Call, FinishesWhenItsStateIsOnlyPolled) {
+TEST_P(Call, FinishesWhenItsStateIsOnlyPolled) {
   const auto read = probe_.read();
   while (read.state() == State::Running) {
   }
   EXPECT_EQ(read.state(), State::Finished);
 }
 
-TEST_F(Call, ThatMovesTheDeviceIsDeniedWithoutStatusAndSaysHowToGetIt) {
+TEST_P(Call, ThatMovesTheDeviceIsDeniedWithoutStatusAndSaysHowToGetIt) {
   const auto set = probe_.set(3).get();
   ASSERT_FALSE(set);
   EXPECT_EQ(set.error().detail, Detail::Denied);
@@ -38,13 +38,13 @@ TEST_F(Call, ThatMovesTheDeviceIsDeniedWithoutStatusAndSaysHowToGetIt) {
             "'set' of PROBE needs actor status; take it with gecos::actor(object)");
 }
 
-TEST_F(Call, IsCarriedOutUnderALease) {
+TEST_P(Call, IsCarriedOutUnderALease) {
   const auto lease = gecos::actor(probe_);
   ASSERT_TRUE(lease) << lease.error();
   EXPECT_EQ(probe_.set(3).get().value(), 3);
 }
 
-TEST_F(Call, CarriesADeclaredExceptionTyped) {
+TEST_P(Call, CarriesADeclaredExceptionTyped) {
   const auto lease = gecos::actor(probe_);
   ASSERT_TRUE(lease) << lease.error();
   const auto set = probe_.set(-2).get();
@@ -54,13 +54,13 @@ TEST_F(Call, CarriesADeclaredExceptionTyped) {
   EXPECT_EQ(set.error().as<probe::Jammed>()->axis, -2);
 }
 
-TEST_F(Call, OfAnOperationThatTheServerLacksSaysSo) {
+TEST_P(Call, OfAnOperationThatTheServerLacksSaysSo) {
   const auto missing = probe_.missing().get();
   ASSERT_FALSE(missing);
   EXPECT_EQ(missing.error().detail, Detail::UnknownOperation);
 }
 
-TEST_F(Call, ShowsProgressWhileItRunsAndIsAnsweredBesideIt) {
+TEST_P(Call, ShowsProgressWhileItRunsAndIsAnsweredBesideIt) {
   const auto lease = gecos::actor(probe_);
   ASSERT_TRUE(lease) << lease.error();
   const auto move = probe_.move(5);
@@ -75,7 +75,7 @@ TEST_F(Call, ShowsProgressWhileItRunsAndIsAnsweredBesideIt) {
   EXPECT_EQ(move.progress().fraction, 1);
 }
 
-TEST_F(Call, IsNilOnAProxyThatWasNeverCreated) {
+TEST_P(Call, IsNilOnAProxyThatWasNeverCreated) {
   const probe::Probe nil;
   const auto read = nil.read().get();
   ASSERT_FALSE(read);

@@ -222,6 +222,7 @@ void LinkedSession::take_reply(const wire::PacketView& packet) {
     command = calls_.take(packet.header.counter);
   }
   if (!command) return;  // a repeated reply
+  if (packet.header.epoch != Epoch{}) hold(number(packet.header.epoch));  // a stop renewed it
   const auto detail = detail_from(static_cast<std::uint8_t>(packet.header.flags));
   if (detail == Detail::Done) {
     command->finish(packet.body);

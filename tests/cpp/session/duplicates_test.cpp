@@ -1,0 +1,66 @@
+#include "gecos/session/duplicates.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+#include <random>
+#include <vector>
+
+namespace gecos::session {
+namespace {
+
+using Verdict = DuplicateWindow::Verdict;
+
+TEST(DuplicateWindow, TakesEveryCounterOnce) {
+  DuplicateWindow window;
+  for (std::uint64_t counter = 1; counter <= 5000; ++counter) {
+    EXPECT_EQ(window.arrived(counter), Verdict::New);
+    EXPECT_EQ(window.arrived(counter), Verdict::Seen);
+  }
+  EXPECT_EQ(window.all_up_to(), 5000u);
+}
+
+TEST(DuplicateWindow, TakesEveryCounterOnceInAnyOrderOfArrival) {
+  std::mt19937 random(11);
+  DuplicateWindow window;
+  for (std::uint64_t block = 0; block < 20; ++block) {
+    std::vector<std::uint64_t> counters(500);
+    std::iota(counters.begin(), counters.end(), block * 500 + 1);
+    std::shuffle(counters.begin(), counters.end(), random);
+    for (const auto counter : counters) EXPECT_EQ(window.arrived(counter), Verdict::New);
+    for (const auto counter : counters) EXPECT_EQ(window.arrived(counter), Verdict::Seen);
+  }
+  EXPECT_EQ(window.all_up_to(), 10000u);
+}
+
+TEST(DuplicateWindow, RefusesWhatItCouldNotRemember) {
+  DuplicateWindow window;
+  EXPECT_EQ(window.arrived(1024), Verdict::New);
+  EXPECT_EQ(window.arrived(1025), Verdict::Beyond);
+  EXPECT_EQ(window.arrived(1), Verdict::New);
+  EXPECT_EQ(window.arrived(1025), Verdict::New);
+}
+
+TEST(ReplyCache, KeepsRepliesUntilTheyAreAcknowledged) {
+  ReplyCache cache;
+  cache.keep(1, Bytes(3));
+  cache.keep(2, Bytes(4));
+  cache.acknowledged(1);
+  EXPECT_EQ(cache.find(1), nullptr);
+  ASSERT_NE(cache.find(2), nullptr);
+  EXPECT_EQ(cache.find(2)->size(), 4u);
+}
+
+TEST(ReplyCache, CrowdsOutTheOldest) {
+  ReplyCache cache;
+  for (std::uint64_t counter = 1; counter <= 257; ++counter) cache.keep(counter, Bytes(1));
+  EXPECT_EQ(cache.find(1), nullptr);
+  EXPECT_NE(cache.find(2), nullptr);
+  cache.keep(300, Bytes(64 * 1024));
+  EXPECT_EQ(cache.find(257), nullptr);
+  EXPECT_NE(cache.find(300), nullptr) << "the newest is kept whatever its size";
+}
+
+}  // namespace
+}  // namespace gecos::session

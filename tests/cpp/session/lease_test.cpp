@@ -1,0 +1,152 @@
+// Who may command: leases through sessions, over every medium.
+#include <unistd.h>
+
+#include "over_media.hpp"
+
+namespace {
+
+using gecos::Detail;
+using gecos::State;
+
+class Leases : public probe::OverMedia {};
+PROBE_OVER_MEDIA(Leases);
+
+TEST_P(Leases, AreRefusedToASecondProgramWithTheHolderNamed) {
+  const auto first = connect(lab_);
+  const auto second = connect(second_lab_);
+  const auto lease = gecos::actor(first);
+  ASSERT_TRUE(lease) << lease.error();
+  const auto refused = gecos::actor(second);
+  ASSERT_FALSE(refused);
+  ASSERT_EQ(refused.error().holders.size(), 1u);
+  EXPECT_EQ(refused.error().holders[0].pid, getpid());
+  EXPECT_EQ(refused.error().holders[0].status, gecos::Status::ACTOR);
+  EXPECT_NE(refused.error().failure.text.find("actor status is held by"), std::string::npos)
+      << refused.error();
+  EXPECT_EQ(gecos::holders(second).get().value().size(), 1u);
+}
+
+TEST_P(Leases, AreFreeAgainWhenReleased) {
+  const auto first = connect(lab_);
+  const auto second = connect(second_lab_);
+  {
+    const auto lease = gecos::actor(first);
+    ASSERT_TRUE(lease) << lease.error();
+  }
+  ASSERT_TRUE(gecos::ping(first).get());  // the release was before it
+  EXPECT_TRUE(gecos::actor(second));
+  const auto set = first.set(1).get();
+  ASSERT_FALSE(set);
+  EXPECT_EQ(project(set.error().detail), State::CommandFailed);
+}
+
+TEST_P(Leases, AreSharedByPassword) {
+  const auto first = connect(lab_);
+  const auto second = connect(second_lab_);
+  const auto lease = gecos::actor(first, "open sesame");
+  ASSERT_TRUE(lease) << lease.error();
+  EXPECT_FALSE(gecos::actor(second));
+  EXPECT_FALSE(gecos::actor(second, "close sesame"));
+  const auto joined = gecos::actor(second, "open sesame");
+  ASSERT_TRUE(joined) << joined.error();
+  EXPECT_EQ(first.set(1).get().value(), 1);
+  EXPECT_EQ(second.set(2).get().value(), 2);
+}
+
+TEST_P(Leases, DrainWhenReleasedSoThatWhatWasIssuedStillRuns) {
+  const auto first = connect(lab_);
+  const auto second = connect(second_lab_);
+  auto lease = gecos::actor(first);
+  ASSERT_TRUE(lease) << lease.error();
+  const auto move = first.move(1);
+  const auto set = first.set(2);
+  servant_.await_moves(1);
+  lease->release();
+  const auto refused = gecos::actor(second);
+  ASSERT_FALSE(refused) << "its last commands are still running";
+  ASSERT_EQ(refused.error().holders.size(), 1u);
+  EXPECT_TRUE(refused.error().holders[0].releasing);
+  servant_.open_gate();
+  EXPECT_EQ(move.wait(), State::Finished);
+  EXPECT_EQ(set.wait(), State::Finished);
+  ASSERT_TRUE(gecos::ping(first).get());
+  EXPECT_TRUE(gecos::actor(second));
+}
+
+TEST_P(Leases, StopWhatRunsWhenReleasedAtOnce) {
+  const auto first = connect(lab_);
+  auto lease = gecos::actor(first);
+  ASSERT_TRUE(lease) << lease.error();
+  const auto move = first.move(1);
+  const auto set = first.set(2);
+  servant_.await_moves(1);
+  lease->release_now();
+  EXPECT_EQ(move.get().error().detail, Detail::Stopped);
+  EXPECT_EQ(set.get().error().detail, Detail::Stopped);
+  servant_.await_event("interrupted 1");
+  EXPECT_TRUE(gecos::actor(connect(second_lab_)));
+}
+
+TEST_P(Leases, DrainWhenTheProgramEndsInOrderWithoutWaiting) {
+  {
+    gecos::Lab lab;
+    const auto robot = connect(lab);
+    const auto lease = gecos::actor(robot);
+    ASSERT_TRUE(lease) << lease.error();
+    static_cast<void>(robot.move(1));
+    static_cast<void>(robot.set(2));
+  }
+  servant_.await_moves(1);
+  servant_.open_gate();
+  servant_.await_event("set 2");
+  EXPECT_EQ(servant_.events(), (std::vector<std::string>{"start 1", "end 1", "set 2"}));
+}
+
+TEST_P(Leases, OfAMasterRefuseEverybodyElse) {
+  const auto first = connect(lab_);
+  const auto second = connect(second_lab_);
+  const auto lease = gecos::master(first);
+  ASSERT_TRUE(lease) << lease.error();
+  const auto read = second.read().get();
+  ASSERT_FALSE(read);
+  EXPECT_EQ(read.error().detail, Detail::Denied);
+  EXPECT_EQ(first.read().get().value(), 7);
+  EXPECT_TRUE(gecos::ping(second).get()) << "what every object answers is always answered";
+  EXPECT_TRUE(gecos::describe(second).get());
+}
+
+TEST_P(Leases, EndWhenAnybodyStopsTheDevice) {
+  const auto mover = connect(lab_);
+  const auto other = connect(second_lab_);
+  const auto lease = gecos::actor(mover);
+  ASSERT_TRUE(lease) << lease.error();
+  const auto move = mover.move(1);
+  const auto set = mover.set(2);
+  servant_.await_moves(1);
+  ASSERT_TRUE(gecos::stop(other).get());
+  const auto stopped = move.get();
+  ASSERT_FALSE(stopped);
+  EXPECT_EQ(stopped.error().detail, Detail::Stopped);
+  EXPECT_NE(stopped.error().text.find("pid " + std::to_string(getpid())), std::string::npos);
+  EXPECT_EQ(set.get().error().detail, Detail::Stopped);
+  servant_.await_event("interrupted 1");
+  EXPECT_EQ(mover.set(3).get().error().detail, Detail::LeaseLost);
+  EXPECT_TRUE(gecos::actor(other)) << "there is no reset: status may be acquired at once";
+  EXPECT_EQ(servant_.events(), (std::vector<std::string>{"start 1", "interrupted 1"}));
+}
+
+TEST_P(Leases, GoOnForAMemberThatStopsTheDeviceItself) {
+  const auto mover = connect(lab_);
+  auto lease = gecos::actor(mover);
+  ASSERT_TRUE(lease) << lease.error();
+  const auto move = mover.move(1);
+  servant_.await_moves(1);
+  ASSERT_TRUE(gecos::stop(mover).get());
+  EXPECT_EQ(move.get().error().detail, Detail::Stopped);
+  EXPECT_EQ(mover.set(3).get().value(), 3);
+  lease->release();
+  ASSERT_TRUE(gecos::ping(mover).get());
+  EXPECT_TRUE(gecos::actor(connect(second_lab_))) << "releasing works under the renewed epoch";
+}
+
+}  // namespace

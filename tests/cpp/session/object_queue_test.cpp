@@ -1,0 +1,157 @@
+#include "gecos/session/object_queue.hpp"
+
+#include <gtest/gtest.h>
+
+namespace gecos::session {
+namespace {
+
+constexpr SessionId ada{1};
+constexpr SessionId bob{2};
+
+OperationDescription operation(access::Status status) {
+  OperationDescription made;
+  made.status = status;
+  return made;
+}
+
+const OperationDescription moves = operation(access::Status::Actor);
+const OperationDescription reads = operation(access::Status::Sensor);
+
+std::shared_ptr<Ticket> ticket(const OperationDescription& which, SessionId client = ada) {
+  return std::make_shared<Ticket>(client, which);
+}
+
+void finish(ObjectQueue& queue, const Ticket& done) {
+  queue.returned(done);
+  queue.ended(done);
+}
+
+TEST(ObjectQueue, StartsActorCommandsOneAtATimeInTheirOrder) {
+  ObjectQueue queue(LaneThreads::Many);
+  const auto first = ticket(moves);
+  const auto second = ticket(moves, bob);
+  ASSERT_TRUE(queue.push(first));
+  ASSERT_TRUE(queue.push(second));
+  EXPECT_EQ(queue.next(), first);
+  EXPECT_EQ(queue.next(), nullptr);
+  EXPECT_EQ(queue.position(*second), 1u);
+  finish(queue, *first);
+  EXPECT_EQ(queue.next(), second);
+}
+
+TEST(ObjectQueue, KeepsTheLaneUntilTheAnswerThoughTheHandlerReturned) {
+  ObjectQueue queue(LaneThreads::One);
+  const auto first = ticket(moves);
+  const auto second = ticket(moves);
+  ASSERT_TRUE(queue.push(first));
+  ASSERT_TRUE(queue.push(second));
+  ASSERT_EQ(queue.next(), first);
+  queue.returned(*first);
+  EXPECT_EQ(queue.next(), nullptr);
+  queue.ended(*first);
+  EXPECT_EQ(queue.next(), second);
+}
+
+TEST(ObjectQueue, LetsReadingOvertakeAMotion) {
+  ObjectQueue queue(LaneThreads::Many);
+  const auto move = ticket(moves);
+  const auto waits = ticket(moves);
+  const auto read = ticket(reads);
+  ASSERT_TRUE(queue.push(move));
+  ASSERT_EQ(queue.next(), move);
+  ASSERT_TRUE(queue.push(waits));
+  ASSERT_TRUE(queue.push(read));
+  EXPECT_EQ(queue.next(), read);
+  EXPECT_EQ(queue.next(), nullptr);
+}
+
+TEST(ObjectQueue, RunsOneHandlerAtATimeForAServantThatIsNotThreadSafe) {
+  ObjectQueue queue(LaneThreads::One);
+  const auto move = ticket(moves);
+  const auto read = ticket(reads);
+  ASSERT_TRUE(queue.push(move));
+  ASSERT_TRUE(queue.push(read));
+  ASSERT_EQ(queue.next(), read) << "reading first, but not beside the motion";
+  EXPECT_EQ(queue.next(), nullptr);
+  finish(queue, *read);
+  EXPECT_EQ(queue.next(), move);
+}
+
+TEST(ObjectQueue, PutsSafetyBeforeEverything) {
+  OperationDescription halts = operation(access::Status::Sensor);
+  halts.safety = true;
+  ObjectQueue queue(LaneThreads::Many);
+  const auto read = ticket(reads);
+  const auto halt = ticket(halts);
+  ASSERT_TRUE(queue.push(read));
+  ASSERT_TRUE(queue.push(halt));
+  EXPECT_EQ(queue.next(), halt);
+}
+
+TEST(ObjectQueue, RunsAParallelCommandBesideAnother) {
+  OperationDescription blinks = operation(access::Status::Actor);
+  blinks.parallel = true;
+  ObjectQueue queue(LaneThreads::Many);
+  const auto move = ticket(moves);
+  const auto blink = ticket(blinks);
+  const auto waits = ticket(moves);
+  for (const auto& one : {move, blink, waits}) ASSERT_TRUE(queue.push(one));
+  EXPECT_EQ(queue.next(), move);
+  EXPECT_EQ(queue.next(), blink);
+  EXPECT_EQ(queue.next(), nullptr);
+}
+
+TEST(ObjectQueue, KeepsAnOrderedReadingBehindTheCommandsOfItsCallerOnly) {
+  OperationDescription probes = operation(access::Status::Sensor);
+  probes.ordered = true;
+  ObjectQueue queue(LaneThreads::Many);
+  const auto move = ticket(moves, ada);
+  const auto of_ada = ticket(probes, ada);
+  const auto of_bob = ticket(probes, bob);
+  ASSERT_TRUE(queue.push(move));
+  ASSERT_TRUE(queue.push(of_ada));
+  ASSERT_TRUE(queue.push(of_bob));
+  EXPECT_EQ(queue.next(), of_bob);
+  EXPECT_EQ(queue.next(), move);
+  EXPECT_EQ(queue.next(), nullptr);
+  finish(queue, *move);
+  EXPECT_EQ(queue.next(), of_ada);
+}
+
+TEST(ObjectQueue, RefusesAClientThatFillsItAndStillTakesOthers) {
+  ObjectQueue queue(LaneThreads::Many);
+  for (std::size_t at = 0; at < ObjectQueue::most_of_client; ++at) {
+    ASSERT_TRUE(queue.push(ticket(moves, ada)));
+  }
+  const auto refused = queue.push(ticket(moves, ada));
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error(), ObjectQueue::Full::Client);
+  EXPECT_TRUE(queue.push(ticket(moves, bob)));
+}
+
+TEST(ObjectQueue, RefusesEverybodyWhenItIsFull) {
+  ObjectQueue queue(LaneThreads::Many);
+  for (std::size_t at = 0; at < ObjectQueue::most_of_object; ++at) {
+    ASSERT_TRUE(queue.push(ticket(moves, SessionId{1 + at / ObjectQueue::most_of_client})));
+  }
+  const auto refused = queue.push(ticket(moves, SessionId{99}));
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error(), ObjectQueue::Full::Object);
+}
+
+TEST(ObjectQueue, TakesOutWhatHasNotStarted) {
+  ObjectQueue queue(LaneThreads::Many);
+  const auto first = ticket(moves);
+  const auto second = ticket(moves);
+  ASSERT_TRUE(queue.push(first));
+  ASSERT_TRUE(queue.push(second));
+  ASSERT_EQ(queue.next(), first);
+  EXPECT_FALSE(queue.remove(*first));
+  EXPECT_TRUE(queue.remove(*second));
+  EXPECT_FALSE(queue.remove(*second));
+  finish(queue, *first);
+  EXPECT_EQ(queue.next(), nullptr);
+}
+
+}  // namespace
+}  // namespace gecos::session
