@@ -26,6 +26,7 @@ class LoadedFile:
     asked_for: bool
     includes: list[str] = field(default_factory=list)  # direct, by path
     visible: set[str] = field(default_factory=set)  # itself and all it includes
+    macros: Macros = field(default_factory=dict)  # that it leaves to who includes it
 
 
 @dataclass(slots=True)
@@ -134,9 +135,11 @@ class Loader:
             if found is not None and found not in includes:
                 includes.append(found)
 
+        before = dict(self._macros)
         tree = parse(source, self.findings, self._macros, on_include)
         self._open.pop()
-        loaded = LoadedFile(source, tree, asked_for, includes)
+        left = {k: v for k, v in self._macros.items() if before.get(k) is not v}
+        loaded = LoadedFile(source, tree, asked_for, includes, macros=left)
         loaded.visible = {path}.union(*(self.files[p].visible for p in includes if p in self.files))
         self.files[path] = loaded
 
@@ -152,6 +155,8 @@ class Loader:
                 chain = " -> ".join([*self._open[self._open.index(known) :], known])
                 self.findings.error("G0004", include.span, f"files include each other: {chain}")
                 return None
+            if known in self.files:
+                self._macros.update(self.files[known].macros)
             return known
         if len(self._open) >= _MAX_INCLUDE_DEPTH:
             self.findings.error(
