@@ -8,14 +8,22 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
-from gidl.compile import Compiled, compile_files
-from gidl.diagnostics import PRINTERS, Severity
+from gidl.cli_shared import (
+    FAILED,
+    FINDINGS,
+    FINE,
+    USAGE,
+    add_files,
+    compiled_from,
+    count,
+    files_of,
+)
 from gidl.output import compare, diff_text, write
+from gidl.source import Source
 
-FINE, FAILED, USAGE, FINDINGS = 0, 1, 2, 100
 TARGETS = ("cpp", "python", "lcm", "model")
 
 
@@ -54,7 +62,7 @@ def _parser() -> argparse.ArgumentParser:
     verbs = parser.add_subparsers(metavar="VERB", required=True)
 
     gen = verbs.add_parser("gen", help="write C++, Python, LCM and model files")
-    _add_files(gen)
+    add_files(gen)
     gen.add_argument("--out", type=Path, default=Path("generated"), help="folder to write to")
     gen.add_argument(
         "--lang",
@@ -67,11 +75,11 @@ def _parser() -> argparse.ArgumentParser:
     gen.set_defaults(command=_gen)
 
     check = verbs.add_parser("check", help="report what is wrong")
-    _add_files(check)
+    add_files(check)
     check.set_defaults(command=_check)
 
     dump = verbs.add_parser("dump", help="print the model as canonical JSON")
-    _add_files(dump)
+    add_files(dump)
     dump.add_argument("--whole", action="store_true", help="included files too")
     dump.set_defaults(command=_dump)
 
@@ -84,16 +92,6 @@ def _parser() -> argparse.ArgumentParser:
     explain.add_argument("code", nargs="?", help="like G0102; all of them when left out")
     explain.set_defaults(command=_explain)
     return parser
-
-
-def _add_files(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "files", nargs="*", metavar="FILE", help="- reads stdin; idl/**/*.gidl when left out"
-    )
-    parser.add_argument(
-        "-I", dest="search", action="append", default=[], metavar="DIR", help="where includes begin"
-    )
-    parser.add_argument("--error-format", choices=sorted(PRINTERS), default="text")
 
 
 def _languages(text: str) -> tuple[str, ...]:
@@ -113,10 +111,10 @@ def _gen(chosen: argparse.Namespace) -> int:
     from gidl.emit import UnsupportedError, render
     from gidl.model_json import file_text
 
-    files = _files(chosen)
+    files = files_of(chosen)
     if files is None:
         return USAGE
-    compiled = _compiled(chosen, files)
+    compiled = compiled_from(chosen, files)
     if compiled.has_errors:
         return FINDINGS
     model = compiled.model
@@ -125,8 +123,10 @@ def _gen(chosen: argparse.Namespace) -> int:
     try:
         texts = render(model, layout, languages)
     except UnsupportedError as problem:
-        print(f"gidl: {problem}", file=sys.stderr)
-        return FAILED
+        findings = Findings()
+        findings.error("G0801", problem.location, problem.text)
+        _print_findings(chosen, findings.found, compiled.sources)
+        return FINDINGS
     if "model" in chosen.lang:
         for file in model.files:
             if file.asked_for:
@@ -145,16 +145,16 @@ def _gen(chosen: argparse.Namespace) -> int:
     sys.stdout.write(diff_text(chosen.out, texts, difference))
     sys.stdout.flush()
     mend = _mending_command(chosen)
-    which = _count(difference.count, "file")
+    which = count(difference.count, "file")
     print(f"gidl: {which} in {chosen.out}/ not as generated; this mends it: {mend}")
     return FINDINGS
 
 
 def _check(chosen: argparse.Namespace) -> int:
-    files = _files(chosen)
+    files = files_of(chosen)
     if files is None:
         return USAGE
-    compiled = _compiled(chosen, files)
+    compiled = compiled_from(chosen, files)
     return FINDINGS if compiled.has_errors else FINE
 
 
@@ -162,10 +162,10 @@ def _dump(chosen: argparse.Namespace) -> int:
     from gidl import wire_layout
     from gidl.model_json import model_text
 
-    files = _files(chosen)
+    files = files_of(chosen)
     if files is None:
         return USAGE
-    compiled = _compiled(chosen, files)
+    compiled = compiled_from(chosen, files)
     if compiled.has_errors:
         return FINDINGS
     sys.stdout.write(model_text(compiled.model, wire_layout.build(compiled.model), chosen.whole))
@@ -197,38 +197,6 @@ def _explain(chosen: argparse.Namespace) -> int:
         return USAGE
     print(found)
     return FINE
-
-
-# ---------------------------------------------------------------------------------------------
-# Shared by the verbs
-
-
-def _files(chosen: argparse.Namespace) -> list[str] | None:
-    """The files named, else those of idl/; None (and a message) where there are none."""
-    if chosen.files:
-        return list(chosen.files)
-    found = sorted(place.as_posix() for place in Path("idl").rglob("*.gidl"))
-    if not found:
-        print("gidl: no files named, and there is no idl/ folder here with any", file=sys.stderr)
-        return None
-    return found
-
-
-def _compiled(chosen: argparse.Namespace, files: list[str]) -> Compiled:
-    """Compiles, and prints what was found: text to stderr, other formats to stdout."""
-    compiled = compile_files(files, chosen.search)
-    text = PRINTERS[chosen.error_format](list(compiled.findings), compiled.sources)
-    is_text = chosen.error_format == "text"
-    (sys.stderr if is_text else sys.stdout).write(text)
-    if is_text and compiled.findings:
-        errors = sum(f.severity is Severity.ERROR for f in compiled.findings)
-        warnings = len(compiled.findings) - errors
-        print(f"gidl: {_count(errors, 'error')}, {_count(warnings, 'warning')}", file=sys.stderr)
-    return compiled
-
-
-def _count(number: int, what: str) -> str:
-    return f"{number} {what}{'' if number == 1 else 's'}"
 
 
 def _mending_command(chosen: argparse.Namespace) -> str:

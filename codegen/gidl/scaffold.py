@@ -43,8 +43,8 @@ def write_device(wanted: str, into: Path | None) -> str:
     }
     texts = {}
     for template, path in _FILES.items():
-        text = Template((_STARTING_POINT / template).read_text(encoding="utf-8"))
-        texts[path.format(name=name)] = text.substitute(words)
+        pattern = Template((_STARTING_POINT / template).read_text(encoding="utf-8"))
+        texts[path.format(name=name)] = pattern.substitute(words)
     interface = f"lab/{name}.gidl"
     if keyword.iskeyword(name) or not _is_accepted(name, texts[interface]):
         raise ScaffoldRefusal(f"'{name}' has a meaning already; call it something else")

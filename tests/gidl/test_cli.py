@@ -182,3 +182,11 @@ class TestGen:
         (here / "generated").write_text("a file")
         assert main(["gen"]) == 1
         assert "gidl: " in capsys.readouterr().err
+
+    def test_says_where_something_stands_that_is_not_generated_yet(
+        self, here: Path, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        (here / "idl" / "e.gidl").write_text("interface E { @event oneway void hit(); };\n")
+        assert main(["gen"]) == 100
+        assert "e.gidl:1:34: error[G0801]: E::hit: events" in capsys.readouterr().err
+        assert not (here / "generated").exists()
