@@ -8,7 +8,7 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from gidl.cli_shared import (
@@ -20,9 +20,10 @@ from gidl.cli_shared import (
     compiled_from,
     count,
     files_of,
+    show,
 )
+from gidl.diagnostics import Findings
 from gidl.output import compare, diff_text, write
-from gidl.source import Source
 
 TARGETS = ("cpp", "python", "lcm", "model")
 
@@ -125,7 +126,7 @@ def _gen(chosen: argparse.Namespace) -> int:
     except UnsupportedError as problem:
         findings = Findings()
         findings.error("G0801", problem.location, problem.text)
-        _print_findings(chosen, findings.found, compiled.sources)
+        show(chosen, findings.found, compiled.sources)
         return FINDINGS
     if "model" in chosen.lang:
         for file in model.files:

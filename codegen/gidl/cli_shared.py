@@ -1,0 +1,64 @@
+"""What several verbs of the command line share: their files, what was found, exit statuses."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+from gidl.compile import Compiled, compile_files
+from gidl.diagnostics import PRINTERS, Finding, Severity
+from gidl.source import Source
+
+FINE, FAILED, USAGE, FINDINGS = 0, 1, 2, 100
+
+
+def add_files(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "files", nargs="*", metavar="FILE", help="- reads stdin; idl/**/*.gidl when left out"
+    )
+    parser.add_argument(
+        "-I", dest="search", action="append", default=[], metavar="DIR", help="where includes begin"
+    )
+    parser.add_argument("--error-format", choices=sorted(PRINTERS), default="text")
+
+
+def files_of(chosen: argparse.Namespace) -> list[str] | None:
+    """The files named, else those of idl/; None (and a message) where there are none."""
+    if chosen.files:
+        return list(chosen.files)
+    found = sorted(place.as_posix() for place in Path("idl").rglob("*.gidl"))
+    if not found:
+        print("gidl: no files named, and there is no idl/ folder here with any", file=sys.stderr)
+        return None
+    return found
+
+
+def compiled_from(chosen: argparse.Namespace, files: list[str]) -> Compiled:
+    """Compiles, and prints what was found."""
+    compiled = compile_files(files, chosen.search)
+    show(chosen, compiled.findings, compiled.sources)
+    return compiled
+
+
+def show(
+    chosen: argparse.Namespace,
+    findings: Iterable[Finding],
+    sources: Mapping[str, Source],
+    summary: str = "",
+) -> None:
+    """Prints findings: text to stderr, with a last line that counts them; other formats to
+    stdout."""
+    found = list(findings)
+    text = PRINTERS[chosen.error_format](found, sources)
+    is_text = chosen.error_format == "text"
+    (sys.stderr if is_text else sys.stdout).write(text)
+    if is_text and found:
+        errors = sum(f.severity is Severity.ERROR for f in found)
+        counted = f"{count(errors, 'error')}, {count(len(found) - errors, 'warning')}"
+        print(f"gidl: {summary or counted}", file=sys.stderr)
+
+
+def count(number: int, what: str) -> str:
+    return f"{number} {what}{'' if number == 1 else 's'}"

@@ -1,0 +1,44 @@
+"""One canonical layout of a .gidl file.
+
+Where a thing stands is decided here, with three exceptions that stay the author's: blank lines (one
+at most), whether a short body stands on one line, and breaks behind annotations and `(`. Every
+token and every comment is kept, in order; `layout` proves it before it gives a text back.
+"""
+
+from __future__ import annotations
+
+from gidl.fmt.pieces import Piece, UnreadableError, scan
+from gidl.fmt.printer import printed
+from gidl.fmt.tree import structure
+
+__all__ = ["UnreadableError", "layout"]
+
+
+def layout(text: str) -> str:
+    """`text` in the canonical layout; laid out again it stays the same. @pre it parses. Raises
+    UnreadableError, naming the line, where braces do not match (`#if` around half of a body)."""
+    pieces = scan(text)
+    result = printed(structure(pieces))
+    _prove(pieces, scan(result))
+    return result
+
+
+def _prove(before: list[Piece], after: list[Piece]) -> None:
+    """Raises where the layout would have changed more than white space."""
+    old, new = _essence(before), _essence(after)
+    if old != new:
+        at = next((i for i, (a, b) in enumerate(zip(old, new, strict=False)) if a != b), -1)
+        line = before[min(at, len(before) - 1)].line if before else 1
+        raise UnreadableError(line, "cannot be laid out without a change of its meaning")
+
+
+def _essence(pieces: list[Piece]) -> list[str]:
+    found: list[str] = []
+    for piece in pieces:
+        if piece.is_comment:
+            found.append("\n".join(line.strip() for line in piece.text.split("\n")))
+        elif piece.text == ">>":
+            found += [">", ">"]
+        else:
+            found.append(piece.text)
+    return found
