@@ -44,8 +44,6 @@ class ClientSession {
 
 /// Stands in for a proxy that was never created: every call is CONNECTION_FAILED/NO_SERVER.
 const std::shared_ptr<ClientSession>& nil_session();
-/// A command that ended before it was sent.
-std::shared_ptr<CommandCore> ended(Failure failure);
 
 /// A command that ended before anything was sent; generated proxies refuse bad parameters with it.
 std::shared_ptr<CommandCore> ended(Failure failure);
