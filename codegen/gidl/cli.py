@@ -1,4 +1,4 @@
-"""The command line: `gidl gen | check | dump | new | explain`.
+"""The command line: `gidl gen | check | lint | fmt | breaking | dump | new | explain`.
 
 Exit status: 0 fine, 1 the tool could not run, 2 wrong usage, 100 findings.
 """
@@ -11,6 +11,7 @@ import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from gidl import cli_fmt
 from gidl.cli_shared import (
     FAILED,
     FINDINGS,
@@ -78,6 +79,8 @@ def _parser() -> argparse.ArgumentParser:
     check = verbs.add_parser("check", help="report what is wrong")
     add_files(check)
     check.set_defaults(command=_check)
+
+    cli_fmt.add_verb(verbs)
 
     dump = verbs.add_parser("dump", help="print the model as canonical JSON")
     add_files(dump)

@@ -27,7 +27,7 @@ class Compiled:
 
 def compile_files(paths: Iterable[str], search: Iterable[str] = ()) -> Compiled:
     """Reads, resolves and checks `paths` and what they include; never raises for their contents."""
-    with _room_for_nesting():
+    with room_for_nesting():
         return _compile(list(paths), list(search))
 
 
@@ -44,7 +44,7 @@ def _compile(wanted: list[str], search: list[str]) -> Compiled:
 
 
 @contextmanager
-def _room_for_nesting() -> Iterator[None]:
+def room_for_nesting() -> Iterator[None]:
     """The parser bounds nesting at 200 levels; this lets them through, ten calls each."""
     usual = sys.getrecursionlimit()
     sys.setrecursionlimit(max(usual, 20_000))

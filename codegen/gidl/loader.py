@@ -45,7 +45,7 @@ class Loader:
         for shown in paths:
             self._macros = {}
             if shown == "-":
-                text = self._decoded(sys.stdin.buffer.read(MAX_BYTES + 1), "-")
+                text = read_text(shown, self.findings)
                 if text is not None:
                     self._parse("stdin.gidl", Source("stdin.gidl", "-", text), asked_for=True)
                 continue
@@ -82,7 +82,7 @@ class Loader:
             if asked_for and known in self.files:
                 self.files[known].asked_for = True
             return known
-        text = self._read(place, shown)
+        text = _read(place, shown, self.findings)
         if text is None:
             return None
         while path in self.sources and path != VOCABULARY:
@@ -90,40 +90,6 @@ class Loader:
         self._by_place[real] = path
         self._parse(path, Source(path, shown, text), asked_for)
         return path
-
-    def _read(self, place: Path, shown: str) -> str | None:
-        try:
-            if place.is_dir():
-                self.findings.file_error(
-                    "G0001", shown, "is a folder", f"name its files: {shown.rstrip('/')}/*.gidl"
-                )
-                return None
-            with place.open("rb") as stream:
-                data = stream.read(MAX_BYTES + 1)
-        except (OSError, ValueError) as problem:
-            reason = getattr(problem, "strerror", None) or str(problem)
-            self.findings.file_error("G0001", shown, f"cannot be read: {reason}")
-            return None
-        return self._decoded(data, shown)
-
-    def _decoded(self, data: bytes, shown: str) -> str | None:
-        if len(data) > MAX_BYTES:
-            limit = MAX_BYTES // (1024 * 1024)
-            self.findings.file_error("G0011", shown, f"is larger than {limit} MiB")
-            return None
-        try:
-            text = data.decode("utf-8")
-        except UnicodeDecodeError as problem:
-            line = data.count(b"\n", 0, problem.start) + 1
-            self.findings.file_error(
-                "G0002", shown, f"is not UTF-8: byte {data[problem.start]:#04x} in line {line}"
-            )
-            return None
-        if "\0" in text:
-            line = text.count("\n", 0, text.index("\0")) + 1
-            self.findings.file_error("G0002", shown, f"is not text: a NUL byte in line {line}")
-            return None
-        return text
 
     def _parse(self, path: str, source: Source, asked_for: bool) -> None:
         self.sources[path] = source
@@ -195,6 +161,49 @@ class Loader:
             f"did you mean '{names[close[0]]}'?" if close else "",
             f"looked in {searched}; -I adds a folder",
         )
+
+
+def read_text(shown: str, findings: Findings) -> str | None:
+    """Text of a file, or of stdin for "-"; None, and a finding, where it is no text."""
+    if shown == "-":
+        return _decoded(sys.stdin.buffer.read(MAX_BYTES + 1), shown, findings)
+    return _read(Path(shown), shown, findings)
+
+
+def _read(place: Path, shown: str, findings: Findings) -> str | None:
+    try:
+        if place.is_dir():
+            findings.file_error(
+                "G0001", shown, "is a folder", f"name its files: {shown.rstrip('/')}/*.gidl"
+            )
+            return None
+        with place.open("rb") as stream:
+            data = stream.read(MAX_BYTES + 1)
+    except (OSError, ValueError) as problem:
+        reason = getattr(problem, "strerror", None) or str(problem)
+        findings.file_error("G0001", shown, f"cannot be read: {reason}")
+        return None
+    return _decoded(data, shown, findings)
+
+
+def _decoded(data: bytes, shown: str, findings: Findings) -> str | None:
+    if len(data) > MAX_BYTES:
+        limit = MAX_BYTES // (1024 * 1024)
+        findings.file_error("G0011", shown, f"is larger than {limit} MiB")
+        return None
+    try:
+        text = data.decode("utf-8")
+    except UnicodeDecodeError as problem:
+        line = data.count(b"\n", 0, problem.start) + 1
+        findings.file_error(
+            "G0002", shown, f"is not UTF-8: byte {data[problem.start]:#04x} in line {line}"
+        )
+        return None
+    if "\0" in text:
+        line = text.count("\n", 0, text.index("\0")) + 1
+        findings.file_error("G0002", shown, f"is not text: a NUL byte in line {line}")
+        return None
+    return text
 
 
 def _shown(place: Path) -> str:

@@ -1,0 +1,102 @@
+"""`gidl fmt`: lay files out, or say which are not."""
+
+from __future__ import annotations
+
+import argparse
+import difflib
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+from gidl.cli_shared import FINDINGS, FINE, USAGE, count, files_of, show
+from gidl.compile import room_for_nesting
+from gidl.diagnostics import Findings, Severity
+from gidl.fmt import UnreadableError, layout
+from gidl.loader import read_text
+from gidl.model import Location
+from gidl.parser import parse
+from gidl.source import Source
+
+
+def add_verb(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    parser = verbs.add_parser("fmt", help="lay files out in the one canonical way")
+    parser.add_argument(
+        "files", nargs="*", metavar="FILE", help="- formats stdin; idl/**/*.gidl when left out"
+    )
+    parser.add_argument("--check", action="store_true", help="write nothing; show what differs")
+    parser.set_defaults(command=run, error_format="text")
+
+
+@dataclass(frozen=True, slots=True)
+class _Formatted:
+    shown: str
+    before: str
+    after: str
+
+
+def run(chosen: argparse.Namespace) -> int:
+    files = files_of(chosen)
+    if files is None:
+        return USAGE
+    findings = Findings()
+    sources: dict[str, Source] = {}
+    with room_for_nesting():
+        done = [_formatted(shown, findings, sources) for shown in dict.fromkeys(files)]
+    show(chosen, findings.in_order(list(sources)), sources)
+    changed = [one for one in done if one is not None and one.after != one.before]
+    if chosen.check:
+        for one in changed:
+            sys.stdout.write(_difference(one))
+    else:
+        for one in done:
+            if one is not None and one.shown == "-":
+                sys.stdout.write(one.after)
+            elif one is not None and one.after != one.before:
+                Path(one.shown).write_text(one.after, encoding="utf-8", newline="\n")
+    if files != ["-"]:
+        _summary(chosen.check, len(files), len(changed))
+    return FINDINGS if findings.has_errors or (chosen.check and changed) else FINE
+
+
+def _summary(check: bool, files: int, changed: int) -> None:
+    sys.stdout.flush()
+    if not check:
+        print(f"gidl: {count(files, 'file')}, {changed} laid out anew")
+    elif changed:
+        print(f"gidl: {changed} of {count(files, 'file')} not laid out; this mends it: gidl fmt")
+    else:
+        print(f"gidl: {count(files, 'file')} as gidl fmt lays them out")
+
+
+def _formatted(shown: str, findings: Findings, sources: dict[str, Source]) -> _Formatted | None:
+    """None, and a finding, where the file cannot be read as .gidl: it stays as it is."""
+    text = read_text(shown, findings)
+    if text is None:
+        return None
+    source = Source(shown, shown, text)
+    sources[shown] = source
+    wrong = Findings()
+    parse(source, wrong, {}, lambda _include: None)
+    if wrong.has_errors:
+        findings.found += [f for f in wrong.found if f.severity is Severity.ERROR]
+        return None
+    try:
+        return _Formatted(shown, text, layout(text))
+    except UnreadableError as problem:
+        findings.error(
+            "G0014",
+            Location(shown, problem.line, 1),
+            f"cannot be laid out: this line {problem}",
+            "conditions that open a brace in one branch and close it elsewhere are not laid out",
+        )
+        return None
+
+
+def _difference(one: _Formatted) -> str:
+    lines = difflib.unified_diff(
+        one.before.splitlines(keepends=True),
+        one.after.splitlines(keepends=True),
+        one.shown,
+        f"{one.shown} (laid out)",
+    )
+    return "".join(line if line.endswith("\n") else line + "\n" for line in lines)
