@@ -1,0 +1,91 @@
+// The control loop's side of an arm: everything that happens once a cycle.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <optional>
+#include <semaphore>
+
+#include "gecos/base/clock.hpp"
+#include "kdl/driver.hpp"
+#include "kdl/latest.hpp"
+#include "robcl/arm/kinematics.hpp"
+#include "robcl/motion/playback.hpp"
+
+namespace devices {
+
+/// Runs one motion at a time and keeps standing where it is when there is none. `step` belongs to the
+/// control loop's thread and neither locks nor allocates (unless the driver fails); the rest belongs to
+/// the thread that wants the arm moved; `now` may be read by all.
+class ArmController {
+ public:
+  struct Settings {
+    double settled = 1e-4;    ///< rad from its goal at which a joint counts as arrived
+    double settle_time = 1;   ///< s after the end of a motion within which it has to be there
+  };
+
+  /// What was measured, all of it in one cycle.
+  struct Reading {
+    std::array<double, robcl::arm::max_axes> joints{};
+    std::array<double, 7> base_from_flange{};  // x, y, z, then w, x, y, z
+    double fraction = 0;
+    double remaining = 0;
+    std::uint64_t cycle = 0;
+    bool moving = false;
+  };
+
+  /// How a motion ended.
+  enum class End { Arrived, Stopped, NotSettled, Fault };
+  struct Outcome {
+    End end = End::Arrived;
+    Eigen::Index axis = 0;  ///< NotSettled: the joint that is furthest away
+    double away = 0;        ///< by so many rad
+    DriverFault fault;      ///< Fault
+  };
+
+  ArmController(const robcl::arm::ArmModel& model, const Settings& settings, JointDriver& driver);
+
+  /// One cycle of `seconds`.
+  void step(double seconds);
+
+  /// Hands a motion to the control loop. @pre the last one was awaited; it starts at `standing_at()`.
+  void start(robcl::motion::Plan plan);
+  /// Decelerates what runs. May be called at any time, also when nothing runs.
+  void stop() { stop_.store(true); }
+  /// Whether the motion ended within `patience`; if so, the next may be started.
+  std::optional<Outcome> wait(gecos::Duration patience);
+
+  /// Where the joints are commanded to be while nothing moves.
+  JointValues standing_at() const { return command_; }
+  Reading now() const { return reading_.read(); }
+
+ private:
+  enum class Phase { Standing, Moving, Settling };
+
+  void move(double seconds);
+  std::optional<Outcome> settle(const JointValues& measured, double seconds);
+  void publish(const JointValues& measured);
+
+  const Settings settings_;
+  JointDriver& driver_;
+  robcl::arm::Kinematics forward_;
+
+  // Between start() and the end of the motion the loop owns these, otherwise the mover does.
+  std::optional<robcl::motion::Playback> playback_;
+  JointValues command_;
+  Outcome outcome_;
+
+  std::atomic<bool> started_{false};  // publishes playback_ to the loop
+  std::atomic<bool> stop_{false};
+  std::counting_semaphore<> ended_{0};  // publishes outcome_ and command_ to the mover
+
+  // The loop's own.
+  Phase phase_ = Phase::Standing;
+  double settling_ = 0;
+  int arrived_ = 0;
+  Reading last_;
+  Latest<Reading> reading_;
+};
+
+}  // namespace devices

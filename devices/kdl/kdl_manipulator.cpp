@@ -1,0 +1,159 @@
+#include "kdl/kdl_manipulator.hpp"
+
+#include <chrono>
+#include <iomanip>
+#include <sstream>
+#include <stdexcept>
+#include <utility>
+
+namespace devices {
+namespace {
+
+using robcl::arm::Failure;
+using robcl::motion::Pace;
+using robcl::motion::Plan;
+using namespace std::chrono_literals;
+
+MoveFailure as_move_failure(const Failure& failure) {
+  return std::visit([](const auto& reason) { return MoveFailure(reason); }, failure);
+}
+
+std::string not_settled(const ArmController::Outcome& outcome) {
+  std::ostringstream text;
+  text << "joint " << outcome.axis + 1 << " does not come to its goal, it stays "
+       << std::setprecision(3) << robcl::in_deg(outcome.away)
+       << " deg away: look for an obstacle or a weak brake";
+  return text.str();
+}
+
+struct Words {
+  std::string operator()(const Interrupted&) const { return "interrupted; the arm stands"; }
+  std::string operator()(const Refused& refused) const { return refused.reason; }
+  std::string operator()(const DriverFault& fault) const { return fault.text; }
+  template <typename Reason>
+  std::string operator()(const Reason& reason) const {
+    return robcl::arm::to_string(Failure(reason));
+  }
+};
+
+}  // namespace
+
+std::string to_string(const MoveFailure& failure) { return std::visit(Words{}, failure); }
+
+KdlManipulator::KdlManipulator(const robcl::arm::ArmModel& model, const Settings& settings,
+                               JointDriver& driver)
+    : model_(model),
+      controller_(model, settings.control, driver),
+      planner_(model, settings.tool_limits),
+      flange_from_tool_(settings.tool_offset),
+      postures_(robcl::arm::make_inverse(model)) {}
+
+Frame KdlManipulator::base() const {
+  const std::lock_guard lock(reading_);
+  return world_from_base_;
+}
+
+Frame KdlManipulator::tool_offset() const {
+  const std::lock_guard lock(reading_);
+  return flange_from_tool_;
+}
+
+Frame KdlManipulator::flange() const {
+  const auto [x, y, z, qw, qx, qy, qz] = controller_.now().base_from_flange;
+  return base() * Frame::from_quaternion(x, y, z, qw, qx, qy, qz);
+}
+
+Frame KdlManipulator::tool() const { return flange() * tool_offset(); }
+
+JointValues KdlManipulator::joints() const {
+  const ArmController::Reading now = controller_.now();
+  JointValues joints(model_.axes());
+  for (Eigen::Index i = 0; i < joints.size(); ++i) {
+    joints[i] = now.joints[static_cast<std::size_t>(i)];
+  }
+  return joints;
+}
+
+robcl::arm::Configuration KdlManipulator::configuration() const {
+  const JointValues now = joints();
+  const std::lock_guard lock(reading_);
+  return postures_->configuration(now);
+}
+
+tl::expected<void, Refused> KdlManipulator::mount(const Frame& world_from_base) {
+  const std::unique_lock standing(moving_, std::try_to_lock);
+  if (!standing) return tl::unexpected(Refused{"the arm is moving; mount it when it stands"});
+  const std::lock_guard lock(reading_);
+  world_from_base_ = world_from_base;
+  return {};
+}
+
+tl::expected<void, Refused> KdlManipulator::set_tool_offset(const Frame& flange_from_tool) {
+  const std::unique_lock standing(moving_, std::try_to_lock);
+  if (!standing) return tl::unexpected(Refused{"the arm is moving; change its tool when it stands"});
+  const std::lock_guard lock(reading_);
+  flange_from_tool_ = flange_from_tool;
+  return {};
+}
+
+template <typename MakePlan>
+tl::expected<void, MoveFailure> KdlManipulator::run(const Pace& pace, MotionWatcher& watcher,
+                                                    MakePlan make_plan) {
+  if (auto problem = robcl::motion::problem_of(pace)) return tl::unexpected(Refused{*problem});
+  const std::unique_lock standing(moving_, std::try_to_lock);
+  if (!standing) return tl::unexpected(Refused{"the arm is moving for somebody else"});
+  Planned plan = make_plan(controller_.standing_at());
+  if (!plan) return tl::unexpected(as_move_failure(plan.error()));
+  return follow(std::move(*plan), watcher);
+}
+
+tl::expected<void, MoveFailure> KdlManipulator::move(const Frame& world_from_goal, PathKind path,
+                                                     const Pace& pace, MotionWatcher& watcher) {
+  return run(pace, watcher, [&](const JointValues& from) {
+    const Frame base_from_goal = base().inverse() * world_from_goal;
+    const Frame tool = tool_offset();
+    return path == PathKind::Straight ? planner_.straight(from, base_from_goal, tool, pace)
+                                      : planner_.joints_to(from, base_from_goal, tool, pace);
+  });
+}
+
+tl::expected<void, MoveFailure> KdlManipulator::move_to(const JointValues& target, const Pace& pace,
+                                                        MotionWatcher& watcher) {
+  return run(pace, watcher, [&](const JointValues& from) {
+    return planner_.joints(from, target, pace, tool_offset());
+  });
+}
+
+tl::expected<void, MoveFailure> KdlManipulator::follow(Plan plan, MotionWatcher& watcher) {
+  if (watcher.interrupted()) return tl::unexpected(Interrupted{});
+  controller_.start(std::move(plan));
+  std::optional<ArmController::Outcome> outcome;
+  while (!outcome) {
+    outcome = controller_.wait(5ms);
+    if (watcher.interrupted()) controller_.stop();
+    const ArmController::Reading now = controller_.now();
+    watcher.progress(now.fraction, now.remaining);
+  }
+  switch (outcome->end) {
+    case ArmController::End::Arrived:
+      return {};
+    case ArmController::End::Stopped:
+      return tl::unexpected(Interrupted{});
+    case ArmController::End::NotSettled:
+      return tl::unexpected(DriverFault{not_settled(*outcome)});
+    case ArmController::End::Fault:
+      break;
+  }
+  return tl::unexpected(outcome->fault);
+}
+
+KdlSixAxis::KdlSixAxis(const robcl::arm::ArmModel& model, const Settings& settings,
+                       JointDriver& driver)
+    : KdlManipulator(model, settings, driver) {
+  if (model.axes() != 6) {
+    throw std::invalid_argument(model.name() + " has " + std::to_string(model.axes()) +
+                                " axes, a six-axis arm has six");
+  }
+}
+
+}  // namespace devices

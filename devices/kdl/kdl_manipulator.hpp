@@ -1,0 +1,110 @@
+// An arm as its servers need it: in the world, with a tool, moved by one caller at a time.
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "kdl/arm_controller.hpp"
+#include "robcl/arm/failure.hpp"
+#include "robcl/frames/frame.hpp"
+#include "robcl/motion/planner.hpp"
+
+namespace devices {
+
+using robcl::Frame;
+
+enum class PathKind { Joint, Straight };
+
+/// Whoever asked for a motion, while it runs.
+class MotionWatcher {
+ public:
+  virtual ~MotionWatcher() = default;
+  /// Asked about every 5 ms; true decelerates the arm on its path.
+  virtual bool interrupted() = 0;
+  /// `fraction` of its time that is over, 0 to 1; `remaining` s until it stands.
+  virtual void progress(double fraction, double remaining) = 0;
+};
+
+/// The watcher asked for it, and the arm stands, somewhere on its path.
+struct Interrupted {};
+/// The arm, or what is asked of it, does not allow it now.
+struct Refused {
+  std::string reason;
+};
+using MoveFailure = std::variant<robcl::arm::OutOfReach, robcl::arm::JointLimit,
+                                 robcl::arm::Singular, Interrupted, Refused, DriverFault>;
+std::string to_string(const MoveFailure& failure);
+
+/// Any arm with a driver. `step` is its control loop's; everything else may be called by any thread.
+class KdlManipulator {
+ public:
+  struct Settings {
+    robcl::motion::ToolLimits tool_limits{};
+    Frame tool_offset{};  ///< tool frame seen from the flange
+    ArmController::Settings control{};
+  };
+
+  KdlManipulator(const robcl::arm::ArmModel& model, const Settings& settings, JointDriver& driver);
+
+  /// One cycle of the control loop.
+  void step(double seconds) { controller_.step(seconds); }
+
+  Frame base() const;
+  Frame flange() const;       ///< in the world, as measured
+  Frame tool() const;         ///< in the world, as measured
+  Frame tool_offset() const;  ///< tool seen from the flange
+  JointValues joints() const; ///< as measured
+  bool moving() const { return controller_.now().moving; }
+  robcl::arm::Configuration configuration() const;
+  const robcl::arm::ArmModel& model() const { return model_; }
+
+  /// Places the base in the world. Fails while the arm moves.
+  tl::expected<void, Refused> mount(const Frame& world_from_base);
+  /// Fails while the arm moves.
+  tl::expected<void, Refused> set_tool_offset(const Frame& flange_from_tool);
+
+  /// Moves the tool to `world_from_goal` and returns when it stands there, as measured.
+  tl::expected<void, MoveFailure> move(const Frame& world_from_goal, PathKind path,
+                                       const robcl::motion::Pace& pace, MotionWatcher& watcher);
+
+ protected:
+  tl::expected<void, MoveFailure> move_to(const JointValues& target,
+                                          const robcl::motion::Pace& pace, MotionWatcher& watcher);
+
+ private:
+  using Planned = tl::expected<robcl::motion::Plan, robcl::arm::Failure>;
+  template <typename MakePlan>
+  tl::expected<void, MoveFailure> run(const robcl::motion::Pace& pace, MotionWatcher& watcher,
+                                      MakePlan make_plan);
+  tl::expected<void, MoveFailure> follow(robcl::motion::Plan plan, MotionWatcher& watcher);
+
+  const robcl::arm::ArmModel model_;
+  ArmController controller_;
+
+  std::mutex moving_;  // held from planning to standing; guards planner_
+  robcl::motion::Planner planner_;
+
+  mutable std::mutex reading_;  // guards what follows; never held while waiting
+  Frame world_from_base_;
+  Frame flange_from_tool_;
+  std::unique_ptr<robcl::arm::InverseKinematics> postures_;
+};
+
+/// An arm with six joints, which may be named.
+class KdlSixAxis : public KdlManipulator {
+ public:
+  /// Throws std::invalid_argument unless the model has six axes.
+  KdlSixAxis(const robcl::arm::ArmModel& model, const Settings& settings, JointDriver& driver);
+
+  /// Moves all joints, which arrive together. @pre six of them.
+  tl::expected<void, MoveFailure> move_joints(const JointValues& target,
+                                              const robcl::motion::Pace& pace,
+                                              MotionWatcher& watcher) {
+    return move_to(target, pace, watcher);
+  }
+};
+
+}  // namespace devices

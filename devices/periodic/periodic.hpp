@@ -1,0 +1,24 @@
+#pragma once
+
+#include <functional>
+#include <stop_token>
+#include <thread>
+
+#include "gecos/base/clock.hpp"
+
+namespace devices {
+
+/// Calls `work` every `period` on a thread of its own, from construction to destruction.
+///
+/// The beat is absolute: a late cycle does not shift the following ones, and cycles that were missed
+/// altogether are left out, not caught up. Blocks all signals, so that they go to `main`.
+class Periodic {
+ public:
+  /// `work` gets the time since its last call, in s: `period`, or a multiple after missed cycles.
+  Periodic(gecos::Duration period, std::function<void(double seconds)> work);
+
+ private:
+  std::jthread thread_;
+};
+
+}  // namespace devices

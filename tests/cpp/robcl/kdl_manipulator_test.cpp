@@ -1,0 +1,248 @@
+#include "kdl/kdl_manipulator.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <future>
+
+#include "allocations.hpp"
+#include "arms.hpp"
+#include "kdl/simulated_driver.hpp"
+
+namespace devices {
+namespace {
+
+using robcl::rx90;
+using robcl::translate;
+using namespace robcl::literals;
+
+constexpr double cycle = 0.004;
+const JointValues ready = robcl::joints({0, -20, 110, 0, 90, 0});
+
+class Silent : public MotionWatcher {
+ public:
+  bool interrupted() override { return false; }
+  void progress(double, double) override {}
+};
+
+/// Is the arm's control loop itself, and interrupts once a third of the motion's time is over.
+class SteppingInterrupter : public MotionWatcher {
+ public:
+  explicit SteppingInterrupter(KdlManipulator& arm) : arm_(arm) {}
+  bool interrupted() override { return fraction_ > 1.0 / 3; }
+  void progress(double fraction, double) override {
+    fraction_ = fraction;
+    for (int i = 0; i < 5; ++i) arm_.step(cycle);
+  }
+
+ private:
+  KdlManipulator& arm_;
+  double fraction_ = 0;
+};
+
+/// Remembers what it was told.
+class Listener : public MotionWatcher {
+ public:
+  bool interrupted() override { return false; }
+  void progress(double fraction, double remaining) override {
+    fractions.push_back(fraction);
+    last_remaining = remaining;
+  }
+  std::vector<double> fractions;
+  double last_remaining = -1;
+};
+
+class Arm : public ::testing::Test {
+ protected:
+  template <typename Ask>
+  auto run(Ask ask) {
+    auto answer = std::async(std::launch::async, ask);
+    while (answer.wait_for(std::chrono::microseconds(200)) != std::future_status::ready) {
+      arm_.step(cycle);
+    }
+    return answer.get();
+  }
+
+  const robcl::arm::ArmModel model_ = rx90();
+  SimulatedDriver driver_{ready, {}};
+  KdlManipulator::Settings settings_{.tool_offset = translate(0, 0, 150_mm)};
+  KdlSixAxis arm_{model_, settings_, driver_};
+  Silent silent_;
+};
+
+TEST_F(Arm, StandsWithinATenthOfAMillimetreOfTheGoalWhenAMoveIsFinished) {
+  const Frame goal = arm_.tool() * translate(0.05, 0.1, 0.1);
+  for (const PathKind path : {PathKind::Straight, PathKind::Joint}) {
+    const Frame there = path == PathKind::Straight ? goal : goal * translate(0, -0.1, 0);
+    const auto moved = run([&] { return arm_.move(there, path, {}, silent_); });
+    ASSERT_TRUE(moved.has_value()) << to_string(moved.error());
+    EXPECT_LT(distance(arm_.tool(), there), 1e-4);
+    EXPECT_FALSE(arm_.moving());
+  }
+}
+
+TEST_F(Arm, GoalsAndReadingsAreInTheWorldWhereverItIsMounted) {
+  const Frame base = Frame::from_euler_zyz(1, 2, 0.5, 90_deg, 0, 0);
+  ASSERT_TRUE(arm_.mount(base).has_value());
+  arm_.step(cycle);
+  const Frame goal = base * Frame::from_euler_zyz(0.5, 0.2, 0.3, 0, 180_deg, 0);
+  const auto moved = run([&] { return arm_.move(goal, PathKind::Joint, {}, silent_); });
+  ASSERT_TRUE(moved.has_value()) << to_string(moved.error());
+  EXPECT_TRUE(near(arm_.tool(), goal, 1e-4, 1e-3)) << arm_.tool();
+  EXPECT_TRUE(near(arm_.flange() * translate(0, 0, 150_mm), goal, 1e-4, 1e-3));
+}
+
+TEST_F(Arm, KeepsStandingWhereItStandsIfNobodyCommands) {
+  const Frame before = arm_.tool();
+  for (int i = 0; i < 500; ++i) arm_.step(cycle);
+  EXPECT_LT(distance(arm_.tool(), before), 1e-4);
+}
+
+TEST_F(Arm, AMotionThatIsInterruptedStandsOnItsPath) {
+  const Frame start = arm_.tool();
+  const Frame goal = start * translate(0, 0.4, 0);
+  SteppingInterrupter interrupter(arm_);
+  const auto moved = arm_.move(goal, PathKind::Straight, {}, interrupter);
+  ASSERT_FALSE(moved.has_value());
+  EXPECT_TRUE(std::holds_alternative<Interrupted>(moved.error())) << to_string(moved.error());
+  const Eigen::Vector3d seen = start.inverse().transform(arm_.tool().position());
+  EXPECT_GT(seen.y(), 0.1);
+  EXPECT_LT(seen.y(), 0.39);
+  EXPECT_NEAR(seen.x(), 0, 2e-4);
+  EXPECT_NEAR(seen.z(), 0, 2e-4);
+  const auto on = run([&] { return arm_.move(goal, PathKind::Straight, {}, silent_); });
+  EXPECT_TRUE(on.has_value());
+}
+
+TEST_F(Arm, ProgressRisesToOneAndNothingRemains) {
+  Listener listener;
+  JointValues target = ready;
+  target[0] += 1;
+  const auto moved = run([&] { return arm_.move_joints(target, {}, listener); });
+  ASSERT_TRUE(moved.has_value());
+  EXPECT_TRUE(std::is_sorted(listener.fractions.begin(), listener.fractions.end()));
+  EXPECT_EQ(listener.fractions.back(), 1);
+  EXPECT_EQ(listener.last_remaining, 0);
+  EXPECT_LT((arm_.joints() - target).cwiseAbs().maxCoeff(), 2e-4);
+}
+
+TEST_F(Arm, MountAndToolAreRefusedWhileItMoves) {
+  class Announcer : public Silent {
+   public:
+    void progress(double, double) override {
+      moving = true;
+      moving.notify_all();
+    }
+    std::atomic<bool> moving{false};
+  };
+  Announcer announcer;
+  auto mover = std::async(std::launch::async, [&] {
+    return arm_.move(arm_.tool() * translate(0, 0.3, 0), PathKind::Straight, {}, announcer);
+  });
+  announcer.moving.wait(false);
+  const auto mounted = arm_.mount(translate(1, 0, 0));
+  const auto tool = arm_.set_tool_offset(Frame());
+  while (mover.wait_for(std::chrono::microseconds(200)) != std::future_status::ready) {
+    arm_.step(cycle);
+  }
+  ASSERT_FALSE(mounted.has_value());
+  EXPECT_EQ(mounted.error().reason, "the arm is moving; mount it when it stands");
+  ASSERT_FALSE(tool.has_value());
+  EXPECT_TRUE(mover.get().has_value());
+  EXPECT_TRUE(arm_.mount(translate(1, 0, 0)).has_value());
+}
+
+TEST_F(Arm, WhatCannotBeReachedFailsBeforeAnythingMoves) {
+  const Frame before = arm_.flange();
+  const auto moved = arm_.move(translate(500, 0, 300), PathKind::Joint, {}, silent_);
+  ASSERT_FALSE(moved.has_value());
+  EXPECT_TRUE(std::holds_alternative<robcl::arm::OutOfReach>(moved.error()));
+  robcl::motion::Pace pace;
+  pace.speed = 2;
+  const auto hasty = arm_.move(arm_.tool(), PathKind::Joint, pace, silent_);
+  ASSERT_FALSE(hasty.has_value());
+  EXPECT_EQ(to_string(hasty.error()), "speed is 2.000000, it must be above 0, at most 1");
+  EXPECT_EQ(arm_.flange(), before);
+}
+
+TEST_F(Arm, ItsControlCycleAllocatesNothing) {
+  robcl::motion::Planner planner(model_, {});
+  ArmController controller(model_, {}, driver_);
+  JointValues target = ready;
+  target[1] += 0.5;
+  controller.start(planner.joints(controller.standing_at(), target, {}).value());
+  robcl::CountAllocations allocations;
+  for (int i = 0; i < 500; ++i) controller.step(cycle);
+  EXPECT_EQ(allocations.so_far(), 0);
+  const auto outcome = controller.wait(std::chrono::seconds(0));
+  ASSERT_TRUE(outcome.has_value());
+  EXPECT_EQ(outcome->end, ArmController::End::Arrived);
+}
+
+/// Drives that hold their brakes, or whose line breaks.
+class BrokenDriver : public JointDriver {
+ public:
+  JointValues measured() override { return ready; }
+  tl::expected<JointValues, DriverFault> exchange(const JointValues&, double) override {
+    if (broken) return tl::unexpected(DriverFault{"no answer from the drives"});
+    return ready;
+  }
+  bool broken = false;
+};
+
+TEST(BrokenArm, ThatDoesNotComeToItsGoalSaysWhichJoint) {
+  const auto model = rx90();
+  BrokenDriver driver;
+  ArmController controller(model, {}, driver);
+  robcl::motion::Planner planner(model, {});
+  JointValues target = ready;
+  target[2] -= 0.1;
+  controller.start(planner.joints(ready, target, {}).value());
+  for (int i = 0; i < 1000; ++i) controller.step(cycle);
+  const auto outcome = controller.wait(std::chrono::seconds(0));
+  ASSERT_TRUE(outcome.has_value());
+  EXPECT_EQ(outcome->end, ArmController::End::NotSettled);
+  EXPECT_EQ(outcome->axis, 2);
+  EXPECT_NEAR(outcome->away, 0.1, 1e-9);
+}
+
+TEST(BrokenArm, WhoseDriverFailsEndsTheMotionWithItsWords) {
+  const auto model = rx90();
+  BrokenDriver driver;
+  ArmController controller(model, {}, driver);
+  robcl::motion::Planner planner(model, {});
+  JointValues target = ready;
+  target[2] -= 0.1;
+  controller.start(planner.joints(ready, target, {}).value());
+  for (int i = 0; i < 10; ++i) controller.step(cycle);
+  driver.broken = true;
+  controller.step(cycle);
+  const auto outcome = controller.wait(std::chrono::seconds(0));
+  ASSERT_TRUE(outcome.has_value());
+  EXPECT_EQ(outcome->end, ArmController::End::Fault);
+  EXPECT_EQ(outcome->fault.text, "no answer from the drives");
+  EXPECT_FALSE(controller.now().moving);
+}
+
+TEST(SimulatedDriver, LagsBehindItsCommandAndComesToIt) {
+  SimulatedDriver driver(JointValues::Zero(6), {});
+  const JointValues goal = JointValues::Constant(6, 0.1);
+  const JointValues first = driver.exchange(goal, cycle).value();
+  EXPECT_NEAR(first[0], 0.1 * (1 - std::exp(-0.4)), 1e-4);
+  for (int i = 0; i < 50; ++i) (void)driver.exchange(goal, cycle);
+  EXPECT_LT((driver.measured() - goal).cwiseAbs().maxCoeff(), 1e-4);
+}
+
+TEST(SimulatedDriver, TheSameSeedGivesTheSameNoise) {
+  SimulatedDriver one(ready, {}), other(ready, {});
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(one.measured(), other.measured());
+  SimulatedDriver differs(ready, {.seed = 2});
+  bool same = true;
+  for (int i = 0; i < 10; ++i) same &= one.measured() == differs.measured();
+  EXPECT_FALSE(same);
+}
+
+}  // namespace
+}  // namespace devices
