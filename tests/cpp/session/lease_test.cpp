@@ -62,6 +62,7 @@ TEST_P(Leases, DrainWhenReleasedSoThatWhatWasIssuedStillRuns) {
   const auto set = first.set(2);
   servant_.await_moves(1);
   lease->release();
+  ASSERT_TRUE(gecos::ping(first).get());  // the release was before it
   const auto refused = gecos::actor(second);
   ASSERT_FALSE(refused) << "its last commands are still running";
   ASSERT_EQ(refused.error().holders.size(), 1u);
@@ -84,6 +85,7 @@ TEST_P(Leases, StopWhatRunsWhenReleasedAtOnce) {
   EXPECT_EQ(move.get().error().detail, Detail::Stopped);
   EXPECT_EQ(set.get().error().detail, Detail::Stopped);
   servant_.await_event("interrupted 1");
+  ASSERT_TRUE(gecos::ping(first).get());
   EXPECT_TRUE(gecos::actor(connect(second_lab_)));
 }
 

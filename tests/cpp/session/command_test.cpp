@@ -1,0 +1,180 @@
+// How commands end: canceled, late, replaced, or with their server.
+#include <poll.h>
+
+#include <thread>
+
+#include "over_media.hpp"
+
+namespace {
+
+using namespace std::chrono_literals;
+using gecos::Detail;
+using gecos::State;
+
+class Commands : public probe::OverMedia {
+ protected:
+  void SetUp() override {
+    OverMedia::SetUp();
+    probe_ = connect(lab_);
+    auto lease = gecos::actor(probe_);
+    ASSERT_TRUE(lease) << lease.error();
+    lease_.emplace(std::move(*lease));
+  }
+  probe::Probe probe_;
+  std::optional<gecos::Lease> lease_;
+};
+PROBE_OVER_MEDIA(Commands);
+
+TEST_P(Commands, AreCanceledWhileTheyQueue) {
+  const auto first = probe_.move(1);
+  const auto second = probe_.move(2);
+  servant_.await_moves(1);
+  while (second.progress().detail != Detail::Queued) {
+  }
+  EXPECT_EQ(second.progress().position, 1u);
+  second.cancel();
+  EXPECT_EQ(second.get().error().detail, Detail::Canceled);
+  servant_.open_gate();
+  EXPECT_EQ(first.wait(), State::Finished);
+  EXPECT_EQ(servant_.events(), (std::vector<std::string>{"start 1", "end 1"}));
+}
+
+TEST_P(Commands, AreCanceledWhileTheyExecuteWithWhatTheirCallerQueuedBehind) {
+  const auto first = probe_.move(1);
+  const auto second = probe_.move(2);
+  servant_.await_moves(1);
+  first.cancel();
+  EXPECT_EQ(first.get().error().detail, Detail::Canceled);
+  EXPECT_EQ(second.get().error().detail, Detail::Canceled);
+  EXPECT_EQ(servant_.events(), (std::vector<std::string>{"start 1", "interrupted 1"}));
+}
+
+TEST_P(Commands, StayAsTheyEndedWhenCanceledAfterwards) {
+  const auto set = probe_.set(4);
+  ASSERT_EQ(set.wait(), State::Finished);
+  set.cancel();
+  ASSERT_TRUE(gecos::ping(probe_).get());
+  EXPECT_EQ(set.state(), State::Finished);
+}
+
+TEST_P(Commands, ThatAreDroppedStillRun) {
+  static_cast<void>(probe_.set(9));
+  servant_.await_event("set 9");
+  EXPECT_EQ(probe_.read().get().value(), 9);
+}
+
+TEST_P(Commands, ExpireWhenTheirDeadlinePassesInTheQueue) {
+  const auto first = probe_.move(1);
+  servant_.await_moves(1);
+  const auto late = gecos::with(probe_, {.deadline = 5ms}).set(2);
+  EXPECT_EQ(late.get().error().detail, Detail::Expired);
+  servant_.open_gate();
+  EXPECT_EQ(first.wait(), State::Finished);
+  EXPECT_EQ(servant_.events(), (std::vector<std::string>{"start 1", "end 1"}));
+}
+
+TEST_P(Commands, TimeOutWhenTheirDeadlinePassesWhileTheyExecute) {
+  const auto move = gecos::with(probe_, {.deadline = 30ms}).move(1);
+  EXPECT_EQ(move.get().error().detail, Detail::TimedOut);
+  servant_.await_event("interrupted 1");
+}
+
+TEST_P(Commands, AreRefusedWhenTheirClientHasTooManyWaiting) {
+  std::vector<gecos::Command<std::int32_t>> moves;
+  moves.push_back(probe_.move(0));
+  servant_.await_moves(1);
+  for (int at = 1; at <= 64; ++at) moves.push_back(probe_.set(at));
+  EXPECT_EQ(probe_.set(65).get().error().detail, Detail::QueueFull);
+  servant_.open_gate();
+  for (const auto& move : moves) EXPECT_EQ(move.wait(), State::Finished);
+}
+
+TEST_P(Commands, RunInTheOrderInWhichTheyWereIssued) {
+  std::vector<gecos::Command<std::int32_t>> sets;
+  std::vector<std::string> expected;
+  for (int at = 1; at <= 50; ++at) {
+    sets.push_back(probe_.set(at));
+    expected.push_back("set " + std::to_string(at));
+  }
+  for (const auto& set : sets) EXPECT_EQ(set.wait(), State::Finished);
+  EXPECT_EQ(servant_.events(), expected);
+}
+
+TEST_P(Commands, AreAnsweredLaterFromAnotherThread) {
+  std::vector<std::thread> threads;
+  servant_.on_read = [&](gecos::IncomingCall call) {
+    threads.emplace_back([call = std::make_shared<gecos::IncomingCall>(std::move(call))] {
+      call->finish(4, [](gecos::wire::Encoder& to) { to.put(std::int32_t{11}); });
+    });
+  };
+  EXPECT_EQ(probe_.read().get().value(), 11);
+  EXPECT_EQ(probe_.read().get().value(), 11);
+  for (auto& thread : threads) thread.join();
+}
+
+TEST_P(Commands, AreFaultWhenTheirHandlerDropsThem) {
+  servant_.on_read = [](gecos::IncomingCall) {};
+  const auto read = probe_.read().get();
+  ASSERT_FALSE(read);
+  EXPECT_EQ(read.error().detail, Detail::Fault);
+  EXPECT_EQ(read.error().text, "the handler of 'read' gave no answer");
+}
+
+TEST_P(Commands, TellTheirEndOnADescriptorThoughNobodyWaits) {
+  const auto move = probe_.move(1);
+  servant_.await_moves(1);
+  pollfd waits{move.core()->descriptor(), POLLIN, 0};
+  EXPECT_EQ(poll(&waits, 1, 0), 0);
+  servant_.open_gate();
+  EXPECT_EQ(poll(&waits, 1, 10'000), 1);
+  EXPECT_EQ(move.state(), State::Finished);
+}
+
+TEST_P(Commands, EndWhenTheirServerEndsInOrder) {
+  const auto move = probe_.move(1);
+  const auto set = probe_.set(2);
+  servant_.await_moves(1);
+  server_.reset();
+  EXPECT_EQ(move.get().error().detail, Detail::Stopped);
+  EXPECT_EQ(set.get().error().detail, Detail::Stopped);
+  const auto later = probe_.read().get();
+  ASSERT_FALSE(later);
+  EXPECT_EQ(later.error().state(), State::ConnectionFailed) << later.error();
+}
+
+TEST_P(Commands, ReachManyThreadsThroughOneProxy) {
+  constexpr int thread_count = 6;
+  constexpr int calls = 300;
+  std::atomic<int> right{0};
+  std::vector<std::thread> threads;
+  for (int at = 0; at < thread_count; ++at) {
+    threads.emplace_back([&, at] {
+      for (int call = 0; call < calls; ++call) {
+        if ((call + at) % 7 == 0) {
+          right += gecos::ping(probe_).get().has_value() ? 1 : 0;
+        } else {
+          right += probe_.read().get().value_or(-1) == 7 ? 1 : 0;
+        }
+      }
+    });
+  }
+  for (auto& thread : threads) thread.join();
+  EXPECT_EQ(right.load(), thread_count * calls);
+}
+
+TEST_P(Commands, OfASlowHandlerDoNotKeepOthersWaiting) {
+  std::atomic<bool> go_on{false};
+  servant_.on_read = [&](gecos::IncomingCall call) {
+    go_on.wait(false);
+    call.finish(4, [](gecos::wire::Encoder& to) { to.put(std::int32_t{1}); });
+  };
+  const auto slow = probe_.read();
+  const auto other = connect(second_lab_);
+  EXPECT_TRUE(gecos::ping(other).get()) << "a standby polls while the handler runs";
+  EXPECT_EQ(slow.state(), State::Running);
+  go_on = true;
+  go_on.notify_all();
+  EXPECT_EQ(slow.get().value(), 1);
+}
+
+}  // namespace

@@ -1,0 +1,137 @@
+#include <unistd.h>
+
+#include "bench.hpp"
+#include "gecos/session/linked_session.hpp"
+#include "gecos/session/registry.hpp"
+#include "gecos/session/select.hpp"
+
+namespace {
+
+using gecos::Detail;
+using gecos::media::Kind;
+
+class Create : public probe::Bench {
+ protected:
+  gecos::CreateError attempts(const std::vector<std::string>& names,
+                              gecos::CreateOptions options = {}) {
+    auto created = lab_.create<probe::Probe>(names, options);
+    EXPECT_FALSE(created);
+    return created ? gecos::CreateError{} : created.error();
+  }
+};
+
+TEST_F(Create, TakesTheFirstThatIsThereAndSaysWhyNotTheOthers) {
+  serve("SIM", servant_);
+  auto created = gecos::session::create(lab_.core(), probe::description(), {"REAL", "SIM"}, {});
+  ASSERT_TRUE(created) << created.error();
+  EXPECT_EQ(created->session->object_name(), "SIM");
+  ASSERT_EQ(created->passed_over.attempts.size(), 1u);
+  EXPECT_EQ(created->passed_over.attempts[0].name, "REAL");
+  EXPECT_EQ(created->passed_over.attempts[0].reason, "no object is called REAL; known are SIM");
+}
+
+TEST_F(Create, NamesBothTypesWhenTheObjectIsOfAnother) {
+  serve("PROBE", servant_);
+  auto created = lab_.create<probe::Other>("PROBE");
+  ASSERT_FALSE(created);
+  EXPECT_EQ(created.error().to_string(),
+            "PROBE: REFUSED: PROBE is a probe::Probe, not a probe::Other");
+}
+
+TEST_F(Create, SaysThatTheServerIsOffline) {
+  serve("PROBE", servant_);
+  gecos::Entry entry = [&] {
+    gecos::Entry dead;
+    dead.name = "DEAD";
+    dead.interface_name = "probe::Probe";
+    dead.boot = gecos::number(gecos::session::process_boot());
+    dead.addresses = {"inproc:nowhere"};
+    return dead;
+  }();
+  auto broker = lab_.core().broker(gecos::deadline_after(std::chrono::seconds(5)));
+  ASSERT_TRUE(broker) << broker.error();
+  ASSERT_TRUE(gecos::session::enlist(**broker, entry,
+                                     gecos::deadline_after(std::chrono::seconds(5))));
+  const auto error = attempts({"DEAD"});
+  ASSERT_EQ(error.attempts.size(), 1u);
+  EXPECT_EQ(error.attempts[0].detail, Detail::NoServer);
+  EXPECT_EQ(error.attempts[0].reason.rfind("DEAD is offline (inproc:nowhere: ", 0), 0u) << error;
+}
+
+TEST_F(Create, FailsOverAMediumThatTheServerDoesNotOfferThoughOthersExist) {
+  serve("PROBE", servant_);
+  gecos::CreateOptions options;
+  options.medium = Kind::Lcm;
+  const auto error = attempts({"PROBE"}, options);
+  ASSERT_EQ(error.attempts.size(), 1u);
+  EXPECT_EQ(error.attempts[0].detail, Detail::QosUnavailable);
+  EXPECT_EQ(error.attempts[0].reason,
+            "PROBE cannot be reached over lcm: its server does not offer it");
+}
+
+TEST_F(Create, SaysWhatItTriedWhenThereIsNoBroker) {
+  gecos::LabOptions elsewhere;
+  elsewhere.broker = "inproc:nobody";
+  gecos::Lab lab(elsewhere);
+  auto created = lab.create<probe::Probe>("PROBE");
+  ASSERT_FALSE(created);
+  const std::string text = created.error().to_string();
+  EXPECT_NE(text.find("start `gecos-broker`, or say where it is in GECOS_BROKER"),
+            std::string::npos) << text;
+  EXPECT_NE(text.find("tried inproc:nobody"), std::string::npos) << text;
+}
+
+TEST_F(Create, RefusesHardRealtimeOnAMediumThatCannotUnlessSimulated) {
+  gecos::Entry entry;
+  entry.host = lab_.core().host_identity();
+  entry.addresses = {"lcm:239.255.76.67:20017/x"};
+  gecos::qos::Quality hard;
+  hard.line = gecos::qos::Class::HardRealtime;
+  const auto refused = gecos::session::select(lab_.core(), entry, hard, std::nullopt);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().find("lcm"), std::string::npos);
+  EXPECT_NE(refused.error().find("HARD_REALTIME"), std::string::npos) << refused.error();
+  entry.simulated = true;
+  EXPECT_TRUE(gecos::session::select(lab_.core(), entry, hard, std::nullopt));
+}
+
+TEST_F(Create, PrefersTheMediumThatPromisesMost) {
+  gecos::ObjectOptions everything;
+  everything.simulated = true;
+  ASSERT_TRUE(server_->add("PROBE", servant_, everything));
+  auto created = lab_.create<probe::Probe>("PROBE");
+  ASSERT_TRUE(created) << created.error();
+  EXPECT_EQ(created->session()->offer().kind, Kind::Inproc);
+  for (const Kind kind : {Kind::Inproc, Kind::Shm, Kind::Lcm}) {
+    gecos::CreateOptions options;
+    options.medium = kind;
+    auto asked = lab_.create<probe::Probe>("PROBE", options);
+    ASSERT_TRUE(asked) << asked.error();
+    EXPECT_EQ(asked->session()->offer().kind, kind);
+    EXPECT_EQ(asked->read().get().value(), 7);
+  }
+}
+
+TEST_F(Create, TellsWhatAnObjectIs) {
+  serve("PROBE", servant_);
+  const auto about = gecos::describe(connect(lab_)).get();
+  ASSERT_TRUE(about) << about.error();
+  EXPECT_EQ(about->name, "PROBE");
+  EXPECT_EQ(about->interface_name, "probe::Probe");
+  EXPECT_EQ(about->presence, "not required (simulated)");
+  EXPECT_EQ(about->pid, getpid());
+}
+
+TEST_F(Create, IsRefusedANameThatAnotherServerHas) {
+  serve("PROBE", servant_);
+  gecos::Server second(second_lab_);
+  probe::ProbeServant servant;
+  gecos::ObjectOptions options;
+  options.media = {Kind::Inproc};
+  const auto added = second.add("PROBE", servant, options);
+  ASSERT_FALSE(added);
+  EXPECT_NE(added.error().text.find("the name PROBE is taken by a probe::Probe of"),
+            std::string::npos) << added.error().text;
+}
+
+}  // namespace

@@ -1,0 +1,111 @@
+#include <thread>
+
+#include "over_media.hpp"
+
+namespace {
+
+using namespace std::chrono_literals;
+using gecos::StreamEnd;
+
+class Streams : public probe::OverMedia {
+ protected:
+  void SetUp() override {
+    OverMedia::SetUp();
+    probe_ = connect(lab_);
+  }
+  probe::Probe probe_;
+};
+PROBE_OVER_MEDIA(Streams);
+
+TEST_P(Streams, GiveSamplesInOrderWithTheirSequence) {
+  auto level = probe_.level(gecos::stream);
+  ASSERT_TRUE(level) << level.error();
+  EXPECT_FALSE(level->latest()) << "nothing before the first";
+  for (std::int32_t value = 1; value <= 5; ++value) {
+    servant_.publish(value);
+    const auto sample = level->next(10s);
+    ASSERT_TRUE(sample) << to_string(sample.error());
+    EXPECT_EQ(sample->value, value);
+    EXPECT_EQ(sample->lost, 0u);
+  }
+  EXPECT_EQ(level->latest()->value, 5) << "the newest stays";
+}
+
+TEST_P(Streams, KeepTheLatestForWhoComesLater) {
+  servant_.publish(41);
+  servant_.publish(42);
+  auto level = probe_.level(gecos::stream);
+  ASSERT_TRUE(level) << level.error();
+  const auto sample = level->next(10s);
+  ASSERT_TRUE(sample) << to_string(sample.error());
+  EXPECT_EQ(sample->value, 42);
+}
+
+TEST_P(Streams, SayThatNothingCame) {
+  auto level = probe_.level(gecos::stream);
+  ASSERT_TRUE(level) << level.error();
+  const auto sample = level->next(1ms);
+  ASSERT_FALSE(sample);
+  EXPECT_EQ(sample.error(), StreamEnd::Nothing);
+}
+
+TEST_P(Streams, WakeAReaderThatSleeps) {
+  auto level = probe_.level(gecos::stream);
+  ASSERT_TRUE(level) << level.error();
+  std::int32_t value = 0;
+  std::thread reader([&] {
+    while (value < 3) {
+      const auto sample = level->next(10s);
+      if (!sample) return;
+      value = sample->value;
+    }
+  });
+  // Each is published once the reader may be asleep again, which the next call does not disturb.
+  for (std::int32_t next = 1; next <= 3; ++next) {
+    servant_.publish(next);
+    ASSERT_TRUE(gecos::ping(probe_).get());
+  }
+  reader.join();
+  EXPECT_EQ(value, 3);
+}
+
+TEST_P(Streams, AreReadWhileACommandRuns) {
+  const auto lease = gecos::actor(probe_);
+  ASSERT_TRUE(lease) << lease.error();
+  auto level = probe_.level(gecos::stream);
+  ASSERT_TRUE(level) << level.error();
+  const auto move = probe_.move(1);
+  servant_.await_moves(1);
+  std::thread waits([&] { move.wait(); });
+  servant_.publish(8);
+  const auto sample = level->next(10s);
+  ASSERT_TRUE(sample) << to_string(sample.error());
+  EXPECT_EQ(sample->value, 8);
+  servant_.open_gate();
+  waits.join();
+}
+
+TEST_P(Streams, EndWithTheirServer) {
+  auto level = probe_.level(gecos::stream);
+  ASSERT_TRUE(level) << level.error();
+  server_.reset();
+  const auto sample = level->next(10s);
+  ASSERT_FALSE(sample);
+  EXPECT_EQ(sample.error(), StreamEnd::Lost);
+}
+
+TEST_P(Streams, GoOnForOneReaderWhenAnotherEnds) {
+  auto level = probe_.level(gecos::stream);
+  ASSERT_TRUE(level) << level.error();
+  {
+    auto second = probe_.level(gecos::stream);
+    ASSERT_TRUE(second) << second.error();
+  }
+  ASSERT_TRUE(gecos::ping(probe_).get());
+  servant_.publish(5);
+  const auto sample = level->next(10s);
+  ASSERT_TRUE(sample) << to_string(sample.error());
+  EXPECT_EQ(sample->value, 5);
+}
+
+}  // namespace
