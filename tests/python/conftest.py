@@ -10,14 +10,14 @@ import pytest
 from lamp import Lamp, PlainLamp
 
 
-@pytest.fixture
-def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A folder to meet in, so that nobody else's broker is found."""
-    folder = tmp_path / "run"
-    folder.mkdir(mode=0o700)
-    monkeypatch.setenv("GECOS_RUNTIME_DIR", str(folder))
-    monkeypatch.delenv("GECOS_BROKER", raising=False)
-    return folder
+@pytest.fixture(scope="session")
+def place(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """A folder to meet in, so that nobody else's broker is found. A process has one for its life."""
+    folder = tmp_path_factory.mktemp("run")
+    with pytest.MonkeyPatch.context() as environment:
+        environment.setenv("GECOS_RUNTIME_DIR", str(folder))
+        environment.delenv("GECOS_BROKER", raising=False)
+        yield folder
 
 
 @pytest.fixture

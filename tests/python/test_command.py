@@ -100,7 +100,7 @@ def test_progress_of_a_running_command_is_a_fraction(held: Lamp, servant: PlainL
 
 def test_a_queued_command_knows_its_position(held: Lamp, servant: PlainLamp) -> None:
     burning, first, second = held.burn_in(), held.dim(1.0), held.dim(1.0)
-    while second.progress().detail is not Detail.QUEUED or second.progress().position != 1:
+    while second.progress().detail is not Detail.QUEUED or second.progress().position != 2:
         assert second.wait(0.001) is State.RUNNING
     servant.finish.set()
     for command in (burning, first, second):

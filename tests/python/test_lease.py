@@ -17,7 +17,8 @@ def test_status_lasts_as_long_as_the_block(lamp: Lamp) -> None:
         lamp.dim(1.0).result()
     with pytest.raises(gecos.CommandFailed) as caught:
         lamp.dim(1.0).result()
-    assert caught.value.detail is Detail.DENIED
+    assert caught.value.detail in (Detail.DENIED, Detail.LEASE_LOST)
+    assert "gecos::actor(object)" in caught.value.text
 
 
 def test_a_second_client_is_refused_and_told_who_holds_it(held: Lamp, other: Lamp) -> None:

@@ -6,25 +6,39 @@ import os
 import signal
 import subprocess
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import gecos
+import pytest
 from lamp import Lamp, PlainLamp
 
 HERE = Path(__file__).resolve().parent
-TREE = HERE.parents[1]
 
 
-def start(program: str) -> subprocess.Popen[str]:
+@contextmanager
+def running(program: str) -> Iterator[subprocess.Popen[str]]:
+    """A Python process of its own; it is gone after the block, whatever happened in it."""
     path = [str(HERE), *sys.path]
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, path))}
-    return subprocess.Popen(
+    with subprocess.Popen(
         [sys.executable, "-c", program],
         env=environment,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
-    )
+    ) as process:
+        try:
+            yield process
+        finally:
+            process.kill()
+
+
+def says(process: subprocess.Popen[str]) -> str:
+    """Its next line."""
+    assert process.stdout is not None
+    return process.stdout.readline()
 
 
 WAITING = """
@@ -33,8 +47,8 @@ from lamp import Lamp
 lamp = gecos.Lab().create(Lamp, "LAMP", medium="shm")
 lease = gecos.actor(lamp)
 burning = lamp.burn_in()
-print("waiting", flush=True)
 try:
+    print("waiting", flush=True)
     burning.wait()
 except KeyboardInterrupt:
     print("interrupted", burning.state.name, flush=True)
@@ -43,14 +57,12 @@ except KeyboardInterrupt:
 
 
 def test_ctrl_c_ends_a_wait(server: gecos.Server, servant: PlainLamp) -> None:
-    client = start(WAITING)
-    assert client.stdout is not None
-    assert client.stdout.readline() == "waiting\n"
-    servant.burning.wait()
-    client.send_signal(signal.SIGINT)
-    out, err = client.communicate(timeout=30)
-    assert out == "interrupted RUNNING\n"
-    assert client.returncode == 0, err
+    with running(WAITING) as client:
+        assert says(client) == "waiting\n"
+        servant.burning.wait()
+        client.send_signal(signal.SIGINT)
+        out, err = client.communicate(timeout=30)
+        assert (out, client.returncode) == ("interrupted RUNNING\n", 0), err
 
 
 LEAVING = """
@@ -64,22 +76,23 @@ lamp.dim(2.0).detach()
 """
 
 
+@pytest.mark.parametrize("medium", ["shm", "lcm"])
 def test_what_was_issued_runs_on_after_the_program_has_ended(
-    lab: gecos.Lab, server: gecos.Server, servant: PlainLamp
+    lab: gecos.Lab, server: gecos.Server, servant: PlainLamp, medium: str
 ) -> None:
     servant.value = 8.0
-    client = start(LEAVING.format(medium="shm"))
-    _, err = client.communicate(timeout=30)
-    assert client.returncode == 0, err
-    assert err == ""
-    assert servant.burning.wait(30)
-    servant.finish.set()
-    lamp = lab.create(Lamp, "LAMP")
-    while lamp.level().result() != 4.0:
-        assert not servant.interrupted.is_set()
-    while gecos.holders(lamp).result():
-        pass
-    assert servant.starts == ["burn_in", "dim"]
+    with running(LEAVING.format(medium=medium)) as client:
+        _, err = client.communicate(timeout=30)
+        assert client.returncode == 0, err
+        assert err == ""
+        assert servant.burning.wait(30)
+        servant.finish.set()
+        lamp = lab.create(Lamp, "LAMP")
+        while lamp.level().result() != 4.0:
+            assert not servant.interrupted.is_set()
+        while gecos.holders(lamp).result():
+            pass
+        assert servant.starts == ["burn_in", "dim"]
 
 
 KILLED = """
@@ -96,13 +109,12 @@ burning.wait()
 def test_when_the_holder_is_killed_what_it_moved_is_interrupted(
     lab: gecos.Lab, server: gecos.Server, servant: PlainLamp
 ) -> None:
-    client = start(KILLED)
-    assert client.stdout is not None
-    assert client.stdout.readline() == "moving\n"
-    servant.burning.wait()
-    client.kill()
-    client.communicate(timeout=30)
-    assert servant.interrupted.wait(30)
+    with running(KILLED) as client:
+        assert says(client) == "moving\n"
+        servant.burning.wait()
+        client.kill()
+        client.communicate(timeout=30)
+        assert servant.interrupted.wait(30)
 
 
 SERVING = """
@@ -115,30 +127,28 @@ print("left", flush=True)
 
 
 def test_serve_ends_with_sigterm(lab: gecos.Lab) -> None:
-    server = start(SERVING)
-    assert server.stdout is not None
-    assert server.stdout.readline() == "serving LAMP\n"
-    lamp = lab.create(Lamp, "LAMP")
-    assert lamp.label().result() == "a lamp"
-    server.send_signal(signal.SIGTERM)
-    out, err = server.communicate(timeout=30)
-    assert (out, server.returncode) == ("left\n", 0), err
+    with running(SERVING) as server:
+        assert says(server) == "serving LAMP\n"
+        lamp = lab.create(Lamp, "LAMP")
+        assert lamp.label().result() == "a lamp"
+        server.send_signal(signal.SIGTERM)
+        out, err = server.communicate(timeout=30)
+        assert (out, server.returncode) == ("left\n", 0), err
 
 
 def test_a_killed_server_ends_the_command_of_its_client(lab: gecos.Lab) -> None:
-    server = start(SERVING)
-    assert server.stdout is not None
-    assert server.stdout.readline() == "serving LAMP\n"
-    lamp = lab.create(Lamp, "LAMP", medium="shm")
-    with gecos.actor(lamp):
-        burning = lamp.burn_in()
-        while burning.progress().fraction < 0.25:
-            burning.wait(0.001)
-        server.kill()
-        assert burning.wait() is gecos.State.COMMAND_FAILED
-        assert burning.progress().detail is gecos.Detail.SERVER_CRASHED
-        assert lamp.label().wait() is gecos.State.CONNECTION_FAILED
-    server.communicate(timeout=30)
+    with running(SERVING) as server:
+        assert says(server) == "serving LAMP\n"
+        lamp = lab.create(Lamp, "LAMP", medium="shm")
+        with gecos.actor(lamp):
+            burning = lamp.burn_in()
+            while burning.progress().fraction < 0.25:
+                burning.wait(0.001)
+            server.kill()
+            assert burning.wait() is gecos.State.COMMAND_FAILED
+            assert burning.progress().detail is gecos.Detail.SERVER_CRASHED
+            assert lamp.label().wait() is gecos.State.CONNECTION_FAILED
+        server.communicate(timeout=30)
 
 
 def test_importing_the_codec_needs_neither_extension_nor_numpy() -> None:
@@ -146,6 +156,6 @@ def test_importing_the_codec_needs_neither_extension_nor_numpy() -> None:
         "import sys, gecos.wire, gecos.errors; "
         "print(*sorted({'gecos._core', 'numpy', 'asyncio', 'typer', 'rich'} & set(sys.modules)))"
     )
-    client = start(program)
-    out, err = client.communicate(timeout=30)
-    assert out.strip() == "", err
+    with running(program) as client:
+        out, err = client.communicate(timeout=30)
+        assert out.strip() == "", err

@@ -22,8 +22,9 @@ def test_two_objects_of_one_server_take_turns(
     server.add("LAMP2", second)
     lamp2 = lab.create(Lamp, "LAMP2")
     with gecos.actor(lamp2):
-        burning, dimmed = held.burn_in(), lamp2.dim(1.0)
+        burning = held.burn_in()
         servant.burning.wait()
+        dimmed = lamp2.dim(1.0)
         assert lamp2.label().result() == "a lamp"
         assert second.starts == []
         servant.finish.set()
@@ -76,15 +77,19 @@ def test_a_second_broker_is_refused(lab: gecos.Lab) -> None:
         gecos.Broker(other)
 
 
-def test_a_name_that_is_taken_is_refused(lab: gecos.Lab, server: gecos.Server) -> None:
-    with gecos.Server(lab) as second, pytest.raises(gecos.ServeError, match="LAMP"):
+def test_a_name_that_is_taken_is_refused(server: gecos.Server) -> None:
+    with (
+        gecos.Lab() as other,
+        gecos.Server(other) as second,
+        pytest.raises(gecos.ServeError, match="LAMP"),
+    ):
         second.add("LAMP", PlainLamp())
 
 
 def test_an_object_that_was_refused_can_be_added_under_another_name(
     lab: gecos.Lab, server: gecos.Server
 ) -> None:
-    with gecos.Server(lab) as second:
+    with gecos.Lab() as other, gecos.Server(other) as second:
         with pytest.raises(gecos.ServeError):
             second.add("LAMP", PlainLamp())
         second.add("LAMP2", PlainLamp())

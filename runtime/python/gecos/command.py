@@ -127,10 +127,10 @@ class Command(Generic[T, F]):
         number, text, exception, evidence = self._core.failure()
         detail = Detail(number)
         if detail.state is State.CONNECTION_FAILED:
-            return ConnectionFailed(detail, f"{self._name}: {text}")
+            return ConnectionFailed(detail, text)
         if exception:
-            return _declared(self._method.raises, exception, evidence, f"{self._name}: {text}")
-        return CommandFailed(detail, f"{self._name}: {text}")
+            return _declared(self._method.raises, exception, evidence, text)
+        return CommandFailed(detail, text)
 
     @property
     def _name(self) -> str:
