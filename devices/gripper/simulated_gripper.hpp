@@ -1,0 +1,60 @@
+#pragma once
+
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "gecos/base/result.hpp"
+
+namespace devices {
+
+/// Two parallel jaws that close at a constant speed until they meet something, or each other. `step`
+/// belongs to their beat; everything may be called by any thread.
+class SimulatedGripper {
+ public:
+  struct Settings {
+    double max_width = 0.110;  ///< m
+    double max_force = 100;    ///< N
+    double speed = 0.150;      ///< m/s between the jaws
+  };
+  struct State {
+    double width = 0;  ///< m
+    double force = 0;  ///< N, 0 when nothing is held
+    bool moving = false;
+    bool holding = false;
+    std::string held;  ///< body, where it is known
+  };
+  /// What the jaws would meet, and at what width, m.
+  struct Contact {
+    double width = 0;
+    std::string body;
+  };
+  struct OutOfRange {
+    std::string what;
+    double value = 0, lower = 0, upper = 0;
+  };
+
+  explicit SimulatedGripper(const Settings& settings);
+
+  const Settings& settings() const { return settings_; }
+  State state() const;
+
+  /// Starts towards `width`, letting go of what is held. On the way in it stops at `contact`, without
+  /// force.
+  tl::expected<void, OutOfRange> open(double width, const std::optional<Contact>& contact);
+  /// Starts to close until the jaws meet `contact` (else each other), to press it with `force`.
+  tl::expected<void, OutOfRange> close(double force, const std::optional<Contact>& contact);
+  /// The jaws stand where they are; what is held stays held.
+  void halt();
+  void step(double seconds);
+
+ private:
+  const Settings settings_;
+  mutable std::mutex guard_;  // of all below
+  State state_;
+  double target_;
+  double force_at_target_ = 0;  // 0: it does not grip there
+  std::string body_at_target_;
+};
+
+}  // namespace devices

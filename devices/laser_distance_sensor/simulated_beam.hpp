@@ -1,0 +1,33 @@
+#pragma once
+
+#include <mutex>
+#include <optional>
+#include <random>
+
+namespace devices {
+
+/// What a laser distance sensor makes of a true distance. Any thread.
+class SimulatedBeam {
+ public:
+  struct Settings {
+    double lower = 0.050;   ///< m
+    double upper = 1.000;   ///< m
+    double noise = 0.0002;  ///< standard deviation, m
+    unsigned seed = 1;
+  };
+
+  explicit SimulatedBeam(const Settings& settings);
+
+  const Settings& settings() const { return settings_; }
+
+  /// The distance as measured; nothing when there is nothing in the beam, or not within the range.
+  std::optional<double> measure(std::optional<double> distance);
+
+ private:
+  const Settings settings_;
+  std::mutex guard_;  // of all below
+  std::mt19937 random_;
+  std::normal_distribution<double> noise_;
+};
+
+}  // namespace devices

@@ -1,0 +1,77 @@
+// A laboratory of boxes: what is in it, where it is, and who carries it.
+#pragma once
+
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "gecos/base/result.hpp"
+#include "world/box.hpp"
+
+namespace devices {
+
+struct SimulatedBody {
+  std::string name;
+  Box box;
+  bool fixed = false;   ///< part of the laboratory: cannot be gripped
+  std::string held_by;  ///< gripper that carries it, empty when none
+};
+
+/// Grasping attaches a body to what carries the gripper, as it stands at that moment. Let go, it falls
+/// straight down onto what is below it, keeping its orientation. Bodies that are not held do not move,
+/// also when what they stand on is taken away. Any thread.
+class SimulatedWorld {
+ public:
+  struct Hit {
+    double range = 0;  ///< m
+    std::string body;
+  };
+  struct Contact {
+    double width = 0;  ///< m between the jaws
+    std::string body;
+  };
+  enum class PlaceProblem { Unknown, Held, Fixed };
+
+  /// Area of one finger that can touch, m: across the fingers (x) and along the approach (z).
+  static constexpr double pad_across = 0.020, pad_along = 0.020;
+
+  /// The floor is at the height `floor`, m, and without end. Throws std::invalid_argument when two
+  /// bodies have one name.
+  SimulatedWorld(double floor, std::vector<SimulatedBody> bodies);
+
+  std::vector<SimulatedBody> bodies() const;
+  std::optional<SimulatedBody> find(std::string_view name) const;
+
+  /// First body on the ray along z of `origin`, at most `reach` away.
+  std::optional<Hit> cast(const Frame& origin, double reach) const;
+
+  /// What jaws at `jaws` (closing along y) meet when they close from `opening`: of several bodies the
+  /// thickest. The body is gripped as it stands, also off the middle.
+  std::optional<Contact> between(const Frame& jaws, double opening) const;
+
+  tl::expected<void, PlaceProblem> place(std::string_view name, const Frame& pose);
+
+  /// `gripper` holds `body` (nothing: empty), and what carries the gripper is at `carrier` now. Takes up
+  /// what is newly held, moves what is held, lets go of the rest. A fixed body, or one that another
+  /// gripper holds, is not taken.
+  void track(const std::string& gripper, const std::string& body, const Frame& carrier);
+
+ private:
+  SimulatedBody* look_up(std::string_view name);
+  void let_go(const std::string& gripper);
+  void fall(SimulatedBody& body);
+
+  const double floor_;
+  mutable std::mutex guard_;  // of all below
+  std::vector<SimulatedBody> bodies_;
+  std::map<std::string, Frame> carrier_from_body_;  // per gripper that holds something
+};
+
+/// A table whose top is at height 0, for the RX90 to stand on, and a block before it to grip.
+double demo_floor();
+std::vector<SimulatedBody> demo_bodies();
+
+}  // namespace devices
