@@ -48,11 +48,11 @@ def run(chosen: argparse.Namespace) -> int:
         for one in changed:
             sys.stdout.write(_difference(one))
     else:
-        for one in done:
-            if one is not None and one.shown == "-":
-                sys.stdout.write(one.after)
-            elif one is not None and one.after != one.before:
-                Path(one.shown).write_text(one.after, encoding="utf-8", newline="\n")
+        for laid in done:
+            if laid is not None and laid.shown == "-":
+                sys.stdout.write(laid.after)
+            elif laid is not None and laid.after != laid.before:
+                Path(laid.shown).write_text(laid.after, encoding="utf-8", newline="\n")
     if files != ["-"]:
         _summary(chosen.check, len(files), len(changed))
     return FINDINGS if findings.has_errors or (chosen.check and changed) else FINE

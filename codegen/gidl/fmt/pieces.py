@@ -62,6 +62,8 @@ def scan(text: str) -> list[Piece]:
                 found = DIRECTIVE_LINE.match(text, at)
                 body = _directive(found.group() if found else body)
             shown = re.sub(r"[ \t\r\f\v]+(?=\n|$)", "", body)
+            if kind == "directive":
+                shown = re.sub(r"^#[ \t]*(\w+)[ \t]*(?=[^ \t\w]|\b)", r"#\1 ", shown).rstrip(" ")
             pieces.append(
                 Piece(
                     kind or "",

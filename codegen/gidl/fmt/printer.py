@@ -238,8 +238,7 @@ class _Writer:
         self.now += piece.text
 
     def _space(self, piece: Piece) -> None:
-        behind_comment = self.now.endswith("*/")
-        if self.now.strip() and (piece.spaced or behind_comment):
+        if self.now.strip() and _spaced(self.now, piece):
             self.now += " "
 
     def _body(self, body: Body) -> None:
@@ -282,8 +281,12 @@ def inline_item(item: Item) -> str:
     text = ""
     for part in item.parts:
         piece = part if isinstance(part, Piece) else part.opening
-        spaced = piece.spaced or piece.is_comment or text.endswith("*/")
-        if text and spaced:
+        if text and (piece.is_comment or _spaced(text, piece)):
             text += " "
         text += part.text if isinstance(part, Piece) else inline(part)
     return " ".join([text, *(c.text for c in item.trailing)])
+
+
+def _spaced(before: str, piece: Piece) -> bool:
+    behind_comment = before.endswith("*/") and piece.text not in (",", ";", ")")
+    return piece.spaced or behind_comment

@@ -70,8 +70,7 @@ class _Reader:
     def fill(self, body: Body) -> None:
         """Reads elements up to what closes `body`."""
         while (piece := self.now) is not None and piece.text not in ("}", ")"):
-            starts_line = piece.is_comment and not self._stands_before_code(piece)
-            if piece.kind == "directive" or starts_line:
+            if piece.kind == "directive" or piece.is_comment:
                 self._at += 1
                 body.elements.append(piece)
                 if piece.kind == "directive":
@@ -84,17 +83,6 @@ class _Reader:
         comments = self._comments_behind(piece)
         if comments:
             body.elements[-1] = Item([piece], comments)
-
-    def _stands_before_code(self, comment: Piece) -> bool:
-        """Whether an unbroken comment has code behind it on its line."""
-        following = self._pieces[self._at + 1] if self._at + 1 < len(self._pieces) else None
-        return (
-            following is not None
-            and not comment.is_line_comment
-            and comment.line == comment.end_line == following.line
-            and not following.is_comment
-            and following.text not in ("}", ")")
-        )
 
     def _item(self, body: Body) -> None:
         item = Item()
