@@ -136,7 +136,7 @@ def interrupt(number: int, frame: FrameType | None) -> None:
 def main() -> int:
     parser = argparse.ArgumentParser(description="Shows a block being gripped and lifted.")
     parser.add_argument("--build", type=Path, default=HERE.parent / "build", help="build folder")
-    parser.add_argument("--medium", choices=["shm", "lcm"], help="medium to use (default: the best)")
+    parser.add_argument("--medium", choices=["shm", "lcm"], help="medium (default: the best)")
     words = parser.parse_args()
     signal.signal(signal.SIGTERM, interrupt)
 

@@ -73,8 +73,13 @@ def main() -> None:
     words = parser.parse_args()
     try:
         grip_and_lift(words.leave, words.medium)
-    except (gecos.CreateError, gecos.CommandFailed, gecos.ConnectionFailed, gecos.LeaseRefused) as e:
-        sys.exit(str(e))
+    except (
+        gecos.CreateError,
+        gecos.CommandFailed,
+        gecos.ConnectionFailed,
+        gecos.LeaseRefused,
+    ) as error:
+        sys.exit(str(error))
 
 
 if __name__ == "__main__":

@@ -12,7 +12,7 @@ from lamp import Lamp, PlainLamp
 
 @pytest.fixture(scope="session")
 def place(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
-    """A folder to meet in, so that nobody else's broker is found. A process has one for its life."""
+    """A folder to meet in, so that nobody else's broker is found. One for the process's life."""
     folder = tmp_path_factory.mktemp("run")
     with pytest.MonkeyPatch.context() as environment:
         environment.setenv("GECOS_RUNTIME_DIR", str(folder))

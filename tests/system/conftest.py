@@ -1,4 +1,4 @@
-"""A laboratory of processes per test, and the Python that gidl makes of the tests' own interface."""
+"""A laboratory of processes per test, and the Python of the tests' own interface."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-
 from processes import Laboratory, laboratory
 
 TREE = Path(__file__).resolve().parents[2]
@@ -29,8 +28,10 @@ def rail_python(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     out = tmp_path_factory.mktemp("rail")
     root = TREE / "tests" / "system" / "rail"
     subprocess.run(
-        [sys.executable, "-m", "gidl", "gen", "--lang", "python", "-I", root, "-I", TREE / "idl"]
-        + ["--out", out, root / "lab" / "rail_sensor.gidl"],
+        [
+            *(sys.executable, "-m", "gidl", "gen", "--lang", "python", "--out", out),
+            *("-I", root, "-I", TREE / "idl", root / "lab" / "rail_sensor.gidl"),
+        ],
         check=True,
     )
     sys.path.insert(0, str(out / "python"))

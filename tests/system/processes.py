@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 PATIENCE_S = 30.0
-"""How long a test waits for a line or an end: far beyond what is promised, so a miss is a defect."""
+"""How long a test waits for a line or an end: far beyond what is promised, a miss is a defect."""
 
 
 class Program:

@@ -7,9 +7,8 @@ import sys
 import uuid
 from pathlib import Path
 
-import pytest
-
 import gecos
+import pytest
 from processes import PATIENCE_S, Laboratory
 from robcl.world import World
 from test_loss import until

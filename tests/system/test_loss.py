@@ -7,9 +7,8 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-import pytest
-
 import gecos
+import pytest
 from lab.rail_sensor import RailSensor
 from processes import PATIENCE_S, Laboratory, Program
 from robcl.manipulator import Manipulator
@@ -57,7 +56,7 @@ class TestServerKilled:
         server.kill()
         assert ride.wait(PATIENCE_S) is gecos.State.COMMAND_FAILED
         assert ride.progress().detail is gecos.Detail.SERVER_CRASHED
-        assert time.monotonic() - began < GRACE_S, "a death that the kernel reports waits for nobody"
+        assert time.monotonic() - began < GRACE_S, "a death that the kernel reports does not wait"
         with pytest.raises(gecos.ConnectionFailed):
             rail.measure().result()
 

@@ -6,7 +6,6 @@ import sys
 from pathlib import Path
 
 import pytest
-
 from processes import Laboratory
 
 HERE = Path(__file__).parent / "rail"

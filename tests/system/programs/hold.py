@@ -1,8 +1,8 @@
 """Holds RX90 and moves it back and forth, slowly, until the move is ended by somebody else."""
 
 import gecos
-from robcl.manipulator import Manipulator, Trajectory
 from robcl.frames import translate
+from robcl.manipulator import Manipulator, Trajectory
 
 robot = gecos.Lab().create(Manipulator, "RX90")
 lease = gecos.actor(robot)
