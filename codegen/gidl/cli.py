@@ -11,7 +11,7 @@ import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from gidl import cli_fmt
+from gidl import cli_fmt, cli_lint
 from gidl.cli_shared import (
     FAILED,
     FINDINGS,
@@ -80,6 +80,7 @@ def _parser() -> argparse.ArgumentParser:
     add_files(check)
     check.set_defaults(command=_check)
 
+    cli_lint.add_verb(verbs)
     cli_fmt.add_verb(verbs)
 
     dump = verbs.add_parser("dump", help="print the model as canonical JSON")

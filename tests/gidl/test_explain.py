@@ -9,7 +9,7 @@ from gidl.cli import main
 from gidl.explain import all_titles, page
 
 PACKAGE = Path(gidl.__file__).parent
-BAD = Path(__file__).parent / "bad"
+HERE = Path(__file__).parent
 
 # Caused by what a file is, by generating from it or by laying it out: see test_cli.py, test_fmt.py.
 ELSEWHERE = {"G0001", "G0002", "G0011", "G0014", "G0801"}
@@ -25,7 +25,8 @@ def test_every_code_has_a_page_and_every_page_a_code() -> None:
 
 
 def test_every_code_is_caused_by_a_bad_file() -> None:
-    said = "".join(p.read_text(encoding="utf-8") for p in BAD.glob("*.txt"))
+    goldens = (p for folder in ("bad", "lint", "breaking") for p in (HERE / folder).rglob("*.txt"))
+    said = "".join(p.read_text(encoding="utf-8") for p in goldens)
     assert codes_in_source() - set(re.findall(r"\[(G\d{4})\]", said)) == ELSEWHERE
 
 

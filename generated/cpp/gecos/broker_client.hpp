@@ -29,9 +29,11 @@ class Broker : public virtual gecos::Object {
   /// May fail with gecos::UnknownName.
   gecos::Command<void> withdraw(const std::string& name) const;
 
+  /// Where an object is that was enlisted.
   /// May fail with gecos::UnknownName.
   gecos::Command<gecos::Entry> lookup(const std::string& name) const;
 
+  /// All that is enlisted now, in the order of names.
   gecos::Command<std::vector<gecos::Entry>> list() const;
 };
 

@@ -27,9 +27,11 @@ class BrokerServant : public virtual gecos::Servant {
   /// May fail with gecos::UnknownName.
   virtual gecos::Result<void> withdraw(const std::string& name) = 0;
 
+  /// Where an object is that was enlisted.
   /// May fail with gecos::UnknownName.
   virtual gecos::Result<gecos::Entry> lookup(const std::string& name) = 0;
 
+  /// All that is enlisted now, in the order of names.
   virtual gecos::Result<std::vector<gecos::Entry>> list() = 0;
 
   void gecos_call_enlist(gecos::IncomingCall& call);

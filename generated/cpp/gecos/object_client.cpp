@@ -128,7 +128,7 @@ constexpr gecos::OperationDescription gecos_object_operations[] = {
 
 constexpr gecos::InterfaceDescription gecos_object_description{
     .name = "gecos::GecosObject",
-    .version = "",
+    .version = "1.0",
     .hash = 0xab009a22ef7cfe8dU,
     .bases = {},
     .operations = gecos_object_operations,

@@ -10,6 +10,7 @@
 
 namespace gecos {
 
+/// What every object answers.
 class GecosObject : public virtual gecos::Object {
  public:
   static const gecos::InterfaceDescription& gecos_description();
@@ -18,14 +19,19 @@ class GecosObject : public virtual gecos::Object {
   GecosObject() = default;
   explicit GecosObject(std::shared_ptr<gecos::session::ClientSession> session);
 
+  /// Who holds actor or master status now.
   gecos::Command<std::vector<gecos::Holder>> holders() const;
 
+  /// Stops what the object does, whoever asks: everything queued ends, nothing overtakes it.
   gecos::Command<void> stop() const;
 
+  /// Answers, and nothing else: is the server there, and how far away?
   gecos::Command<void> ping() const;
 
+  /// What the object is and what state it is in.
   gecos::Command<gecos::Description> describe() const;
 
+  /// Asks for a status. It stays the caller's while the session lives and is heard of.
   /// May fail with gecos::StatusRefused.
   gecos::Command<gecos::Grant> acquire(
       gecos::Status wanted,
@@ -37,6 +43,7 @@ class GecosObject : public virtual gecos::Object {
   /// Opens the outward stream of attribute `code` for this session.
   gecos::Command<std::uint32_t> subscribe(std::uint32_t code) const;
 
+  /// Closes the outward stream of attribute `code` for this session.
   gecos::Command<void> unsubscribe(std::uint32_t code) const;
 };
 

@@ -10,20 +10,26 @@
 
 namespace gecos {
 
+/// What every object answers.
 class GecosObjectServant : public virtual gecos::Servant {
  public:
   const gecos::InterfaceDescription& gecos_interface() const override;
   void gecos_dispatch(gecos::IncomingCall call) override;
 
  protected:
+  /// Who holds actor or master status now.
   virtual gecos::Result<std::vector<gecos::Holder>> holders() = 0;
 
+  /// Stops what the object does, whoever asks: everything queued ends, nothing overtakes it.
   virtual gecos::Result<void> stop() = 0;
 
+  /// Answers, and nothing else: is the server there, and how far away?
   virtual gecos::Result<void> ping() = 0;
 
+  /// What the object is and what state it is in.
   virtual gecos::Result<gecos::Description> describe() = 0;
 
+  /// Asks for a status. It stays the caller's while the session lives and is heard of.
   /// May fail with gecos::StatusRefused.
   virtual gecos::Result<gecos::Grant> acquire(
       gecos::Status wanted,
@@ -35,6 +41,7 @@ class GecosObjectServant : public virtual gecos::Servant {
   /// Opens the outward stream of attribute `code` for this session.
   virtual gecos::Result<std::uint32_t> subscribe(std::uint32_t code) = 0;
 
+  /// Closes the outward stream of attribute `code` for this session.
   virtual gecos::Result<void> unsubscribe(std::uint32_t code) = 0;
 
   void gecos_call_holders(gecos::IncomingCall& call);

@@ -20,8 +20,10 @@ class World : public virtual gecos::Object {
   World() = default;
   explicit World(std::shared_ptr<gecos::session::ClientSession> session);
 
+  /// All bodies, where they are now.
   gecos::Command<std::vector<robcl::Body>> bodies() const;
 
+  /// One body, where it is now.
   /// May fail with robcl::UnknownBody.
   gecos::Command<robcl::Body> find(const std::string& name) const;
 

@@ -18,8 +18,10 @@ class WorldServant : public virtual gecos::Servant {
   void gecos_dispatch(gecos::IncomingCall call) override;
 
  protected:
+  /// All bodies, where they are now.
   virtual gecos::Result<std::vector<robcl::Body>> bodies() = 0;
 
+  /// One body, where it is now.
   /// May fail with robcl::UnknownBody.
   virtual gecos::Result<robcl::Body> find(const std::string& name) = 0;
 

@@ -167,12 +167,16 @@ class Broker(Object):
         return self._gecos_call(_BROKER_WITHDRAW, out)
 
     def lookup(self, name: str) -> Command[Entry]:
-        """May raise UnknownName."""
+        """Where an object is that was enlisted.
+
+        May raise UnknownName.
+        """
         out: Parts = []
         out.append(wire.string(name, wire.MAX_TEXT, "lookup.name"))
         return self._gecos_call(_BROKER_LOOKUP, out)
 
     def list(self) -> Command[list[Entry]]:
+        """All that is enlisted now, in the order of names."""
         return self._gecos_call(_BROKER_LIST, [])
 
 
@@ -226,8 +230,11 @@ class BrokerServant(Servant):
 
     @abstractmethod
     def lookup(self, name: str) -> Entry:
-        """May raise UnknownName."""
+        """Where an object is that was enlisted.
+
+        May raise UnknownName.
+        """
 
     @abstractmethod
     def list(self) -> list[Entry]:
-        """Answers list."""
+        """All that is enlisted now, in the order of names."""

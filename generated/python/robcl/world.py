@@ -193,10 +193,14 @@ class World(Object):
     _gecos_interface = _WORLD
 
     def bodies(self) -> Command[list[Body]]:
+        """All bodies, where they are now."""
         return self._gecos_call(_WORLD_BODIES, [])
 
     def find(self, name: str) -> Command[Body]:
-        """May raise UnknownBody."""
+        """One body, where it is now.
+
+        May raise UnknownBody.
+        """
         out: Parts = []
         out.append(wire.string(name, wire.MAX_TEXT, "find.name"))
         return self._gecos_call(_WORLD_FIND, out)
@@ -274,11 +278,14 @@ class WorldServant(Servant):
 
     @abstractmethod
     def bodies(self) -> list[Body]:
-        """Answers bodies."""
+        """All bodies, where they are now."""
 
     @abstractmethod
     def find(self, name: str) -> Body:
-        """May raise UnknownBody."""
+        """One body, where it is now.
+
+        May raise UnknownBody.
+        """
 
     @abstractmethod
     def cast(self, origin: Frame, reach: float) -> RayHit:

@@ -1,0 +1,50 @@
+"""`gidl lint`: what could be better in files that are right."""
+
+from __future__ import annotations
+
+import argparse
+
+from gidl.cli_shared import FINDINGS, FINE, USAGE, add_files, files_of, show
+from gidl.compile import compile_files
+
+
+def add_verb(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    parser = verbs.add_parser("lint", help="report what could be better")
+    add_files(parser)
+    parser.add_argument(
+        "--except",
+        dest="excepted",
+        type=_codes,
+        default=frozenset(),
+        metavar="CODE,...",
+        help="rules that are not asked, like G0907",
+    )
+    parser.set_defaults(command=run)
+
+
+def _codes(text: str) -> frozenset[str]:
+    from gidl.explain import page
+
+    codes = frozenset(part.strip().upper() for part in text.split(","))
+    for code in sorted(codes):
+        if not code.startswith("G09") or page(code) is None:
+            raise argparse.ArgumentTypeError(f"there is no lint rule {code}")
+    return codes
+
+
+def run(chosen: argparse.Namespace) -> int:
+    from gidl.lint import lint
+
+    files = files_of(chosen)
+    if files is None:
+        return USAGE
+    compiled = compile_files(files, chosen.search)
+    findings = list(compiled.findings)
+    if not compiled.has_errors:
+        findings += [f for f in lint(compiled.model) if f.code not in chosen.excepted]
+        order = {path: number for number, path in enumerate(compiled.sources)}
+        findings.sort(
+            key=lambda f: (order[f.location.file], f.location.line) if f.location else (-1, 0)
+        )
+    show(chosen, findings, compiled.sources)
+    return FINDINGS if findings else FINE

@@ -1,0 +1,29 @@
+"""Who may call is written, not left to the rule for what is unwritten."""
+
+from __future__ import annotations
+
+from gidl.diagnostics import Findings
+from gidl.model import Attribute, Model, Operation
+from gidl.rules.walk import members
+
+
+def check(model: Model, findings: Findings) -> None:
+    for member in members(model):
+        if member.access_written:
+            continue
+        applies, what = _unwritten(member)
+        findings.warning(
+            "G0902",
+            member.facts.location,
+            f"{what} '{member.name}' does not say who may use it",
+            f"write @{applies}, which applies now, or what is meant: @sensor, @actor or @master",
+        )
+
+
+def _unwritten(member: Operation | Attribute) -> tuple[str, str]:
+    if isinstance(member, Operation):
+        what = "event" if member.is_event else "operation"
+        return member.access.name.lower(), what
+    if member.streams_in or member.has_setter:
+        return member.write_access.name.lower(), "attribute"
+    return member.read_access.name.lower(), "attribute"

@@ -1,0 +1,26 @@
+"""What moves a robot is not sent on a line that may lose it."""
+
+from __future__ import annotations
+
+from gidl.diagnostics import Findings
+from gidl.model import Attribute, Model, Operation
+from gidl.policy import Access, Reliability
+from gidl.rules.walk import members
+
+
+def check(model: Model, findings: Findings) -> None:
+    for member in members(model):
+        if member.qos.reliability is Reliability.BEST_EFFORT and _acts(member):
+            what = "attribute" if isinstance(member, Attribute) else "operation"
+            findings.warning(
+                "G0903",
+                member.facts.place_of("qos"),
+                f"{what} '{member.name}' acts, and its line may lose it (BEST_EFFORT)",
+                "write reliability=RELIABLE, or leave reliability out",
+            )
+
+
+def _acts(member: Operation | Attribute) -> bool:
+    if isinstance(member, Attribute):
+        return member.streams_in and member.write_access >= Access.ACTOR
+    return not member.is_event and (member.access >= Access.ACTOR or member.safety)

@@ -1,0 +1,23 @@
+"""What is deprecated is not used by what is not."""
+
+from __future__ import annotations
+
+from gidl.diagnostics import Findings, Note
+from gidl.lint.uses import uses
+from gidl.model import Model
+
+
+def check(model: Model, findings: Findings) -> None:
+    for file in model.files:
+        for use in uses(model, file):
+            used = model.find(use.name)
+            reason = used.facts.deprecated
+            if reason is None or use.by_deprecated:
+                continue
+            findings.warning(
+                "G0906",
+                use.facts.location,
+                f"{use.what} uses '{used.name}', which is deprecated",
+                reason,
+                notes=(Note("declared here", used.facts.location),),
+            )

@@ -1,0 +1,26 @@
+"""Who calls reads what will happen: interfaces, operations and events have a comment."""
+
+from __future__ import annotations
+
+from gidl.diagnostics import Findings
+from gidl.model import Model
+
+
+def check(model: Model, findings: Findings) -> None:
+    for interface in model.interfaces():
+        if not interface.facts.doc:
+            findings.warning(
+                "G0907",
+                interface.facts.location,
+                f"interface '{interface.simple_name}' has no comment",
+                "write /** ... */ before it: what it stands for",
+            )
+        for operation in (*interface.operations, *interface.events):
+            if not operation.facts.doc:
+                what = "event" if operation.is_event else "operation"
+                findings.warning(
+                    "G0907",
+                    operation.facts.location,
+                    f"{what} '{operation.name}' has no comment",
+                    "write /** ... */ before it: what happens, and when it is refused",
+                )

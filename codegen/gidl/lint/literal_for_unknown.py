@@ -1,0 +1,24 @@
+"""An enum that may get more literals says what an old reader makes of them."""
+
+from __future__ import annotations
+
+from gidl.diagnostics import Findings
+from gidl.model import EnumDeclaration, Model, NamedType, Union
+
+
+def check(model: Model, findings: Findings) -> None:
+    chosen = {
+        union.discriminator.name
+        for union in model.declarations()
+        if isinstance(union, Union) and isinstance(union.discriminator, NamedType)
+    }
+    for enum in model.declarations():
+        if not isinstance(enum, EnumDeclaration) or enum.name in chosen:
+            continue
+        if enum.default_literal is None:
+            findings.warning(
+                "G0911",
+                enum.facts.location,
+                f"enum '{enum.simple_name}' can never get another literal",
+                "write @default_literal before what an unknown one becomes",
+            )

@@ -1,0 +1,18 @@
+"""A stream says how often it comes: buffers, watchdogs and plots are laid out for that."""
+
+from __future__ import annotations
+
+from gidl.diagnostics import Findings
+from gidl.model import Attribute, Model
+from gidl.rules.walk import members
+
+
+def check(model: Model, findings: Findings) -> None:
+    for member in members(model):
+        if isinstance(member, Attribute) and member.stream and member.stream.rate_hz is None:
+            findings.warning(
+                "G0904",
+                member.facts.place_of("stream"),
+                f"stream '{member.name}' does not say its rate",
+                'write @stream(rate="250Hz") with the rate that is meant',
+            )

@@ -1,0 +1,33 @@
+"""An include is there for something: a name of the file, or of what that file includes."""
+
+from __future__ import annotations
+
+from gidl.diagnostics import Findings
+from gidl.lint.uses import uses
+from gidl.model import File, Location, Model
+
+
+def check(model: Model, findings: Findings) -> None:
+    files = {file.path: file for file in model.files}
+    for file in model.files:
+        needed = {model.file_of(use.name) for use in uses(model, file)}
+        for path in file.includes:
+            if path in files and not needed & _reach(path, files) and files[path].declarations:
+                findings.warning(
+                    "G0912",
+                    Location(file.path, 1, 1),
+                    f"nothing of '{path}' is used here",
+                    f'leave out #include "{path}"',
+                )
+
+
+def _reach(path: str, files: dict[str, File]) -> set[str]:
+    """The file and all it includes."""
+    reached: set[str] = set()
+    work = [path]
+    while work:
+        now = work.pop()
+        if now not in reached and now in files:
+            reached.add(now)
+            work += files[now].includes
+    return reached

@@ -1,0 +1,102 @@
+"""Which declaration uses which."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from gidl.model import (
+    ArrayType,
+    Bitset,
+    Constant,
+    EnumValue,
+    Facts,
+    File,
+    Interface,
+    MapType,
+    Model,
+    NamedType,
+    Operation,
+    SequenceType,
+    Struct,
+    Type,
+    Typedef,
+    Union,
+    Value,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Use:
+    name: str  # scoped, of what is used
+    what: str  # that uses it: "member 'pose'"
+    facts: Facts  # of that
+    by_deprecated: bool  # what uses it is deprecated itself
+
+
+def uses(model: Model, file: File) -> Iterator[Use]:
+    """Every use of a declared name in a file, in order."""
+    for declaration in file.declarations:
+        facts = declaration.facts
+        old = facts.deprecated is not None
+        what = f"'{declaration.simple_name}'"
+        match declaration:
+            case Struct():
+                if declaration.base is not None:
+                    yield Use(declaration.base, what, facts, old)
+                for m in declaration.members:
+                    yield from _slot(m.type, m.default, f"member '{m.name}'", m.facts, old)
+            case Union():
+                yield from _slot(declaration.discriminator, None, what, facts, old)
+                for case in declaration.cases:
+                    m = case.member
+                    yield from _slot(m.type, m.default, f"member '{m.name}'", m.facts, old)
+            case Bitset() if declaration.base is not None:
+                yield Use(declaration.base, what, facts, old)
+            case Typedef():
+                yield from _slot(declaration.type, None, what, facts, old)
+            case Constant():
+                yield from _slot(declaration.type, declaration.value, what, facts, old)
+            case Interface():
+                for base in declaration.bases:
+                    yield Use(base, what, facts, old)
+                yield from _members(declaration, old)
+
+
+def _members(interface: Interface, old: bool) -> Iterator[Use]:
+    for member in interface.members:
+        is_old = old or member.facts.deprecated is not None
+        if isinstance(member, Operation):
+            what = f"operation '{member.name}'"
+            if member.result is not None:
+                yield from _slot(member.result, None, what, member.facts, is_old)
+            if member.feedback is not None:
+                yield from _slot(member.feedback, None, what, member.facts, is_old)
+            for p in member.parameters:
+                yield from _slot(p.type, p.default, f"parameter '{p.name}'", p.facts, is_old)
+            raised = member.raises
+        else:
+            what = f"attribute '{member.name}'"
+            yield from _slot(member.type, None, what, member.facts, is_old)
+            raised = (*member.get_raises, *member.set_raises)
+        for name in raised:
+            yield Use(name, what, member.facts, is_old)
+
+
+def _slot(used: Type, default: Value | None, what: str, facts: Facts, old: bool) -> Iterator[Use]:
+    is_old = old or facts.deprecated is not None
+    for name in _names(used):
+        yield Use(name, what, facts, is_old)
+    if isinstance(default, EnumValue):
+        yield Use(default.enum, what, facts, is_old)
+
+
+def _names(used: Type) -> Iterator[str]:
+    match used:
+        case NamedType(name):
+            yield name
+        case SequenceType(element=element) | ArrayType(element=element):
+            yield from _names(element)
+        case MapType(key, value):
+            yield from _names(key)
+            yield from _names(value)

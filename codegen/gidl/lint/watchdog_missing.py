@@ -1,0 +1,20 @@
+"""Who streams commands may fall silent: the watchdog says when the server acts on that."""
+
+from __future__ import annotations
+
+from gidl.diagnostics import Findings
+from gidl.model import Attribute, Model
+from gidl.rules.walk import members
+
+
+def check(model: Model, findings: Findings) -> None:
+    for member in members(model):
+        if not isinstance(member, Attribute) or member.stream is None or not member.streams_in:
+            continue
+        if member.stream.watchdog_ns is None:
+            findings.warning(
+                "G0909",
+                member.facts.place_of("stream"),
+                f"nothing guards '{member.name}' against a sender that falls silent",
+                'write @stream(dir="in", watchdog="48ms") with the longest silence that is safe',
+            )
