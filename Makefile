@@ -48,12 +48,18 @@ test-tsan: setup  ## the C++ tests under ThreadSanitizer
 	@cmake --build build-tsan -j$(JOBS)
 	@$(CTEST) --test-dir build-tsan
 
+.PHONY: bench
+bench: build  ## speeds, shown and never asserted
+	@for program in $$(find $(BUILD)/benchmarks -maxdepth 1 -type f -executable | sort); do \
+	  echo "──── $$program" && $$program || exit 1; done
+
 .PHONY: wheels
 wheels: setup  ## both wheels into dist/, tried where the tree is not known
 	@tools/check_wheels.sh
 
 .PHONY: format
 format: setup  ## C++ and Python laid out as the house does
+	@command -v clang-format >/dev/null || { echo "format: apt-get install clang-format"; exit 1; }
 	@git ls-files '*.cpp' '*.hpp' ':!generated' | xargs clang-format -i
 	@.venv/bin/ruff check --fix --quiet . && .venv/bin/ruff format --quiet .
 
