@@ -95,12 +95,12 @@ class DeclaredError(CommandFailed):
 
     @property
     def text(self) -> str:
+        return str(self)
+
+    def __str__(self) -> str:  # on its own feet: a member of the exception may be called text
         names: list[str] = [member.name for member in fields(self)] if is_dataclass(self) else []
         members = ", ".join(f"{name}={getattr(self, name)!r}" for name in names)
         return f"{self._gecos_name}({members})"
-
-    def __str__(self) -> str:
-        return self.text
 
     def encode(self, out: Parts, /) -> None:
         raise NotImplementedError(f"{type(self).__name__} is not a generated exception")

@@ -1,0 +1,106 @@
+from __future__ import annotations
+
+import os
+import sys
+
+import gecos
+import pytest
+from gecos.cli import main
+from lamp import Lamp, PlainLamp
+
+
+def run(monkeypatch: pytest.MonkeyPatch, *words: str) -> int:
+    monkeypatch.setattr(sys, "argv", ["gecos", *words])
+    return main()
+
+
+def test_ls_lists_what_is_online(
+    server: gecos.Server, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    server.add("SPARE", PlainLamp())
+    assert run(monkeypatch, "ls") == 0
+    heads, first, second = capsys.readouterr().out.splitlines()
+    assert heads.split()[:2] == ["name", "type"]
+    assert first.split()[:2] == ["LAMP", "test::Lamp"]
+    assert "simulated" in first
+    assert second.split()[:2] == ["SPARE", "test::Lamp"]
+    assert "hardware" in second
+
+
+def test_ls_of_an_empty_laboratory_says_so(
+    lab: gecos.Lab, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(monkeypatch, "ls") == 0
+    assert capsys.readouterr().out == "nothing is online\n"
+
+
+def test_without_a_broker_it_says_what_was_tried(
+    place: object, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(monkeypatch, "ls") == 1
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.startswith("gecos: BROKER: NO_SERVER: ")
+
+
+def test_describe_shows_state_of_any_object(
+    held: Lamp, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(monkeypatch, "describe", "LAMP") == 0
+    out = capsys.readouterr().out
+    assert out.startswith("LAMP\n  type            test::Lamp 1.0\n  device          simulated\n")
+    assert f"pid             {os.getpid()}" in out
+
+
+def test_holders_shows_who_moves_it(
+    held: Lamp, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(monkeypatch, "holders", "LAMP") == 0
+    _, holder = capsys.readouterr().out.splitlines()
+    assert holder.split()[0] == "actor"
+    assert str(os.getpid()) in holder
+
+
+def test_holders_of_a_free_object_says_so(
+    server: gecos.Server, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(monkeypatch, "holders", "LAMP") == 0
+    assert capsys.readouterr().out == "LAMP: nobody holds actor or master status\n"
+
+
+def test_stop_stops_whoever_moves_it(
+    held: Lamp,
+    servant: PlainLamp,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    burning = held.burn_in()
+    servant.burning.wait()
+    assert run(monkeypatch, "stop", "LAMP") == 0
+    assert capsys.readouterr().out == "LAMP: stopped\n"
+    burning.wait()
+    assert burning.progress().detail is gecos.Detail.STOPPED
+
+
+def test_an_unknown_name_names_those_that_are_online(
+    server: gecos.Server, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(monkeypatch, "describe", "LAMPE") == 1
+    assert capsys.readouterr().err == (
+        "gecos: LAMPE: NO_SERVER: no such object is online; the broker knows LAMP\n"
+    )
+
+
+@pytest.mark.parametrize("words", [("explode",), ("stop",), ("ls", "--nonsense")])
+def test_wrong_usage_exits_with_2(
+    words: tuple[str, ...], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(monkeypatch, *words) == 2
+    assert "Usage" in capsys.readouterr().err
+
+
+def test_help_exits_with_0(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(monkeypatch, "--help") == 0
+    assert "holders" in capsys.readouterr().out
