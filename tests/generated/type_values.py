@@ -314,6 +314,7 @@ class CppWriter:
     def __init__(self, model: Model) -> None:
         self._model = model
         self._lowering = CppLowering(model, wire_layout.build(model))
+        self._made = 0  # values so far: each gets a variable of its own
 
     def expression(self, used: Type, value: Any, optional: bool = False) -> str:
         if optional and value is None:
@@ -354,6 +355,8 @@ class CppWriter:
     def named(self, scoped: str, value: Any) -> str:
         declaration = self._model.find(scoped)
         name = full_name(self._model, scoped)
+        self._made += 1
+        v = f"v{self._made}"
         match declaration:
             case EnumDeclaration():
                 return f"{name}::{value}"
@@ -361,16 +364,16 @@ class CppWriter:
                 flags = " | ".join(f"{name}::{flag}" for flag in value)
                 return f"({flags})" if flags else f"{name}{{}}"
             case Bitset():
-                sets = " ".join(f"v.{key} = {_cpp_integer(int(v))};" for key, v in value.items())
-                return f"[] {{ {name} v; {sets} return v; }}()"
+                sets = " ".join(f"{v}.{key} = {_cpp_integer(int(n))};" for key, n in value.items())
+                return f"[] {{ {name} {v}; {sets} return {v}; }}()"
             case Union():
                 tag = self.expression(declaration.discriminator, value["tag"])
                 held = ""
                 for index, case in enumerate(declaration.cases, start=1):
                     if case.member.name == value.get("arm"):
                         made = self.expression(case.member.type, value["value"])
-                        held = f"v.value.emplace<{index}>({made});"
-                return f"[] {{ {name} v; v.tag = {tag}; {held} return v; }}()"
+                        held = f"{v}.value.emplace<{index}>({made});"
+                return f"[] {{ {name} {v}; {v}.tag = {tag}; {held} return {v}; }}()"
         assert isinstance(declaration, Struct)
         if scoped == "robcl::Frame":
             return f"{name}::from_quaternion({', '.join(repr(float(n)) for n in _seven(value))})"
@@ -379,8 +382,8 @@ class CppWriter:
         for key, given in value.items():
             member = members[key]
             made = self.expression(member.type, given, member.optional)
-            sets.append(f"v.{member_name(key)} = {made};")
-        return f"[] {{ {name} v; {' '.join(sets)} return v; }}()"
+            sets.append(f"{v}.{member_name(key)} = {made};")
+        return f"[] {{ {name} {v}; {' '.join(sets)} return {v}; }}()"
 
 
 def _cpp_integer(value: int) -> str:

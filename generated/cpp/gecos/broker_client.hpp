@@ -19,6 +19,8 @@ class Broker : public virtual gecos::Object {
   /// Nil: every call is CONNECTION_FAILED. Objects come from `gecos::Lab::create`.
   Broker() = default;
   explicit Broker(std::shared_ptr<gecos::session::ClientSession> session);
+  Broker(const Broker&) = default;
+  Broker& operator=(const Broker&) = default;
 
   /// Makes an object findable until the calling session ends. Named enlist because `register`
   /// is a word of C++.

@@ -18,6 +18,8 @@ class GecosObject : public virtual gecos::Object {
   /// Nil: every call is CONNECTION_FAILED. Objects come from `gecos::Lab::create`.
   GecosObject() = default;
   explicit GecosObject(std::shared_ptr<gecos::session::ClientSession> session);
+  GecosObject(const GecosObject&) = default;
+  GecosObject& operator=(const GecosObject&) = default;
 
   /// Who holds actor or master status now.
   gecos::Command<std::vector<gecos::Holder>> holders() const;

@@ -18,6 +18,8 @@ class Device : public virtual gecos::Object {
   /// Nil: every call is CONNECTION_FAILED. Objects come from `gecos::Lab::create`.
   Device() = default;
   explicit Device(std::shared_ptr<gecos::session::ClientSession> session);
+  Device(const Device&) = default;
+  Device& operator=(const Device&) = default;
 
   /// Base of the device in the world.
   gecos::Command<robcl::Frame> base() const;

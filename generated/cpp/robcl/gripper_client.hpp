@@ -19,6 +19,8 @@ class Gripper : public virtual robcl::Device {
   /// Nil: every call is CONNECTION_FAILED. Objects come from `gecos::Lab::create`.
   Gripper() = default;
   explicit Gripper(std::shared_ptr<gecos::session::ClientSession> session);
+  Gripper(const Gripper&) = default;
+  Gripper& operator=(const Gripper&) = default;
 
   gecos::Command<robcl::GripperState> jaws() const;
 

@@ -19,6 +19,8 @@ class LaserDistanceSensor : public virtual robcl::Device {
   /// Nil: every call is CONNECTION_FAILED. Objects come from `gecos::Lab::create`.
   LaserDistanceSensor() = default;
   explicit LaserDistanceSensor(std::shared_ptr<gecos::session::ClientSession> session);
+  LaserDistanceSensor(const LaserDistanceSensor&) = default;
+  LaserDistanceSensor& operator=(const LaserDistanceSensor&) = default;
 
   gecos::Command<robcl::Distance> beam() const;
 

@@ -19,6 +19,8 @@ class Manipulator : public virtual robcl::Device {
   /// Nil: every call is CONNECTION_FAILED. Objects come from `gecos::Lab::create`.
   Manipulator() = default;
   explicit Manipulator(std::shared_ptr<gecos::session::ClientSession> session);
+  Manipulator(const Manipulator&) = default;
+  Manipulator& operator=(const Manipulator&) = default;
 
   /// Tool frame in the world, as measured.
   gecos::Command<robcl::Frame> tool() const;

@@ -19,6 +19,8 @@ class Rx90 : public virtual robcl::SixAxis {
   /// Nil: every call is CONNECTION_FAILED. Objects come from `gecos::Lab::create`.
   Rx90() = default;
   explicit Rx90(std::shared_ptr<gecos::session::ClientSession> session);
+  Rx90(const Rx90&) = default;
+  Rx90& operator=(const Rx90&) = default;
 
   /// Configuration that the arm is in.
   gecos::Command<robcl::Configuration> posture() const;

@@ -19,6 +19,8 @@ class SixAxis : public virtual robcl::Manipulator {
   /// Nil: every call is CONNECTION_FAILED. Objects come from `gecos::Lab::create`.
   SixAxis() = default;
   explicit SixAxis(std::shared_ptr<gecos::session::ClientSession> session);
+  SixAxis(const SixAxis&) = default;
+  SixAxis& operator=(const SixAxis&) = default;
 
   /// Joint positions as measured.
   gecos::Command<robcl::Joints> joints() const;

@@ -19,6 +19,8 @@ class World : public virtual gecos::Object {
   /// Nil: every call is CONNECTION_FAILED. Objects come from `gecos::Lab::create`.
   World() = default;
   explicit World(std::shared_ptr<gecos::session::ClientSession> session);
+  World(const World&) = default;
+  World& operator=(const World&) = default;
 
   /// All bodies, where they are now.
   gecos::Command<std::vector<robcl::Body>> bodies() const;
