@@ -1,0 +1,241 @@
+// Generated clients and servers against each other, without a session between them.
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+#include "everything_client.hpp"
+#include "everything_server.hpp"
+
+using namespace everything;
+using gecos::Detail;
+using gecos::State;
+
+namespace {
+
+struct Outcome {
+  gecos::Bytes result;
+  std::optional<gecos::Failure> failure;
+};
+
+class Answered final : public gecos::session::CommandCore {
+ public:
+  explicit Answered(Outcome outcome) : outcome_(std::move(outcome)) {}
+  gecos::Progress progress() const override {
+    return {outcome_.failure ? outcome_.failure->detail : Detail::Done, 0, 1};
+  }
+  gecos::Bytes feedback() const override { return {}; }
+  bool wait_until(gecos::TimePoint) override { return true; }
+  void cancel() override {}
+  gecos::ByteView result() const override { return outcome_.result; }
+  const gecos::Failure& failure() const override { return *outcome_.failure; }
+  int descriptor() override { return -1; }
+
+ private:
+  Outcome outcome_;
+};
+
+class Arrived final : public gecos::session::CallCore {
+ public:
+  Arrived(const gecos::OperationDescription& operation, gecos::Bytes arguments, Outcome& outcome)
+      : operation_(operation), arguments_(std::move(arguments)), outcome_(outcome) {}
+  const gecos::OperationDescription& operation() const override { return operation_; }
+  gecos::ByteView arguments() const override { return arguments_; }
+  const gecos::Caller& caller() const override { return caller_; }
+  bool interrupted() const override { return false; }
+  bool wait_interrupted_until(gecos::TimePoint) override { return false; }
+  void progress(double, gecos::ByteView) override {}
+  void finish(gecos::ByteView result) override { outcome_.result.assign(result.begin(), result.end()); }
+  void fail(gecos::Failure failure) override { outcome_.failure = std::move(failure); }
+
+ private:
+  gecos::OperationDescription operation_;
+  gecos::Bytes arguments_;
+  Outcome& outcome_;
+  gecos::Caller caller_;
+};
+
+/// Hands each call to the servant at once.
+class Direct final : public gecos::session::ClientSession {
+ public:
+  explicit Direct(gecos::Servant& servant) : servant_(servant) {}
+  std::shared_ptr<gecos::session::CommandCore> call(
+      const gecos::OperationDescription& operation, std::size_t size,
+      gecos::FunctionRef<void(gecos::wire::Encoder&)> encode, const gecos::CallOptions&) override {
+    gecos::Bytes arguments(size);
+    gecos::wire::Encoder to(arguments);
+    encode(to);
+    EXPECT_EQ(to.written(), size) << operation.name;
+    return send(operation, std::move(arguments));
+  }
+  std::shared_ptr<gecos::session::CommandCore> send(const gecos::OperationDescription& operation,
+                                                    gecos::Bytes arguments) {
+    ++sent;
+    Outcome outcome;
+    servant_.gecos_dispatch(
+        gecos::IncomingCall(std::make_shared<Arrived>(operation, std::move(arguments), outcome)));
+    return std::make_shared<Answered>(std::move(outcome));
+  }
+  tl::expected<std::shared_ptr<gecos::session::StreamCore>, gecos::Failure> subscribe(
+      const gecos::StreamDescription& stream) override {
+    return tl::unexpected(gecos::Failure{Detail::Denied, std::string(stream.name), {}, {}});
+  }
+  const std::string& interface_name() const override { return name_; }
+  const std::string& object_name() const override { return name_; }
+  const gecos::media::Offer& offer() const override { return offer_; }
+  void hold(std::uint64_t) override {}
+
+  int sent = 0;
+
+ private:
+  gecos::Servant& servant_;
+  std::string name_ = "STAGE";
+  gecos::media::Offer offer_;
+};
+
+class Painter final : public DeepServant {
+ public:
+  double volume = 2;
+  std::int32_t seen_times = -1;
+
+ protected:
+  gecos::Result<Colour> paint(Colour what, const std::vector<std::string>& words,
+                              std::int32_t times) override {
+    seen_times = times;
+    if (words.empty()) return tl::unexpected(Refused{"no words", 1.5});
+    if (words[0] == "boom") throw std::runtime_error("the can fell over");
+    return what;
+  }
+  gecos::Result<Stage_measure_result> measure(std::int32_t channel, const Grows& state) override {
+    Stage_measure_result result;
+    result.result = channel * 0.5;
+    result.note = "channel";
+    result.state = state;
+    result.state.first += 1;
+    return result;
+  }
+  gecos::Result<Numbers> all() override { return Numbers{}; }
+  gecos::Result<double> level() override { return volume; }
+  gecos::Result<void> set_level(double value) override {
+    volume = value;
+    return {};
+  }
+  gecos::Result<Sequences> samples() override { return Sequences{}; }
+  gecos::Result<void> register_(std::int32_t to, std::int32_t size, std::int32_t call) override {
+    seen_times = to + size + call;
+    return {};
+  }
+};
+
+struct GeneratedCalls : testing::Test {
+  Painter servant;
+  std::shared_ptr<Direct> session = std::make_shared<Direct>(servant);
+  Deep stage{session};
+};
+
+}  // namespace
+
+TEST_F(GeneratedCalls, GiveTheResultOfTheHandler) {
+  const auto painted = stage.paint(Colour::BLUE, {"a"}, 5).get();
+  ASSERT_TRUE(painted);
+  EXPECT_EQ(*painted, Colour::BLUE);
+  EXPECT_EQ(servant.seen_times, 5);
+  EXPECT_TRUE(stage.register_(1, 2, 3).get());
+  EXPECT_EQ(servant.seen_times, 6);
+}
+
+TEST_F(GeneratedCalls, GiveAllValuesOfAnOperationThatHasSeveral) {
+  Grows state;
+  state.first = 41;
+  const auto measured = stage.measure(3, state).get();
+  ASSERT_TRUE(measured);
+  EXPECT_EQ(measured->result, 1.5);
+  EXPECT_EQ(measured->note, "channel");
+  EXPECT_EQ(measured->state.first, 42);
+}
+
+TEST_F(GeneratedCalls, FillInWhatAnOlderCallerLeavesOut) {
+  for (const auto& operation : Stage::gecos_description().operations) {
+    if (operation.name != "paint") continue;
+    const gecos::Bytes older = {{}, {}, {}, std::byte{1}, {}, {}, {}, std::byte{1},
+                                {}, {}, {}, std::byte{2}, std::byte{'a'}, {}};
+    gecos::Command<Colour> painted(session->send(operation, older),
+                                   [](gecos::wire::Decoder& from, Colour& value) {
+                                     return decode_enum(from, value, "paint");
+                                   });
+    ASSERT_TRUE(painted.get()) << painted.get().error();
+    EXPECT_EQ(servant.seen_times, 3);  // @default(3)
+    return;
+  }
+  FAIL() << "there is no operation paint";
+}
+
+TEST_F(GeneratedCalls, CarryDeclaredExceptionsWithTheirType) {
+  const auto painted = stage.paint(Colour::RED, {}).get();
+  ASSERT_FALSE(painted);
+  EXPECT_EQ(painted.error().detail, Detail::Fault);
+  const auto refused = painted.error().as<Refused>();
+  ASSERT_TRUE(refused);
+  EXPECT_EQ(*refused, (Refused{"no words", 1.5}));
+}
+
+TEST_F(GeneratedCalls, TurnWhatAHandlerThrowsIntoAFaultWithItsText) {
+  const auto painted = stage.paint(Colour::RED, {"boom"}).get();
+  ASSERT_FALSE(painted);
+  EXPECT_EQ(painted.error().detail, Detail::Fault);
+  EXPECT_NE(painted.error().text.find("the can fell over"), std::string::npos);
+}
+
+TEST_F(GeneratedCalls, RefuseBadParametersBeforeAnythingIsSent) {
+  const auto far = stage.paint(Colour::RED, {"a"}, 10).get();
+  ASSERT_FALSE(far);
+  EXPECT_EQ(far.error().detail, Detail::BadParameter);
+  EXPECT_EQ(far.error().text, "paint.times: 10 is outside [0, 9]");
+  EXPECT_EQ(stage.set_level(6).get().error().text, "level.value: 6 is outside [0.0, 5.0]");
+  EXPECT_EQ(stage.paint(Colour::RED, {"abcde"}).wait(), State::CommandFailed);
+  EXPECT_EQ(session->sent, 0);
+}
+
+TEST_F(GeneratedCalls, RefuseBadParametersAgainWhereTheyArrive) {
+  for (const auto& operation : Stage::gecos_description().operations) {
+    if (operation.name != "level=") continue;
+    gecos::Bytes six(8);
+    gecos::wire::Encoder(std::span(six)).put(6.0);
+    const gecos::Command<void> set(session->send(operation, six));
+    EXPECT_EQ(set.get().error().detail, Detail::BadParameter);
+    EXPECT_NE(set.get().error().text.find("level.value"), std::string::npos);
+    EXPECT_EQ(servant.volume, 2);
+    return;
+  }
+  FAIL() << "there is no setter of level";
+}
+
+TEST_F(GeneratedCalls, DoNotPassOnAResultThatTheInterfaceForbids) {
+  servant.volume = 99;
+  const auto level = stage.level().get();
+  ASSERT_FALSE(level);
+  EXPECT_EQ(level.error().detail, Detail::Fault);
+  EXPECT_NE(level.error().text.find("level: 99 is outside [0.0, 5.0]"), std::string::npos);
+}
+
+TEST_F(GeneratedCalls, AnswerAnOperationThatTheyLack) {
+  gecos::OperationDescription unknown;
+  unknown.code = gecos::FunctionCode{1};
+  const gecos::Command<void> command(session->send(unknown, {}));
+  EXPECT_EQ(command.get().error().detail, Detail::UnknownOperation);
+}
+
+TEST_F(GeneratedCalls, FailOnANilProxy) {
+  EXPECT_EQ(Deep().level().wait(), State::ConnectionFailed);
+}
+
+TEST(GeneratedDescriptions, AreSortedByCodeAndHoldWhatIsInherited) {
+  const auto& deep = Deep::gecos_description();
+  EXPECT_TRUE(deep.is_a("everything::Stage"));
+  EXPECT_EQ(deep.operations.size(), Stage::gecos_description().operations.size() + 1);
+  for (std::size_t i = 1; i < deep.operations.size(); ++i) {
+    EXPECT_LT(gecos::number(deep.operations[i - 1].code), gecos::number(deep.operations[i].code));
+  }
+  ASSERT_EQ(deep.streams.size(), 1u);
+  EXPECT_EQ(deep.streams[0].rate_hz, 10);
+  EXPECT_EQ(deep.find(deep.streams[0].code)->kind, gecos::OperationKind::Getter);
+}

@@ -1,0 +1,87 @@
+"""Writes tests/vectors/types.json as C++ (what cases.hpp declares) to the file that is named."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+
+from gidl.model import Model, NamedType
+from gidl.targets.cpp.names import full_name
+from type_values import CppWriter, cases, load
+
+HELPERS = r"""
+namespace {
+
+template <class T>
+gecos::Bytes encoded(const T& value) {
+  return gecos::wire::to_bytes(value);
+}
+
+template <class T>
+bool equals(gecos::ByteView bytes, const T& value) {
+  const auto decoded = gecos::wire::from_bytes<T>(bytes);
+  return decoded && *decoded == value;
+}
+
+template <class T>
+std::string printed(const T& value) {
+  std::ostringstream out;
+  out << value;
+  return out.str();
+}
+
+template <class T>
+Verdict verdict(gecos::ByteView bytes) {
+  const auto decoded = gecos::wire::from_bytes<T>(bytes);
+  if (!decoded) return {std::nullopt, decoded.error().message()};
+  return {gecos::wire::to_bytes(*decoded), ""};
+}
+
+}  // namespace
+
+gecos::Bytes from_hex(std::string_view hex) {
+  gecos::Bytes bytes;
+  for (std::size_t i = 0; i + 1 < hex.size(); i += 2) {
+    bytes.push_back(static_cast<std::byte>(std::stoi(std::string(hex.substr(i, 2)), nullptr, 16)));
+  }
+  return bytes;
+}
+
+std::string to_hex(gecos::ByteView bytes) {
+  std::string hex;
+  for (const std::byte each : bytes) {
+    hex += "0123456789abcdef"[std::to_integer<int>(each >> 4)];
+    hex += "0123456789abcdef"[std::to_integer<int>(each & std::byte{15})];
+  }
+  return hex;
+}
+"""
+
+
+def source(model: Model) -> str:
+    writer = CppWriter(model)
+    types = sorted({case.type for case in cases()})
+    headers = sorted({f"{model.file_of(name).removesuffix('.gidl')}_types.hpp" for name in types})
+    lines = ['#include "cases.hpp"', "", "#include <limits>", "#include <sstream>", ""]
+    lines += [f'#include "{header}"' for header in headers]
+    lines += [HELPERS, "const std::vector<Case>& cases() {"]
+    lines += ["  static const std::vector<Case> all{"]
+    for case in cases():
+        value = writer.expression(NamedType(case.type), case.value)
+        lines += [
+            f'      {{"{case.type}", {json.dumps(case.name)}, "{case.bytes.hex()}",',
+            f"       [] {{ return encoded({value}); }},",
+            f"       [](gecos::ByteView bytes) {{ return equals(bytes, {value}); }},",
+            f"       [] {{ return printed({value}); }}}},",
+        ]
+    lines += ["  };", "  return all;", "}", ""]
+    lines += ["Verdict judge(std::string_view type, gecos::ByteView bytes) {"]
+    for name in types:
+        lines.append(f'  if (type == "{name}") return verdict<{full_name(model, name)}>(bytes);')
+    lines += ['  return {std::nullopt, "no such type"};', "}", ""]
+    return "\n".join(lines)
+
+
+if __name__ == "__main__":
+    Path(sys.argv[1]).write_text(source(load()), encoding="utf-8")
