@@ -1,0 +1,71 @@
+#include "command_line/command_line.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <utility>
+
+namespace devices {
+namespace {
+
+std::optional<double> as_number(const std::string& text) {
+  char* end = nullptr;
+  const double value = std::strtod(text.c_str(), &end);
+  if (text.empty() || *end != '\0' || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
+}  // namespace
+
+CommandLine::CommandLine(std::string program, std::string purpose, std::vector<Option> options,
+                         int count, char** words)
+    : program_(std::move(program)), purpose_(std::move(purpose)), options_(std::move(options)) {
+  for (const Option& option : options_) values_[option.word] = option.standard;
+  read(count, words);
+}
+
+void CommandLine::read(int count, char** words) {
+  for (int at = 1; at < count; ++at) {
+    const std::string word = words[at];
+    if (word == "--help" || word == "-h") {
+      std::fputs(usage().c_str(), stdout);
+      exit_status_ = 0;
+      return;
+    }
+    const auto option = std::find_if(options_.begin(), options_.end(), [&](const Option& known) {
+      return word == "--" + known.word;
+    });
+    if (option == options_.end()) return refuse("'" + word + "' is not known");
+    if (++at == count) return refuse("'" + word + "' needs a value");
+    if (as_number(option->standard) && !as_number(words[at])) {
+      return refuse("'" + word + "' needs a number, not '" + words[at] + "'");
+    }
+    values_[option->word] = words[at];
+  }
+}
+
+void CommandLine::refuse(const std::string& what) {
+  std::fprintf(stderr, "%s: %s\n%s", program_.c_str(), what.c_str(), usage().c_str());
+  exit_status_ = 2;
+}
+
+std::string CommandLine::usage() const {
+  std::string text = "usage: " + program_ + " [--WORD VALUE]...\n" + purpose_ + "\n";
+  for (const Option& option : options_) {
+    std::string left = "  --" + option.word;
+    left.resize(std::max<std::size_t>(left.size() + 1, 22), ' ');
+    text += left + option.says + " (" + (option.standard.empty() ? "none" : option.standard) + ")\n";
+  }
+  return text + "Prints one line when it is ready and ends on SIGINT or SIGTERM.\n";
+}
+
+const std::string& CommandLine::text(std::string_view word) const {
+  return values_.find(word)->second;
+}
+
+double CommandLine::number(std::string_view word) const {
+  return as_number(text(word)).value_or(0.0);
+}
+
+}  // namespace devices

@@ -1,0 +1,144 @@
+#include "gripper/gripper_servant.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+namespace devices {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto beat = 10ms;               // between two looks at the jaws
+constexpr auto world_takes_notice = 2s;   // of what the jaws hold, at most
+
+gecos::Fault out_of_range(const SimulatedGripper::OutOfRange& refused) {
+  return robcl::OutOfRange{refused.what, refused.value, refused.lower, refused.upper};
+}
+
+gecos::Fault as_fault(const gecos::Failure& failure) { return gecos::Fault::failed(failure.text); }
+
+}  // namespace
+
+GripperServant::GripperServant(gecos::Lab& lab, std::string name, std::string world,
+                               const std::string& carrier,
+                               const robcl::Frame& base_from_grip_point,
+                               const SimulatedGripper::Settings& settings)
+    : lab_(lab),
+      name_(std::move(name)),
+      world_name_(std::move(world)),
+      mounting_(lab, carrier, robcl::Frame()),
+      base_from_grip_point_(base_from_grip_point),
+      gripper_(settings) {}
+
+void GripperServant::publish() {
+  mounting_.carrier().tend();
+  if (const auto now = jaws()) publish_jaws(*now);
+}
+
+gecos::Result<void> GripperServant::mount(const std::string& carrier, const robcl::Frame& offset) {
+  if (gripper_.state().moving) {
+    return tl::unexpected(robcl::MountRefused{"the jaws are moving; mount it when they stand"});
+  }
+  return mounting_.mount(carrier, offset);
+}
+
+gecos::Result<robcl::GripperState> GripperServant::jaws() {
+  const SimulatedGripper::State now = gripper_.state();
+  return robcl::GripperState{now.width, now.force, now.moving, now.holding, now.held};
+}
+
+gecos::Result<robcl::Frame> GripperServant::grip_point() {
+  const auto world_from_base = mounting_.base();
+  if (!world_from_base) return tl::unexpected(world_from_base.error());
+  return *world_from_base * base_from_grip_point_;
+}
+
+gecos::Result<robcl::World> GripperServant::world() {
+  const std::lock_guard lock(connecting_);
+  if (!world_ || gecos::ping(*world_).wait_for(500ms) != gecos::State::Finished) {
+    auto found = lab_.create<robcl::World>(world_name_);
+    if (!found) {
+      return tl::unexpected(gecos::Fault::failed("the simulated world is not there: " +
+                                                 found.error().to_string()));
+    }
+    world_ = *found;
+  }
+  return *world_;
+}
+
+/// What the jaws would meet where they are now.
+gecos::Result<std::optional<SimulatedGripper::Contact>> GripperServant::contact() {
+  if (world_name_.empty()) return std::nullopt;
+  const auto point = grip_point();
+  if (!point) return tl::unexpected(point.error());
+  const auto there = world();
+  if (!there) return tl::unexpected(there.error());
+  const auto met = there->between(*point, gripper_.state().width).get();
+  if (!met) return tl::unexpected(as_fault(met.error()));
+  if (!met->hit) return std::nullopt;
+  return SimulatedGripper::Contact{met->width, met->body_name};
+}
+
+gecos::Result<void> GripperServant::let_jaws_move(Run& run) {
+  const double start = gripper_.state().width;
+  const double most = gripper_.settings().max_width;
+  for (;;) {
+    const auto now = jaws();
+    run.progress(std::min(1.0, std::abs(now->width - start) / most), *now);
+    if (!now->moving) return {};
+    if (run.wait_interrupted(beat)) {
+      gripper_.halt();
+      return tl::unexpected(gecos::Fault::interrupted());
+    }
+  }
+}
+
+/// A command ends when the world shows what it did: who moves the arm next must find the body held, or
+/// standing.
+gecos::Result<void> GripperServant::wait_for_world(const std::string& body,
+                                                   const std::string& holder, Run& run) {
+  const auto there = world();
+  if (!there) return tl::unexpected(there.error());
+  const auto deadline = std::chrono::steady_clock::now() + world_takes_notice;
+  while (std::chrono::steady_clock::now() < deadline) {
+    const auto found = there->find(body).get();
+    if (!found) return tl::unexpected(as_fault(found.error()));
+    if (found->fixed || found->held_by == holder) return {};
+    if (run.wait_interrupted(beat)) return tl::unexpected(gecos::Fault::interrupted());
+  }
+  return tl::unexpected(gecos::Fault::failed("world '" + world_name_ + "' does not notice that '" +
+                                             name_ + "' " + (holder.empty() ? "let go of" : "holds") +
+                                             " '" + body + "': does it watch this gripper?"));
+}
+
+gecos::Result<void> GripperServant::open(double width, Run& run) {
+  const SimulatedGripper::State before = gripper_.state();
+  std::optional<SimulatedGripper::Contact> met;
+  if (width < before.width) {
+    auto asked = contact();
+    if (!asked) return tl::unexpected(asked.error());
+    met = std::move(*asked);
+  }
+  if (const auto opening = gripper_.open(width, met); !opening) {
+    return tl::unexpected(out_of_range(opening.error()));
+  }
+  if (auto moved = let_jaws_move(run); !moved) return moved;
+  if (!before.holding || world_name_.empty()) return {};
+  return wait_for_world(before.held, {}, run);
+}
+
+gecos::Result<void> GripperServant::close(double force, Run& run) {
+  auto met = contact();
+  if (!met) return tl::unexpected(met.error());
+  if (const auto closing = gripper_.close(force, *met); !closing) {
+    return tl::unexpected(out_of_range(closing.error()));
+  }
+  if (auto moved = let_jaws_move(run); !moved) return moved;
+  const SimulatedGripper::State now = gripper_.state();
+  if (!now.holding || world_name_.empty()) return {};
+  return wait_for_world(now.held, name_, run);
+}
+
+}  // namespace devices

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "gripper/simulated_gripper.hpp"
+#include "mounting/carrier.hpp"
+#include "robcl/gripper_server.hpp"
+#include "robcl/world_client.hpp"
+
+namespace devices {
+
+/// SimulatedGripper as the object `robcl::Gripper`, in a simulated world that it asks what its jaws meet.
+/// Thread-safe; its handlers wait for the world.
+class GripperServant final : public robcl::GripperServant {
+ public:
+  /// `world` empty: there is none, and the jaws never meet anything.
+  GripperServant(gecos::Lab& lab, std::string name, std::string world, const std::string& carrier,
+                 const robcl::Frame& base_from_grip_point,
+                 const SimulatedGripper::Settings& settings);
+
+  /// Moves the jaws on. One thread.
+  void step(double seconds) { gripper_.step(seconds); }
+  /// Sends a sample of the jaws and keeps the carrier's stream alive. One thread.
+  void publish();
+
+ private:
+  using Run = gecos::Execution<robcl::GripperState>;
+
+  gecos::Result<robcl::Frame> base() override { return mounting_.base(); }
+  gecos::Result<std::string> parent() override { return mounting_.parent(); }
+  gecos::Result<void> mount(const std::string& carrier, const robcl::Frame& offset) override;
+  gecos::Result<robcl::GripperState> jaws() override;
+  gecos::Result<robcl::Frame> grip_point() override;
+  gecos::Result<double> max_width() override { return gripper_.settings().max_width; }
+  gecos::Result<double> max_force() override { return gripper_.settings().max_force; }
+  gecos::Result<void> open(double width, Run& run) override;
+  gecos::Result<void> close(double force, Run& run) override;
+
+  gecos::Result<robcl::World> world();
+  gecos::Result<std::optional<SimulatedGripper::Contact>> contact();
+  gecos::Result<void> let_jaws_move(Run& run);
+  gecos::Result<void> wait_for_world(const std::string& body, const std::string& holder, Run& run);
+
+  gecos::Lab& lab_;
+  const std::string name_, world_name_;
+  Mounting mounting_;
+  const robcl::Frame base_from_grip_point_;
+  SimulatedGripper gripper_;
+
+  std::mutex connecting_;  // of world_
+  std::optional<robcl::World> world_;
+};
+
+}  // namespace devices

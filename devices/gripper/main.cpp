@@ -1,0 +1,57 @@
+// robcl-gripper: two simulated jaws on the flange of an arm.
+#include <chrono>
+#include <cstdio>
+
+#include "command_line/command_line.hpp"
+#include "gecos/gecos.hpp"
+#include "gripper/gripper_servant.hpp"
+#include "periodic/periodic.hpp"
+
+namespace {
+
+using namespace std::chrono_literals;
+
+}  // namespace
+
+int main(int count, char** words) {
+  const devices::CommandLine line(
+      "robcl-gripper",
+      "Serves a simulated gripper with two parallel jaws that meet what is in the simulated world.",
+      {{"name", "GRIPPER", "name to register"},
+       {"world", "WORLD", "the world to ask what the jaws meet; '' for an empty one"},
+       {"carrier", "RX90", "arm whose flange carries it; '' to stand in the world"},
+       {"length", "150", "from its base to the point between the finger tips, mm"},
+       {"max-width", "110", "between the jaws, mm"},
+       {"max-force", "100", "N"},
+       {"speed", "150", "between the jaws, mm/s"}},
+      count, words);
+  if (line.exit_status()) return *line.exit_status();
+
+  devices::SimulatedGripper::Settings settings;
+  settings.max_width = robcl::mm(line.number("max-width"));
+  settings.max_force = line.number("max-force");
+  settings.speed = robcl::mm(line.number("speed"));
+  if (settings.max_width <= 0 || settings.max_force <= 0 || settings.speed <= 0) {
+    std::fputs("robcl-gripper: --max-width, --max-force and --speed must be above 0\n", stderr);
+    return 2;
+  }
+  gecos::Lab lab;
+  devices::GripperServant servant(lab, line.text("name"), line.text("world"), line.text("carrier"),
+                                  robcl::translate(0, 0, robcl::mm(line.number("length"))),
+                                  settings);
+  const devices::Periodic jaws(5ms, [&servant](double seconds) { servant.step(seconds); });
+  gecos::Server server(lab);
+  gecos::ObjectOptions options;
+  options.simulated = true;
+  options.thread_safe = true;
+  options.blocking = true;  // handlers ask the world
+  if (const auto served = server.add(line.text("name"), servant, options); !served) {
+    std::fprintf(stderr, "robcl-gripper: %s\n", served.error().text.c_str());
+    return 1;
+  }
+  const devices::Periodic publishing(20ms, [&servant](double) { servant.publish(); });
+  std::printf("robcl-gripper: %s is ready\n", line.text("name").c_str());
+  std::fflush(stdout);
+  server.run();
+  return 0;
+}

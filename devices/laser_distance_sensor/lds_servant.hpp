@@ -1,0 +1,48 @@
+#pragma once
+
+#include <atomic>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "laser_distance_sensor/simulated_beam.hpp"
+#include "mounting/carrier.hpp"
+#include "robcl/laser_distance_sensor_server.hpp"
+#include "robcl/world_client.hpp"
+
+namespace devices {
+
+/// A beam in the simulated world as the object `robcl::LaserDistanceSensor`. Thread-safe; its handlers
+/// wait for the world.
+class LdsServant final : public robcl::LaserDistanceSensorServant {
+ public:
+  LdsServant(gecos::Lab& lab, std::string world, const std::string& carrier,
+             const robcl::Frame& carrier_from_base, const SimulatedBeam::Settings& settings);
+
+  /// Measures and sends a sample, when the sensor can measure. One thread.
+  void publish();
+
+ private:
+  gecos::Result<robcl::Frame> base() override { return mounting_.base(); }
+  gecos::Result<std::string> parent() override { return mounting_.parent(); }
+  gecos::Result<void> mount(const std::string& carrier, const robcl::Frame& offset) override {
+    return mounting_.mount(carrier, offset);
+  }
+  gecos::Result<robcl::Distance> beam() override { return measure(); }
+  gecos::Result<robcl::Distance> measure() override;
+  gecos::Result<void> power(bool on) override;
+
+  tl::expected<robcl::RayHit, std::string> cast();
+
+  gecos::Lab& lab_;
+  const std::string world_name_;
+  Mounting mounting_;
+  SimulatedBeam beam_;
+  std::atomic<bool> on_{true};
+
+  std::mutex connecting_;  // of world_ and next_try_
+  std::optional<robcl::World> world_;
+  gecos::TimePoint next_try_{};
+};
+
+}  // namespace devices

@@ -1,0 +1,67 @@
+// Where devices are that stand on something that moves.
+#pragma once
+
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "gecos/gecos.hpp"
+#include "robcl/frames/frame.hpp"
+#include "robcl/manipulator_client.hpp"
+
+namespace devices {
+
+/// The flange of a manipulator, as its stream last said; or the world, which stands. Any thread may ask;
+/// one thread tends.
+class Carrier {
+ public:
+  /// A flange that was silent for longer than this is not known any more.
+  static constexpr gecos::Duration patience = std::chrono::seconds(1);
+
+  explicit Carrier(gecos::Lab& lab) : lab_(lab) {}
+
+  /// Follows the flange of `name` from now on; empty: the world. It need not be there yet.
+  void follow(const std::string& name);
+  std::string name() const;
+
+  /// Connects, or connects again, when that is needed; call it now and then, where waiting for up to
+  /// 0.2 s does no harm.
+  void tend();
+
+  /// The flange in the world; or why it is not known.
+  tl::expected<robcl::Frame, std::string> frame();
+
+ private:
+  bool heard();
+
+  gecos::Lab& lab_;
+  mutable std::mutex guard_;  // of all below; never held while connecting
+  std::string name_;
+  std::optional<gecos::Stream<robcl::Frame>> flange_;
+  std::optional<robcl::Frame> last_;
+  std::string problem_;
+  gecos::TimePoint next_try_{};
+  gecos::TimePoint connected_{};
+};
+
+/// A device's base: fixed to a carrier.
+class Mounting {
+ public:
+  Mounting(gecos::Lab& lab, const std::string& carrier, const robcl::Frame& carrier_from_base);
+
+  Carrier& carrier() { return carrier_; }
+  std::string parent() const { return carrier_.name(); }
+  /// In the world; fails with why it is not known.
+  gecos::Result<robcl::Frame> base();
+  /// Waits until the new carrier is heard. Fails with robcl::MountRefused when it is not, and then
+  /// changes nothing.
+  gecos::Result<void> mount(const std::string& carrier, const robcl::Frame& carrier_from_base);
+
+ private:
+  gecos::Lab& lab_;
+  Carrier carrier_;
+  mutable std::mutex guard_;  // of carrier_from_base_
+  robcl::Frame carrier_from_base_;
+};
+
+}  // namespace devices

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "mounting/carrier.hpp"
+#include "robcl/gripper_client.hpp"
+#include "world/simulated_world.hpp"
+
+namespace devices {
+
+/// Lets a body follow one gripper: watches its jaws, and the flange that carries it.
+class GripperWatch {
+ public:
+  GripperWatch(gecos::Lab& lab, SimulatedWorld& world, std::string gripper);
+
+  /// Connects where needed, sees what the jaws do, moves what they carry. One thread; may wait for up to
+  /// half a second while something is not there.
+  void tend();
+  /// Moves what they carry to where it is now. Any thread; does not wait.
+  void carry();
+
+ private:
+  bool connect();
+  void see(const robcl::GripperState& jaws);
+
+  gecos::Lab& lab_;
+  SimulatedWorld& world_;
+  const std::string name_;
+  Carrier carrier_;
+
+  // The tending thread's own.
+  std::optional<robcl::Gripper> gripper_;
+  std::optional<gecos::Stream<robcl::GripperState>> jaws_;
+  gecos::TimePoint next_try_{};
+  gecos::TimePoint connected_{};
+
+  std::mutex guard_;  // of held_
+  std::string held_;  // what the world was told that the gripper holds
+};
+
+}  // namespace devices

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <functional>
+
+#include "robcl/world_server.hpp"
+#include "world/simulated_world.hpp"
+
+namespace devices {
+
+/// SimulatedWorld as the object `robcl::World`. Thread-safe; no handler waits.
+class WorldServant final : public robcl::WorldServant {
+ public:
+  /// `catch_up` brings what is carried to where it is now; asked before every answer.
+  WorldServant(SimulatedWorld& world, std::function<void()> catch_up);
+
+ private:
+  gecos::Result<std::vector<robcl::Body>> bodies() override;
+  gecos::Result<robcl::Body> find(const std::string& name) override;
+  gecos::Result<robcl::RayHit> cast(const robcl::Frame& origin, double reach) override;
+  gecos::Result<robcl::Contact> between(const robcl::Frame& jaws, double opening) override;
+  gecos::Result<void> place(const std::string& name, const robcl::Frame& pose) override;
+
+  robcl::UnknownBody unknown(const std::string& name) const;
+
+  SimulatedWorld& world_;
+  const std::function<void()> catch_up_;
+};
+
+}  // namespace devices
