@@ -11,7 +11,7 @@ import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from gidl import cli_fmt, cli_lint
+from gidl import cli_breaking, cli_fmt, cli_lint
 from gidl.cli_shared import (
     FAILED,
     FINDINGS,
@@ -82,6 +82,7 @@ def _parser() -> argparse.ArgumentParser:
 
     cli_lint.add_verb(verbs)
     cli_fmt.add_verb(verbs)
+    cli_breaking.add_verb(verbs)
 
     dump = verbs.add_parser("dump", help="print the model as canonical JSON")
     add_files(dump)

@@ -100,3 +100,17 @@ def _names(used: Type) -> Iterator[str]:
         case MapType(key, value):
             yield from _names(key)
             yield from _names(value)
+
+
+def direct_names(used: Type) -> list[str]:
+    """Declared names inside a type as it is written."""
+    return list(_names(used))
+
+
+def declared_names(model: Model, name: str) -> set[str]:
+    """Declared names that a declaration holds."""
+    for file in model.files:
+        if file.path == model.file_of(name):
+            only = File(file.path, (), (model.find(name),))
+            return {use.name for use in uses(model, only)}
+    return set()

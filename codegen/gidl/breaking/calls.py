@@ -1,0 +1,170 @@
+"""Interfaces: what can be called, by whom, and what the line promises."""
+
+from __future__ import annotations
+
+from gidl import hashes
+from gidl.breaking import promises, slots
+from gidl.breaking.report import Report
+from gidl.breaking.sides import Call, Sides, reached
+from gidl.function_codes import call_code, hashed_name
+from gidl.model import Attribute, Interface, Operation, Type
+
+_REFUSED = "old and new programs refuse each other where it is used"
+_BESIDE = "keep it as it was, and add another beside it"
+
+
+def compare(sides: Sides, report: Report) -> None:
+    for old, new in sides.declarations():
+        if isinstance(old, Interface) and isinstance(new, Interface):
+            _bases(sides, old, new, report)
+            told = promises.interface(old, new, report)
+            for before, after in sides.calls(old, new):
+                if after is None:
+                    _gone(before, new, report)
+                else:
+                    _call(sides, before, after, told, report)
+
+
+def _bases(sides: Sides, old: Interface, new: Interface, report: Report) -> None:
+    names = [
+        {hashed_name(m, b, m.find(b).facts) for b in i.all_bases}
+        for m, i in ((sides.old, old), (sides.new, new))
+    ]
+    for base in sorted(names[0] - names[1]):
+        report.add("G1001", old.name, f"'{new.name}' is no '{base}' any more",
+                   "old clients do not find what it inherited", "keep the base",
+                   new=new.facts, old=old.facts)  # fmt: skip
+
+
+def _gone(old: Call, new: Interface, report: Report) -> None:
+    what = "attribute" if isinstance(old, Attribute) else "operation"
+    report.add("G1001", old.scoped_name, f"{what} '{old.scoped_name}' is gone",
+               "a new server answers old clients UNKNOWN_OPERATION",
+               "keep it, with @deprecated; @hash_as(\"old\") where it has a new name",
+               new=new.facts, old=old.facts)  # fmt: skip
+
+
+def _call(sides: Sides, old: Call, new: Call, told: frozenset[str], report: Report) -> None:
+    subject, places = old.scoped_name, (new.facts, old.facts)
+    if old.name != new.name:
+        report.add("G1101", subject, f"'{new.scoped_name}' was called '{old.name}'",
+                   "programs that name it do not build any more", "keep the name",
+                   new=places[0], old=places[1])  # fmt: skip
+    codes = call_code(sides.old, old), call_code(sides.new, new)
+    if codes[0] != codes[1] or old.id != new.id:
+        report.add("G1005", subject,
+                   f"'{subject}' had the function code {codes[0]} and has {codes[1]}",
+                   "a server answers the other side UNKNOWN_OPERATION", "keep @id as it was",
+                   new=places[0], old=places[1])  # fmt: skip
+    if isinstance(old, Operation) and isinstance(new, Operation):
+        _operation(sides, old, new, report)
+    elif isinstance(old, Attribute) and isinstance(new, Attribute):
+        _attribute(sides, old, new, report)
+    else:
+        _kind(report, old, new, *("an attribute" if isinstance(m, Attribute) else "an operation"
+                                  for m in (old, new)))  # fmt: skip
+        return
+    promises.call(old, new, told, report)
+    _hash(sides, old, new, report)
+
+
+def _kind(report: Report, old: Call, new: Call, was: str, is_now: str) -> None:
+    report.add("G1002", old.scoped_name, f"'{old.scoped_name}' was {was} and is {is_now}",
+               _REFUSED, _BESIDE, new=new.facts, old=old.facts)  # fmt: skip
+
+
+def _operation(sides: Sides, old: Operation, new: Operation, report: Report) -> None:
+    subject, places = old.scoped_name, (new.facts, old.facts)
+    was, is_now = _way(old), _way(new)
+    if was != is_now:
+        _kind(report, old, new, was, is_now)
+    owner = slots.Owner(subject, "parameter", True, old.facts, new.facts)
+    slots.compare(sides, report, owner, old.parameters, new.parameters)
+    what = f"the result of '{subject}'"
+    if slots.value(sides, report, subject, what, (old.result, new.result),
+                   (old.result_optional, new.result_optional), places):  # fmt: skip
+        slots.number(report, subject, what, (old.result_unit or "", new.result_unit or ""),
+                     (old.result_range, new.result_range), places)  # fmt: skip
+    _raises(sides, old, new, (old.raises, new.raises), "", report)
+    if old.feedback is not None and not sides.same_type(old.feedback, new.feedback):
+        is_now = new.feedback.name if new.feedback else "not there"
+        report.add("G1002", subject,
+                   f"the feedback of '{subject}' was {old.feedback.name} and is {is_now}",
+                   "old clients cannot read it", "keep it, and let it grow at its end",
+                   new=places[0], old=places[1])  # fmt: skip
+
+
+def _way(operation: Operation) -> str:
+    return "an event" if operation.is_event else "oneway" if operation.oneway else "answered"
+
+
+def _attribute(sides: Sides, old: Attribute, new: Attribute, report: Report) -> None:
+    subject, places = old.scoped_name, (new.facts, old.facts)
+    was, is_now = _use(old), _use(new)
+    if was != is_now:
+        _kind(report, old, new, was, is_now)
+    what = f"attribute '{subject}'"
+    if slots.value(sides, report, subject, what, (old.type, new.type),
+                   (old.optional, new.optional), places):  # fmt: skip
+        slots.number(report, subject, what, (old.unit or "", new.unit or ""),
+                     (old.range, new.range), places)  # fmt: skip
+    _raises(sides, old, new, (old.get_raises, new.get_raises), " when it is got", report)
+    _raises(sides, old, new, (old.set_raises, new.set_raises), " when it is set", report)
+
+
+def _use(attribute: Attribute) -> str:
+    kind = "readonly" if attribute.readonly else "writable"
+    if attribute.stream is None:
+        return f"{kind} and no stream"
+    return f"{kind} and a stream {attribute.stream.direction.value}"
+
+
+def _raises(
+    sides: Sides,
+    old: Call,
+    new: Call,
+    raised: tuple[tuple[str, ...], tuple[str, ...]],
+    when: str,
+    report: Report,
+) -> None:
+    names = [
+        {hashed_name(m, n, m.find(n).facts) for n in r}
+        for m, r in ((sides.old, raised[0]), (sides.new, raised[1]))
+    ]
+    for name in sorted(names[0] ^ names[1]):
+        change = "raises" if name in names[1] else "does not raise"
+        report.add("G1007", old.scoped_name,
+                   f"'{old.scoped_name}' {change} '{name}' now{when}", _REFUSED,
+                   "let an @appendable exception that it raises grow, or add another operation",
+                   new=new.facts, old=old.facts)  # fmt: skip
+
+
+def _hash(sides: Sides, old: Call, new: Call, report: Report) -> None:
+    """The hashes decide at run time whether two sides talk: nothing they tell apart is silent."""
+    if _hashed(sides.old, old) == _hashed(sides.new, new) or report.has_broken(old.scoped_name):
+        return
+    names: set[str] = set()
+    for used in _types(old):
+        reached(sides.old, used, names)
+    if not any(report.has_broken(name) for name in names):
+        report.add("G1008", old.scoped_name, f"the hash of '{old.scoped_name}' is another",
+                   _REFUSED, "compare `gidl dump` of both", new=new.facts,
+                   old=old.facts)  # fmt: skip
+
+
+def _hashed(model: object, call: Call) -> int:
+    from gidl.model import Model
+
+    assert isinstance(model, Model)
+    if isinstance(call, Operation):
+        return hashes.operation_hash(model, call)
+    return hashes.attribute_hash(model, call)
+
+
+def _types(call: Call) -> list[Type | None]:
+    from gidl.model import NamedType
+
+    if isinstance(call, Attribute):
+        raised = (*call.get_raises, *call.set_raises)
+        return [call.type, *(NamedType(n) for n in raised)]
+    return [call.result, *(p.type for p in call.parameters), *(NamedType(n) for n in call.raises)]

@@ -1,0 +1,166 @@
+"""Quality that is promised less, and protection that is there no more."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from gidl.breaking.report import Report
+from gidl.breaking.sides import Call
+from gidl.model import Attribute, Facts, Interface, Operation
+from gidl.policy import Access, OnLoss, Qos, Stream
+
+_RELIES = "programs that rely on it miss it"
+_KEEP = "keep what was promised"
+_ASK = "keep it, or let those who answer for the laboratory's safety decide"
+
+
+def interface(old: Interface, new: Interface, report: Report) -> frozenset[str]:
+    """What is promised less for the whole interface, which its members need not repeat."""
+    weaker = tuple(_weaker(old.qos, new.qos))
+    for text in weaker:
+        _qos(report, old.name, f"'{old.name}' {text}", new.facts, old.facts)
+    return frozenset(weaker)
+
+
+def call(old: Call, new: Call, told: frozenset[str], report: Report) -> None:
+    subject, places = old.scoped_name, (new.facts, old.facts)
+    changes: list[tuple[str, str]] = []
+    for text in _weaker(old.qos, new.qos):
+        if text not in told:
+            _qos(report, subject, f"'{subject}' {text}", *places)
+    if isinstance(old, Operation) and isinstance(new, Operation):
+        for text in _behaviour(old, new):
+            _qos(report, subject, f"'{subject}' {text}", *places)
+        changes = list(_operation_security(old, new))
+    elif isinstance(old, Attribute) and isinstance(new, Attribute):
+        for text in _stream(old.stream, new.stream):
+            _qos(report, subject, f"'{subject}' {text}", *places)
+        changes = list(_attribute_security(old, new))
+    for message, why in changes:
+        report.add("G1301", subject, f"'{subject}' {message}", why, _ASK,
+                   new=places[0], old=places[1])  # fmt: skip
+    for message, why in _secrets(old, new):
+        report.add("G1302", subject, f"'{subject}' {message}", why, "keep it as it was",
+                   new=places[0], old=places[1])  # fmt: skip
+
+
+def _qos(report: Report, subject: str, message: str, new: Facts, old: Facts) -> None:
+    report.add("G1201", subject, message, _RELIES, _KEEP, new=new, old=old)
+
+
+def _weaker(old: Qos, new: Qos) -> Iterator[str]:
+    """What `old` promised and `new` does not."""
+    for what, was, is_now in (
+        ("class", old.quality_class, new.quality_class),
+        ("reliability", old.reliability, new.reliability),
+        ("liveliness", old.liveliness, new.liveliness),
+    ):
+        if was is not None and (is_now is None or is_now < was):
+            now = "none" if is_now is None else is_now.name
+            yield f"promised {what} {was.name} and promises {now}"
+    for what, longest, limit in (
+        ("deadline", old.deadline_ns, new.deadline_ns),
+        ("start_by", old.start_by_ns, new.start_by_ns),
+        ("latency", old.latency_ns, new.latency_ns),
+        ("lifespan", old.lifespan_ns, new.lifespan_ns),
+    ):
+        if longest is not None and (limit is None or limit > longest):
+            yield f"promised a {what} of {duration(longest)} and promises {duration(limit)}"
+    if old.depth is not None and (new.depth is None or new.depth < old.depth):
+        yield f"kept {old.depth} samples and keeps {new.depth or 'an unsaid number'}"
+    if new.media is not None:
+        lost = sorted(set(old.media or ("inproc", "shm", "lcm", "tcp")) - set(new.media))
+        if lost:
+            yield f"is not reached over {', '.join(lost)} any more"
+
+
+def duration(nanoseconds: int | None) -> str:
+    if nanoseconds is None:
+        return "none"
+    for unit, size in (("s", 10**9), ("ms", 10**6), ("us", 10**3)):
+        if nanoseconds % size == 0:
+            return f"{nanoseconds // size}{unit}"
+    return f"{nanoseconds}ns"
+
+
+def _stream(old: Stream | None, new: Stream | None) -> Iterator[str]:
+    if old is None or new is None:
+        return  # another attribute on the wire: reported there
+    if old.rate_hz is not None and (new.rate_hz is None or new.rate_hz < old.rate_hz):
+        now = "at an unsaid rate" if new.rate_hz is None else f"at {new.rate_hz:g} Hz"
+        yield f"came at {old.rate_hz:g} Hz and comes {now}"
+    if old.watchdog_ns is not None and (
+        new.watchdog_ns is None or new.watchdog_ns > old.watchdog_ns
+    ):
+        yield (
+            f"acted on a silence of {duration(old.watchdog_ns)} and acts on "
+            f"{duration(new.watchdog_ns)}"
+        )
+
+
+def _behaviour(old: Operation, new: Operation) -> Iterator[str]:
+    if old.idempotent and not new.idempotent:
+        yield "is not @idempotent any more: after a loss nobody sends it again"
+    if old.cancelable and not new.cancelable:
+        yield "cannot be cancelled any more"
+    if old.ordered and not new.ordered:
+        yield "does not keep its place among its caller's commands any more"
+    if old.parallel != new.parallel:
+        yield "runs beside others now" if new.parallel else "does not run beside others any more"
+    if old.on_new != new.on_new:
+        yield (
+            f"answered a running command with '{old.on_new.value}' and answers with "
+            f"'{new.on_new.value}'"
+        )
+    if old.on_loss is OnLoss.FINISH and new.on_loss is OnLoss.STOP:
+        yield "does not finish any more when its holder is lost"
+
+
+def _operation_security(old: Operation, new: Operation) -> Iterator[tuple[str, str]]:
+    yield from _access("", old.access, new.access)
+    if old.access == new.access:
+        yield from _presence(old.needs_presence, new.needs_presence)
+    if old.safety != new.safety:
+        if new.safety:
+            yield "is @safety now", "it is never refused, and overtakes every queue"
+        else:
+            yield "is no @safety any more", "it can be refused, and waits behind others"
+    if old.on_loss is OnLoss.STOP and new.on_loss is OnLoss.FINISH:
+        yield "goes on when its holder is lost", "what moves then, nobody holds"
+
+
+def _attribute_security(old: Attribute, new: Attribute) -> Iterator[tuple[str, str]]:
+    if old.has_getter and new.has_getter:
+        yield from _access("reading ", old.read_access, new.read_access)
+    if (old.has_setter and new.has_setter) or (old.streams_in and new.streams_in):
+        yield from _access("writing ", old.write_access, new.write_access)
+        if old.write_access == new.write_access:
+            yield from _presence(old.write_needs_presence, new.write_needs_presence)
+    was_open = old.stream is not None and old.stream.is_open
+    is_open = new.stream is not None and new.stream.is_open
+    if is_open and not was_open:
+        yield "is an @open_stream now", "everybody on the network reads it, unauthenticated"
+    if was_open and not is_open:
+        yield "is no @open_stream any more", "those who read it as bare LCM get nothing"
+
+
+def _access(what: str, old: Access, new: Access) -> Iterator[tuple[str, str]]:
+    text = f"needed {old.name.lower()} status for {what or 'calling '}and needs {new.name.lower()}"
+    if new < old:
+        yield text, "clients may use it that could not before"
+    elif new > old:
+        yield text, "clients that used it are refused"
+
+
+def _presence(old: bool, new: bool) -> Iterator[tuple[str, str]]:
+    if old and not new:
+        yield "works although nobody is present", "it moves where nobody can stop it by hand"
+    elif new and not old:
+        yield "needs presence now", "clients that used it unattended are refused"
+
+
+def _secrets(old: Call, new: Call) -> Iterator[tuple[str, str]]:
+    was = old.secret if isinstance(old, Attribute) else old.result_secret
+    is_now = new.secret if isinstance(new, Attribute) else new.result_secret
+    if was and not is_now:
+        yield "is no @secret any more", "it is printed, logged and recorded now"

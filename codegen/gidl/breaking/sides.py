@@ -1,0 +1,112 @@
+"""The old and the new model side by side: what corresponds, and types as the wire sees them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from gidl.function_codes import hashed_name, member_name
+from gidl.model import (
+    AnnotationDeclaration,
+    AnyDeclaration,
+    ArrayType,
+    Attribute,
+    Interface,
+    MapType,
+    Member,
+    Model,
+    NamedType,
+    Operation,
+    Parameter,
+    PrimitiveType,
+    SequenceType,
+    StringType,
+    Type,
+    Typedef,
+)
+
+Call = Operation | Attribute
+Slot = Member | Parameter
+
+
+@dataclass(frozen=True, slots=True)
+class Sides:
+    old: Model
+    new: Model
+
+    def declarations(self) -> Iterator[tuple[AnyDeclaration, AnyDeclaration | None]]:
+        """What the old files that were asked for declare, with what it became."""
+        became = {_key(self.new, d): d for d in self.new.declarations()}
+        for file in self.old.files:
+            if not file.asked_for:
+                continue
+            for declaration in file.declarations:
+                if not isinstance(declaration, AnnotationDeclaration):
+                    yield declaration, became.get(_key(self.old, declaration))
+
+    def calls(self, old: Interface, new: Interface) -> Iterator[tuple[Call, Call | None]]:
+        """Own members of an interface, by the name that enters codes and hashes."""
+        became = {member_name(self.new, m): m for m in new.members}
+        for member in old.members:
+            yield member, became.get(member_name(self.old, member))
+
+    def same_type(self, old: Type | None, new: Type | None) -> bool:
+        """Whether both lie on the wire under the same names, as far as the use says: what a
+        named type holds is compared where it is declared."""
+        return wire_text(self.old, old) == wire_text(self.new, new)
+
+
+def _key(model: Model, declaration: AnyDeclaration) -> str:
+    return hashed_name(model, declaration.name, declaration.facts)
+
+
+def wire_text(model: Model, used: Type | None) -> str:
+    """A type with its typedefs followed."""
+    match used:
+        case None:
+            return "void"
+        case PrimitiveType(kind):
+            return kind.value
+        case StringType(bound):
+            return "string" if bound is None else f"string<{bound}>"
+        case SequenceType(element, bound):
+            inner = wire_text(model, element)
+            return f"sequence<{inner}>" if bound is None else f"sequence<{inner}, {bound}>"
+        case MapType(key, value, bound):
+            inner = f"{wire_text(model, key)}, {wire_text(model, value)}"
+            return f"map<{inner}>" if bound is None else f"map<{inner}, {bound}>"
+        case ArrayType(element, dimensions):
+            return wire_text(model, element) + "".join(f"[{d}]" for d in dimensions)
+        case NamedType(name):
+            declaration = model.find(name)
+            if isinstance(declaration, Typedef):
+                return wire_text(model, declaration.type)
+            return _key(model, declaration)
+
+
+def units(model: Model, used: Type) -> str:
+    """Units said inside a type: by its typedefs and by its sequences."""
+    match used:
+        case SequenceType(element, _, unit):
+            return f"{unit or ''},{units(model, element)}"
+        case ArrayType(element=element):
+            return units(model, element)
+        case MapType(key, value):
+            return f"{units(model, key)},{units(model, value)}"
+        case NamedType(name):
+            declaration = model.find(name)
+            if isinstance(declaration, Typedef):
+                return f"{declaration.unit or ''},{units(model, declaration.type)}"
+    return ""
+
+
+def reached(model: Model, used: Type | None, into: set[str]) -> None:
+    """Names of all types that a value of this type may hold."""
+    from gidl.lint.uses import declared_names, direct_names
+
+    work = list(direct_names(used)) if used is not None else []
+    while work:
+        name = work.pop()
+        if name not in into and model.has(name):
+            into.add(name)
+            work += declared_names(model, name)

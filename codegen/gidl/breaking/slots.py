@@ -1,0 +1,225 @@
+"""Members and parameters: what lies one behind the other, and may grow at its end."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from gidl.breaking.report import Report
+from gidl.breaking.sides import Sides, Slot, units, wire_text
+from gidl.model import Facts, Member, Parameter, Range, Type
+
+_MISREAD = "old and new programs read each other's bytes wrongly"
+
+
+@dataclass(frozen=True, slots=True)
+class Owner:
+    """The struct or operation they belong to."""
+
+    subject: str  # scoped name
+    what: str  # "member" or "parameter"
+    grows: bool
+    old: Facts
+    new: Facts
+
+
+def compare(
+    sides: Sides, report: Report, owner: Owner, old: Sequence[Slot], new: Sequence[Slot]
+) -> None:
+    before = {_key(s): s for s in old}
+    after = {_key(s): s for s in new}
+    kept = [k for k in before if k in after]
+    if kept != [k for k in after if k in before]:
+        report.add(
+            "G1002", owner.subject,
+            f"the {owner.what}s of '{owner.subject}' stand in another order", _MISREAD,
+            "put them back in the order they had", new=owner.new, old=owner.old,
+        )  # fmt: skip
+    gone = _gone(report, owner, list(before.values()), after)
+    _added(report, owner, list(after.values()), before, gone)
+    for key in kept:
+        _kept(sides, report, owner, before[key], after[key], _leaves_core(owner, old, new, key))
+
+
+def _key(slot: Slot) -> str:
+    return slot.facts.hash_as or slot.name if isinstance(slot, Member) else slot.name
+
+
+def _may_be_left_out(slot: Slot) -> bool:
+    return slot.optional or slot.default is not None
+
+
+def _leaves_core(owner: Owner, old: Sequence[Slot], new: Sequence[Slot], key: str) -> bool:
+    """Whether it was one that may be missing at the end and is not any more, or became one."""
+    return owner.grows and (key in _tail(old)) != (key in _tail(new))
+
+
+def _tail(slots: Sequence[Slot]) -> set[str]:
+    tail: set[str] = set()
+    for slot in reversed(slots):
+        if not _may_be_left_out(slot):
+            break
+        tail.add(_key(slot))
+    return tail
+
+
+def _gone(report: Report, owner: Owner, old: list[Slot], after: dict[str, Slot]) -> set[str]:
+    gone = {_key(s) for s in old if _key(s) not in after}
+    for index, slot in enumerate(old):
+        if _key(slot) not in gone:
+            continue
+        at_end = all(_key(s) in gone for s in old[index:])
+        if owner.grows and at_end and _may_be_left_out(slot):
+            if all(_key(s) in {_key(o) for o in old} for s in after.values()):
+                report.add(
+                    "G1101", owner.subject,
+                    f"{owner.what} '{slot.name}' of '{owner.subject}' is gone",
+                    "programs that name it do not build any more",
+                    "keep it, with @deprecated", new=owner.new, old=slot.facts,
+                )  # fmt: skip
+                continue
+            instead = "keep it, and put what is new behind it"
+        else:
+            instead = 'keep it, with @deprecated; @hash_as("old") where it has a new name'
+        report.add(
+            "G1002", owner.subject, f"{owner.what} '{slot.name}' of '{owner.subject}' is gone",
+            _MISREAD, instead, new=owner.new, old=slot.facts,
+        )  # fmt: skip
+    return gone
+
+
+def _added(
+    report: Report, owner: Owner, new: list[Slot], before: dict[str, Slot], gone: set[str]
+) -> None:
+    for index, slot in enumerate(new):
+        if _key(slot) in before or gone:
+            continue  # beside something that is gone it is no addition but a replacement
+        what = f"{owner.what} '{slot.name}' of '{owner.subject}'"
+        at_end = all(_key(s) not in before for s in new[index:])
+        if not owner.grows:
+            report.add(
+                "G1002", owner.subject, f"{what} is new, and '{owner.subject}' is @final", _MISREAD,
+                "make another struct that holds this one", new=slot.facts,
+            )  # fmt: skip
+        elif not at_end:
+            report.add(
+                "G1002", owner.subject, f"{what} is new and stands before others", _MISREAD,
+                "put it at the end, with @default or @optional", new=slot.facts,
+            )  # fmt: skip
+        elif not _may_be_left_out(slot):
+            report.add(
+                "G1003", owner.subject, f"{what} is new and must be there",
+                "what an old program sends lacks it", "write @default(...) or @optional before it",
+                new=slot.facts,
+            )  # fmt: skip
+
+
+def _kept(
+    sides: Sides, report: Report, owner: Owner, old: Slot, new: Slot, leaves_core: bool
+) -> None:
+    what = f"{owner.what} '{new.name}' of '{owner.subject}'"
+    subject, places = owner.subject, (new.facts, old.facts)
+    if old.name != new.name:
+        report.add("G1101", subject, f"{what} was called '{old.name}'",
+                   "programs that name it do not build any more", "keep the name",
+                   new=places[0], old=places[1])  # fmt: skip
+    if isinstance(old, Parameter) and isinstance(new, Parameter) and old.direction != new.direction:
+        report.add("G1002", subject,
+                   f"{what} was '{old.direction.value}' and is '{new.direction.value}'", _MISREAD,
+                   "make another operation", new=places[0], old=places[1])  # fmt: skip
+    same_type = value(sides, report, subject, what, (old.type, new.type),
+                      (old.optional, new.optional), places)  # fmt: skip
+    if same_type:
+        meaning(sides, report, subject, what, old, new)
+    had, has = old.default is not None, new.default is not None
+    if leaves_core and old.optional == new.optional:
+        report.add("G1002", subject, f"whether {what} may be missing at the end has changed",
+                   "the hashes of operations that use it differ: old and new refuse each other",
+                   "keep @default and what stands behind it as they were",
+                   new=places[0], old=places[1])  # fmt: skip
+    elif had and not has and not new.optional:
+        report.add("G1102", subject, f"{what} has no default any more",
+                   "programs that leave it out do not build any more", "keep @default",
+                   new=places[0], old=places[1])  # fmt: skip
+    elif same_type and had and has and _text(old.default) != _text(new.default):
+        report.add("G1102", subject,
+                   f"{what} has the default {_text(new.default)}, and had {_text(old.default)}",
+                   "programs that leave it out mean something else now", "keep the default",
+                   new=places[0], old=places[1])  # fmt: skip
+    if old.secret and not new.secret:
+        report.add("G1302", subject, f"{what} is no @secret any more",
+                   "it is printed, logged and recorded now", "keep @secret",
+                   new=places[0], old=places[1])  # fmt: skip
+
+
+def _text(default: object) -> str:
+    return str(getattr(default, "literal", default))
+
+
+def value(
+    sides: Sides,
+    report: Report,
+    subject: str,
+    what: str,
+    types: tuple[Type | None, Type | None],
+    optional: tuple[bool, bool],
+    places: tuple[Facts, Facts],
+) -> bool:
+    """Whether a value lies on the wire as before; reported where not."""
+    was, is_now = wire_text(sides.old, types[0]), wire_text(sides.new, types[1])
+    if was != is_now:
+        report.add("G1002", subject, f"{what} was {was} and is {is_now}", _MISREAD,
+                   "keep it as it was, and add another beside it", new=places[0],
+                   old=places[1])  # fmt: skip
+        return False
+    if optional[0] != optional[1]:
+        now = "may be absent" if optional[1] else "is always there"
+        report.add("G1002", subject, f"{what} {now} now", _MISREAD,
+                   "keep @optional as it was", new=places[0], old=places[1])  # fmt: skip
+        return False
+    return True
+
+
+def meaning(sides: Sides, report: Report, subject: str, what: str, old: Slot, new: Slot) -> None:
+    number(report, subject, what, (_units(sides.old, old.unit, old.type),
+           _units(sides.new, new.unit, new.type)), (old.range, new.range),
+           (new.facts, old.facts))  # fmt: skip
+
+
+def _units(model: object, own: str | None, used: Type) -> str:
+    from gidl.model import Model
+
+    assert isinstance(model, Model)
+    inside = units(model, used).strip(",")
+    return own or inside
+
+
+def number(
+    report: Report,
+    subject: str,
+    what: str,
+    unit: tuple[str, str],
+    bounds: tuple[Range | None, Range | None],
+    places: tuple[Facts, Facts],
+) -> None:
+    """Unit and range of a number that lies as before."""
+    if unit[0] != unit[1]:
+        report.add("G1006", subject,
+                   f"{what} was in '{unit[0] or 'no unit'}' and is in '{unit[1] or 'no unit'}'",
+                   "the same number means something else to old and new programs",
+                   "keep the unit, and add another member or operation beside it",
+                   new=places[0], old=places[1])  # fmt: skip
+    if bounds[0] != bounds[1]:
+        report.add("G1006", subject,
+                   f"{what} was {_bounds(bounds[0])} and is {_bounds(bounds[1])}",
+                   "what one side may send the other refuses",
+                   "keep the range, and add another member or operation beside it",
+                   new=places[0], old=places[1])  # fmt: skip
+
+
+def _bounds(bounds: Range | None) -> str:
+    if bounds is None:
+        return "of any value"
+    low = "" if bounds.minimum is None else f"from {bounds.minimum}"
+    high = "" if bounds.maximum is None else f"to {bounds.maximum}"
+    return f"{low} {high}".strip()

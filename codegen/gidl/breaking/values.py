@@ -1,0 +1,199 @@
+"""Types and constants."""
+
+from __future__ import annotations
+
+from gidl.breaking import slots
+from gidl.breaking.report import Report
+from gidl.breaking.sides import Sides, wire_text
+from gidl.model import (
+    AnyDeclaration,
+    Bitmask,
+    Bitset,
+    Constant,
+    EnumDeclaration,
+    ExceptionStruct,
+    Interface,
+    Struct,
+    Typedef,
+    Union,
+)
+
+_MISREAD = "old and new programs read each other's bytes wrongly"
+_NO_BUILD = "programs that name it do not build any more"
+
+
+def compare(sides: Sides, report: Report) -> None:
+    for old, new in sides.declarations():
+        if new is None:
+            _gone(old, report)
+        elif _kind(old) != _kind(new):
+            report.add("G1002", old.name,
+                       f"'{old.name}' was {_article(_kind(old))} and is {_article(_kind(new))}",
+                       _MISREAD, "keep it, and give what is new another name",
+                       new=new.facts, old=old.facts)  # fmt: skip
+        else:
+            _moved(sides, old, new, report)
+            _one(sides, old, new, report)
+
+
+def _kind(declaration: AnyDeclaration) -> str:
+    match declaration:
+        case ExceptionStruct():
+            return "exception"
+        case EnumDeclaration():
+            return "enum"
+        case _:
+            return type(declaration).__name__.lower()
+
+
+def _article(kind: str) -> str:
+    return f"an {kind}" if kind[0] in "aeiou" else f"a {kind}"
+
+
+def _gone(old: AnyDeclaration, report: Report) -> None:
+    if isinstance(old, Interface):
+        report.add("G1001", old.name, f"interface '{old.name}' is gone",
+                   "old clients find no object of it",
+                   "keep it, with @deprecated; @hash_as(\"old\") where it has a new name",
+                   old=old.facts)  # fmt: skip
+        return
+    report.add("G1101", old.name, f"{_kind(old)} '{old.name}' is gone", _NO_BUILD,
+               "keep it, with @deprecated; @hash_as(\"old\") where it has a new name",
+               old=old.facts)  # fmt: skip
+
+
+def _moved(sides: Sides, old: AnyDeclaration, new: AnyDeclaration, report: Report) -> None:
+    if old.name != new.name:
+        report.add("G1101", old.name, f"'{new.name}' was called '{old.name}'", _NO_BUILD,
+                   "keep the name", new=new.facts, old=old.facts)  # fmt: skip
+        return
+    was, is_now = sides.old.file_of(old.name), sides.new.file_of(new.name)
+    if was != is_now:
+        report.add("G1102", old.name, f"'{new.name}' has moved from {was} to {is_now}",
+                   "headers and modules that programs include are named after the file",
+                   f"include {is_now} in {was}, or leave it there",
+                   new=new.facts, old=old.facts)  # fmt: skip
+
+
+def _one(sides: Sides, old: AnyDeclaration, new: AnyDeclaration, report: Report) -> None:
+    match old, new:
+        case Struct(), Struct():
+            _struct(sides, old, new, report)
+        case EnumDeclaration(), EnumDeclaration():
+            _enum(old, new, report)
+        case Bitmask(), Bitmask():
+            flags = [{f.name: f.position for f in m.flags} for m in (old, new)]
+            if flags[0] != flags[1] or old.bit_bound != new.bit_bound:
+                _refused(old, new, "flags", report)
+        case Bitset(), Bitset():
+            fields = [
+                [(f.name, f.position, f.width) for f in m.all_fields(b)]
+                for m, b in ((sides.old, old), (sides.new, new))
+            ]
+            if fields[0] != fields[1]:
+                _refused(old, new, "fields", report)
+        case Union(), Union():
+            _union(sides, old, new, report)
+        case Typedef(), Typedef():
+            _typedef(sides, old, new, report)
+        case Constant(), Constant():
+            if old.value != new.value or not sides.same_type(old.type, new.type):
+                report.add("G1102", old.name,
+                           f"constant '{old.name}' was {old.value!r} and is {new.value!r}",
+                           "programs built before mean another value",
+                           "keep it, and add another constant", new=new.facts,
+                           old=old.facts)  # fmt: skip
+
+
+def _struct(sides: Sides, old: Struct, new: Struct, report: Report) -> None:
+    if old.extensibility != new.extensibility:
+        report.add("G1002", old.name,
+                   f"'{old.name}' was @{old.extensibility.value} and is @{new.extensibility.value}",
+                   _MISREAD, "keep it as it was, and make another struct", new=new.facts,
+                   old=old.facts)  # fmt: skip
+    owner = slots.Owner(old.name, "member", old.is_appendable and new.is_appendable,
+                        old.facts, new.facts)  # fmt: skip
+    slots.compare(sides, report, owner, sides.old.all_members(old), sides.new.all_members(new))
+    if old.maps_to != new.maps_to:
+        report.add("G1102", old.name, f"'{old.name}' is another hand-written type now",
+                   "programs hold values of the type it had", "keep @maps_to",
+                   new=new.facts, old=old.facts)  # fmt: skip
+
+
+def _refused(old: AnyDeclaration, new: AnyDeclaration, what: str, report: Report) -> None:
+    report.add("G1004", old.name, f"the {what} of '{old.name}' are others than before",
+               "a reader refuses bits that it does not know", "make another type beside it",
+               new=new.facts, old=old.facts)  # fmt: skip
+
+
+def _enum(old: EnumDeclaration, new: EnumDeclaration, report: Report) -> None:
+    if old.default_literal != new.default_literal:
+        report.add("G1004", old.name,
+                   f"unknown literals of '{old.name}' became "
+                   f"{old.default_literal or 'an error'} and become "
+                   f"{new.default_literal or 'an error'}",
+                   "the hash of every operation that uses it differs: old and new refuse each "
+                   "other", "keep @default_literal as it was", new=new.facts,
+                   old=old.facts)  # fmt: skip
+    grows = old.default_literal is not None and new.default_literal is not None
+    before = {e.name: e for e in old.enumerators}
+    after = {e.name: e for e in new.enumerators}
+    numbers = {e.number: e for e in new.enumerators}
+    for name, was in before.items():
+        now = after.get(name)
+        if now is not None and now.number != was.number:
+            report.add("G1004", old.name,
+                       f"'{name}' of '{old.name}' was {was.number} and is {now.number}",
+                       "the same number means another literal to old and new programs",
+                       "keep the number with @value, and put new literals at the end",
+                       new=now.facts, old=was.facts)  # fmt: skip
+        elif now is None and not grows:
+            report.add("G1004", old.name, f"'{name}' of '{old.name}' is gone",
+                       "a new reader refuses it, and old programs send it",
+                       "keep it, with @deprecated", new=new.facts, old=was.facts)  # fmt: skip
+        elif now is None:
+            taken = numbers.get(was.number)
+            became = f"'{taken.name}'" if taken else f"'{new.default_literal}'"
+            report.add("G1101", old.name, f"'{name}' of '{old.name}' is gone",
+                       f"{_NO_BUILD}; where old ones send it, new ones read {became}",
+                       "keep it, with @deprecated", new=new.facts, old=was.facts)  # fmt: skip
+    for name, now in after.items():
+        if name not in before and not grows:
+            report.add("G1004", old.name, f"'{name}' of '{old.name}' is new",
+                       "an old reader refuses it", "a next enum can have @default_literal, which "
+                       "makes room for more", new=now.facts)  # fmt: skip
+
+
+def _union(sides: Sides, old: Union, new: Union, report: Report) -> None:
+    texts = []
+    for model, union in ((sides.old, old), (sides.new, new)):
+        arms = [
+            (
+                sorted(str(getattr(v, "number", v)) for v in case.labels),
+                case.is_default,
+                case.member.name,
+                wire_text(model, case.member.type),
+            )
+            for case in union.cases
+        ]
+        texts.append((union.extensibility, wire_text(model, union.discriminator), arms))
+    if texts[0] != texts[1]:
+        report.add("G1004", old.name, f"the cases of '{old.name}' are others than before",
+                   "a reader refuses a case that it does not know", "make another union beside it",
+                   new=new.facts, old=old.facts)  # fmt: skip
+        return
+    for one, other in zip(old.cases, new.cases, strict=True):
+        what = f"member '{other.member.name}' of '{old.name}'"
+        slots.meaning(sides, report, old.name, what, one.member, other.member)
+
+
+def _typedef(sides: Sides, old: Typedef, new: Typedef, report: Report) -> None:
+    was, is_now = wire_text(sides.old, old.type), wire_text(sides.new, new.type)
+    what = f"type '{old.name}'"
+    if was != is_now:
+        report.add("G1102", old.name, f"{what} was {was} and is {is_now}",
+                   "programs that name it do not build any more, or compute with another type",
+                   "keep it, and add another type", new=new.facts, old=old.facts)  # fmt: skip
+        return
+    slots.number(report, old.name, what, (old.unit or "", new.unit or ""),
+                 (old.range, new.range), (new.facts, old.facts))  # fmt: skip

@@ -1,0 +1,282 @@
+# ruff: noqa: E501 (a table)
+"""`gidl breaking`: edits and their verdicts, the texts of one whole report, and the command."""
+
+import os
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+from gidl.breaking import category_of, compare
+from gidl.cli import main
+from gidl.compile import Compiled, compile_files
+
+HERE = Path(__file__).parent
+
+BASE = """
+module lab {
+  enum Gear { @default_literal NEUTRAL, DRIVE, REVERSE };
+  enum Kind { TALL, SMALL };
+  @bit_bound(8) bitmask Rights { READ, WRITE };
+  bitset Head { bitfield<3> kind; bitfield<1> last; };
+  typedef double Row[3];
+  const long LIMIT = 5;
+  @final struct Point { @unit("m") double x; @unit("m") double y; };
+  @appendable struct Goal { Point at; @optional @unit("m/s") double speed; @default(1) long tries; };
+  @final union Reading switch (Kind) { case TALL: double high; case SMALL: long low; };
+  @appendable exception Refused { string why; };
+  exception Broken { string why; };
+  @version("1.0") interface Machine { @sensor void look(); };
+  @version("1.0") @qos(class=SOFT_REALTIME, latency="5ms")
+  interface Cart : Machine {
+    @actor @idempotent @cancelable(feedback="lab::Goal") @on_new("queue")
+    void go(in Goal to, @default(2) in long times) raises (Refused);
+    @actor @qos(reliability=RELIABLE, deadline="10s", media="shm|lcm") void turn(in Gear chosen);
+    @sensor @safety void halt();
+    @sensor @unit("m") double measure(in Row cells, in Reading value, in Rights bits, in Head top);
+    @master @presence(FALSE) void calibrate();
+    void log_in(@secret in string password);
+    @sensor @stream(rate="100Hz") @qos(depth=4) readonly attribute Point place;
+    @actor @stream(dir="in", rate="250Hz", watchdog="48ms") attribute Point alter;
+    @actor @range(min=0, max=1) attribute double volume;
+    @event oneway void bumped();
+  };
+};
+"""
+
+# (name, what is replaced, by what, verdict as codes: none for what is compatible)
+EDITS = [
+    ("nothing", "", "", ""),
+    ("a comment", "  typedef double Row", "  /** A row. */\n  typedef double Row", ""),
+    ("a new operation", "@sensor @safety void halt();",
+     "@sensor @safety void halt(); @sensor void more();", ""),
+    ("a new type", "module lab {", "module lab { @final struct More { long x; };", ""),
+    ("operations reordered", "void look(); }", "void look(); @sensor void more(); }", ""),
+    ("an optional parameter appended", "in long times)",
+     "in long times, @optional in long pause)", ""),
+    ("a defaulted parameter appended", "void turn(in Gear chosen)",
+     "void turn(in Gear chosen, @default(1) in long speed)", ""),
+    ("an optional member appended", "long tries; }", "long tries; @optional string who; }", ""),
+    ("a defaulted member appended", "string why; };\n  exception",
+     "string why; @default(0) long code; };\n  exception", ""),
+    ("a literal appended to an enum with a default", "REVERSE }", "REVERSE, PARK }", ""),
+    ("a base added", "interface Cart : Machine",
+     "interface Other { @sensor void more(); }; interface Cart : Machine, Other", ""),
+    ("a quality made stricter", 'latency="5ms"', 'latency="2ms"', ""),
+    ("a rate raised", 'rate="100Hz"', 'rate="200Hz"', ""),
+    ("an exception renamed, its hash kept", "exception Broken", '@hash_as("Broken") exception Cracked', "G1101"),
+    ("a member renamed, its hash kept", "long tries;", '@hash_as("tries") long attempts;', "G1101"),
+    ("an operation renamed, its hash kept", "@sensor @safety void halt",
+     '@hash_as("halt") @sensor @safety void cease', "G1101"),
+
+    ("an operation gone", "@sensor @safety void halt();", "", "G1001"),
+    ("an operation renamed", "void halt()", "void cease()", "G1001"),
+    ("an attribute gone", "@actor @range(min=0, max=1) attribute double volume;", "", "G1001"),
+    ("a base gone", "interface Cart : Machine", "interface Cart", "G1001"),
+    ("an interface gone", '@version("1.0") interface Machine { @sensor void look(); };',
+     "interface Other {};", "BASE"),
+    ("a parameter required at the end", "in long times)", "in long times, in long pause)",
+     "G1002 G1003"),
+    ("a parameter inserted", "void turn(in Gear chosen", "void turn(@default(1) in long x, in Gear chosen",
+     "G1002"),
+    ("a parameter gone", "in Row cells, ", "", "G1002"),
+    ("a parameter at the end gone", ", @default(2) in long times", "", "G1101"),
+    ("a parameter renamed", "in Gear chosen", "in Gear which", "G1002"),
+    ("parameters in another order", "in Row cells, in Reading value", "in Reading value, in Row cells",
+     "G1002"),
+    ("a parameter of another type", "in long times", "in double times", "G1002"),
+    ("a parameter of another direction", "in Gear chosen", "inout Gear chosen", "G1002"),
+    ("a default gone", "@default(2) in long times", "in long times", "G1002"),
+    ("another default", "@default(2) in long times", "@default(3) in long times", "G1102"),
+    ("another result", '@unit("m") double measure', '@unit("m") float measure', "G1002"),
+    ("another unit of a result", '@unit("m") double measure', '@unit("mm") double measure', "G1006"),
+    ("a member appended to a final struct", "double y; };", "double y; @optional double z; };",
+     "G1002"),
+    ("a member required at the end", "long tries; };", "long tries; long more; };", "G1002 G1002 G1003"),
+    ("a member gone", '@unit("m") double x; ', "", "G1002"),
+    ("a member at the end gone", " @default(1) long tries;", "", "G1101"),
+    ("a member at the end replaced", "@default(1) long tries;", "@default(1) long attempts;", "G1002"),
+    ("a member of another type", "@default(1) long tries;", "@default(1) short tries;", "G1002"),
+    ("optional to defaulted", "@default(1) long tries;", "@optional long tries;", "G1002"),
+    ("another unit", '@unit("m") double y', '@unit("mm") double y', "G1006"),
+    ("a range", '@unit("m") double y', '@unit("m") @min(0) double y', "G1006"),
+    ("another range", "max=1) attribute", "max=2) attribute", "G1006"),
+    ("final to appendable", "@final struct Point", "@appendable struct Point", "G1002"),
+    ("a literal gone", ", REVERSE", "", "G1101"),
+    ("literals renumbered", "DRIVE, REVERSE", "REVERSE, DRIVE", "G1004 G1004"),
+    ("another default literal", "@default_literal NEUTRAL, DRIVE", "NEUTRAL, @default_literal DRIVE",
+     "G1004"),
+    ("no default literal", "@default_literal NEUTRAL", "NEUTRAL", "G1004"),
+    ("a literal of an enum without a default", "TALL, SMALL", "TALL, SMALL, WIDE", "G1004"),
+    ("a literal gone without a default", "SMALL };",
+     "OTHER };", "UNION"),
+    ("a flag", "READ, WRITE", "READ, WRITE, ALL", "G1004"),
+    ("a bit field", "bitfield<1> last;", "bitfield<1> last; bitfield<1> first;", "G1004"),
+    ("a case", "case SMALL: long low;", "case SMALL: double low;", "G1004"),
+    ("a typedef", "typedef double Row[3]", "typedef double Row[4]", "G1002 G1102"),
+    ("another exception", "raises (Refused)", "raises (Refused, Broken)", "G1007"),
+    ("an answer to oneway", "@sensor void look()", "@sensor oneway void look()", "G1002"),
+    ("a function code", "@master @presence(FALSE)", "@id(4711) @master @presence(FALSE)", "G1005"),
+    ("a stream no more", '@stream(rate="100Hz") @qos(depth=4)', "@qos(depth=4)", "G1002"),
+    ("readonly to writable", "readonly attribute Point place", "attribute Point place", "G1002"),
+    ("an operation to an attribute", "@sensor void look()", "@sensor readonly attribute long look",
+     "G1002"),
+    ("other feedback", 'feedback="lab::Goal"', 'feedback="lab::Point"', "G1002"),
+
+    ("a constant", "LIMIT = 5", "LIMIT = 6", "G1102"),
+    ("a constant gone", "const long LIMIT = 5;", "", "G1101"),
+    ("an unused type gone", "exception Broken { string why; };", "", "G1101"),
+
+    ("a lower class", "class=SOFT_REALTIME", "class=TIME_INDEPENDENT", "G1201"),
+    ("a longer latency", 'latency="5ms"', 'latency="6ms"', "G1201"),
+    ("less reliability", "reliability=RELIABLE", "reliability=BEST_EFFORT", "G1201"),
+    ("a longer deadline", 'deadline="10s"', 'deadline="11s"', "G1201"),
+    ("no deadline", 'deadline="10s", ', "", "G1201"),
+    ("a medium less", 'media="shm|lcm"', 'media="shm"', "G1201"),
+    ("a lower rate", 'rate="100Hz"', 'rate="50Hz"', "G1201"),
+    ("fewer samples", "depth=4", "depth=2", "G1201"),
+    ("a longer watchdog", 'watchdog="48ms"', 'watchdog="1s"', "G1201"),
+    ("no watchdog", ', watchdog="48ms"', "", "G1201"),
+    ("not idempotent", "@idempotent ", "", "G1201"),
+    ("not cancelable", '@cancelable(feedback="lab::Goal") ', "", "G1002 G1201"),
+    ("another answer to a running command", '@on_new("queue")', '@on_new("preempt")', "G1201"),
+    ("beside others", "@actor @qos(reliability", "@actor @parallel @qos(reliability", "G1201"),
+
+    ("actor to sensor", "@actor @qos(reliability", "@sensor @qos(reliability", "G1301"),
+    ("sensor to actor", "@sensor @safety void halt", "@actor @safety void halt", "G1301"),
+    ("master to actor", "@master @presence(FALSE)", "@actor @presence(FALSE)", "G1301"),
+    ("a setter for all", "@actor @range", "@sensor @range", "G1301"),
+    ("presence needed no more", "@actor @qos(reliability", "@actor @presence(FALSE) @qos(reliability",
+     "G1301"),
+    ("presence needed", "@presence(FALSE) void", "void", "G1301"),
+    ("safety", "@sensor void look()", "@sensor @safety void look()", "G1301"),
+    ("no safety", "@safety void halt", "void halt", "G1301"),
+    ("goes on when its holder is lost", '@on_new("queue")', '@on_new("queue") @on_loss("finish")',
+     "G1301"),
+    ("an open stream", '@stream(rate="100Hz") @qos(depth=4)', '@stream(rate="100Hz") @open_stream @qos(class=TIME_INDEPENDENT, depth=4)', "G1201 G1301"),
+    ("no secret", "@secret in string", "in string", "G1302"),
+]  # fmt: skip
+
+SPECIAL = {
+    "BASE": {"G1001", "G1301"},
+    "UNION": {"G1004"},
+}
+
+
+def compiled(folder: Path, name: str, text: str) -> Compiled:
+    place = folder / name / "lab.gidl"
+    place.parent.mkdir(exist_ok=True)
+    place.write_text(text)
+    result = compile_files([str(place)], [str(place.parent)])
+    assert not result.has_errors, [f.message for f in result.findings]
+    return result
+
+
+@pytest.mark.parametrize(("name", "before", "after", "codes"), EDITS, ids=[e[0] for e in EDITS])
+def test_verdict(name: str, before: str, after: str, codes: str, tmp_path: Path) -> None:
+    assert before in BASE
+    edited = BASE.replace(before, after) if before else BASE
+    if name == "an interface gone":
+        edited = edited.replace("interface Cart : Machine", "interface Cart")
+    if name == "a literal gone without a default":
+        edited = edited.replace("case SMALL", "case OTHER")
+    assert name == "nothing" or edited != BASE
+    old, new = compiled(tmp_path, "old", BASE), compiled(tmp_path, "new", edited)
+    found = compare(old.model, new.model)
+    said = [(f.code, f.message) for f in found]
+    if codes in SPECIAL:
+        assert {f.code for f in found} >= {min(SPECIAL[codes])}, said
+    else:
+        assert sorted(f.code for f in found) == sorted(codes.split()), said
+    for finding in found:
+        assert finding.message.startswith(f"{category_of(finding.code)}: ")
+        assert len(finding.help) == 2, "why, and what to do instead"
+        assert finding.location is not None
+
+
+def test_findings_are_sorted_by_category(tmp_path: Path) -> None:
+    edited = BASE.replace("LIMIT = 5", "LIMIT = 6").replace("@actor @qos(rel", "@sensor @qos(rel")
+    edited = edited.replace('rate="100Hz"', 'rate="50Hz"').replace("double y;", "float y;")
+    old, new = compiled(tmp_path, "old", BASE), compiled(tmp_path, "new", edited)
+    categories = [category_of(f.code) for f in compare(old.model, new.model)]
+    assert categories == ["WIRE", "SOURCE", "QOS", "SECURITY"]
+
+
+def test_what_the_comparison_overlooks_the_hashes_find(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    edited = BASE.replace("in Gear chosen", "in Gear which")
+    old, new = compiled(tmp_path, "old", BASE), compiled(tmp_path, "new", edited)
+    monkeypatch.setattr("gidl.breaking.slots.compare", lambda *_: None)
+    assert [f.code for f in compare(old.model, new.model)] == ["G1008"]
+
+
+def test_a_type_in_another_file_is_found_and_its_move_told(tmp_path: Path) -> None:
+    old = compiled(tmp_path, "old", "@final struct S { long x; };\n")
+    place = tmp_path / "new" / "other.gidl"
+    place.parent.mkdir()
+    place.write_text("@final struct S { long x; };\n")
+    new = compile_files([str(place)], [str(place.parent)])
+    assert [f.code for f in compare(old.model, new.model)] == ["G1102"]
+
+
+class TestCommand:
+    @pytest.fixture(autouse=True)
+    def here(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+        monkeypatch.chdir(tmp_path)
+        for folder, text in (("was", BASE), ("idl", BASE)):
+            (tmp_path / folder).mkdir()
+            (tmp_path / folder / "lab.gidl").write_text(text)
+        return tmp_path
+
+    def test_the_same_interfaces_break_nothing(self, capsys: pytest.CaptureFixture[str]) -> None:
+        assert main(["breaking", "--against", "was"]) == 0
+        assert capsys.readouterr() == ("", "")
+
+    def test_every_finding_is_told_as_in_the_golden(
+        self, here: Path, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        """Every edit that has one code by itself, one report after the other."""
+        reports = []
+        for name, before, after, codes in EDITS:
+            if codes and codes not in SPECIAL:
+                (here / "idl" / "lab.gidl").write_text(BASE.replace(before, after))
+                assert main(["breaking", "--against", "was"]) == 100
+                reports.append(f"==== {name}\n{capsys.readouterr().err}")
+        said = "".join(reports)
+        golden = HERE / "breaking" / "edits.txt"
+        if os.environ.get("GIDL_WRITE_GOLDENS"):
+            golden.write_text(said, encoding="utf-8")
+        assert said == golden.read_text(encoding="utf-8")
+        assert re.search(r"^gidl: 1 WIRE, 0 SOURCE, 0 QOS, 0 SECURITY$", said, re.MULTILINE)
+
+    def test_against_a_commit(self, here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+        for command in (
+            ["init", "--quiet"],
+            ["add", "idl"],
+            ["-c", "user.name=n", "-c", "user.email=e", "commit", "--quiet", "-m", "first"],
+        ):
+            subprocess.run(["git", *command], check=True)
+        (here / "idl" / "lab.gidl").write_text(BASE.replace("@sensor @safety void halt();", ""))
+        assert main(["breaking", "--against", "git#ref=HEAD"]) == 100
+        said = capsys.readouterr().err
+        assert "WIRE: operation 'lab::Cart::halt' is gone" in said
+        assert re.search(r"^HEAD:idl/lab.gidl:\d+:\d+: note: it was here$", said, re.MULTILINE)
+        assert main(["breaking", "--against", "git#ref=HEAD,subdir=was"]) == 1
+        assert main(["breaking", "--against", "git#ref=nowhere"]) == 1
+        assert "git has no idl/ in 'nowhere'" in capsys.readouterr().err
+
+    @pytest.mark.parametrize("against", ["nowhere", "git#", "git#tag=x", "git#ref=--help", "empty"])
+    def test_what_cannot_be_compared_with_is_said(
+        self, here: Path, against: str, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        (here / "empty").mkdir()
+        assert main(["breaking", "--against", against]) == 1
+        assert capsys.readouterr().err.startswith("gidl: --against: ")
+
+    def test_wrong_interfaces_before_are_told_apart(
+        self, here: Path, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        (here / "was" / "lab.gidl").write_text("struct S { Missing x; };\n")
+        assert main(["breaking", "--against", "was"]) == 1
+        assert "--against: was has errors itself" in capsys.readouterr().err
