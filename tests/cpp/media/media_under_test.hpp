@@ -67,7 +67,10 @@ class End {
       if (door_ != nullptr) {
         while (auto another = door_->accept()) others.push_back(std::move(another));
       }
-      if (!in_time) return done();
+      if (!in_time) {
+        ADD_FAILURE() << "nobody woke us; it is " << (done() ? "done" : "not done");
+        return false;
+      }
     }
   }
   /// The next packet, as text. "(nothing)" when none came in time or the link was lost.

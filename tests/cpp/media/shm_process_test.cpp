@@ -139,10 +139,13 @@ TEST_F(ShmProcess, AProcessThatExitsWithoutAWordHasDied) {
   ChildProcess client([&](const auto& say_ready) {
     End end = connect();
     say_ready();
+    end.receive();
     ::_exit(0);
   });
   ASSERT_TRUE(client.wait_ready());
   End server(wait_for_client(*door));
+  ASSERT_NE(server.link, nullptr);
+  ASSERT_TRUE(server.send("go"));
   EXPECT_EQ(server.wait_for_loss(), Loss::Died);
 }
 
