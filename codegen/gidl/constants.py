@@ -11,13 +11,20 @@ from gidl.model import EnumValue, Value
 from gidl.source import Span
 from gidl.syntax import Binary, Expression, Literal, NameUse, ScopedName, Unary
 
-_LIMIT = 1 << 64  # intermediate values stay within 64 bits, signed or unsigned
-
 
 @dataclass(frozen=True, slots=True)
 class Computed:
     kind: str  # "bool" "int" "float" "string" "char" "enum"
     value: Value
+
+
+@dataclass(frozen=True, slots=True)
+class Arithmetic:
+    """How integers are computed: every step stays within `bits`, signed or not. What the standard
+    says of `~` needs to know whether an unsigned value is wanted."""
+
+    bits: int = 64
+    unsigned: bool = False
 
 
 class _Failed(Exception):
@@ -28,13 +35,14 @@ def compute(
     expression: Expression,
     look_up: Callable[[ScopedName], Computed | None],
     findings: Findings,
+    arithmetic: Arithmetic = Arithmetic(),
 ) -> Computed | None:
     """Value of the expression; None (and a finding) where it has none.
 
     `look_up` gives the value of a constant or enumerator, or reports and gives None.
     """
     try:
-        return _Calculator(look_up, findings).value(expression)
+        return _Calculator(look_up, findings, arithmetic).value(expression)
     except _Failed:
         return None
 
@@ -56,10 +64,14 @@ def computed(value: Value) -> Computed:
 
 class _Calculator:
     def __init__(
-        self, look_up: Callable[[ScopedName], Computed | None], findings: Findings
+        self,
+        look_up: Callable[[ScopedName], Computed | None],
+        findings: Findings,
+        arithmetic: Arithmetic,
     ) -> None:
         self._look_up = look_up
         self._findings = findings
+        self._arithmetic = arithmetic
 
     def _fail(self, code: str, at: Span, message: str, *help_lines: str) -> _Failed:
         self._findings.error(code, at, message, *help_lines)
@@ -77,7 +89,7 @@ class _Calculator:
                     raise _Failed
                 return found
             case Unary(operator, operand, span):
-                return self._unary(operator, self.value(operand), span)
+                return self._unary(operator, self._operand(operand), span)
             case Binary():
                 return self._chain(expression)
 
@@ -88,10 +100,17 @@ class _Calculator:
         while isinstance(first, Binary):
             chain.append(first)
             first = first.left
-        result = self.value(first)
+        result = self._operand(first)
         for link in reversed(chain):
             result = self._binary(link.operator, result, link.right, link.span)
         return result
+
+    def _operand(self, expression: Expression) -> Computed:
+        found = self.value(expression)
+        if found.kind == "int":
+            assert isinstance(found.value, int)
+            return self._checked(found.value, expression.span)
+        return found
 
     def _unary(self, operator: str, operand: Computed, span: Span) -> Computed:
         value = operand.value
@@ -107,14 +126,16 @@ class _Calculator:
             case "-":
                 return self._checked(-value, span)
             case "~":
-                return self._checked(~value, span)
+                most = (1 << self._arithmetic.bits) - 1
+                unsigned = self._arithmetic.unsigned and value >= 0
+                return self._checked(most - value if unsigned else ~value, span)
             case _:
                 return operand
 
     def _binary(
         self, operator: str, left: Computed, right_side: Expression, span: Span
     ) -> Computed:
-        right = self.value(right_side)
+        right = self._operand(right_side)
         if left.kind == right.kind == "int":
             assert isinstance(left.value, int) and isinstance(right.value, int)
             return self._integers(operator, left.value, right.value, right_side.span, span)
@@ -188,8 +209,10 @@ class _Calculator:
         return Computed("enum", EnumValue(left.value.enum, literal, number))
 
     def _checked(self, result: int, span: Span) -> Computed:
-        if not -_LIMIT // 2 <= result < _LIMIT:
-            raise self._fail("G0301", span, "the result does not fit 64 bits")
+        bits = self._arithmetic.bits
+        if not -(1 << bits) // 2 <= result < 1 << bits:
+            wider = "" if bits == 64 else "a constant of int64 or uint64 is computed in 64 bits"
+            raise self._fail("G0301", span, f"{result} does not fit {bits} bits", wider)
         return Computed("int", result)
 
 

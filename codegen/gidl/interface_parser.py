@@ -20,6 +20,7 @@ from gidl.syntax import (
     ScopedName,
 )
 from gidl.token_reader import Skip
+from gidl.type_parser import article
 
 
 class InterfaceParser(StructParser):
@@ -43,9 +44,9 @@ class InterfaceParser(StructParser):
             return [ForwardSyntax("interface", name)]
         bases: list[ScopedName] = []
         if self._accept(":"):
-            bases.append(self._scoped_name("a base interface"))
+            bases.extend(self._base_interface())
             while self._accept(","):
-                bases.append(self._scoped_name("a base interface"))
+                bases.extend(self._base_interface())
         self._opened(extras)
         what = f"interface '{name.text}'"
         opened = self._expect("{", f"to open {what}")
@@ -61,6 +62,12 @@ class InterfaceParser(StructParser):
         self._close_body(opened, what)
         self._finish(extras, "the interface's '}'")
         return [InterfaceSyntax(name, bases, body, extras)]
+
+    def _base_interface(self) -> list[ScopedName]:
+        if self._is("Object"):
+            self._type()  # says that it is refused
+            return []
+        return [self._scoped_name("a base interface")]
 
     def _refuse_kind(self, token: Token) -> None:
         self._advance()
@@ -96,7 +103,7 @@ class InterfaceParser(StructParser):
                     self._findings.error(
                         "G0100",
                         self._span(token),
-                        f"{_article(token.text)} cannot stand inside an interface",
+                        f"{article(token.text)} cannot stand inside an interface",
                     )
                     raise Skip
         if self._is(";"):
@@ -199,6 +206,10 @@ class InterfaceParser(StructParser):
             raise Skip
         while self._accept(","):
             names.append(self._identifier("the attribute's name"))
+        if len(names) > 1 and self._now.text in ("raises", "getraises", "setraises"):
+            self._syntax_error_at(
+                self._now, "several attributes cannot share what they raise", "declare them apart"
+            )
         get_raises: list[ScopedName] = []
         set_raises: list[ScopedName] = []
         if readonly:
@@ -216,7 +227,3 @@ class InterfaceParser(StructParser):
             set_raises = self._exception_list("setraises")
         self._finish(extras, "the attribute")
         return AttributeSyntax(names, readonly, used, get_raises, set_raises, extras)
-
-
-def _article(word: str) -> str:
-    return f"an {word}" if word[0] in "aeiou" else f"a {word}"

@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 from gidl.diagnostics import Findings
 from gidl.source import Source, Span
+from gidl.vocabulary import PLACES
 
 
 class Token(NamedTuple):
@@ -55,6 +56,7 @@ TOKEN = re.compile(
     re.VERBOSE | re.DOTALL,
 )
 DIRECTIVE_LINE = re.compile(r"[^\n\\]*(?:\\\r?\n[^\n\\]*|\\[^\n])*")
+_FOREIGN_COMMENT = re.compile(r"//@[ \t]*([A-Za-z_]\w*)(?:[ \t]*-|[ \t]+(?!//)[^\s@(])")
 _ALPHABET = "names are ASCII letters, digits and '_'; other text belongs into comments and strings"
 _IDENTIFIER_TAIL = re.compile(r"[A-Za-z0-9_]+")
 
@@ -120,7 +122,7 @@ class _Lexer:
         char = text[at]
         if char in "\"'":
             return self._unclosed(at)
-        if not char.isascii() and char.isprintable():
+        if char == "_" or (not char.isascii() and char.isprintable()):
             return self._foreign_word(at)
         shown = char if char.isprintable() else f"U+{ord(char):04X}"
         self._error("G0008", at, at + 1, f"'{shown}' is no character of the language", _ALPHABET)
@@ -156,7 +158,10 @@ class _Lexer:
                 break
             end += 1
         word = text[start:end]
-        self._error("G0008", start, end, f"'{word}' is no name of the language", _ALPHABET)
+        help_line = _ALPHABET
+        if word[0] == "_":
+            help_line = "a name starts with a letter, or with one '_', which escapes keywords"
+        self._error("G0008", start, end, f"'{word}' is no name of the language", help_line)
         tokens.append(Token("id", word, start, end))
         return end
 
@@ -214,10 +219,30 @@ class _Lexer:
             return
         self._lexed.comments.append(Comment(comment, start, end, own_line))
 
+    def _foreign_comment(self, name: str, start: int, end: int) -> None:
+        """`//@top-level false` is another tool's; `//@unit "m"` is one of ours, misspelled."""
+        span = Span(self._source, start, end)
+        written = self._source.text[start:end].rstrip()
+        if name in PLACES:
+            self._findings.error(
+                "G0502",
+                span,
+                f"'{written}' annotates nothing: arguments stand in parentheses",
+                f"//@{name}(...)",
+            )
+            return
+        self._findings.warning(
+            "G0705", span, f"'{written}' is a comment for another tool; it is ignored"
+        )
+
     def _annotation_comment(self, start: int, end: int, own_line: bool) -> None:
         """Lexes what follows the `//` as code; a further `//` ends it."""
         at = start + 2
         text = self._source.text
+        foreign = _FOREIGN_COMMENT.match(text, start, end)
+        if foreign is not None:
+            self._foreign_comment(foreign.group(1), start, end)
+            return
         found: list[Token] = []
         while at < end:
             match = TOKEN.match(text, at, end)

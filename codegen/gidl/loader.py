@@ -27,6 +27,7 @@ class LoadedFile:
     includes: list[str] = field(default_factory=list)  # direct, by path
     visible: set[str] = field(default_factory=set)  # itself and all it includes
     macros: Macros = field(default_factory=dict)  # that it leaves to who includes it
+    cut: list[str] = field(default_factory=list)  # includes it has, read after it
 
 
 @dataclass(slots=True)
@@ -40,6 +41,8 @@ class Loader:
     _by_place: dict[Path, str] = field(default_factory=dict)
     _macros: Macros = field(default_factory=dict)
     _open: list[str] = field(default_factory=list)
+    _protected: set[str] = field(default_factory=set)  # open ones that a guard keeps from a repeat
+    _cut: dict[str, list[str]] = field(default_factory=dict)  # cycles that a guard ended, by file
 
     def load_all(self, paths: Iterable[str]) -> None:
         for shown in paths:
@@ -97,6 +100,8 @@ class Loader:
         includes: list[str] = []
 
         def on_include(include: Include) -> None:
+            if include.protected:
+                self._protected.add(path)
             found = self._include(include, source)
             if found is not None and found not in includes:
                 includes.append(found)
@@ -105,7 +110,8 @@ class Loader:
         tree = parse(source, self.findings, self._macros, on_include)
         self._open.pop()
         left = {k: v for k, v in self._macros.items() if before.get(k) is not v}
-        loaded = LoadedFile(source, tree, asked_for, includes, macros=left)
+        cut = self._cut.pop(path, [])
+        loaded = LoadedFile(source, tree, asked_for, includes, macros=left, cut=cut)
         loaded.visible = {path}.union(*(self.files[p].visible for p in includes if p in self.files))
         self.files[path] = loaded
 
@@ -117,9 +123,18 @@ class Loader:
         path = self._include_path(place, beside=(source.path, include.path))
         known = self._by_place.get(place.resolve())
         if known is not None:
+            if known in self._open and known in self._protected:
+                self._cut.setdefault(source.path, []).append(known)
+                return None
             if known in self._open:
                 chain = " -> ".join([*self._open[self._open.index(known) :], known])
-                self.findings.error("G0004", include.span, f"files include each other: {chain}")
+                self.findings.error(
+                    "G0004",
+                    include.span,
+                    f"files include each other: {chain}",
+                    "#pragma once before the includes ends that, where neither needs the other's "
+                    "names",
+                )
                 return None
             if known in self.files:
                 self._macros.update(self.files[known].macros)

@@ -38,6 +38,7 @@ _REFUSED = {
     "home": ("G0210", "components are", "use an interface"),
     "eventtype": ("G0210", "components are", "use an @event operation"),
     "connector": ("G0210", "components are", "use an interface"),
+    "alias": ("G0215", "template modules are", "declare what the template stands for"),
     "porttype": ("G0210", "components are", "use an interface"),
     "custom": ("G0202", "'valuetype' is", "use a struct"),
 }
@@ -173,7 +174,15 @@ class Parser(InterfaceParser):
     def _module(self, extras: Extras) -> ModuleSyntax:
         self._advance()
         name = self._identifier("the module's name")
+        if self._is("<"):
+            what = _REFUSED["alias"]
+            self._refuse(what[0], self._span(self._now), what[1], what[2])
+            raise Skip
         self._opened(extras)
+        if self._is("{") and self._ahead.text == "}" and self._ahead.kind == "op":
+            self._syntax_error_at(
+                self._ahead, f"module '{name.text}' is empty", "a module declares something"
+            )
         body = self._body(f"module '{name.text}'")
         self._finish(extras, "the module's '}'")
         return ModuleSyntax(name, body, extras)

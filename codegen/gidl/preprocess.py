@@ -21,8 +21,11 @@ _DIRECTIVE = re.compile(r"#[ \t]*(\w*)[ \t]*(.*)", re.DOTALL)
 _INCLUDE = re.compile(r'(?:"([^"\n]+)"|<([^>\n]+)>)\s*$')
 _DEFINE = re.compile(r"([A-Za-z_]\w*)(\(?)(.*)", re.DOTALL)
 _CONDITION = re.compile(
-    r"\s*(defined\b|[A-Za-z_]\w*|0[xX][0-9A-Fa-f]+|\d+|&&|\|\||[=!<>]=|[()!<>+*/%-])"
+    r"\s*(defined\b|[A-Za-z_]\w*|(?:0[xX][0-9A-Fa-f]+|\d+)[uUlL]*|&&|\|\||<<|>>|[=!<>]="
+    r"|[()!<>+*/%~&|^-])"
 )
+_GUARD = re.compile(r"#[ \t]*(?:ifndef[ \t]+|if[ \t]*![ \t]*defined[ \t]*\(?[ \t]*)([A-Za-z_]\w*)")
+_MAX_NUMBER = 1 << 64
 _MAX_EXPANSION = 10_000  # tokens one macro use may become
 
 
@@ -66,6 +69,10 @@ class _Preprocessor:
         self._on_include = on_include
         self._conditions: list[_Condition] = []
         self._result = Preprocessed([])
+        first = lexed.tokens[0]
+        guard = _GUARD.match(first.text) if first.kind == "directive" else None
+        self._guard = guard.group(1) if guard else None
+        self._protected = False  # by its guard or #pragma once from being read again
 
     def run(self) -> Preprocessed:
         out = self._result.tokens
@@ -117,23 +124,28 @@ class _Preprocessor:
             self._include(rest, token)
         elif word == "define":
             self._define(rest, token)
+            self._protected |= self._guard is not None and self._guard in self._macros
         elif word == "undef":
             self._macros.pop(rest, None)
         elif word == "pragma":
             self._pragma(rest, token)
         elif word == "error":
             self._findings.error("G0005", self._span(token), f"#error {rest}")
-        elif word not in ("line", "warning", "ident"):
+        elif word == "warning":
+            self._findings.warning("G0704", self._span(token), f"#warning {rest}")
+        elif word not in ("line", "ident") and not word.isdigit():  # as `# 1 "file"`
             self._findings.error(
                 "G0005",
                 self._span(token),
                 f"unknown preprocessor line '#{word}'",
                 "known are #include, #pragma once, #define, #undef, #if, #ifdef, #ifndef, #elif, "
-                "#else, #endif, #error",
+                "#else, #endif, #error, #warning",
             )
 
     def _pragma(self, rest: str, token: Token) -> None:
-        if rest.split()[:1] != ["once"]:
+        if rest.split()[:1] == ["once"]:
+            self._protected = True
+        else:
             self._findings.warning(
                 "G0701",
                 self._span(token),
@@ -142,6 +154,9 @@ class _Preprocessor:
             )
 
     def _include(self, rest: str, token: Token) -> None:
+        body = self._macros.get(rest, ())
+        if len(body) == 1 and body[0].kind == "string":  # #define NAME "file"
+            rest = body[0].text
         match = _INCLUDE.match(rest)
         if match is None:
             self._findings.error(
@@ -152,7 +167,7 @@ class _Preprocessor:
             )
             return
         path = match.group(1) or match.group(2)
-        include = Include(path, match.group(1) is None, self._span(token))
+        include = Include(path, match.group(1) is None, self._span(token), self._protected)
         self._result.includes.append(include)
         self._on_include(include)
 
@@ -163,6 +178,7 @@ class _Preprocessor:
             return
         name, parenthesis, body = match.groups()
         if parenthesis:
+            self._macros[name] = (Token("int", "1", 0, 0),)
             self._findings.error(
                 "G0211",
                 self._span(token),
@@ -204,7 +220,10 @@ class _Preprocessor:
             elif word == "if":
                 active = self._evaluate(rest, token)
             else:
-                active = (rest.split(" ")[0] in self._macros) == (word == "ifdef")
+                name = _DEFINE.match(rest)
+                if name is None:
+                    self._findings.error("G0005", self._span(token), f"'#{word}' needs a name")
+                active = (name is not None and name.group(1) in self._macros) == (word == "ifdef")
             self._conditions.append(_Condition(self._span(token), active, active))
             return
         if not self._conditions:
@@ -238,9 +257,12 @@ class _Preprocessor:
 
 
 class _ConditionReader:
-    """Computes `#if` conditions. Raises ValueError where the text is none."""
+    """Computes `#if` conditions, in 64 bits. Raises ValueError where the text is none."""
 
-    _LEVELS = (("||",), ("&&",), ("==", "!="), ("<", ">", "<=", ">="), ("+", "-"), ("*", "/", "%"))
+    _LEVELS = (
+        ("||",), ("&&",), ("|",), ("^",), ("&",), ("==", "!="), ("<", ">", "<=", ">="),
+        ("<<", ">>"), ("+", "-"), ("*", "/", "%"),
+    )  # fmt: skip
 
     def __init__(self, text: str, macros: Macros) -> None:
         self._words: list[str] = []
@@ -285,9 +307,9 @@ class _ConditionReader:
         if self._depth > 50:
             raise ValueError("nested too deep")
         word = self._next()
-        if word in ("!", "-"):
+        if word in ("!", "-", "+", "~"):
             inner = self._primary()
-            result = int(not inner) if word == "!" else -inner
+            result = {"!": int(not inner), "-": -inner, "+": inner, "~": ~inner}[word]
         elif word == "(":
             result = self._binary(0)
             if self._next() != ")":
@@ -300,21 +322,42 @@ class _ConditionReader:
                     raise ValueError("')' is missing")
             result = int(name in self._macros)
         elif word[0].isdigit():
-            result = int(word, 0) if not word.isdigit() else int(word, 8 if word[0] == "0" else 10)
+            result = _number(word)
         elif word[0].isalpha() or word[0] == "_":
             body = self._macros.get(word, ())
-            is_number = len(body) == 1 and body[0].kind == "int"
-            result = (
-                int(body[0].text, 0 if body[0].text[:2] in ("0x", "0X") else 10) if is_number else 0
-            )
+            result = _number(body[0].text) if len(body) == 1 and body[0].kind == "int" else 0
         else:
             raise ValueError(word)
         self._depth -= 1
         return result
 
 
+def _number(word: str) -> int:
+    digits = word.rstrip("uUlL")
+    if digits[:2] in ("0x", "0X"):
+        return int(digits, 16)
+    return int(digits, 8 if digits[0] == "0" else 10)
+
+
 def _apply(operator: str, left: int, right: int) -> int:
+    result = _applied(operator, left, right)
+    if abs(result) > _MAX_NUMBER:
+        raise ValueError("the result does not fit 64 bits")
+    return result
+
+
+def _applied(operator: str, left: int, right: int) -> int:
     match operator:
+        case "|":
+            return left | right
+        case "^":
+            return left ^ right
+        case "&":
+            return left & right
+        case "<<" | ">>":
+            if not 0 <= right < 64:
+                raise ValueError("shift too far")
+            return left << right if operator == "<<" else left >> right
         case "||":
             return int(bool(left or right))
         case "&&":

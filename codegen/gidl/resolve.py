@@ -78,6 +78,7 @@ class Resolver(InterfaceResolver):
             self._out = []
             self._modules = []
             self._names.visible = set(loaded.visible)
+            self._names.cut = loaded.cut
             self._names.declared_here = dict(_declared_names(loaded.tree.body))
             if loaded.source.path != VOCABULARY:
                 for syntax in loaded.tree.body:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from gidl.constants import Computed, compute, computed, describe_kind
+from gidl.constants import Arithmetic, Computed, compute, computed, describe_kind
 from gidl.diagnostics import Findings, Note
 from gidl.model import (
     Annotation,
@@ -25,11 +25,13 @@ from gidl.source import Span
 from gidl.syntax import (
     AnnotationUse,
     BasicType,
+    Binary,
     Declarator,
     Expression,
     Extras,
     MapOf,
     Name,
+    NameUse,
     RefusedType,
     ScopedName,
     SequenceOf,
@@ -42,6 +44,7 @@ from gidl.vocabulary import Applied, Vocabulary
 MAX_BOUND = (1 << 31) - 1
 MAX_ARRAY = 1 << 24  # elements of one array; also keeps fixed sizes within 32 bits
 
+_EXTENSIBILITIES = ("FINAL", "APPENDABLE", "MUTABLE")
 _VALUE_KINDS = frozenset(("constant", "enumerator", "flag"))
 
 
@@ -129,15 +132,29 @@ class ValueResolver:
             return Computed("char", symbol.value)
         return computed(symbol.value)
 
-    def _compute(self, expression: Expression, scope: Scope) -> Computed | None:
-        return compute(expression, lambda name: self._constant(name, scope), self._findings)
+    def _compute(
+        self, expression: Expression, scope: Scope, arithmetic: Arithmetic
+    ) -> Computed | None:
+        return compute(
+            expression, lambda name: self._constant(name, scope), self._findings, arithmetic
+        )
 
     def _typed_value(self, expression: Expression, wanted: Type, scope: Scope) -> Value | None:
         """Value of a constant expression of a known type; None (and a finding) when it is none."""
-        found = self._compute(expression, scope)
+        target = self._target(wanted)
+        found = self._compute(expression, scope, _arithmetic(target))
         if found is None:
             return None
-        return self._fit(found, wanted, expression.span)
+        is_floating = isinstance(target, PrimitiveType) and target.kind.is_floating
+        if is_floating and found.kind == "int" and isinstance(expression, Binary):
+            self._findings.error(
+                "G0304",
+                expression.span,
+                "these are integers, where a floating-point number is computed",
+                "write them with a point: 1.0 / 2.0",
+            )
+            return None
+        return self._fit(found, target, expression.span)
 
     def _fit(self, found: Computed, wanted: Type, span: Span) -> Value | None:
         target = self._target(wanted)
@@ -188,7 +205,7 @@ class ValueResolver:
 
     def _size(self, expression: Expression, scope: Scope, what: str, most: int) -> int | None:
         """A positive integer, for bounds and dimensions."""
-        found = self._compute(expression, scope)
+        found = self._compute(expression, scope, Arithmetic(32, unsigned=True))
         if found is None:
             return None
         if found.kind != "int" or not isinstance(found.value, int):
@@ -282,7 +299,7 @@ class ValueResolver:
         """Checks and computes the annotations of one declaration."""
         applied: dict[str, Applied] = {}
         kept: list[Annotation] = []
-        for use in extras.annotations:
+        for use in map(_plain, extras.annotations):
             found = self._apply(use, scope)
             if found is None:
                 continue
@@ -357,6 +374,23 @@ class ValueResolver:
             marks.kept,
             tuple((a.name, a.span.location) for a in marks.written()),
         )
+
+
+def _plain(use: AnnotationUse) -> AnnotationUse:
+    """`@extensibility(FINAL)` is the long form of `@final`, and so for APPENDABLE and MUTABLE."""
+    if use.name.parts == ("extensibility",) and len(use.arguments) == 1:
+        value = use.arguments[0][1]
+        if isinstance(value, NameUse) and value.name.parts[-1] in _EXTENSIBILITIES:
+            short = value.name.parts[-1].lower()
+            return AnnotationUse(ScopedName((short,), False, use.name.span), (), use.span)
+    return use
+
+
+def _arithmetic(wanted: Type) -> Arithmetic:
+    """Constants of up to 32 bits are computed in 32, the others in 64."""
+    if isinstance(wanted, PrimitiveType) and wanted.kind.is_integer:
+        return Arithmetic(64 if wanted.kind.size == 8 else 32, wanted.kind.is_unsigned)
+    return Arithmetic()
 
 
 def _a(kind: str) -> str:

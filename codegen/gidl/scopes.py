@@ -62,6 +62,7 @@ class Names:
         self.top = Scope("", "file")
         self.visible: set[str] = set()
         self.declared_here: dict[str, int] = {}  # names of the present file and their lines
+        self.cut: list[str] = []  # files that it includes, and that are read after it
 
     # -- declaring -----------------------------------------------------------------------------
 
@@ -214,7 +215,13 @@ class Names:
                     return f"there is '{symbol.scoped}', declared in {place}"
                 shown = symbol.name if self._reaches(symbol, scope) else symbol.scoped
                 known[shown] = place if symbol.file in self.visible else f"{place} (not included)"
-        return suggestion(wanted, known)
+        close = suggestion(wanted, known)
+        if self.cut and not close:
+            return (
+                f"{self.cut[0]} includes this file, so it is read after it: move what both need "
+                "into a third file"
+            )
+        return close
 
     def _reaches(self, symbol: Symbol, scope: Scope) -> bool:
         around = symbol.scoped.rpartition("::")[0]

@@ -112,14 +112,18 @@ class StructParser(TypeParser):
         opened = self._expect("{", f"to open {what}")
         inner, self._inside_typedef = self._inside_typedef, False
         cases: list[CaseSyntax] = []
+        cases_read = True  # whether each of them could be
         while not self._is("}") and self._now.kind != "eof":
             before = self._at
             try:
                 cases.append(self._case())
             except Skip:
+                cases_read = False
                 self._skip_statement()
                 if self._at == before and not self._is("}"):
                     self._advance()
+        if not cases and cases_read and self._is("}"):
+            self._syntax_error("'case' or 'default'", f"in {what}")
         self._close_body(opened, what)
         self._inside_typedef = inner
         self._finish(extras, "the union's '}'")

@@ -313,6 +313,7 @@ class Include:
     path: str
     angled: bool
     span: Span
+    protected: bool = False  # by then, a guard keeps the including file from being read again
 
 
 @dataclass(slots=True)

@@ -95,6 +95,9 @@ class TokenReader:
             "G0100", self._span(token), f"expected {expected}{context}, found {found}", *help_lines
         )
 
+    def _syntax_error_at(self, token: Token, message: str, *help_lines: str) -> None:
+        self._findings.error("G0100", self._span(token), message, *help_lines)
+
     def _refuse(self, code: str, at: Span, what: str, instead: str) -> None:
         self._findings.error(code, at, f"{what} not part of .gidl", instead)
 
@@ -159,6 +162,10 @@ class TokenReader:
         token = self._now
         if token.kind == "escaped":
             return self._advance().text
+        if token.text == "Object":
+            instead = "use the interface that is meant, or its most general base"
+            self._refuse("G0212", self._span(token), "'Object' is", instead)
+            raise Skip
         if token.kind != "id" or token.text in USED_BY_LOWER.values():
             self._syntax_error(what, "", keyword_hint(token.text))
             raise Skip

@@ -307,7 +307,7 @@ class TypeParser(TokenReader):
         self._refuse(
             "G0213",
             self._span(token),
-            f"declaring a {token.text} inside another declaration is",
+            f"declaring {article(token.text)} inside another declaration is",
             f"declare the {token.text} before, and use its name here",
         )
         if self._now.text != "{":
@@ -342,6 +342,10 @@ class TypeParser(TokenReader):
             dimensions.append(self._expression())
             self._expect("]", "after the array's size")
         return Declarator(name, tuple(dimensions))
+
+
+def article(word: str) -> str:
+    return f"an {word}" if word[0] in "aeiou" else f"a {word}"
 
 
 def _integer(text: str) -> int:

@@ -1,4 +1,5 @@
-"""good/*.gidl is accepted without a word; beside each bad/*.gidl stands what must be said about it.
+"""good/*.gidl and preprocessor/*.gidl are accepted without a word; beside each bad/*.gidl stands
+what must be said about it.
 
 After a deliberate change of a text: `GIDL_WRITE_GOLDENS=1 pytest tests/gidl/test_corpus.py`, then
 read the difference.
@@ -12,7 +13,10 @@ from gidl.compile import Compiled, compile_files
 from gidl.diagnostics import as_text
 
 HERE = Path(__file__).parent
-GOOD = sorted((HERE / "good").glob("*.gidl"))
+GOOD = [
+    *sorted((HERE / "good").glob("*.gidl")),
+    *sorted((HERE / "preprocessor").glob("*.gidl")),  # conditions, macros, guards, circles
+]
 BAD = sorted((HERE / "bad").glob("*.gidl"))
 IDL = HERE.parents[1] / "idl"
 

@@ -7,6 +7,7 @@ difference.
 import io
 import os
 import re
+import shutil
 import sys
 from pathlib import Path
 
@@ -28,6 +29,7 @@ CORPUS = [
     # The vocabulary is declared in every run already.
     *(p for p in sorted(IDL.rglob("*.gidl")) if p.name != "annotations.gidl"),
 ]
+DIRECTIVES = sorted((HERE / "preprocessor").glob("*.gidl"))  # no line of these can be joined
 SETTINGS = settings(
     max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
@@ -68,9 +70,10 @@ def test_there_are_files_to_try() -> None:
     assert len(CORPUS) >= 13
 
 
-@pytest.mark.parametrize("file", CORPUS, ids=lambda p: f"{p.parent.name}/{p.stem}")
+@pytest.mark.parametrize("file", [*CORPUS, *DIRECTIVES], ids=lambda p: f"{p.parent.name}/{p.stem}")
 def test_the_model_stays_the_same(file: Path, tmp_path: Path) -> None:
     assert model_of(file) is not None
+    shutil.copytree(HERE / "preprocessor" / "parts", tmp_path / "parts")
     place = tmp_path / file.name
     assert_only_white_space_moves(place, file.read_text(encoding="utf-8"))
 

@@ -1,0 +1,66 @@
+"""Quality is narrowed downwards: nothing promises less than what stands above it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from gidl.diagnostics import Findings, Note
+from gidl.model import Attribute, Facts, Interface, Model
+from gidl.policy import Qos, Stream
+
+
+def check(model: Model, findings: Findings) -> None:
+    for interface in model.interfaces():
+        for base in interface.bases:
+            above = model.interface(base)
+            _compare(interface.simple_name, interface.qos, interface.facts, above, findings)
+        for member in interface.members:
+            stream = member.stream if isinstance(member, Attribute) else None
+            _compare(member.name, member.qos, member.facts, interface, findings, stream)
+
+
+def _compare(
+    name: str,
+    own: Qos,
+    facts: Facts,
+    above: Interface,
+    findings: Findings,
+    stream: Stream | None = None,
+) -> None:
+    if not facts.has("qos"):
+        return
+    if stream is not None:  # these three speak of its samples; an open one is bare LCM anyway
+        own = replace(own, reliability=None, depth=None, lifespan_ns=None)
+        own = replace(own, quality_class=None) if stream.is_open else own
+    for said in _weaker(own, above.qos):
+        findings.error(
+            "G0413",
+            facts.place_of("qos"),
+            f"'{name}' promises less than interface '{above.simple_name}': {said}",
+            "terms may only be narrowed below: promise less above, or declare another interface",
+            notes=(Note("promised here", above.facts.place_of("qos")),),
+        )
+
+
+def _weaker(own: Qos, above: Qos) -> Iterator[str]:
+    """What `own` promises less of, in words."""
+    for term in ("quality_class", "reliability", "liveliness"):
+        mine, theirs = getattr(own, term), getattr(above, term)
+        if mine is not None and theirs is not None and mine < theirs:
+            yield f"{mine.name} is weaker than {theirs.name}"
+    for term in ("deadline", "start_by", "latency"):
+        mine, theirs = getattr(own, f"{term}_ns"), getattr(above, f"{term}_ns")
+        if mine is not None and theirs is not None and mine > theirs:
+            yield f"its {term} is {_shown(mine)}, above it is {_shown(theirs)}"
+    if own.media is not None and above.media is not None:
+        more = [medium for medium in own.media if medium not in above.media]
+        if more:
+            yield f"{', '.join(more)} is no medium of {', '.join(above.media)}"
+
+
+def _shown(nanoseconds: int) -> str:
+    for unit, size in (("s", 1_000_000_000), ("ms", 1_000_000), ("us", 1_000)):
+        if nanoseconds >= size:
+            return f"{nanoseconds / size:g}{unit}"
+    return f"{nanoseconds}ns"
