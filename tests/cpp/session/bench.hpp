@@ -3,14 +3,38 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <iterator>
+#include <utility>
+
 #include "gecos/broker/broker.hpp"
 #include "gecos/gecos.hpp"
 #include "probe.hpp"
 
 namespace probe {
 
+/// Counted before the first member is made and after the last is gone: nothing may be left open.
+class NothingLeftOpen : public ::testing::Test {
+ public:
+  ~NothingLeftOpen() override {
+    if (before_ == 0) return;
+    EXPECT_LE(open_now(), before_) << "descriptors were left open";
+  }
+
+ private:
+  static std::ptrdiff_t open_now() {
+    return std::distance(std::filesystem::directory_iterator("/proc/self/fd"), {});
+  }
+  /// The first test of a process opens what all share.
+  static std::ptrdiff_t after_first() {
+    static bool first = true;
+    return std::exchange(first, false) ? 0 : open_now();
+  }
+  const std::ptrdiff_t before_ = after_first();
+};
+
 /// Ends in the order of real programs: clients, server, broker.
-class Bench : public ::testing::Test {
+class Bench : public NothingLeftOpen {
  protected:
   explicit Bench(gecos::media::Kind kind = gecos::media::Kind::Inproc) : kind_(kind) {}
 

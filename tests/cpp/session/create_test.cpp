@@ -83,16 +83,16 @@ TEST_F(Create, SaysWhatItTriedWhenThereIsNoBroker) {
 
 TEST_F(Create, RefusesHardRealtimeOnAMediumThatCannotUnlessSimulated) {
   gecos::Entry entry;
-  entry.host = lab_.core().host_identity();
+  entry.host = lab_.core().runtime()->host_identity();
   entry.addresses = {"lcm:239.255.76.67:20017/x"};
   gecos::qos::Quality hard;
   hard.line = gecos::qos::Class::HardRealtime;
-  const auto refused = gecos::session::select(lab_.core(), entry, hard, std::nullopt);
+  const auto refused = gecos::session::select(*lab_.core().runtime(), entry, hard, std::nullopt);
   ASSERT_FALSE(refused);
   EXPECT_NE(refused.error().find("lcm"), std::string::npos);
   EXPECT_NE(refused.error().find("HARD_REALTIME"), std::string::npos) << refused.error();
   entry.simulated = true;
-  EXPECT_TRUE(gecos::session::select(lab_.core(), entry, hard, std::nullopt));
+  EXPECT_TRUE(gecos::session::select(*lab_.core().runtime(), entry, hard, std::nullopt));
 }
 
 TEST_F(Create, PrefersTheMediumThatPromisesMost) {

@@ -1,5 +1,7 @@
 #include "gecos/session/housekeeping.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <atomic>
 #include <mutex>
@@ -20,6 +22,7 @@ struct Housekeeping::Shared {
   std::vector<std::shared_ptr<Tended>> look_at();
 
   const Clock& clock;
+  const pid_t owner = getpid();
   Wakeup wakeup;
   std::thread thread;
   std::atomic<bool> ended{false};  // publishes nothing but itself
@@ -72,7 +75,7 @@ Housekeeping::Housekeeping(const Clock& clock) : shared_(std::make_shared<Shared
 Housekeeping::~Housekeeping() {
   shared_->ended = true;
   shared_->wakeup.ring();
-  if (on_this_thread()) {
+  if (on_this_thread() || getpid() != shared_->owner) {  // a forked child has no such thread
     shared_->thread.detach();
   } else {
     shared_->thread.join();

@@ -27,8 +27,8 @@ int make_epoll() {
 
 }  // namespace
 
-IoLoop::IoLoop(std::shared_ptr<LabCore> lab)
-    : lab_(std::move(lab)), epoll_(make_epoll()), spin_(system_clock()) {
+IoLoop::IoLoop(std::shared_ptr<Runtime> runtime)
+    : runtime_(std::move(runtime)), epoll_(make_epoll()), spin_(system_clock()) {
   add_descriptor(wakeup_.descriptor(), wakeup_key);
   main_ = start_thread("gecos-io", [this] { run(); });
   standby_ = start_thread("gecos-standby", [this] { run_standby(); });
@@ -110,7 +110,7 @@ void IoLoop::turn(Polling& polling) {
   if (look_at_hot(polling)) {
     spin_.begin();
     if (++turns_ % turns_between_events == 0) {
-      cool_down(lab_->clock().now());
+      cool_down(runtime_->clock().now());
       take_events(0, polling);
     }
     return;
@@ -208,7 +208,7 @@ void IoLoop::accept(Door& door) {
 void IoLoop::watch(const std::shared_ptr<ServerSession>& session) {
   const std::uint64_t key = next_key_++;
   for (const int descriptor : session->link().descriptors()) add_descriptor(descriptor, key);
-  session->last_heard = lab_->clock().now();
+  session->last_heard = runtime_->clock().now();
   {
     const std::lock_guard list(list_mutex_);
     sessions_.emplace(key, session);
@@ -260,7 +260,7 @@ void IoLoop::tend(TimePoint now) {
     for (const auto& [key, session] : sessions_) sessions.push_back(session);
   }
   const bool beat = now >= next_beat_;
-  if (beat) next_beat_ = now + lab_->options().heartbeat;
+  if (beat) next_beat_ = now + runtime_->options().heartbeat;
   bool suspects = false;
   for (const auto& session : sessions) {
     session->flush();

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "gecos/media/waiting.hpp"
-#include "gecos/session/lab_core.hpp"
+#include "gecos/session/runtime.hpp"
 #include "gecos/session/served_object.hpp"
 #include "gecos/session/wakeup.hpp"
 
@@ -23,7 +23,7 @@ namespace gecos::session {
 /// but its own callers.
 class IoLoop {
  public:
-  explicit IoLoop(std::shared_ptr<LabCore> lab);
+  explicit IoLoop(std::shared_ptr<Runtime> runtime);
   ~IoLoop();
 
   /// Accepts clients of `object` from now on.
@@ -60,7 +60,7 @@ class IoLoop {
   void part_if_lost(const std::shared_ptr<ServerSession>& session);
   void add_descriptor(int descriptor, std::uint64_t key);
 
-  const std::shared_ptr<LabCore> lab_;
+  const std::shared_ptr<Runtime> runtime_;
   const int epoll_;
   Wakeup wakeup_;
   std::atomic<bool> ended_{false};              // publishes nothing but itself

@@ -25,7 +25,8 @@ std::ostream& operator<<(std::ostream& out, const CreateError& error) {
 }
 
 Lab::Lab(LabOptions options)
-    : core_(session::make_lab_core(std::move(options), session::system_clock())) {}
+    : core_(std::make_shared<session::LabCore>(
+          session::Runtime::make(std::move(options), session::system_clock()))) {}
 
 Lab::~Lab() = default;
 
@@ -51,14 +52,14 @@ tl::expected<std::shared_ptr<LinkedSession>, Attempt> create_one(LabCore& lab,
                                   name + " is a " + entry->interface_name + ", not a " +
                                       std::string(wanted.name)});
   }
-  const auto addresses = select(lab, *entry, wanted.quality, options.medium);
+  const auto addresses = select(*lab.runtime(), *entry, wanted.quality, options.medium);
   if (!addresses) {
     return tl::unexpected(
         Attempt{name, Detail::QosUnavailable, name + " " + addresses.error()});
   }
   Attempt failed{name, Detail::NoServer, {}};
   for (const auto& address : *addresses) {
-    auto session = lab.connect(address, wanted, deadline, &failed.detail);
+    auto session = lab.runtime()->connect(address, wanted, deadline, &failed.detail);
     if (session) return std::move(*session);
     failed.reason += (failed.reason.empty() ? "" : "; ") + address + ": " + session.error();
     if (failed.detail == Detail::Refused) break;

@@ -6,25 +6,25 @@
 #include "gecos/media/waiting.hpp"
 #include "gecos/session/client_stream.hpp"
 #include "gecos/session/function_code.hpp"
-#include "gecos/session/lab_core.hpp"
+#include "gecos/session/runtime.hpp"
 #include "gecos/session/packets.hpp"
 #include "gecos/session/retry.hpp"
 
 namespace gecos::session {
 
-LinkedSession::LinkedSession(std::shared_ptr<LabCore> lab, std::unique_ptr<media::Link> link,
+LinkedSession::LinkedSession(std::shared_ptr<Runtime> runtime, std::unique_ptr<media::Link> link,
                              SessionId id, Welcome welcome)
-    : lab_(std::move(lab)),
+    : runtime_(std::move(runtime)),
       link_(std::move(link)),
       id_(id),
       welcome_(std::move(welcome)),
       repeats_(!link_->offer().reliable),
       spin_(system_clock()) {
-  last_sign_ = lab_->clock().now();
+  last_sign_ = runtime_->clock().now();
 }
 
 LinkedSession::~LinkedSession() {
-  close(lab_->housekeeping().on_this_thread() ? Duration{} : lab_->options().heartbeat * 2);
+  close(runtime_->housekeeping().on_this_thread() ? Duration{} : runtime_->options().heartbeat * 2);
 }
 
 // Calls
@@ -71,7 +71,7 @@ tl::expected<void, media::SendProblem> LinkedSession::send_call(
   command->sent_as = sent.value_or(0);
   if (repeats_) {
     command->retry.packet = packet_;
-    command->retry.next = lab_->clock().now() + retry_after(1);
+    command->retry.next = runtime_->clock().now() + retry_after(1);
   }
   calls_.insert(header.counter, command);
   return {};
@@ -275,7 +275,7 @@ tl::expected<std::shared_ptr<StreamCore>, Failure> LinkedSession::subscribe(
          if (!reader) reader = open_stream(id);
          return reader != nullptr || lost();
        },
-       deadline_after(lab_->options().grace));
+       deadline_after(runtime_->options().grace));
   if (!reader) {
     return tl::unexpected(Failure{Detail::OutcomeUnknown,
                                   "stream '" + std::string(stream.name) + "' of " +

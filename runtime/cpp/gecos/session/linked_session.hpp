@@ -18,7 +18,7 @@
 namespace gecos::session {
 
 class ClientStream;
-class LabCore;
+class Runtime;
 
 /// Client side of a session over one link.
 ///
@@ -35,10 +35,10 @@ class LinkedSession final : public ClientSession,
   };
   /// Greets the server and waits for its answer until `deadline`.
   static tl::expected<std::shared_ptr<LinkedSession>, NotOpened> open(
-      std::shared_ptr<LabCore> lab, std::unique_ptr<media::Link> link, const Hello& hello,
+      std::shared_ptr<Runtime> runtime, std::unique_ptr<media::Link> link, const Hello& hello,
       TimePoint deadline);
 
-  LinkedSession(std::shared_ptr<LabCore> lab, std::unique_ptr<media::Link> link, SessionId id,
+  LinkedSession(std::shared_ptr<Runtime> runtime, std::unique_ptr<media::Link> link, SessionId id,
                 Welcome welcome);
   ~LinkedSession() override;  ///< says goodbye: what was issued still runs
 
@@ -105,7 +105,7 @@ class LinkedSession final : public ClientSession,
   void house_wake();
   bool everything_arrived();
 
-  const std::shared_ptr<LabCore> lab_;
+  const std::shared_ptr<Runtime> runtime_;
   const std::unique_ptr<media::Link> link_;
   const SessionId id_;
   const Welcome welcome_;

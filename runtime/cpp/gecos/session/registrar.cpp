@@ -23,7 +23,7 @@ Registrar::Registrar(std::shared_ptr<LabCore> lab) : lab_(std::move(lab)) {
 tl::expected<void, std::string> Registrar::add(const ServedObject& object,
                                                std::vector<std::string> addresses) {
   const InterfaceDescription& interface = object.interface();
-  const Hello self = lab_->introduce(interface);
+  const Hello self = lab_->runtime()->introduce(interface);
   Entry entry;
   entry.name = object.name();
   entry.interface_name = interface.name;
@@ -32,7 +32,7 @@ tl::expected<void, std::string> Registrar::add(const ServedObject& object,
   entry.boot = self.boot;
   entry.pid = self.pid;
   entry.user = self.user;
-  entry.host = lab_->host_identity();
+  entry.host = lab_->runtime()->host_identity();
   entry.hostname = self.host;
   entry.addresses = std::move(addresses);
   entry.simulated = object.options().simulated;

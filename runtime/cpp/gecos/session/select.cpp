@@ -18,12 +18,12 @@ qos::LineOffer line_of(const media::Offer& offer) {
 }
 
 /// Why this medium does not lead from here to there; empty when it does.
-std::string out_of_reach(LabCore& lab, const Entry& entry, media::Kind kind) {
+std::string out_of_reach(Runtime& runtime, const Entry& entry, media::Kind kind) {
   switch (kind) {
     case media::Kind::Inproc:
       return entry.boot == number(process_boot()) ? "" : "it is in another process";
     case media::Kind::Shm:
-      return entry.host == lab.host_identity() ? "" : "it is on another host (" + entry.hostname + ")";
+      return entry.host == runtime.host_identity() ? "" : "it is on another host (" + entry.hostname + ")";
     case media::Kind::Lcm: return "";
   }
   return "this program does not know it";
@@ -31,7 +31,7 @@ std::string out_of_reach(LabCore& lab, const Entry& entry, media::Kind kind) {
 
 }  // namespace
 
-tl::expected<std::vector<std::string>, std::string> select(LabCore& lab, const Entry& entry,
+tl::expected<std::vector<std::string>, std::string> select(Runtime& runtime, const Entry& entry,
                                                            const qos::Quality& asked,
                                                            std::optional<media::Kind> only) {
   std::vector<std::string> addresses;
@@ -48,9 +48,9 @@ tl::expected<std::vector<std::string>, std::string> select(LabCore& lab, const E
       continue;
     }
     if (only && *kind != *only) continue;
-    if (const auto why = out_of_reach(lab, entry, *kind); !why.empty()) {
+    if (const auto why = out_of_reach(runtime, entry, *kind); !why.empty()) {
       pass_over(medium, why);
-    } else if (const auto opened = lab.medium(*kind); !opened) {
+    } else if (const auto opened = runtime.medium(*kind); !opened) {
       pass_over(medium, opened.error().text);
     } else {
       addresses.push_back(address);

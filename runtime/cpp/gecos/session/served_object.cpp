@@ -7,16 +7,16 @@
 
 namespace gecos::session {
 
-ServedObject::ServedObject(std::shared_ptr<LabCore> lab, std::string name, Servant& servant,
+ServedObject::ServedObject(std::shared_ptr<Runtime> runtime, std::string name, Servant& servant,
                            ObjectOptions options)
-    : lab_(std::move(lab)),
+    : runtime_(std::move(runtime)),
       name_(std::move(name)),
       servant_(servant),
       interface_(servant.gecos_interface()),
       options_(std::move(options)),
-      leases_(process_boot(), lab_->options().lease_ttl),
+      leases_(process_boot(), runtime_->options().lease_ttl),
       queue_(options_.thread_safe ? LaneThreads::Many : LaneThreads::One),
-      now_(lab_->clock().now()),
+      now_(runtime_->clock().now()),
       streams_(name_, interface_),
       workers_("gecos-" + name_) {}
 
@@ -77,7 +77,7 @@ std::shared_ptr<ServerCall> ServedObject::start_next() {
 /// What was true when it was queued need not be true any more.
 bool ServedObject::starts_on_time(ServerCall& call) {
   if (call.terminal) return false;
-  if (call.deadline != TimePoint::max() && lab_->clock().now() >= call.deadline) {
+  if (call.deadline != TimePoint::max() && runtime_->clock().now() >= call.deadline) {
     end(call, Failure{Detail::Expired,
                       "the deadline of '" + std::string(call.operation().name) +
                           "' passed before it started; it was not carried out", {}, {}});
@@ -175,7 +175,7 @@ void ServedObject::progressed(ServerCall& call, double fraction, ByteView feedba
   call.fraction = fraction;
   call.feedback.assign(feedback.begin(), feedback.end());
   call.untold = true;
-  tell(call, lab_->clock().now());
+  tell(call, runtime_->clock().now());
 }
 
 void ServedObject::tell(ServerCall& call, TimePoint now) {
@@ -206,7 +206,7 @@ void ServedObject::tend(TimePoint now) {
   for (const auto& holder : leases_.expire(now)) {
     lose_status(holder.session, "its holder has been silent for " +
                                     std::to_string(std::chrono::duration_cast<std::chrono::milliseconds>(
-                                                       lab_->options().lease_ttl)
+                                                       runtime_->options().lease_ttl)
                                                        .count()) +
                                     " ms");
   }
@@ -241,7 +241,7 @@ bool ServedObject::judge_silence(const std::shared_ptr<ServerSession>& session, 
     leases_.renew(session->id(), now);
     return false;
   }
-  return now - session->last_sign >= lab_->options().lease_ttl + lab_->options().grace;
+  return now - session->last_sign >= runtime_->options().lease_ttl + runtime_->options().grace;
 }
 
 void ServedObject::depart(const std::shared_ptr<ServerSession>& session, Departure how) {

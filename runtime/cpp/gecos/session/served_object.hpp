@@ -8,7 +8,7 @@
 
 #include "gecos/access/lease_table.hpp"
 #include "gecos/session/handshake.hpp"
-#include "gecos/session/lab_core.hpp"
+#include "gecos/session/runtime.hpp"
 #include "gecos/session/object_queue.hpp"
 #include "gecos/session/object_streams.hpp"
 #include "gecos/session/server.hpp"
@@ -28,7 +28,7 @@ enum class Starter : std::uint8_t {
 /// Every call that was taken is answered exactly once, by its handler or by what ended it.
 class ServedObject final : public Publisher, public std::enable_shared_from_this<ServedObject> {
  public:
-  ServedObject(std::shared_ptr<LabCore> lab, std::string name, Servant& servant,
+  ServedObject(std::shared_ptr<Runtime> runtime, std::string name, Servant& servant,
                ObjectOptions options);
 
   const std::string& name() const { return name_; }
@@ -106,7 +106,7 @@ class ServedObject final : public Publisher, public std::enable_shared_from_this
     return operation.cancelable || options_.blocking;
   }
 
-  const std::shared_ptr<LabCore> lab_;
+  const std::shared_ptr<Runtime> runtime_;
   const std::string name_;
   Servant& servant_;
   const InterfaceDescription& interface_;

@@ -69,7 +69,7 @@ void ServedObject::answer_reserved(const std::shared_ptr<ServerSession>& session
 }
 
 void ServedObject::holders(ServerSession& session, std::uint64_t counter) {
-  session.reply(counter, blocks_bytes(shown(leases_.roster(), lab_->clock().now())));
+  session.reply(counter, blocks_bytes(shown(leases_.roster(), runtime_->clock().now())));
 }
 
 void ServedObject::describe(ServerSession& session, std::uint64_t counter) {
@@ -104,7 +104,7 @@ void ServedObject::acquire(ServerSession& session, std::uint64_t counter, wire::
                                           "sensor status is everybody's: acquire actor or master",
                                           {}, {}});
   }
-  const TimePoint now = lab_->clock().now();
+  const TimePoint now = runtime_->clock().now();
   auto granted = leases_.acquire(session.id(), session.client(), status_of(wanted),
                                  access::plain_proof(password.value_or("")), now);
   if (granted) {
@@ -147,7 +147,7 @@ void ServedObject::stop(ServerSession& by, std::uint64_t counter) {
   if (still_holds) by.renewed[number(before)] = number(leases_.epoch());
   end_commands([](const ServerCall&) { return true; },
                Failure{Detail::Stopped, "stopped by " + who(by.caller()), {}, {}});
-  if (options_.on_stop) lab_->housekeeping().post(options_.on_stop);
+  if (options_.on_stop) runtime_->housekeeping().post(options_.on_stop);
   by.reply(counter, ByteView{}, still_holds ? leases_.epoch() : Epoch{});
 }
 

@@ -20,8 +20,8 @@ using session::ServedObject;
 class Server::Core {
  public:
   explicit Core(std::shared_ptr<LabCore> lab)
-      : lab_(std::move(lab)), io_(lab_), registrar_(lab_), upkeep_(std::make_shared<Upkeep>(*this)) {
-    lab_->housekeeping().tend(upkeep_);
+      : lab_(std::move(lab)), io_(lab_->runtime()), registrar_(lab_), upkeep_(std::make_shared<Upkeep>(*this)) {
+    lab_->runtime()->housekeeping().tend(upkeep_);
   }
   ~Core();
 
@@ -65,12 +65,13 @@ void Server::Core::Upkeep::tend(TimePoint now) {
 
 Server::Core::~Core() {
   registrar_.end();
-  const std::lock_guard objects(mutex_);
-  for (const auto& object : objects_) object->close();
   {
+    // Housekeeping takes this mutex first, then ours: never the other way round.
     const std::lock_guard lock(upkeep_->mutex);
     upkeep_->core = nullptr;
   }
+  const std::lock_guard objects(mutex_);
+  for (const auto& object : objects_) object->close();
   for (const auto& object : objects_) object->join();
   io_.end();
   for (const auto& object : objects_) object->streams().close();
@@ -84,7 +85,7 @@ tl::expected<Server::Core::Opened, ServeError> Server::Core::open_places(
   std::string failed;
   for (const media::Kind kind : kinds) {
     auto acceptor = [&]() -> tl::expected<std::unique_ptr<media::Acceptor>, media::MediumError> {
-      const auto medium = lab_->medium(kind);
+      const auto medium = lab_->runtime()->medium(kind);
       if (!medium) return tl::unexpected(medium.error());
       return (*medium)->listen(name, options.well_known);
     }();
@@ -109,7 +110,7 @@ tl::expected<void, ServeError> Server::Core::add(std::string name, Servant& serv
   const bool well_known = options.well_known;
   auto opened = open_places(name, options);
   if (!opened) return tl::unexpected(opened.error());
-  auto object = std::make_shared<ServedObject>(lab_, name, servant, std::move(options));
+  auto object = std::make_shared<ServedObject>(lab_->runtime(), name, servant, std::move(options));
   servant.gecos_attach(object);
   for (auto& acceptor : opened->acceptors) io_.serve(object, std::move(acceptor));
   {

@@ -1,7 +1,7 @@
 // The greeting that opens the client side of a session.
 #include <algorithm>
 
-#include "gecos/session/lab_core.hpp"
+#include "gecos/session/runtime.hpp"
 #include "gecos/session/linked_session.hpp"
 #include "gecos/session/packets.hpp"
 #include "gecos/session/retry.hpp"
@@ -32,7 +32,7 @@ std::optional<wire::PacketView> next_packet(media::Link& link, TimePoint deadlin
 }  // namespace
 
 tl::expected<std::shared_ptr<LinkedSession>, NotOpened> LinkedSession::open(
-    std::shared_ptr<LabCore> lab, std::unique_ptr<media::Link> link, const Hello& hello,
+    std::shared_ptr<Runtime> runtime, std::unique_ptr<media::Link> link, const Hello& hello,
     TimePoint deadline) {
   wire::PacketHeader header;
   header.kind = wire::PacketKind::Hello;
@@ -55,7 +55,7 @@ tl::expected<std::shared_ptr<LinkedSession>, NotOpened> LinkedSession::open(
       if (!welcome || packet->header.session == SessionId{} || welcome->credits == 0) {
         return tl::unexpected(NotOpened{Detail::Refused, "its welcome does not decode"});
       }
-      return std::make_shared<LinkedSession>(std::move(lab), std::move(link),
+      return std::make_shared<LinkedSession>(std::move(runtime), std::move(link),
                                              packet->header.session, std::move(*welcome));
     }
     const bool lost = link->loss() != media::Loss::None;

@@ -1,19 +1,19 @@
 // What housekeeping does for the client side of a session.
-#include "gecos/session/lab_core.hpp"
+#include "gecos/session/runtime.hpp"
 #include "gecos/session/linked_session.hpp"
 #include "gecos/session/packets.hpp"
 #include "gecos/session/retry.hpp"
 
 namespace gecos::session {
 
-void LinkedSession::house_wake() { lab_->housekeeping().wake(); }
+void LinkedSession::house_wake() { runtime_->housekeeping().wake(); }
 
 void LinkedSession::tend(TimePoint now) {
   if (lost()) return;
   const bool beat = now >= next_beat_;
   if (beat) {
     link_->beat();
-    next_beat_ = now + lab_->options().heartbeat;
+    next_beat_ = now + runtime_->options().heartbeat;
   }
   if (baton_.try_take()) {
     const std::size_t taken = read_all();
@@ -34,9 +34,9 @@ void LinkedSession::judge_silence(TimePoint now) {
     return;
   }
   const Duration silent = now - last_sign_;
-  if (silent < lab_->options().lease_ttl) return;
+  if (silent < runtime_->options().lease_ttl) return;
   unreachable_.store(true, std::memory_order_relaxed);
-  if (silent < lab_->options().lease_ttl + lab_->options().grace) return;
+  if (silent < runtime_->options().lease_ttl + runtime_->options().grace) return;
   const auto milliseconds = std::chrono::duration_cast<std::chrono::milliseconds>(silent).count();
   lose(Ending::Silent, "the server of " + welcome_.object + " (" + link_->peer().description +
                            ") has been silent for " + std::to_string(milliseconds) + " ms");

@@ -1,0 +1,154 @@
+#include "gecos/session/runtime.hpp"
+
+#include <pwd.h>
+#include <sys/random.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+
+#include "gecos/media/open.hpp"
+#include "gecos/session/linked_session.hpp"
+
+namespace gecos::session {
+namespace {
+
+std::string user_name() {
+  passwd entry{};
+  passwd* found = nullptr;
+  char text[4096];
+  if (getpwuid_r(getuid(), &entry, text, sizeof text, &found) != 0 || found == nullptr) {
+    return "uid " + std::to_string(getuid());
+  }
+  return entry.pw_name;
+}
+
+std::string host_name() {
+  char name[256] = {};
+  return gethostname(name, sizeof name - 1) == 0 ? name : "?";
+}
+
+/// Every runtime of this process, so that its sessions part in order when it exits.
+class OpenRuntimes {
+ public:
+  static OpenRuntimes& instance() {
+    static OpenRuntimes runtimes;
+    return runtimes;
+  }
+  ~OpenRuntimes() {
+    if (getpid() != owner_) return;  // a forked child has none of the threads
+    for (const auto& runtime : alive()) runtime->close_sessions(std::chrono::seconds(1));
+  }
+  void add(const std::shared_ptr<Runtime>& runtime) {
+    const std::lock_guard lock(mutex_);
+    runtimes_.erase(std::remove_if(runtimes_.begin(), runtimes_.end(),
+                                   [](const auto& known) { return known.expired(); }),
+                    runtimes_.end());
+    runtimes_.push_back(runtime);
+  }
+
+ private:
+  std::vector<std::shared_ptr<Runtime>> alive() {
+    const std::lock_guard lock(mutex_);
+    std::vector<std::shared_ptr<Runtime>> found;
+    for (const auto& known : runtimes_) {
+      if (auto runtime = known.lock()) found.push_back(std::move(runtime));
+    }
+    return found;
+  }
+
+  const pid_t owner_ = getpid();
+  std::mutex mutex_;
+  std::vector<std::weak_ptr<Runtime>> runtimes_;
+};
+
+}  // namespace
+
+BootId process_boot() {
+  static const BootId boot = [] {
+    std::uint64_t number = 0;
+    while (number == 0) {
+      if (getrandom(&number, sizeof number, 0) != sizeof number) number = 0;
+    }
+    return BootId{number};
+  }();
+  return boot;
+}
+
+Runtime::Runtime(LabOptions options, const Clock& clock)
+    : options_(std::move(options)), clock_(clock), housekeeping_(clock) {}
+
+Runtime::~Runtime() = default;
+
+std::shared_ptr<Runtime> Runtime::make(LabOptions options, const Clock& clock) {
+  OpenRuntimes& open = OpenRuntimes::instance();  // first: so it ends after whatever uses it
+  auto runtime = std::make_shared<Runtime>(std::move(options), clock);
+  open.add(runtime);
+  return runtime;
+}
+
+tl::expected<media::Medium*, media::MediumError> Runtime::medium(media::Kind kind) {
+  const std::lock_guard lock(mutex_);
+  auto found = media_.find(kind);
+  if (found == media_.end()) found = media_.emplace(kind, media::open(kind)).first;
+  if (!found->second) return tl::unexpected(found->second.error());
+  return found->second->get();
+}
+
+const std::string& Runtime::host_identity() {
+  static const std::string identity = media::host_identity();
+  return identity;
+}
+
+Hello Runtime::introduce(const InterfaceDescription& wanted) const {
+  Hello hello;
+  hello.user = user_name();
+  hello.host = host_name();
+  hello.program = program_invocation_short_name;
+  hello.pid = getpid();
+  hello.boot = number(process_boot());
+  hello.interface_name = wanted.name;
+  hello.interface_hash = wanted.hash;
+  return hello;
+}
+
+tl::expected<std::shared_ptr<LinkedSession>, std::string> Runtime::connect(
+    const std::string& address, const InterfaceDescription& wanted, TimePoint deadline,
+    Detail* why) {
+  if (why != nullptr) *why = Detail::NoServer;
+  const auto kind = media::kind_from(std::string_view(address).substr(0, address.find(':')));
+  if (!kind) {
+    return tl::unexpected("'" + address + "' is no address: it begins with none of inproc:, shm:, lcm:");
+  }
+  const auto opened = medium(*kind);
+  if (!opened) return tl::unexpected(opened.error().text);
+  auto link = (*opened)->connect(address);
+  if (!link) return tl::unexpected(link.error().text);
+  auto session =
+      LinkedSession::open(shared_from_this(), std::move(*link), introduce(wanted), deadline);
+  if (!session) {
+    if (why != nullptr) *why = session.error().detail;
+    return tl::unexpected(session.error().reason);
+  }
+  housekeeping_.tend(*session);
+  const std::lock_guard lock(mutex_);
+  sessions_.erase(std::remove_if(sessions_.begin(), sessions_.end(),
+                                 [](const auto& known) { return known.expired(); }),
+                  sessions_.end());
+  sessions_.push_back(*session);
+  return *session;
+}
+
+void Runtime::close_sessions(Duration patience) {
+  std::vector<std::shared_ptr<LinkedSession>> open;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const auto& known : sessions_) {
+      if (auto session = known.lock()) open.push_back(std::move(session));
+    }
+  }
+  const TimePoint give_up = deadline_after(patience);
+  for (const auto& session : open) session->close(give_up - std::chrono::steady_clock::now());
+}
+
+}  // namespace gecos::session

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "gecos/base/ids.hpp"
+#include "gecos/media/medium.hpp"
+#include "gecos/session/handshake.hpp"
+#include "gecos/session/housekeeping.hpp"
+#include "gecos/session/lab.hpp"
+
+namespace gecos::session {
+
+class LinkedSession;
+
+/// This life of this process.
+BootId process_boot();
+
+/// What sessions and servers of one lab stand on: settings, the clock, the media and the
+/// housekeeping thread. It lives as long as the last of them. Thread-safe.
+class Runtime : public std::enable_shared_from_this<Runtime> {
+ public:
+  /// When the program exits, however its labs are dropped, its sessions say goodbye.
+  static std::shared_ptr<Runtime> make(LabOptions options, const Clock& clock);
+
+  Runtime(LabOptions options, const Clock& clock);
+  ~Runtime();
+
+  const LabOptions& options() const { return options_; }
+  const Clock& clock() const { return clock_; }
+  Housekeeping& housekeeping() { return housekeeping_; }
+
+  /// The medium of this kind, opened at first use, or why it cannot be had here.
+  tl::expected<media::Medium*, media::MediumError> medium(media::Kind kind);
+  /// Which host this is, as far as shared memory reaches; empty where it cannot be used.
+  const std::string& host_identity();
+  /// What this program says of itself to `interface_name`.
+  Hello introduce(const InterfaceDescription& wanted) const;
+
+  /// Connects to `address` ("shm:…") and opens a session for `wanted`.
+  tl::expected<std::shared_ptr<LinkedSession>, std::string> connect(
+      const std::string& address, const InterfaceDescription& wanted, TimePoint deadline,
+      Detail* why = nullptr);
+
+  /// Says goodbye in every open session.
+  void close_sessions(Duration patience);
+
+ private:
+  const LabOptions options_;
+  const Clock& clock_;
+  std::mutex mutex_;
+  std::map<media::Kind, tl::expected<std::unique_ptr<media::Medium>, media::MediumError>> media_;
+  std::vector<std::weak_ptr<LinkedSession>> sessions_;
+  Housekeeping housekeeping_;  ///< last: its thread ends first
+};
+
+}  // namespace gecos::session

@@ -1,0 +1,224 @@
+// What becomes of commands and status when a program dies, in processes of their own.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+
+#include "child.hpp"
+#include "gecos/broker/broker.hpp"
+#include "gecos/gecos.hpp"
+#include "probe.hpp"
+
+namespace {
+
+using namespace std::chrono_literals;
+using gecos::Detail;
+using gecos::State;
+using gecos::media::Kind;
+using probe::Child;
+using Clock = std::chrono::steady_clock;
+
+/// A directory of this test's own, so that its broker is nobody else's.
+class Place {
+ public:
+  Place() {
+    char name[] = "/tmp/gecos-test-XXXXXX";
+    path_ = mkdtemp(name);
+    setenv("GECOS_RUNTIME_DIR", path_.c_str(), 1);
+  }
+  ~Place() { std::filesystem::remove_all(path_); }
+
+ private:
+  std::string path_;
+};
+
+struct BrokerHere {
+  BrokerHere() {
+    const auto served = broker.serve(server, {Kind::Inproc, Kind::Shm});
+    if (!served) throw std::runtime_error(served.error().text);
+  }
+  gecos::Lab lab;
+  gecos::broker::Broker broker;
+  gecos::Server server{lab};
+};
+
+gecos::ObjectOptions simulated(Kind kind) {
+  gecos::ObjectOptions options;
+  options.simulated = true;
+  options.thread_safe = true;
+  options.media = {kind};
+  return options;
+}
+
+/// Serves PROBE, and says each time a move has started.
+void serve_probe(Child::Line& line, Kind kind) {
+  line.hear();
+  gecos::Lab lab;
+  probe::ProbeServant servant;
+  gecos::Server server(lab);
+  const auto added = server.add("PROBE", servant, simulated(kind));
+  line.say(added ? "ready" : added.error().text);
+  servant.await_moves(1);
+  line.say("moving");
+  line.hear();
+}
+
+class ServerDies : public ::testing::TestWithParam<Kind> {
+ protected:
+  Place place_;
+  Child child_{[](Child::Line& line) { serve_probe(line, GetParam()); }};
+};
+INSTANTIATE_TEST_SUITE_P(Over, ServerDies, ::testing::Values(Kind::Shm, Kind::Lcm),
+                         [](const auto& made) {
+                           return std::string(gecos::media::to_string(made.param));
+                         });
+
+TEST_P(ServerDies, AndEveryCommandEndsInAStateThatSaysWhatIsKnown) {
+  const BrokerHere broker;
+  child_.line().say("go");
+  ASSERT_EQ(child_.line().hear(), "ready");
+  gecos::Lab lab;
+  auto robot = lab.create<probe::Probe>("PROBE");
+  ASSERT_TRUE(robot) << robot.error();
+  const auto lease = gecos::actor(*robot);
+  ASSERT_TRUE(lease) << lease.error();
+  auto stream = robot->level(gecos::stream);
+  ASSERT_TRUE(stream) << stream.error();
+  const auto move = robot->move(1);
+  ASSERT_EQ(child_.line().hear(), "moving");
+  const auto killed = Clock::now();
+  child_.kill_at_once();
+  EXPECT_EQ(move.wait(), State::CommandFailed);
+  const auto took = Clock::now() - killed;
+  if (GetParam() == Kind::Shm) {
+    EXPECT_EQ(move.progress().detail, Detail::ServerCrashed);
+    EXPECT_LT(took, 500ms) << "the kernel reports it; nobody waits for grace";
+  } else {
+    EXPECT_EQ(move.progress().detail, Detail::OutcomeUnknown);
+    EXPECT_GT(took, gecos::LabOptions{}.grace);
+  }
+  const auto later = robot->read().get();
+  ASSERT_FALSE(later);
+  EXPECT_EQ(later.error().state(), State::ConnectionFailed) << later.error();
+  EXPECT_EQ(stream->next(1s).error(), gecos::StreamEnd::Lost);
+  EXPECT_EQ(move.state(), State::CommandFailed) << "it never changes";
+}
+
+/// Takes the robot and moves it; then does what the test asks for.
+void command_probe(Child::Line& line, Kind kind) {
+  line.hear();
+  static gecos::Lab lab;  // ends when the program exits
+  gecos::CreateOptions options;
+  options.medium = kind;
+  auto robot = lab.create<probe::Probe>("PROBE", options);
+  static auto lease = gecos::actor(*robot);
+  line.say(lease ? "actor" : lease.error().failure.text);
+  static_cast<void>(robot->move(1));
+  static_cast<void>(robot->set(2));
+  line.hear();
+}
+
+class ClientEnds : public ::testing::TestWithParam<Kind> {
+ protected:
+  void begin() {
+    broker_.emplace();
+    lab_.emplace();
+    server_.emplace(*lab_);
+    const auto added = server_->add("PROBE", servant_, simulated(GetParam()));
+    ASSERT_TRUE(added) << added.error().text;
+    child_.line().say("go");
+    ASSERT_EQ(child_.line().hear(), "actor");
+    servant_.await_moves(1);
+  }
+  /// Status, as soon as it is free.
+  tl::expected<gecos::Lease, gecos::LeaseRefusal> take_over() {
+    gecos::CreateOptions options;
+    options.medium = GetParam();
+    auto robot = lab_->create<probe::Probe>("PROBE", options);
+    if (!robot) throw std::runtime_error(robot.error().to_string());
+    const auto give_up = Clock::now() + 10s;
+    for (;;) {
+      auto lease = gecos::actor(*robot);
+      if (lease || Clock::now() > give_up) return lease;
+    }
+  }
+
+  Place place_;
+  Child child_{[](Child::Line& line) { command_probe(line, GetParam()); }};
+  probe::ProbeServant servant_;
+  std::optional<BrokerHere> broker_;
+  std::optional<gecos::Lab> lab_;
+  std::optional<gecos::Server> server_;
+};
+INSTANTIATE_TEST_SUITE_P(Over, ClientEnds, ::testing::Values(Kind::Shm, Kind::Lcm),
+                         [](const auto& made) {
+                           return std::string(gecos::media::to_string(made.param));
+                         });
+
+TEST_P(ClientEnds, ByKillAndItsStatusIsFreeAndTheArmStands) {
+  begin();
+  child_.kill_at_once();
+  servant_.await_event("interrupted 1");
+  const auto lease = take_over();
+  EXPECT_TRUE(lease) << lease.error();
+  EXPECT_EQ(servant_.events(), (std::vector<std::string>{"start 1", "interrupted 1"}))
+      << "what it had queued never starts";
+}
+
+TEST_P(ClientEnds, InOrderWithoutWaitingAndItsCommandsStillRun) {
+  begin();
+  child_.line().say("exit");
+  EXPECT_EQ(child_.wait(), 0);
+  servant_.open_gate();
+  servant_.await_event("set 2");
+  EXPECT_EQ(servant_.events(), (std::vector<std::string>{"start 1", "end 1", "set 2"}));
+  const auto lease = take_over();
+  EXPECT_TRUE(lease) << lease.error();
+}
+
+TEST_P(ClientEnds, ByStandingStillAndLosesItsStatusAfterTheTimeToLive) {
+  begin();
+  const auto stopped = Clock::now();
+  child_.signal(SIGSTOP);
+  servant_.await_event("interrupted 1");
+  const auto took = Clock::now() - stopped;
+  EXPECT_GT(took, 300ms);
+  EXPECT_LT(took, 5 * (gecos::LabOptions{}.lease_ttl + gecos::LabOptions{}.heartbeat));
+}
+
+TEST(BrokerDies, AndItsSuccessorKnowsTheObjectsAgain) {
+  const Place place;
+  Child first([](Child::Line& line) {
+    const BrokerHere broker;
+    line.say("ready");
+    line.hear();
+  });
+  ASSERT_EQ(first.line().hear(), "ready");
+  gecos::Lab lab;
+  probe::ProbeServant servant;
+  gecos::Server server(lab);
+  const auto added = server.add("PROBE", servant, simulated(Kind::Inproc));
+  ASSERT_TRUE(added) << added.error().text;
+  first.kill_at_once();
+  const BrokerHere second;
+  const auto give_up = Clock::now() + 10s;
+  auto robot = lab.create<probe::Probe>("PROBE");
+  while (!robot && Clock::now() < give_up) robot = lab.create<probe::Probe>("PROBE");
+  ASSERT_TRUE(robot) << robot.error();
+  EXPECT_EQ(robot->read().get().value(), 7);
+}
+
+TEST(BrokerStands, OnceOnAHostAndSaysSo) {
+  const Place place;
+  const BrokerHere first;
+  gecos::Lab lab;
+  gecos::broker::Broker second;
+  gecos::Server server(lab);
+  const auto served = second.serve(server, {Kind::Shm});
+  ASSERT_FALSE(served);
+  EXPECT_NE(served.error().text.find("BROKER"), std::string::npos) << served.error().text;
+}
+
+}  // namespace
