@@ -23,6 +23,7 @@ from gidl.cli_shared import (
     files_of,
     show,
 )
+from gidl.compile import Compiled
 from gidl.diagnostics import Findings
 from gidl.output import compare, diff_text, write
 
@@ -74,6 +75,9 @@ def _parser() -> argparse.ArgumentParser:
         help=f"which of {', '.join(TARGETS)}; all by default",
     )
     gen.add_argument("--check", action="store_true", help="write nothing; show what differs")
+    gen.add_argument(
+        "--depfile", type=Path, metavar="FILE", help="for Make and Ninja: what was read"
+    )
     gen.set_defaults(command=_gen)
 
     check = verbs.add_parser("check", help="report what is wrong")
@@ -87,6 +91,11 @@ def _parser() -> argparse.ArgumentParser:
     dump = verbs.add_parser("dump", help="print the model as canonical JSON")
     add_files(dump)
     dump.add_argument("--whole", action="store_true", help="included files too")
+    dump.add_argument(
+        "--omg",
+        choices=("corba", "dds"),
+        help="as plain IDL instead: for omniidl, or types for idlc",
+    )
     dump.set_defaults(command=_dump)
 
     new = verbs.add_parser("new", help="start a device: interface, server and client")
@@ -114,6 +123,7 @@ def _languages(text: str) -> tuple[str, ...]:
 
 def _gen(chosen: argparse.Namespace) -> int:
     from gidl import wire_layout
+    from gidl.depfile import depfile_text
     from gidl.emit import UnsupportedError, render
     from gidl.model_json import file_text
 
@@ -141,6 +151,10 @@ def _gen(chosen: argparse.Namespace) -> int:
     difference = compare(chosen.out, texts, chosen.lang)
     if not chosen.check:
         write(chosen.out, texts, difference)
+        if chosen.depfile is not None:
+            text = depfile_text(chosen.out, texts, compiled.sources)
+            chosen.depfile.parent.mkdir(parents=True, exist_ok=True)
+            chosen.depfile.write_text(text, encoding="utf-8")
         stale = f", {len(difference.stale)} deleted" if difference.stale else ""
         written = len(difference.changed) + len(difference.missing)
         print(f"gidl: {len(texts)} files in {chosen.out}/, {written} written{stale}")
@@ -174,7 +188,22 @@ def _dump(chosen: argparse.Namespace) -> int:
     compiled = compiled_from(chosen, files)
     if compiled.has_errors:
         return FINDINGS
+    if chosen.omg is not None:
+        return _dump_omg(chosen, compiled)
     sys.stdout.write(model_text(compiled.model, wire_layout.build(compiled.model), chosen.whole))
+    return FINE
+
+
+def _dump_omg(chosen: argparse.Namespace, compiled: Compiled) -> int:
+    from gidl.omg import omg_text
+
+    findings = Findings()
+    text = omg_text(compiled.model, chosen.omg, chosen.whole, findings)
+    if findings.found:
+        order = [file.path for file in compiled.model.files]
+        show(chosen, findings.in_order(order), compiled.sources)
+        return FINDINGS
+    sys.stdout.write(text)
     return FINE
 
 

@@ -6,7 +6,7 @@ import argparse
 import sys
 from collections import Counter
 
-from gidl.cli_shared import FAILED, FINDINGS, FINE, USAGE, add_files, compiled_from, files_of, show
+from gidl.cli_shared import FAILED, FINDINGS, FINE, USAGE, add_files, files_of, show
 from gidl.compile import Compiled, compile_files
 from gidl.source import Source
 
@@ -30,8 +30,9 @@ def run(chosen: argparse.Namespace) -> int:
     files = files_of(chosen)
     if files is None:
         return USAGE
-    new = compiled_from(chosen, files)
+    new = compile_files(files, chosen.search)
     if new.has_errors:
+        show(chosen, new.findings, new.sources)
         return FINDINGS
     try:
         with baseline(chosen.against, _subfolder(chosen)) as before:

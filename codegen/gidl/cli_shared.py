@@ -8,10 +8,18 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from gidl.compile import Compiled, compile_files
-from gidl.diagnostics import PRINTERS, Finding, Severity
+from gidl.diagnostics import Finding, Printer, Severity, as_json, as_text
+from gidl.report_formats import as_github_actions, as_sarif
 from gidl.source import Source
 
 FINE, FAILED, USAGE, FINDINGS = 0, 1, 2, 100
+
+PRINTERS: dict[str, Printer] = {
+    "text": as_text,
+    "json": as_json,
+    "sarif": as_sarif,
+    "github-actions": as_github_actions,
+}
 
 
 def add_files(parser: argparse.ArgumentParser) -> None:

@@ -214,7 +214,3 @@ def _json_place(
         "line": location.line,
         "column": location.column,
     }
-
-
-# `--error-format`: another format is another entry.
-PRINTERS: dict[str, Printer] = {"text": as_text, "json": as_json}

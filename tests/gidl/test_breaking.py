@@ -103,6 +103,7 @@ EDITS = [
     ("another range", "max=1) attribute", "max=2) attribute", "G1006"),
     ("final to appendable", "@final struct Point", "@appendable struct Point", "G1002"),
     ("a literal gone", ", REVERSE", "", "G1101"),
+    ("a literal renamed", "REVERSE", "BACK", "G1004"),
     ("literals renumbered", "DRIVE, REVERSE", "REVERSE, DRIVE", "G1004 G1004"),
     ("another default literal", "@default_literal NEUTRAL, DRIVE", "NEUTRAL, @default_literal DRIVE",
      "G1004"),

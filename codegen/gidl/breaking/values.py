@@ -151,11 +151,17 @@ def _enum(old: EnumDeclaration, new: EnumDeclaration, report: Report) -> None:
             report.add("G1004", old.name, f"'{name}' of '{old.name}' is gone",
                        "a new reader refuses it, and old programs send it",
                        "keep it, with @deprecated", new=new.facts, old=was.facts)  # fmt: skip
+        elif now is None and was.number in numbers:
+            taken = numbers[was.number]
+            report.add("G1004", old.name,
+                       f"{was.number} of '{old.name}' was '{name}' and is '{taken.name}'",
+                       "the same number means another literal to old and new programs",
+                       f"keep '{name}', and give '{taken.name}' a number of its own",
+                       new=taken.facts, old=was.facts)  # fmt: skip
         elif now is None:
-            taken = numbers.get(was.number)
-            became = f"'{taken.name}'" if taken else f"'{new.default_literal}'"
             report.add("G1101", old.name, f"'{name}' of '{old.name}' is gone",
-                       f"{_NO_BUILD}; where old ones send it, new ones read {became}",
+                       f"{_NO_BUILD}; where old ones send it, new ones read "
+                       f"'{new.default_literal}'",
                        "keep it, with @deprecated", new=new.facts, old=was.facts)  # fmt: skip
     for name, now in after.items():
         if name not in before and not grows:

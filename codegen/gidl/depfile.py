@@ -1,0 +1,27 @@
+"""A depfile for build systems: which files the output was made from, as Make and Ninja read it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+from gidl.loader import PACKAGED, VOCABULARY
+from gidl.source import Source
+
+
+def depfile_text(out: Path, outputs: Iterable[str], sources: Mapping[str, Source]) -> str:
+    """One rule: every output depends on every file that was read, included ones too."""
+    read = [_place(path, source) for path, source in sources.items() if source.shown != "-"]
+    made = [_escaped((out / path).as_posix()) for path in sorted(outputs)]
+    needs = [_escaped(place) for place in sorted(set(read))]
+    return " \\\n".join(made) + ": \\\n  " + " \\\n  ".join(needs) + "\n"
+
+
+def _place(path: str, source: Source) -> str:
+    return (PACKAGED / VOCABULARY).as_posix() if path == VOCABULARY else source.shown
+
+
+def _escaped(path: str) -> str:
+    for special, written in (("\\", "\\\\"), (" ", "\\ "), ("#", "\\#"), ("$", "$$")):
+        path = path.replace(special, written)
+    return path
