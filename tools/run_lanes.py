@@ -44,6 +44,8 @@ def all_lanes(build: str, jobs: int) -> list[Lane]:
         Lane("host", (python, "tools/check_host.py"), r"^check_host: "),
         Lane("layers", (python, "tools/check_layers.py"), r"^check_layers: "),
         Lane("generated", (python, "-m", "gidl", "gen", "--check"), r"\S"),
+        Lane("gidl-fmt", (python, "-m", "gidl", "fmt", "--check"), r"^gidl: "),
+        Lane("gidl-lint", (python, "-m", "gidl", "lint"), r"^gidl: "),
         Lane("ruff", (python, "-m", "ruff", "check", "."), r"^(All checks passed|Found )"),
         Lane("mypy", (python, "-m", "mypy"), r"^(Success|Found )"),
         Lane(

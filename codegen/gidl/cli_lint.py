@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import sys
 
-from gidl.cli_shared import FINDINGS, FINE, USAGE, add_files, files_of, show
+from gidl.cli_shared import FINDINGS, FINE, USAGE, add_files, count, files_of, show
 from gidl.compile import compile_files
 
 
@@ -47,4 +48,6 @@ def run(chosen: argparse.Namespace) -> int:
             key=lambda f: (order[f.location.file], f.location.line) if f.location else (-1, 0)
         )
     show(chosen, findings, compiled.sources)
+    if not findings and chosen.error_format == "text":
+        print(f"gidl: nothing to better in {count(len(files), 'file')}", file=sys.stderr)
     return FINDINGS if findings else FINE

@@ -13,7 +13,7 @@ import pytest
 from evolving import Lab, Side, Slot, categories, edited, random_lab, understand_each_other
 
 EDITS = int(os.environ.get("GIDL_EVOLUTION_EDITS", "160"))
-CHUNKS = 4
+CHUNKS = 8
 
 
 @pytest.mark.parametrize("chunk", range(CHUNKS))
