@@ -96,6 +96,10 @@ def test_an_object_that_was_refused_can_be_added_under_another_name(
         assert lab.create(Lamp, "LAMP2").label().result() == "a lamp"
 
 
+def test_an_object_of_this_process_is_reached_without_leaving_it(lamp: Lamp) -> None:
+    assert repr(lamp) == "<test::Lamp 'LAMP' over inproc>"
+
+
 @pytest.mark.parametrize("medium", ["inproc", "shm", "lcm"])
 def test_the_named_medium_is_used(lab: gecos.Lab, server: gecos.Server, medium: str) -> None:
     lamp = lab.create(Lamp, "LAMP", medium=medium)
