@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from gidl.model import (
+    AnyDeclaration,
     Attribute,
     Extensibility,
     Facts,
@@ -18,9 +19,12 @@ from gidl.model import (
     Range,
     Struct,
     Type,
+    Typedef,
+    Union,
     Value,
 )
 from gidl.targets.naming import UnsupportedError
+from gidl.targets.reach import named_types
 from gidl.wire_layout import CallLayout, Layout
 
 
@@ -99,6 +103,37 @@ def stream_attributes(model: Model, layout: Layout, interface: Interface) -> lis
 def short_name(call: CallLayout) -> str:
     """ "move", "tool_offset="."""
     return call.name.rpartition("::")[2]
+
+
+def refuse_objects(model: Model, file: File) -> None:
+    """Raises UnsupportedError where an object is used as a value: no output passes proxies yet."""
+    for declaration in file.declarations:
+        for place, used in _used_types(declaration):
+            for name in named_types(used):
+                if isinstance(model.find(name), Interface):
+                    raise UnsupportedError(
+                        place.location,
+                        f"objects as values are not generated yet: {name};"
+                        " pass the object's name as a string and create it by that name",
+                    )
+
+
+def _used_types(declaration: AnyDeclaration) -> Iterator[tuple[Facts, Type]]:
+    match declaration:
+        case Struct():
+            yield from ((m.facts, m.type) for m in declaration.members)
+        case Union():
+            yield from ((case.member.facts, case.member.type) for case in declaration.cases)
+        case Typedef():
+            yield declaration.facts, declaration.type
+        case Interface():
+            for member in declaration.members:
+                if isinstance(member, Attribute):
+                    yield member.facts, member.type
+                    continue
+                yield from ((p.facts, p.type) for p in member.parameters)
+                if member.result is not None:
+                    yield member.facts, member.result
 
 
 def refuse_unsupported(interface: Interface) -> None:

@@ -400,7 +400,8 @@ class _Builder:
             doc = doc_lines(field.facts, f"{field.width} bits")
             fields.append(FieldView(PRIMITIVES[kind], name, initial, doc))
             pack.append(
-                f"((static_cast<{unsigned}>({name}) & {unsigned}{{0x{mask:x}U}}) << {field.position})"
+                f"((static_cast<{unsigned}>({name}) & {unsigned}{{0x{mask:x}U}})"
+                f" << {field.position})"
             )
             raw = f"(raw >> {field.position}) & 0x{mask:x}U"
             if kind is Primitive.BOOLEAN:
