@@ -35,7 +35,9 @@ _ENTRY_LAYOUT_2 = wire.Fields(
 
 @dataclass(slots=True)
 class Entry:
-    """Where an object is and what it is: what a server tells the broker and a client asks for."""
+    """Where an object is and what it is: what a server tells the broker and a client asks
+    for.
+    """
 
     name: str = ""
     """"RX90\""""

@@ -239,7 +239,9 @@ class GecosObject(Object):
         return self._gecos_call(_GECOS_OBJECT_HOLDERS, [])
 
     def stop(self) -> Command[None]:
-        """Stops what the object does, whoever asks: everything queued ends, nothing overtakes it."""
+        """Stops what the object does, whoever asks: everything queued ends, nothing overtakes
+        it.
+        """
         return self._gecos_call(_GECOS_OBJECT_STOP, [])
 
     def ping(self) -> Command[None]:
@@ -345,7 +347,9 @@ class GecosObjectServant(Servant):
 
     @abstractmethod
     def stop(self) -> None:
-        """Stops what the object does, whoever asks: everything queued ends, nothing overtakes it."""
+        """Stops what the object does, whoever asks: everything queued ends, nothing overtakes
+        it.
+        """
 
     @abstractmethod
     def ping(self) -> None:

@@ -237,7 +237,8 @@ class Manipulator(Device):
         return self._gecos_call(_MANIPULATOR_SET_TOOL_OFFSET, out)
 
     def move(self, goal: Frame, how: Trajectory | None = None) -> Command[None, MotionProgress]:
-        """Moves the tool frame to `goal`, given in the world. FINISHED when it stands at the goal.
+        """Moves the tool frame to `goal`, given in the world. FINISHED when it stands at the
+        goal.
 
         May raise OutOfReach, JointLimit, Singular.
         """
@@ -307,7 +308,8 @@ class ManipulatorServant(DeviceServant):
 
     @abstractmethod
     def move(self, goal: Frame, how: Trajectory | None, run: Execution[MotionProgress]) -> None:
-        """Moves the tool frame to `goal`, given in the world. FINISHED when it stands at the goal.
+        """Moves the tool frame to `goal`, given in the world. FINISHED when it stands at the
+        goal.
 
         May raise OutOfReach, JointLimit, Singular.
         """

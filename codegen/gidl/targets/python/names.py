@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import textwrap
+
 from gidl.keywords import PYTHON
 from gidl.model import Interface, Model, Struct
 from gidl.targets.naming import LocalNames, escaped, snake_case, source_stem
@@ -61,7 +63,8 @@ def enumerator(name: str) -> str:
 
 def docstring(lines: tuple[str, ...]) -> tuple[str, ...]:
     """The lines as they can stand between three quotes."""
-    safe = [line.replace("\\", "\\\\").replace('"""', '\\"\\"\\"') for line in lines]
+    fitting = [part for line in lines for part in textwrap.wrap(line, 86) or [""]]
+    safe = [line.replace("\\", "\\\\").replace('"""', '\\"\\"\\"') for line in fitting]
     if len(safe) == 1 and safe[0].endswith('"'):
         safe[0] = safe[0][:-1] + '\\"'
     return tuple(safe)
