@@ -16,7 +16,7 @@ namespace gecos {
 
 struct LabOptions {
   /// Address of the broker, "shm:…" or "lcm:…". Empty: `GECOS_BROKER`, else this host's broker.
-  std::string broker;
+  std::string broker{};
   Duration grace = std::chrono::seconds(1);          ///< how long a lost peer may stay UNREACHABLE
   Duration lease_ttl = std::chrono::milliseconds(500);  ///< silence that ends a session
   Duration heartbeat = std::chrono::milliseconds(100);
@@ -24,7 +24,7 @@ struct LabOptions {
 
 struct CreateOptions {
   /// The medium to use; `create` fails when this one is impossible although others exist.
-  std::optional<media::Kind> medium;
+  std::optional<media::Kind> medium{};
   /// How long to wait for the broker and the server to answer.
   Duration patience = std::chrono::seconds(2);
 };

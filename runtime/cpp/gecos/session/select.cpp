@@ -13,7 +13,8 @@ qos::LineOffer line_of(const media::Offer& offer) {
   line.between_hosts = !offer.same_host_only;
   line.reliable = true;  // where the medium loses packets the session repeats them
   line.real_time = offer.real_time;
-  line.reports_death = offer.reports_death;
+  // Within one process nobody outlives the other, so nobody has to be told.
+  line.reports_death = offer.reports_death || offer.kind == media::Kind::Inproc;
   return line;
 }
 

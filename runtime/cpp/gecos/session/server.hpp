@@ -16,9 +16,9 @@ struct ObjectOptions {
   bool thread_safe = false;  ///< handlers may run on several threads at once
   bool blocking = false;     ///< every handler runs on the object's worker, none on the thread that polls
   /// Called at once, on a housekeeping thread, when somebody stops the object: must not block.
-  std::function<void()> on_stop;
+  std::function<void()> on_stop{};
   /// Media that clients may use; empty: all that can be opened here.
-  std::vector<media::Kind> media;
+  std::vector<media::Kind> media{};
   bool well_known = false;  ///< at the host's well-known place instead of in the broker's list
 };
 
