@@ -16,22 +16,22 @@ namespace gecos {
 /// Where an object is and what it is: what a server tells the broker and a client asks for.
 struct Entry {
   /// "RX90"
-  std::string name;
+  std::string name{};
   /// "robcl::Rx90"
-  std::string interface_name;
+  std::string interface_name{};
   /// every interface it also is, "robcl::Manipulator"
-  std::vector<std::string> bases;
+  std::vector<std::string> bases{};
   std::uint64_t interface_hash = 0;
   /// this life of the server process; a restart has another
   std::uint64_t boot = 0;
   std::int32_t pid = 0;
-  std::string user;
+  std::string user{};
   /// host identity, see docs/protocol.md
-  std::string host;
+  std::string host{};
   /// for people
-  std::string hostname;
+  std::string hostname{};
   /// "shm:/run/…", "lcm:239.255.76.67:20017/…", best first
-  std::vector<std::string> addresses;
+  std::vector<std::string> addresses{};
   bool simulated = false;
 
   static constexpr std::string_view type_name() { return "gecos::Entry"; }
@@ -50,8 +50,8 @@ std::string gecos_violation(const Entry& value);
 
 /// [exception]
 struct UnknownName {
-  std::string name;
-  std::vector<std::string> known;
+  std::string name{};
+  std::vector<std::string> known{};
 
   static constexpr std::string_view type_name() { return "gecos::UnknownName"; }
   static constexpr std::int64_t fingerprint() {
@@ -69,8 +69,8 @@ std::string gecos_violation(const UnknownName& value);
 
 /// [exception]
 struct NameTaken {
-  std::string name;
-  std::string by;
+  std::string name{};
+  std::string by{};
 
   static constexpr std::string_view type_name() { return "gecos::NameTaken"; }
   static constexpr std::int64_t fingerprint() {

@@ -27,11 +27,11 @@ std::ostream& operator<<(std::ostream& out, Status value);
 struct Holder {
   gecos::Status status = gecos::Status::SENSOR;
   /// [at most 64]
-  std::string user;
+  std::string user{};
   /// [at most 64]
-  std::string host;
+  std::string host{};
   /// [at most 128]
-  std::string program;
+  std::string program{};
   std::int32_t pid = 0;
   /// since it was acquired [s]
   double held_for = 0;
@@ -56,22 +56,22 @@ std::string gecos_violation(const Holder& value);
 
 /// What an object is and what state it is in.
 struct Description {
-  std::string name;
+  std::string name{};
   /// scoped, `robcl::Rx90`
-  std::string interface_name;
-  std::string version;
+  std::string interface_name{};
+  std::string version{};
   std::uint64_t interface_hash = 0;
   bool simulated = false;
   /// "not required (simulated)"
-  std::string presence;
+  std::string presence{};
   /// "kernel (same user)", "not authenticated"
-  std::string authentication;
+  std::string authentication{};
   /// fencing token of the present status
   std::uint64_t epoch = 0;
   /// actor commands that wait
   std::uint32_t queued = 0;
   /// operation that runs now, empty when none
-  std::string executing;
+  std::string executing{};
   std::int32_t pid = 0;
 
   static constexpr std::string_view type_name() { return "gecos::Description"; }
@@ -90,8 +90,8 @@ std::string gecos_violation(const Description& value);
 
 /// Actor or master status was not given; `holders` says who has it. [exception]
 struct StatusRefused {
-  std::string reason;
-  std::vector<gecos::Holder> holders;
+  std::string reason{};
+  std::vector<gecos::Holder> holders{};
 
   static constexpr std::string_view type_name() { return "gecos::StatusRefused"; }
   static constexpr std::int64_t fingerprint() {

@@ -15,7 +15,7 @@ namespace robcl {
 
 /// [exception]
 struct MountRefused {
-  std::string reason;
+  std::string reason{};
 
   static constexpr std::string_view type_name() { return "robcl::MountRefused"; }
   static constexpr std::int64_t fingerprint() {

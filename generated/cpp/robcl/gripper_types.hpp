@@ -22,7 +22,7 @@ struct GripperState {
   bool moving = false;
   bool holding = false;
   /// name of the body that is held, where it is known
-  std::string held;
+  std::string held{};
 
   static constexpr std::string_view type_name() { return "robcl::GripperState"; }
   static constexpr std::int64_t fingerprint() {
@@ -40,7 +40,7 @@ std::string gecos_violation(const GripperState& value);
 
 /// The asked value is outside what this gripper can do. [exception]
 struct OutOfRange {
-  std::string what;
+  std::string what{};
   double value = 0;
   double lower = 0;
   double upper = 0;

@@ -39,7 +39,7 @@ std::ostream& operator<<(std::ostream& out, const Distance& value);
 
 /// The laser is off, or the sensor cannot measure at all. [exception]
 struct SensorFault {
-  std::string reason;
+  std::string reason{};
 
   static constexpr std::string_view type_name() { return "robcl::SensorFault"; }
   static constexpr std::int64_t fingerprint() {

@@ -41,9 +41,9 @@ struct Trajectory {
   robcl::PathType path = robcl::PathType::JOINT;
   robcl::Blend at_goal = robcl::Blend::BREAK;
   /// [m/s, optional]
-  std::optional<double> tool_speed;
+  std::optional<double> tool_speed{};
   /// [rad/s, optional]
-  std::optional<double> turn_speed;
+  std::optional<double> turn_speed{};
 
   static constexpr std::string_view type_name() { return "robcl::Trajectory"; }
   static constexpr std::int64_t fingerprint() {
@@ -82,7 +82,7 @@ std::string gecos_violation(const MotionProgress& value);
 /// [exception]
 struct OutOfReach {
   /// [at most 160]
-  std::string reason;
+  std::string reason{};
 
   static constexpr std::string_view type_name() { return "robcl::OutOfReach"; }
   static constexpr std::int64_t fingerprint() {
@@ -123,7 +123,7 @@ std::ostream& operator<<(std::ostream& out, const JointLimit& value);
 /// A straight line would pass where a joint has to turn faster than it can. [exception]
 struct Singular {
   /// [at most 160]
-  std::string reason;
+  std::string reason{};
 
   static constexpr std::string_view type_name() { return "robcl::Singular"; }
   static constexpr std::int64_t fingerprint() {

@@ -16,15 +16,15 @@ namespace robcl {
 
 /// A box that things can meet, grip and measure. Its frame is in its middle.
 struct Body {
-  std::string name;
+  std::string name{};
   /// in the world
-  robcl::Frame pose;
+  robcl::Frame pose{};
   /// along its own axes
-  robcl::Vector size;
+  robcl::Vector size{};
   /// part of the laboratory: cannot be gripped
   bool fixed = false;
   /// gripper that carries it, empty when none
-  std::string held_by;
+  std::string held_by{};
 
   static constexpr std::string_view type_name() { return "robcl::Body"; }
   static constexpr std::int64_t fingerprint() {
@@ -45,7 +45,7 @@ struct RayHit {
   bool hit = false;
   /// [m]
   double range = 0;
-  std::string body_name;
+  std::string body_name{};
 
   static constexpr std::string_view type_name() { return "robcl::RayHit"; }
   static constexpr std::int64_t fingerprint() {
@@ -66,7 +66,7 @@ struct Contact {
   bool hit = false;
   /// [m]
   double width = 0;
-  std::string body_name;
+  std::string body_name{};
 
   static constexpr std::string_view type_name() { return "robcl::Contact"; }
   static constexpr std::int64_t fingerprint() {
@@ -84,8 +84,8 @@ std::string gecos_violation(const Contact& value);
 
 /// [exception]
 struct UnknownBody {
-  std::string name;
-  std::vector<std::string> known;
+  std::string name{};
+  std::vector<std::string> known{};
 
   static constexpr std::string_view type_name() { return "robcl::UnknownBody"; }
   static constexpr std::int64_t fingerprint() {

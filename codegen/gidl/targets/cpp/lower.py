@@ -132,25 +132,25 @@ class Lowering:
         return str(value)
 
     def initial(self, member: Member) -> str:
-        """What stands behind a member's name: " = 1.0", "{}" or nothing."""
+        """What stands behind a member's name: " = 1.0" or "{}".
+
+        Never nothing: only so may a program name some members of a struct and leave the others out
+        (`Trajectory{.speed = 0.5}`) under -Wextra.
+        """
         if member.optional:
-            return ""
+            return "{}"
         if member.default is not None:
             return f" = {self.literal(member.default, member.type)}"
         target = self.model.target(member.type)
         if isinstance(target, PrimitiveType):
             zero = {Primitive.BOOLEAN: "false", Primitive.CHAR: "'\\0'"}.get(target.kind, "0")
             return f" = {zero}"
-        if isinstance(target, ArrayType):
-            return "{}"
         if isinstance(target, NamedType):
             declaration = self.model.find(target.name)
             if isinstance(declaration, EnumDeclaration):
                 enum = names.full_name(self.model, declaration.name)
                 return f" = {enum}::{escaped(declaration.initial.name, names.KEYWORDS)}"
-            if isinstance(declaration, Bitmask):
-                return "{}"
-        return ""
+        return "{}"
 
     # -- size --------------------------------------------------------------------------------------
 
