@@ -84,9 +84,8 @@ def test_one_line_per_line_of_the_author_or_all_on_one(file: Path, tmp_path: Pat
     text = file.read_text(encoding="utf-8")
     if "\n#" in text.replace("\n#pragma once", "").replace("\n#include", ""):
         text = re.sub(r"(?m)^#(if|el|end|error).*\n", "", text)
-    without_comments = re.sub(r"(?m)(/\*(?s:.*?)\*/|//.*$)", "", text)
+    pieces = [p for p in scan(text) if not p.is_comment]
     for separator in ("\n", " "):
-        pieces = scan(without_comments)
         broken = "".join(
             f"\n{p.text}\n" if p.kind == "directive" else f"{p.text}{separator}" for p in pieces
         )
