@@ -79,6 +79,7 @@ void IoLoop::run() {
   main_id_ = std::this_thread::get_id();
   spin_.begin();
   while (!ended_.load()) turn(polling);
+  wakeup_.ring();  // for a standby that sleeps on the same events
 }
 
 void IoLoop::run_standby() {
@@ -90,20 +91,20 @@ void IoLoop::run_standby() {
     }
     if (ended_.load()) return;
     Polling polling(polling_);
-    while (!ended_.load() && !main_waits_.load()) turn(polling);
+    while (!ended_.load() && main_is_inside()) turn(polling);
+    wakeup_.ring();  // what it took from the main thread's sleep
   }
 }
 
-/// Polling is wanted back after a handler; a standby that polls meanwhile lets go.
-void IoLoop::take_back(Polling& polling) {
-  if (polling.try_lock()) return;
+void IoLoop::run_handlers(ServedObject& object, Polling& polling) {
   const bool main = std::this_thread::get_id() == main_id_;
-  if (main) {
-    main_waits_.store(true);
-    wakeup_.ring();
-  }
+  if (main) handler_turn_.fetch_add(1);
+  polling.unlock();
+  object.run_ready(Starter::Poller);
+  if (main) handler_turn_.fetch_add(1);
+  if (polling.try_lock()) return;
+  wakeup_.ring();  // a standby polls, and sleeps perhaps: it lets go of what is ours again
   polling.lock();
-  if (main) main_waits_.store(false);
 }
 
 void IoLoop::turn(Polling& polling) {
@@ -131,11 +132,7 @@ bool IoLoop::look_at_hot(Polling& polling) {
     }
     if (session->object()->ready()) {
       something = true;
-      handler_turn_.fetch_add(1);
-      polling.unlock();
-      session->object()->run_ready(Starter::Poller);
-      take_back(polling);
-      handler_turn_.fetch_add(1);
+      run_handlers(*session->object(), polling);
     }
   }
   return something;
@@ -180,7 +177,7 @@ void IoLoop::take_events(int milliseconds, Polling& polling) {
   std::array<epoll_event, 64> events{};
   polling.unlock();
   const int count = epoll_wait(epoll_, events.data(), static_cast<int>(events.size()), milliseconds);
-  take_back(polling);
+  polling.lock();
   for (int at = 0; at < count; ++at) {
     const std::uint64_t key = events[static_cast<std::size_t>(at)].data.u64;
     if (key == wakeup_key) {

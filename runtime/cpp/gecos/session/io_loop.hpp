@@ -44,7 +44,9 @@ class IoLoop {
 
   void run();
   void run_standby();
-  void take_back(Polling& polling);
+  /// Gives polling up meanwhile.
+  void run_handlers(ServedObject& object, Polling& polling);
+  bool main_is_inside() const { return handler_turn_.load() % 2 == 1; }
   /// One look at everything hot; sleeps when nothing is.
   void turn(Polling& polling);
   bool look_at_hot(Polling& polling);
@@ -64,8 +66,7 @@ class IoLoop {
   const int epoll_;
   Wakeup wakeup_;
   std::atomic<bool> ended_{false};              // publishes nothing but itself
-  std::atomic<bool> main_waits_{false};         // publishes nothing but itself: standby, let go
-  std::atomic<std::uint64_t> handler_turn_{0};  // publishes nothing: odd while a handler runs
+  std::atomic<std::uint64_t> handler_turn_{0};  // publishes nothing: odd while main is in a handler
 
   std::mutex polling_;  ///< held by who polls; guards what follows
   media::SpinPolicy spin_;
