@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import os
 import subprocess
 import sys
@@ -22,22 +23,23 @@ def build() -> Path:
     return folder
 
 
-@pytest.fixture(scope="session", autouse=True)
-def rail_python(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
-    """The Python of rail_sensor.gidl, importable here and in every program that is started."""
-    out = tmp_path_factory.mktemp("rail")
+def _generate_rail_python(out: Path) -> None:
+    """Makes the Python of rail_sensor.gidl importable, here and in programs that are started."""
     root = TREE / "tests" / "system" / "rail"
+    words = ["--lang", "python", "-I", root, "-I", TREE / "idl", "--out", out]
     subprocess.run(
-        [
-            *(sys.executable, "-m", "gidl", "gen", "--lang", "python", "--out", out),
-            *("-I", root, "-I", TREE / "idl", root / "lab" / "rail_sensor.gidl"),
-        ],
+        [sys.executable, "-m", "gidl", "gen", *words, root / "lab" / "rail_sensor.gidl"],
         check=True,
+        stdout=subprocess.DEVNULL,
     )
     sys.path.insert(0, str(out / "python"))
     before = os.environ.get("PYTHONPATH")
     os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [str(out / "python"), before]))
-    yield out / "python"
+
+
+_generated = tempfile.TemporaryDirectory(prefix="rail-")
+atexit.register(_generated.cleanup)
+_generate_rail_python(Path(_generated.name))  # now: test modules import it when they are collected
 
 
 @pytest.fixture

@@ -8,11 +8,19 @@ import signal
 import subprocess
 import threading
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 PATIENCE_S = 30.0
 """How long a test waits for a line or an end: far beyond what is promised, a miss is a defect."""
+
+
+def until(happened: Callable[[], bool], what: str, patience: float = PATIENCE_S) -> float:
+    """Asks again and again; how long it took, in s."""
+    began = time.monotonic()
+    while not happened():
+        assert time.monotonic() - began < patience, f"not within {patience} s: {what}"
+    return time.monotonic() - began
 
 
 class Program:
@@ -65,6 +73,8 @@ class Program:
         except subprocess.TimeoutExpired:
             raise AssertionError(f"still runs after {patience} s: {self}") from None
         self._reader.join(patience)
+        if self._process.stdout is not None:
+            self._process.stdout.close()
         return status
 
     def running(self) -> bool:
@@ -119,8 +129,6 @@ class Laboratory:
         """Ends what still runs, last started first, and insists that it does end."""
         stuck = []
         for program in reversed(self.programs):
-            if not program.running():
-                continue
             program.signal(signal.SIGCONT)
             program.signal(signal.SIGTERM)
             try:

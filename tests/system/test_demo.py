@@ -9,9 +9,8 @@ from pathlib import Path
 
 import gecos
 import pytest
-from processes import PATIENCE_S, Laboratory
+from processes import PATIENCE_S, Laboratory, until
 from robcl.world import World
-from test_loss import until
 
 TREE = Path(__file__).resolve().parents[2]
 DEMO = TREE / "examples" / "demo.py"

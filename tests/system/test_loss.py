@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Callable
 from pathlib import Path
 
 import gecos
 import pytest
 from lab.rail_sensor import RailSensor
-from processes import PATIENCE_S, Laboratory, Program
+from processes import PATIENCE_S, Laboratory, Program, until
 from robcl.manipulator import Manipulator
 from robcl.six_axis import SixAxis
 
@@ -20,17 +19,9 @@ SILENCE_S = 0.5  # default of LabOptions.lease_ttl
 SLACK = 5.0  # how much longer than promised real processes may take on a busy machine
 
 
-def until(happened: Callable[[], bool], what: str, patience: float = PATIENCE_S) -> float:
-    """Asks again and again; how long it took, in s."""
-    began = time.monotonic()
-    while not happened():
-        assert time.monotonic() - began < patience, f"not within {patience} s: {what}"
-    return time.monotonic() - began
-
-
-def riding(lab: Laboratory, server: list[str | Path], medium: str) -> tuple[
-    Program, RailSensor, gecos.Lease, gecos.Command[None]
-]:
+def riding(
+    lab: Laboratory, server: list[str | Path], medium: str
+) -> tuple[Program, RailSensor, gecos.Lease, gecos.Command[None]]:
     served = lab.start(*server, ready="serving RAIL")
     rail = gecos.Lab().create(RailSensor, "RAIL", medium=medium)
     lease = gecos.actor(rail)

@@ -1,15 +1,16 @@
-"""Holds RX90 and moves it back and forth, slowly, until the move is ended by somebody else."""
+"""Holds RX90 and turns its first joint, slowly, until the move is ended by somebody else."""
 
 import gecos
-from robcl.frames import translate
-from robcl.manipulator import Manipulator, Trajectory
+from robcl.manipulator import Trajectory
+from robcl.six_axis import Joints, SixAxis
 
-robot = gecos.Lab().create(Manipulator, "RX90")
+robot = gecos.Lab().create(SixAxis, "RX90")
 lease = gecos.actor(robot)
-here = robot.tool().result()
-move = robot.move(here * translate(0.0, 0.0, -0.3), Trajectory(speed=0.01))
-while move.progress().fraction == 0.0 and move.state is gecos.State.RUNNING:
+there = robot.joints().result().position.copy()
+there[0] += 1.0
+move = robot.move_joints(Joints(position=there), Trajectory(speed=0.02))
+while move.wait(0.01) is gecos.State.RUNNING and move.progress().fraction == 0.0:
     pass
-print("moving", flush=True)
+print(f"moving {move!r}", flush=True)
 move.wait()
-print(f"ended {move.state.name}/{move.progress().detail.name}", flush=True)
+print(f"ended {move.state.name}/{move.progress().detail.name}: {move.exception()}", flush=True)
