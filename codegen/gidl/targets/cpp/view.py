@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 from gidl.model import Model
 from gidl.targets.calls import refuse_objects, result_structs
-from gidl.targets.cpp.interface_view import interfaces_view
+from gidl.targets.cpp.calls.file import interfaces_view
 from gidl.targets.cpp.lower import Lowering
-from gidl.targets.cpp.types_view import types_view
+from gidl.targets.cpp.values.file import types_view
 from gidl.targets.naming import OutputFile, has_output, source_stem
 from gidl.wire_layout import Layout
 

@@ -1,0 +1,219 @@
+"""Handlers of servants, their callers, and publishers of streams."""
+
+from __future__ import annotations
+
+from gidl.model import (
+    Attribute,
+    Operation,
+)
+from gidl.targets.calls import (
+    CallValue,
+    attribute_value,
+    first_missing,
+    parameter_value,
+    short_name,
+)
+from gidl.targets.cpp import names
+from gidl.targets.cpp.calls.facts import CallFacts, hex32, request_name
+from gidl.targets.cpp.calls.views import (
+    HandlerView,
+    PublisherView,
+)
+from gidl.targets.cpp.lower import Slot
+from gidl.targets.cpp.lower.statements import block, conjunction, indented, or_at_end
+from gidl.targets.naming import (
+    LocalNames,
+    doc_lines,
+    escaped,
+    value_note,
+)
+from gidl.wire_layout import CallKind, CallLayout
+
+
+class ServerSide(CallFacts):
+    def _handler(self, call: CallLayout) -> HandlerView:
+        member = self._member(call)
+        if isinstance(member, Operation):
+            name, values = (
+                escaped(member.name, names.KEYWORDS),
+                [parameter_value(p) for p in member.inputs],
+            )
+            doc = self._operation_doc(member)
+        elif call.kind is CallKind.SETTER:
+            name, values = self._setter_name(member), [attribute_value(member)]
+            doc = doc_lines(member.facts, value_note(member.unit, member.range))
+        else:
+            name, values = escaped(member.name, names.KEYWORDS), []
+            doc = doc_lines(member.facts, value_note(member.unit, member.range))
+        parameters = [f"{t} {n}" for t, n, _ in self._parameters(values)]
+        execution = ""
+        if isinstance(member, Operation) and member.cancelable:
+            feedback = self._lowering.type(member.feedback) if member.feedback else ""
+            execution = f"gecos::Execution<{feedback}>"
+            run = LocalNames(escaped(v.name, names.KEYWORDS) for v in values).fresh("run")
+            parameters.append(f"{execution}& {run}")
+        returns = f"gecos::Result<{self._result_type(call, member)}>"
+        return HandlerView(
+            doc,
+            returns,
+            name,
+            ", ".join(parameters),
+            self._caller_name(call),
+            request_name(self._slots(values, "")),
+            hex32(call.code),
+            call.name,
+            tuple(self._handler_body(call, member, name, values, execution)),
+        )
+
+    def _handler_body(
+        self,
+        call: CallLayout,
+        member: Operation | Attribute,
+        name: str,
+        values: list[CallValue],
+        execution: str,
+    ) -> list[str]:
+        slots = self._slots(values, short_name(call).removesuffix("="))
+        taken = {slot.expression for slot in slots}
+        local = LocalNames(taken)
+        source, result, run, request = (
+            local.fresh("from"), local.fresh("result"), local.fresh("run"), request_name(slots),
+        )  # fmt: skip
+        lines = []
+        if values:
+            lines += self._read_arguments(values, slots, source, request, call)
+        arguments = [slot.expression for slot in slots]
+        if execution:
+            lines.append(f"{execution} {run}({request});")
+            arguments.append(run)
+        lines.append(f"const auto {result} = this->{name}({', '.join(arguments)});")
+        lines.append(f"if (!{result}) return {request}.fail({result}.error().failure());")
+        lines += self._answer(call, member, result, request, taken)
+        return lines
+
+    def _read_arguments(
+        self,
+        values: list[CallValue],
+        slots: list[Slot],
+        source: str,
+        request: str,
+        call: CallLayout,
+    ) -> list[str]:
+        lines = [f"gecos::wire::Decoder {source}({request}.arguments());"]
+        required = first_missing(values)
+        taken = LocalNames({s.expression for s in slots} | {source, request})
+        terms = []
+        for i, (value, slot) in enumerate(zip(values, slots, strict=True)):
+            initial = "{}"
+            if value.default is not None and not value.optional:
+                initial = f" = {self._default(value)}"
+            used = self._lowering.type(value.type, value.optional)
+            lines.append(f"{used} {slot.expression}{initial};")
+            term = self._lowering.decode(slot, source, taken)
+            if i >= required:
+                term = or_at_end(source, term)
+            terms.append(term)
+        read = taken.fresh("read")
+        expression = conjunction(terms)
+        expression[0] = f"const bool {read} = {expression[0].removeprefix('return ')}"
+        lines += expression
+        lines += block(
+            f"if (!{read})",
+            [
+                f"return {request}.fail({{gecos::Detail::BadParameter, "
+                f"{source}.error().message(), {{}}, {{}}}});"
+            ],
+        )
+        return lines
+
+    def _answer(
+        self,
+        call: CallLayout,
+        member: Operation | Attribute,
+        result: str,
+        request: str,
+        taken: set[str],
+    ) -> list[str]:
+        values = self._reply(call, member)
+        if not values:
+            return [f"{request}.finish(0, [](gecos::wire::Encoder&) {{}});"]
+        local = LocalNames(taken | {result, request})
+        size, to, value_name = local.fresh("size"), local.fresh("to"), local.fresh("value")
+        lines = [f"const auto& {value_name} = *{result};"]
+        if len(values) > 1:
+            return [
+                *lines,
+                f"{request}.finish({value_name}.encoded_size(),",
+                f"            [&](gecos::wire::Encoder& {to}) {{ {value_name}.encode({to}); }});",
+            ]
+        slot = Slot(
+            value_name, short_name(call), values[0].type, values[0].optional, values[0].range
+        )
+        checks = self._lowering.check(slot, LocalNames(taken | {result, request, value_name}))
+        if checks:
+            wrong = local.fresh("wrong")
+            lines += [f"const std::string {wrong} = [&]() -> std::string {{", *indented(checks)]
+            lines += ["  return {};", "}();"]
+            lines += block(
+                f"if (!{wrong}.empty())",
+                [
+                    f"return {request}.fail({{gecos::Detail::Fault, "
+                    f'"the handler of {call.name} gave " + {wrong}, {{}}, {{}}}});'
+                ],
+            )
+        always, more = self._lowering.size(slot, size, LocalNames(taken | {size, value_name}))
+        size_text = str(always)
+        if more:
+            lines += [f"std::size_t {size} = {always};", *more]
+            size_text = size
+        writes = self._lowering.encode(slot, to, LocalNames(taken | {to, value_name}))
+        if len(writes) == 1:
+            lines.append(
+                f"{request}.finish({size_text}, [&](gecos::wire::Encoder& {to}) {{ {writes[0]} }});"
+            )
+        else:
+            lines += [
+                f"{request}.finish({size_text}, [&](gecos::wire::Encoder& {to}) {{",
+                *indented(writes),
+                "});",
+            ]
+        return lines
+
+    def _publisher(self, attribute: Attribute, index: int) -> PublisherView:
+        value = attribute_value(attribute)
+        used = LocalNames(names.method_names(self._model, self._interface))
+        name = used.fresh(f"publish_{attribute.name}")
+        slot = Slot("value", attribute.name, value.type, value.optional, value.range)
+        taken = {"value", "stamp_ns"}
+        lines = ["if (gecos_publisher_ == nullptr) return;"]
+        checks = self._lowering.check(slot, LocalNames(taken))
+        if checks:
+            lines += ["const std::string wrong = [&]() -> std::string {", *indented(checks)]
+            lines += ["  return {};", "}();"]
+            lines += block(
+                "if (!wrong.empty())",
+                [
+                    f'gecos::log_error("{attribute.scoped_name}", "not published: " + wrong);',
+                    "return;",
+                ],
+            )
+        layout = self._layout.stream(attribute.scoped_name)
+        always, more = self._lowering.size(slot, "size", LocalNames({*taken, "size"}))
+        if layout.sample.fixed_size is not None:
+            lines.append(f"std::array<std::byte, {always}> sample;")
+        else:
+            lines += (
+                [f"std::size_t size = {always};", *more]
+                if more
+                else [f"const std::size_t size = {always};"]
+            )
+            lines.append("gecos::Bytes sample(size);")
+        lines.append("gecos::wire::Encoder to(sample);")
+        lines += self._lowering.encode(slot, "to", LocalNames({*taken, "size", "to", "sample"}))
+        lines.append(
+            f"gecos_publisher_->publish({self._name}::gecos_description().streams[{index}],"
+            " sample, stamp_ns);"
+        )
+        return PublisherView(
+            name, attribute.name, self._lowering.parameter(value.type, value.optional), tuple(lines)
+        )

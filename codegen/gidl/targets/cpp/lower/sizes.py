@@ -1,0 +1,81 @@
+"""How large a value is when it is encoded: a constant, and statements that add the rest."""
+
+from __future__ import annotations
+
+from gidl.targets.cpp.lower.statements import (
+    block,
+    call,
+    loop,
+)
+from gidl.targets.cpp.lower.types import Slot, Types
+from gidl.targets.naming import LocalNames
+from gidl.wire_layout import min_size_of, node_of
+from gidl.wire_nodes import (
+    AppendableNode,
+    ArrayNode,
+    EnumNode,
+    MapNode,
+    Node,
+    OptionalNode,
+    ScalarNode,
+    SequenceNode,
+    StringNode,
+    StructNode,
+    UnionNode,
+)
+
+
+class Sizes(Types):
+    def size(self, slot: Slot, total: str, local: LocalNames) -> tuple[int, list[str]]:
+        """Bytes that are always there, and statements that add the others to `total`."""
+        node = node_of(self.model, slot.type, slot.optional)
+        return self._size(node, slot.expression, total, local)
+
+    def _size(self, node: Node, x: str, total: str, local: LocalNames) -> tuple[int, list[str]]:
+        match node:
+            case ScalarNode() | EnumNode():
+                return min_size_of(self.model, node), []
+            case StringNode():
+                return 5, [f"{total} += {call(x, 'size()')};"]
+            case StructNode(name):
+                fixed = self.layout.structs[name].fixed_size
+                if fixed is not None:
+                    return fixed, []
+                return 0, [f"{total} += {call(x, 'encoded_size()')};"]
+            case AppendableNode() | UnionNode(appendable=True):
+                return 4, [f"{total} += {call(x, 'encoded_size()')};"]
+            case UnionNode():
+                return 0, [f"{total} += {call(x, 'encoded_size()')};"]
+            case ArrayNode(element, dimensions):
+                item = local.fresh("item")
+                each, lines = self._size(element, item, total, local)
+                if not lines:
+                    return each * node.count, []
+                for _ in dimensions[1:]:
+                    outer = local.fresh("row")
+                    lines = loop(item, outer, lines)
+                    item = outer
+                return each * node.count, loop(item, x, lines)
+            case SequenceNode(element=element):
+                item = local.fresh("item")
+                each, lines = self._size(element, item, total, local)
+                return 4, self._repeated(x, each, lines, total, loop(item, x, lines))
+            case OptionalNode(element=element):
+                each, lines = self._size(element, f"*{x}", total, local)
+                if each:
+                    lines = [f"{total} += {each};", *lines]
+                return 1, block(f"if ({x})", lines)
+            case MapNode(key, value):
+                key_name, value_name = local.fresh("key"), local.fresh("entry")
+                key_size, key_lines = self._size(key, key_name, total, local)
+                each, lines = self._size(value, value_name, total, local)
+                inner = [*key_lines, *lines]
+                whole = block(f"for (const auto& [{key_name}, {value_name}] : {x})", inner)
+                return 4, self._repeated(x, key_size + each, inner, total, whole)
+            case _:
+                raise AssertionError(node)
+
+    @staticmethod
+    def _repeated(x: str, each: int, inner: list[str], total: str, whole: list[str]) -> list[str]:
+        lines = [f"{total} += {each} * {call(x, 'size()')};"] if each else []
+        return lines + (whole if inner else [])

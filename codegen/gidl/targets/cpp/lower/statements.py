@@ -1,0 +1,58 @@
+"""Lines of C++: blocks, loops, lambdas, conjunctions."""
+
+from __future__ import annotations
+
+
+def call(x: str, what: str) -> str:
+    return f"{x[1:]}->{what}" if x.startswith("*") else f"{x}.{what}"
+
+
+def indented(lines: list[str]) -> list[str]:
+    return [f"  {line}" for line in lines]
+
+
+def block(head: str, lines: list[str]) -> list[str]:
+    return [f"{head} {{", *indented(lines), "}"]
+
+
+def loop(item: str, over: str, lines: list[str], kind: str = "const auto&") -> list[str]:
+    return block(f"for ({kind} {item} : {over})", lines) if lines else []
+
+
+def with_lambda(head: str, parameter: str, name: str, body: list[str]) -> list[str]:
+    """`head` with a lambda behind it whose body is the expression `body`."""
+    first, *rest = body
+    lines = [f"return {first}", *rest]
+    lines[-1] += ";"
+    short = len(lines) == 1 and len(head) + len(parameter) + len(lines[0]) < 80
+    if short:
+        return [f"{head}[&]({parameter}& {name}) {{ {lines[0]} }})"]
+    return [f"{head}[&]({parameter}& {name}) {{", *indented(lines), "})"]
+
+
+def or_at_end(reader: str, term: list[str]) -> list[str]:
+    """`term`, unless nothing is left to read: an older writer's value."""
+    lines = [f"({reader}.at_end() ||", *(f" {line}" for line in term)]
+    if len(term) > 1 and term[0].endswith("&&"):
+        lines[1] = f" ({term[0]}"
+        lines[-1] += ")"
+    lines[-1] += ")"
+    return lines
+
+
+def conjunction(terms: list[list[str]]) -> list[str]:
+    """`return a && b;`, one term to a line."""
+    if not terms:
+        return ["return true;"]
+    lines: list[str] = []
+    for i, term in enumerate(terms):
+        joined = list(term)
+        joined[-1] += ";" if i == len(terms) - 1 else " &&"
+        lines += joined
+    return [f"return {lines[0]}", *(f"       {line}" for line in lines[1:])]
+
+
+def returning(expression: list[str]) -> list[str]:
+    lines = [f"return {expression[0]}", *(f"       {line}" for line in expression[1:])]
+    lines[-1] += ";"
+    return lines

@@ -1,0 +1,82 @@
+"""Statements that write a value."""
+
+from __future__ import annotations
+
+from gidl.model import (
+    Bitset,
+    Primitive,
+)
+from gidl.targets.cpp.lower.statements import (
+    block,
+    call,
+    loop,
+)
+from gidl.targets.cpp.lower.types import PRIMITIVES, Slot, Types, is_bulk
+from gidl.targets.naming import LocalNames
+from gidl.wire_layout import node_of
+from gidl.wire_nodes import (
+    AppendableNode,
+    ArrayNode,
+    EnumNode,
+    MapNode,
+    Node,
+    OptionalNode,
+    ScalarNode,
+    SequenceNode,
+    StringNode,
+    StructNode,
+    UnionNode,
+)
+
+
+class Writing(Types):
+    def encode(self, slot: Slot, to: str, local: LocalNames) -> list[str]:
+        node = node_of(self.model, slot.type, slot.optional)
+        return self._encode(node, slot.expression, to, local)
+
+    def _encode(self, node: Node, x: str, to: str, local: LocalNames) -> list[str]:
+        match node:
+            case ScalarNode():
+                return [f"{to}.put({x});"]
+            case EnumNode(name, wire):
+                if isinstance(self.model.find(name), Bitset):
+                    return [f"{to}.put({call(x, 'bits()')});"]
+                return [f"{to}.put(static_cast<{PRIMITIVES[wire]}>({x}));"]
+            case StringNode():
+                return [f"{to}.put_string({x});"]
+            case StructNode() | UnionNode(appendable=False):
+                return [f"{call(x, f'encode({to})')};"]
+            case AppendableNode() | UnionNode():
+                size = call(x, "encoded_size()")
+                return [f"{to}.put_count({size});", f"{call(x, f'encode({to})')};"]
+            case ArrayNode(element, dimensions):
+                return self._encode_array(element, len(dimensions), x, to, local)
+            case SequenceNode(element=element):
+                lines = self._encode_array(element, 1, x, to, local)
+                return [f"{to}.put_count({call(x, 'size()')});", *lines]
+            case OptionalNode(element=element):
+                inner = self._encode(element, f"*{x}", to, local)
+                return [f"{to}.put({call(x, 'has_value()')});", *block(f"if ({x})", inner)]
+            case MapNode(key, value):
+                key_name, value_name = local.fresh("key"), local.fresh("entry")
+                inner = [
+                    *self._encode(key, key_name, to, local),
+                    *self._encode(value, value_name, to, local),
+                ]
+                head = f"for (const auto& [{key_name}, {value_name}] : {x})"
+                return [f"{to}.put_count({call(x, 'size()')});", *block(head, inner)]
+            case _:
+                raise AssertionError(node)
+
+    def _encode_array(
+        self, element: Node, depth: int, x: str, to: str, local: LocalNames
+    ) -> list[str]:
+        if depth == 1 and is_bulk(element):
+            return [f"{to}.put_array({x});"]
+        item = local.fresh("item" if depth == 1 else "row")
+        if depth == 1:
+            inner = self._encode(element, item, to, local)
+        else:
+            inner = self._encode_array(element, depth - 1, item, to, local)
+        boolean = depth == 1 and element == ScalarNode(Primitive.BOOLEAN)
+        return loop(item, x, inner, "const bool" if boolean else "const auto&")

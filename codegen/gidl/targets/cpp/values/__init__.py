@@ -1,0 +1,1 @@
+"""What the templates of `<file>_types.{hpp,cpp}` print."""

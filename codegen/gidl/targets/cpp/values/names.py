@@ -1,0 +1,19 @@
+"""What the builders of views share."""
+
+from __future__ import annotations
+
+from gidl.model import (
+    AnyDeclaration,
+)
+from gidl.targets.cpp import names
+from gidl.targets.cpp.lower import Lowering
+
+
+class ValueNames:
+    def __init__(self, lowering: Lowering) -> None:
+        self._lowering = lowering
+        self._model = lowering.model
+        self._layout = lowering.layout
+
+    def _name(self, declaration: AnyDeclaration) -> str:
+        return names.simple_name(self._model, declaration.name)

@@ -1,0 +1,156 @@
+"""Unions: their arms and the bodies of their codecs."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from gidl.model import (
+    Member,
+    Primitive,
+    PrimitiveType,
+    Union,
+)
+from gidl.targets.cpp import names
+from gidl.targets.cpp.lower import PRIMITIVES, Slot
+from gidl.targets.cpp.lower.statements import block, conjunction, returning
+from gidl.targets.cpp.values.names import ValueNames
+from gidl.targets.cpp.values.views import (
+    ArmView,
+    CodecView,
+    UnionView,
+    bound_of,
+)
+from gidl.targets.naming import (
+    LocalNames,
+    doc_lines,
+    escaped,
+    value_note,
+)
+from gidl.targets.reach import type_reaches
+from gidl.wire_layout import node_of, wire_tag_of
+from gidl.wire_nodes import EnumNode, ScalarNode
+
+
+class Unions(ValueNames):
+    def _union(self, union: Union) -> UnionView:
+        lowering = self._lowering
+        tag_type = lowering.type(union.discriminator)
+        arms = []
+        for index, case in enumerate(union.cases):
+            several = len(case.labels) != 1 or case.is_default
+            label = lowering.literal(case.labels[0], union.discriminator) if case.labels else ""
+            arms.append(
+                ArmView(
+                    escaped(case.member.name, names.STRUCT_WORDS | {"tag", "value"}),
+                    lowering.type(case.member.type),
+                    lowering.parameter(case.member.type),
+                    index + 1,
+                    label,
+                    several,
+                    doc_lines(
+                        case.member.facts,
+                        value_note(case.member.unit, case.member.range, bound_of(case.member.type)),
+                    ),
+                )
+            )
+        layout = self._layout.unions[union.name]
+        initial = self._initial_tag(union)
+        return UnionView(
+            "union",
+            self._name(union),
+            union.name,
+            doc_lines(union.facts),
+            tag_type,
+            initial,
+            "std::variant<" + ", ".join(["std::monostate", *(a.type for a in arms)]) + ">",
+            tuple(arms),
+            tuple(self._select(union)),
+            f"0x{layout.fingerprint & 0xFFFFFFFFFFFFFFFF:016x}",
+            self._union_codec(union, arms),
+        )
+
+    def _initial_tag(self, union: Union) -> str:
+        dummy = Member("tag", union.discriminator, union.facts)
+        return self._lowering.initial(dummy)
+
+    def _select(self, union: Union) -> list[str]:
+        """Statements that return the variant's index for `tag`."""
+        boolean = self._model.target(union.discriminator) == PrimitiveType(Primitive.BOOLEAN)
+        lines, otherwise = [], "return 0;"
+        for index, case in enumerate(union.cases):
+            if case.is_default:
+                otherwise = f"return {index + 1};"
+            labels = [self._lowering.literal(v, union.discriminator) for v in case.labels]
+            if labels and not case.is_default:
+                if boolean:
+                    test = " || ".join("tag" if label == "true" else "!tag" for label in labels)
+                else:
+                    test = " || ".join(f"tag == {label}" for label in labels)
+                lines.append(f"if ({test}) return {index + 1};")
+        return [*lines, otherwise]
+
+    def _union_codec(self, union: Union, arms: list[ArmView]) -> CodecView:
+        lowering = self._lowering
+        tag_node = node_of(self._model, union.discriminator)
+        assert isinstance(tag_node, ScalarNode | EnumNode)
+        wire = wire_tag_of(tag_node)
+        wire_type = PRIMITIVES[wire]
+        total = wire.size + len(arms)
+        size: list[str] = []
+        check: list[str] = []
+        char = isinstance(tag_node, ScalarNode) and tag_node.primitive is Primitive.CHAR
+        number = "static_cast<unsigned char>(tag)" if char else "tag"
+        encode = [f"to.put(static_cast<{wire_type}>({number}));"]
+        tag_label = f"{union.simple_name}.tag"
+        terms = [self._decode_tag(tag_node, tag_label, wire_type)]
+        check.append(f"if (value.value.index() != {self._name(union)}::gecos_arm(value.tag)) {{")
+        check.append(f'  return gecos::wire::wrong_arm("{union.simple_name}");')
+        check.append("}")
+        for arm, case in zip(arms, union.cases, strict=True):
+            held = f"std::get<{arm.index}>(value)"
+            label = f"{union.simple_name}.{case.member.name}"
+            slot = Slot("arm", label, case.member.type, False, case.member.range)
+            always, more = lowering.size(slot, "size", LocalNames({"size", "arm"}))
+            inner = [f"size += {always};"] if always else []
+            if more:
+                inner = [*inner, f"const auto& arm = {held};", *more]
+            if inner:
+                size += block(f"if (value.index() == {arm.index})", inner)
+            encode.append(f"to.put(value.index() == {arm.index});")
+            writes = lowering.encode(slot, "to", LocalNames({"to", "arm"}))
+            encode += block(
+                f"if (value.index() == {arm.index})", [f"const auto& arm = {held};", *writes]
+            )
+            reads = lowering.decode(slot, "from", LocalNames({"from", "arm"}))
+            there = f'gecos::wire::get_arm(from, gecos_arm(tag) == {arm.index}, "{label}")'
+            if_there = [f"({there} &&", f" (gecos_arm(tag) != {arm.index} ||"]
+            lambda_lines = [
+                "  [&](auto& arm) {",
+                *(f"    {x}" for x in returning(reads)),
+                f"  }}(value.emplace<{arm.index}>())))",
+            ]
+            terms.append([*if_there, *lambda_lines])
+            checks = lowering.check(replace(slot, expression="arm"), LocalNames({"arm", "value"}))
+            if checks:
+                check += block(
+                    f"if (value.value.index() == {arm.index})",
+                    [f"const auto& arm = std::get<{arm.index}>(value.value);", *checks],
+                )
+        if union.extensibility.value == "appendable":
+            terms.append(["gecos::wire::skip_rest(from)"])
+        size_body = [f"std::size_t size = {total};", *size, "return size;"]
+        decode = ["value = std::monostate{};", *conjunction(terms)]
+        if type_reaches(self._model, union.name, union.name):
+            decode[0:0] = [
+                f'const gecos::wire::DepthGuard guard(from, "{union.simple_name}");',
+                "if (!guard) return false;",
+            ]
+        return CodecView(
+            "to", "from", tuple(size_body), tuple(encode), tuple(decode), (*check, "return {};")
+        )
+
+    def _decode_tag(self, tag: ScalarNode | EnumNode, label: str, wire_type: str) -> list[str]:
+        if isinstance(tag, EnumNode):
+            scope = "::".join(names.scope_of(self._model, tag.name))
+            return [f'{scope}::decode_enum(from, tag, "{label}")']
+        return [f'gecos::wire::get_tag<{wire_type}>(from, tag, "{label}")']
