@@ -8,9 +8,9 @@ from gidl.model import Model
 from gidl.targets.calls import refuse_objects, result_structs
 from gidl.targets.naming import OutputFile, has_output
 from gidl.targets.python import names
-from gidl.targets.python.interface_view import interfaces_view
+from gidl.targets.python.calls.file import interfaces_view
 from gidl.targets.python.lower import Lowering
-from gidl.targets.python.types_view import types_view
+from gidl.targets.python.values.file import types_view
 from gidl.wire_layout import Layout
 
 

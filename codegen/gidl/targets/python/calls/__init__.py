@@ -1,0 +1,1 @@
+"""What the template of `<file>.py` prints: client proxies and servants."""

@@ -1,0 +1,138 @@
+"""What the template of `<file>.py` prints of one file."""
+
+from __future__ import annotations
+
+import re
+
+from gidl.model import File, Interface
+from gidl.targets.calls import (
+    refuse_unsupported,
+)
+from gidl.targets.python import names
+from gidl.targets.python.calls.members import Members
+from gidl.targets.python.calls.tables import Tables, quality
+from gidl.targets.python.calls.views import (
+    InterfacesView,
+    InterfaceView,
+)
+from gidl.targets.python.imports import export_order, import_lines
+from gidl.targets.python.lower import Lowering
+from gidl.targets.python.values.names import type_doc
+
+
+def interfaces_view(lowering: Lowering, file: File, types: tuple[str, ...]) -> InterfacesView:
+    builders = [_Interface(lowering, d) for d in file.declarations if isinstance(d, Interface)]
+    views = tuple(builder.view() for builder in builders)
+    text = "\n".join(_all_text(view) for view in views)
+    doc = tuple(line for view in views[:1] for line in view.doc)
+    servants = [f"{view.name}Servant" for view in views]
+    modules = _imports(lowering, file, builders)
+    if types:
+        modules[f"{names.module_of(file.path)}_types"] = set(types)
+    for module, words in _RUNTIME:
+        modules.setdefault(module, set()).update(word for word in words if _uses(text, word))
+    standard = {"abc": ["abstractmethod"] if "def " in text else [], "typing": ["ClassVar"]}
+    if views:
+        standard["collections.abc"] = ["Mapping"]
+    if "npt." in text:
+        standard["typing"].append("TYPE_CHECKING")
+    return InterfacesView(
+        file.path,
+        doc or (f"Types of {file.path}.",),
+        bool(views),
+        tuple(import_lines(standard)) if views else (),
+        tuple(import_lines(modules)),
+        "npt." in text,
+        tuple(sorted([*types, *(view.name for view in views), *servants], key=export_order)),
+        views,
+    )
+
+
+def _all_text(view: InterfaceView) -> str:
+    """Everything that the template prints of it, for finding out which names are used."""
+    parts: list[str] = [view.client_bases, view.server_bases, view.quality]
+    for function in view.functions:
+        parts += [function.head, *function.body]
+    for method in view.methods:
+        parts += [method.type, "Operation(", *method.operation, *method.arguments]
+    for stream in view.streams:
+        parts += ["OutwardStream(", *stream.arguments]
+    for member in view.members:
+        parts += [member.head, *member.body]
+    for handler in view.handlers:
+        parts += ["Handler(", handler.head, handler.arguments, handler.result]
+    for publisher in view.publishers:
+        parts += [publisher.head, *publisher.body]
+    return "\n".join([*parts, "Interface("])
+
+
+def _uses(text: str, word: str) -> bool:
+    return re.search(rf"\b{word}\b", text) is not None
+
+
+_RUNTIME = (
+    ("gecos", ("wire",)),
+    ("gecos.command", ("Command",)),
+    ("gecos.execution", ("Execution",)),
+    (
+        "gecos.interface",
+        (
+            "Access", "Handler", "Interface", "Kind", "Method", "OnLoss", "OnNew", "Operation",
+            "OutwardStream", "Quality", "QualityClass", "no_arguments", "no_result", "nothing",
+        ),
+    ),
+    ("gecos.proxy", ("Object", "StreamAttribute")),
+    ("gecos.servant", ("Servant",)),
+    ("gecos.wire", ("Decoder", "Parts")),
+)  # fmt: skip
+
+
+def _imports(lowering: Lowering, file: File, builders: list[_Interface]) -> dict[str, set[str]]:
+    """Types and base classes that live in other generated modules."""
+    model = lowering.model
+    modules: dict[str, set[str]] = {}
+    for builder in builders:
+        for name in builder.used_types:
+            home = model.file_of(name) if model.has(name) else file.path
+            if home != file.path:
+                module = f"{names.module_of(home)}_types"
+                modules.setdefault(module, set()).add(names.type_name(model, name))
+        for base in builder.interface.bases:
+            if model.file_of(base) != file.path:
+                module = names.module_of(model.file_of(base))
+                simple = names.type_name(model, base)
+                modules.setdefault(module, set()).update((simple, f"{simple}Servant"))
+    return modules
+
+
+class _Interface(Tables, Members):
+    def view(self) -> InterfaceView:
+        interface = self.interface
+        refuse_unsupported(interface)
+        methods, members, handlers = [], [], []
+        for call in self._layout.interfaces[interface.name].calls:
+            methods.append(self._table(call))
+            members.append(self._proxy_member(call))
+            handlers.append(self._handler(call))
+        streamed = [a for a in interface.attributes if a.streams_out]
+        bases = [names.type_name(self._model, base) for base in interface.bases]
+        return InterfaceView(
+            self._name,
+            names.constant(self._name),
+            interface.name,
+            interface.facts.version or "",
+            f"0x{self._layout.interfaces[interface.name].hash:016X}",
+            type_doc(interface.facts),
+            ", ".join(bases or ["Object"]),
+            ", ".join([f"{base}Servant" for base in bases] or ["Servant"]),
+            tuple(bases),
+            tuple(f"{base}Servant" for base in bases),
+            interface.all_bases,
+            quality(interface.qos),
+            tuple(self._functions),
+            tuple(methods),
+            tuple(self._stream_table(a) for a in streamed),
+            tuple(members),
+            tuple(handlers),
+            tuple(self._publisher(a) for a in streamed),
+        )

@@ -1,0 +1,17 @@
+"""Types and codecs in Python: hints, defaults, how a value is written and read.
+
+Writing is statements that append to `out`; reading is an expression over `source`.
+"""
+
+from __future__ import annotations
+
+from gidl.targets.python.lower.reading import Reading
+from gidl.targets.python.lower.runs import Leaf, Run
+from gidl.targets.python.lower.types import CODES, Slot, indented
+from gidl.targets.python.lower.writing import Writing
+
+__all__ = ["CODES", "Leaf", "Lowering", "Run", "Slot", "indented"]
+
+
+class Lowering(Writing, Reading):
+    """All of it, for one model."""

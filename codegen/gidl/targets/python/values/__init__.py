@@ -1,0 +1,1 @@
+"""What the template of `<file>_types.py` prints."""

@@ -1,0 +1,37 @@
+"""What the builders of views share."""
+
+from __future__ import annotations
+
+from gidl.model import (
+    AnyDeclaration,
+    Facts,
+    Member,
+)
+from gidl.targets.naming import doc_lines
+from gidl.targets.python import names
+from gidl.targets.python.lower import Lowering
+
+LOCAL_WORDS = frozenset(
+    ("out", "source", "cls", "self", "wire", "chr", "range", "len", "sorted", "Any", "np", "npt")
+)
+
+
+class ValueNames:
+    def __init__(self, lowering: Lowering) -> None:
+        self._lowering = lowering
+        self._model = lowering.model
+
+    def _name(self, declaration: AnyDeclaration) -> str:
+        return names.type_name(self._model, declaration.name)
+
+
+def type_doc(facts: Facts, note: str = "") -> tuple[str, ...]:
+    return names.docstring(doc_lines(facts, note))
+
+
+def may_be_missing(member: Member) -> bool:
+    return member.optional or member.default is not None
+
+
+def one_line(facts: Facts) -> str:
+    return " ".join(doc_lines(facts))
