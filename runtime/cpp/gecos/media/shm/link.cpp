@@ -4,6 +4,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <system_error>
 #include <utility>
 
 #include "gecos/media/shm/stream.hpp"
@@ -15,6 +16,18 @@ constexpr std::size_t ring_bytes = RingMemory::bytes(usual_slot_count);
 constexpr std::size_t most_streams = 1024;  // of one link; a peer that shares more means harm
 constexpr std::size_t most_unsent = 256;
 constexpr int most_messages_at_once = 64;  // so that a flood on the socket delays, but never holds
+
+/// Fails, with the text of the system, when there is no descriptor left for its bell.
+tl::expected<std::unique_ptr<ShmLink>, std::string> make_link(ShmLink::Role role, Descriptor socket,
+                                                              Peer peer, Descriptor death,
+                                                              SealedMemory own) {
+  try {
+    return std::make_unique<ShmLink>(role, std::move(socket), std::move(peer), std::move(death),
+                                     std::move(own));
+  } catch (const std::system_error& failed) {
+    return tl::unexpected<std::string>(failed.what());
+  }
+}
 
 constexpr const char* inherited_text =
     "this connection belongs to the process that forked this one: make your own";
@@ -75,8 +88,10 @@ tl::expected<std::unique_ptr<Link>, MediumError> ShmLink::greet(Descriptor socke
                                                                 Descriptor death) {
   auto own = make_sealed("gecos client", ring_bytes);
   if (!own) return tl::unexpected(std::move(own.error()));
-  auto link = std::make_unique<ShmLink>(Role::Client, std::move(socket), std::move(peer),
-                                        std::move(death), std::move(*own));
+  auto made = make_link(Role::Client, std::move(socket), std::move(peer), std::move(death),
+                        std::move(*own));
+  if (!made) return tl::unexpected(MediumError{"shm: " + made.error()});
+  auto link = std::move(*made);
   const std::array given{link->own_memory_.memfd.get(), link->bell_.descriptor()};
   if (!send_control(link->other_->socket(), {.type = ControlType::Hello}, given)) {
     return tl::unexpected(MediumError{"shm: the server closed the connection at once"});
@@ -90,8 +105,10 @@ tl::expected<std::unique_ptr<Link>, std::string> ShmLink::welcome(Descriptor soc
                                                                   ReceivedControl& hello) {
   auto own = make_sealed("gecos server", ring_bytes);
   if (!own) return tl::unexpected(std::move(own.error().text));
-  auto link = std::make_unique<ShmLink>(Role::Server, std::move(socket), std::move(peer),
-                                        std::move(death), std::move(*own));
+  auto made = make_link(Role::Server, std::move(socket), std::move(peer), std::move(death),
+                        std::move(*own));
+  if (!made) return tl::unexpected(std::move(made.error()));
+  auto link = std::move(*made);
   std::string problem;
   if (!link->know_peer(hello, problem)) return tl::unexpected(std::move(problem));
   const std::array given{link->own_memory_.memfd.get(), link->bell_.descriptor()};
