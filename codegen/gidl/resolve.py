@@ -144,6 +144,7 @@ class Resolver(InterfaceResolver):
             used = None if parameter.type is None else self._type(parameter.type, inside)
             if parameter.type is not None and used is None:
                 continue
+            used = None if used is None else self._target(used)
             if isinstance(used, NamedType):
                 for enum in enums:
                     if enum.name == used.name:

@@ -112,7 +112,8 @@ class ValueResolver:
         if hidden is not None:
             help_line = (
                 f"'{symbol.name}' is nearer than the {what} '{hidden.name}', and names are "
-                f"compared without regard to case: write '{hidden.scoped}'"
+                f"compared without regard to case: write '{'' if '::' in hidden.scoped else '::'}"
+                f"{hidden.scoped}'"
             )
         self._findings.error(
             "G0405" if what == "exception" else "G0107",
@@ -394,4 +395,4 @@ def _arithmetic(wanted: Type) -> Arithmetic:
 
 
 def _a(kind: str) -> str:
-    return f"an {kind}" if kind[0] in "aeiou" else f"a {kind}"
+    return f"an {kind}" if kind[0] in "aeio" else f"a {kind}"

@@ -21,6 +21,15 @@ TYPE_KINDS = frozenset(
 )
 
 
+# What types are called in other languages.
+_ELSEWHERE = {
+    "int": "int32", "uint": "uint32", "bool": "boolean", "byte": "octet", "float32": "float",
+    "float64": "double", "real": "double", "str": "string", "size_t": "uint64",
+    "int8_t": "int8", "int16_t": "int16", "int32_t": "int32", "int64_t": "int64",
+    "uint8_t": "uint8", "uint16_t": "uint16", "uint32_t": "uint32", "uint64_t": "uint64",
+}  # fmt: skip
+
+
 @dataclass(slots=True, eq=False)
 class Symbol:
     name: str  # simple, as declared
@@ -195,6 +204,8 @@ class Names:
     def hint(self, name: ScopedName, scope: Scope, kinds: frozenset[str]) -> str:
         """A help line for a name that means nothing."""
         wanted = name.parts[-1]
+        if len(name.parts) == 1 and kinds is TYPE_KINDS and wanted in _ELSEWHERE:
+            return f"write '{_ELSEWHERE[wanted]}'"
         below = self.declared_here.get(wanted, 0)
         if below > name.span.location.line:
             return f"it is declared below, in line {below}: IDL wants it before its use"
@@ -250,4 +261,4 @@ def _overload_help(known: str, new: str) -> str:
 
 
 def _a(kind: str) -> str:
-    return f"an {kind}" if kind[0] in "aeiou" else f"a {kind}"
+    return f"an {kind}" if kind[0] in "aeio" else f"a {kind}"

@@ -295,7 +295,8 @@ class TypeParser(TokenReader):
     def _inline_type(self) -> TypeSyntax:
         """`struct S` as a type (C style), or a type declared where it is used."""
         token = self._advance()
-        if self._now.kind in ("id", "escaped") and self._ahead.text != "{":
+        declares = self._ahead.text in ("{", "switch", ":")
+        if self._now.kind in ("id", "escaped") and not declares:
             name = self._scoped_name("a type")
             self._findings.error(
                 "G0100",
@@ -310,7 +311,7 @@ class TypeParser(TokenReader):
             f"declaring {article(token.text)} inside another declaration is",
             f"declare the {token.text} before, and use its name here",
         )
-        if self._now.text != "{":
+        while self._now.text not in ("{", ";", "}") and self._now.kind != "eof":
             self._advance()
         if self._is("{"):
             self._skip_braces()
@@ -345,7 +346,7 @@ class TypeParser(TokenReader):
 
 
 def article(word: str) -> str:
-    return f"an {word}" if word[0] in "aeiou" else f"a {word}"
+    return f"an {word}" if word[0] in "aeio" else f"a {word}"
 
 
 def _integer(text: str) -> int:

@@ -283,8 +283,10 @@ class Vocabulary:
 def _wanted(parameter: Parameter, given: Computed) -> tuple[str, bool]:
     """What the parameter wants, in words, and whether the value is that."""
     match parameter.type:
-        case StringType():
-            return "a string", given.kind == "string"
+        case StringType(bound):
+            what = "a string" if bound is None else f"a string of at most {bound} bytes"
+            short = bound is None or len(str(given.value).encode()) <= bound
+            return what, given.kind == "string" and short
         case PrimitiveType(Primitive.BOOLEAN):
             return "a boolean, TRUE or FALSE", given.kind == "bool"
         case PrimitiveType(Primitive.CHAR):
