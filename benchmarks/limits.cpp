@@ -2,35 +2,20 @@
 
 #include <lcm/lcm.h>
 #include <sched.h>
-#include <signal.h>
 #include <sys/mman.h>
-#include <sys/prctl.h>
 #include <sys/socket.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <array>
 #include <atomic>
-#include <chrono>
 #include <cstdint>
-#include <cstdio>
-#include <cstring>
 #include <new>
 #include <stdexcept>
-#include <thread>
 
 namespace gecos::benchmarks {
 namespace {
 
 using Packet = std::array<char, 64>;
-
-void pin(unsigned core) {
-  cpu_set_t set;
-  CPU_ZERO(&set);
-  CPU_SET(core % std::max(1u, std::thread::hardware_concurrency()), &set);
-  ::sched_setaffinity(0, sizeof set, &set);
-}
 
 /// Slots with a sequence number each, as small as a ring can be.
 struct Ring {
@@ -62,7 +47,8 @@ template <auto wait>
 class RingPair final : public PingPong {
  public:
   explicit RingPair(Cores cores)
-      : rings_(new(map()) TwoRings), server_(cores, [this] {
+      : rings_(new(map()) TwoRings), server_([this, cores] {
+          pin_server(cores);
           Packet packet;
           for (std::uint64_t i = 1;; ++i) {
             rings_->there.get(i, packet, wait);
@@ -85,7 +71,7 @@ class RingPair final : public PingPong {
   TwoRings* const rings_;
   std::uint64_t number_ = 0;
   Packet packet_{};
-  Answering server_;
+  OtherProcess server_;
 };
 
 class SocketPair final : public PingPong {
@@ -94,7 +80,8 @@ class SocketPair final : public PingPong {
     std::array<int, 2> ends{};
     if (::socketpair(AF_UNIX, SOCK_STREAM, 0, ends.data()) != 0) throw std::runtime_error("socketpair");
     end_ = ends[0];
-    server_ = std::make_unique<Answering>(cores, [&] {
+    server_ = std::make_unique<OtherProcess>([&] {
+      pin_server(cores);
       Packet packet;
       while (::recv(ends[1], packet.data(), packet.size(), MSG_WAITALL) > 0) {
         if (::send(ends[1], packet.data(), packet.size(), 0) < 0) return;
@@ -113,13 +100,14 @@ class SocketPair final : public PingPong {
  private:
   int end_ = -1;
   Packet packet_{};
-  std::unique_ptr<Answering> server_;
+  std::unique_ptr<OtherProcess> server_;
 };
 
 class LcmPair final : public PingPong {
  public:
   explicit LcmPair(Cores cores)
-      : server_(cores, [this] {
+      : server_([cores] {
+          pin_server(cores);
           lcm_t* const lcm = ::lcm_create(provider);
           ::lcm_subscribe(lcm, "PING", [](const lcm_recv_buf_t* got, const char*, void*) {
             ::lcm_publish(got->lcm, "PONG", got->data, got->data_size);
@@ -149,94 +137,21 @@ class LcmPair final : public PingPong {
 
  private:
   static constexpr const char* provider = "udpm://239.255.76.67:19999?ttl=0";
-  Answering server_;
+  OtherProcess server_;
   lcm_t* const lcm_;
   std::uint64_t answers_ = 0;
   Packet packet_{};
 };
 
-double at_quantile(std::vector<double>& sorted, double quantile) {
-  std::ranges::sort(sorted);
-  return sorted[static_cast<std::size_t>(static_cast<double>(sorted.size() - 1) * quantile)];
-}
-
 }  // namespace
 
-std::unique_ptr<PingPong> raw_spinning_ring(Cores cores) {
+std::unique_ptr<Pair> raw_spinning_ring(Cores cores) {
   return std::make_unique<RingPair<[] {}>>(cores);
 }
-std::unique_ptr<PingPong> raw_yielding_ring(Cores cores) {
+std::unique_ptr<Pair> raw_yielding_ring(Cores cores) {
   return std::make_unique<RingPair<[] { ::sched_yield(); }>>(cores);
 }
-std::unique_ptr<PingPong> raw_unix_socket(Cores cores) { return std::make_unique<SocketPair>(cores); }
-std::unique_ptr<PingPong> raw_lcm(Cores cores) { return std::make_unique<LcmPair>(cores); }
-
-void pin_client() { pin(0); }
-void pin_server(Cores cores) { pin(cores == Cores::Two ? 1 : 0); }
-
-Answering::Answering(Cores cores, const std::function<void()>& serve) : pid_(::fork()) {
-  if (pid_ != 0) return;
-  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  pin_server(cores);
-  serve();
-  ::_exit(0);
-}
-
-Answering::~Answering() {
-  ::kill(pid_, SIGKILL);
-  ::waitpid(pid_, nullptr, 0);
-}
-
-BusyNeighbours::BusyNeighbours() {
-  for (const Cores cores : {Cores::One, Cores::Two}) {
-    loops_.push_back(std::make_unique<Answering>(cores, [] {
-      std::atomic<unsigned> turns{0};
-      for (;;) turns.fetch_add(1, std::memory_order_relaxed);
-    }));
-  }
-}
-
-std::vector<Result> paired_rounds(const std::vector<Candidate>& candidates, int rounds, int calls) {
-  struct Measured {
-    std::vector<double> p50s;
-    std::vector<double> p99s;
-    std::vector<double> ratios;
-  };
-  std::vector<Measured> measured(candidates.size());
-  for (int round = 0; round < rounds; ++round) {
-    for (std::size_t i = 0; i < candidates.size(); ++i) {
-      const auto pair = candidates[i].start();
-      for (int call = 0; call < calls / 10 + 10; ++call) pair->call();  // warm
-      std::vector<double> times;
-      times.reserve(static_cast<std::size_t>(calls));
-      for (int call = 0; call < calls; ++call) {
-        const auto before = std::chrono::steady_clock::now();
-        pair->call();
-        times.push_back(
-            std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - before)
-                .count());
-      }
-      measured[i].p50s.push_back(at_quantile(times, 0.5));
-      measured[i].p99s.push_back(at_quantile(times, 0.99));
-      measured[i].ratios.push_back(measured[i].p50s.back() / measured[0].p50s.back());
-    }
-  }
-  std::vector<Result> results;
-  for (std::size_t i = 0; i < candidates.size(); ++i) {
-    results.push_back({candidates[i].name, at_quantile(measured[i].p50s, 0.5),
-                       at_quantile(measured[i].p99s, 0.5), at_quantile(measured[i].ratios, 0.5)});
-  }
-  return results;
-}
-
-void print_table(const std::string& title, const std::vector<Result>& results) {
-  std::printf("\n| %s | p50 µs | p99 µs | × %s |\n|---|--:|--:|--:|\n", title.c_str(),
-              results.front().name.c_str());
-  for (const Result& result : results) {
-    std::printf("| %s | %.2f | %.2f | %.2f |\n", result.name.c_str(), result.p50_us, result.p99_us,
-                result.ratio);
-  }
-  std::fflush(stdout);
-}
+std::unique_ptr<Pair> raw_unix_socket(Cores cores) { return std::make_unique<SocketPair>(cores); }
+std::unique_ptr<Pair> raw_lcm(Cores cores) { return std::make_unique<LcmPair>(cores); }
 
 }  // namespace gecos::benchmarks
