@@ -63,7 +63,11 @@ ROWS = (
         "cli -> emit -> targets",
     ),
     _row(r"gidl(\..*)?", r"gidl(\..*)?", _COMPILER),
-    _row(r"gecos\.wire", r"numpy(\..*)?", "gecos.wire is standard library and numpy"),
+    _row(
+        r"gecos\.wire(\..*)?",
+        r"numpy(\..*)?|gecos\.wire(\..*)?",
+        "gecos.wire is standard library and numpy",
+    ),
     _row(
         r"robcl\.frames(\..*)?",
         r"numpy(\..*)?|gecos\.wire|robcl\.frames(\..*)?",

@@ -1,0 +1,64 @@
+"""The codec under generated Python: LCM's type encoding, big-endian, fields in order.
+
+The twin of `runtime/cpp/gecos/wire`: both accept and refuse the same bytes and call what is wrong
+by the same names. Where bytes are wrong in two ways, either may be reported.
+
+Encoding appends pieces to a list (`Parts`) that is joined once; decoding raises `DecodeError`.
+numpy is imported when the first array passes, so that programs without arrays start faster.
+"""
+
+from gecos.wire.codes import MAX_COUNT, MAX_DEPTH, MAX_TEXT, MAX_ZERO_WIDTH
+from gecos.wire.contents import Contents, from_bytes, from_message, put_block, to_bytes, to_message
+from gecos.wire.decode import Decoder
+from gecos.wire.encode import (
+    Parts,
+    array,
+    block,
+    char,
+    count,
+    exactly,
+    fixed,
+    fixed_octets,
+    number,
+    numbers,
+    octets,
+    string,
+)
+from gecos.wire.errors import DecodeError, DecodeProblem, EncodeError, out_of_range
+from gecos.wire.fields import Fields
+from gecos.wire.values import first, same, signed, zeros
+
+__all__ = [
+    "MAX_COUNT",
+    "MAX_DEPTH",
+    "MAX_TEXT",
+    "MAX_ZERO_WIDTH",
+    "Contents",
+    "DecodeError",
+    "DecodeProblem",
+    "Decoder",
+    "EncodeError",
+    "Fields",
+    "Parts",
+    "array",
+    "block",
+    "char",
+    "count",
+    "exactly",
+    "first",
+    "fixed",
+    "fixed_octets",
+    "from_bytes",
+    "from_message",
+    "number",
+    "numbers",
+    "octets",
+    "out_of_range",
+    "put_block",
+    "same",
+    "signed",
+    "string",
+    "to_bytes",
+    "to_message",
+    "zeros",
+]

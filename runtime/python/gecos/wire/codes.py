@@ -1,0 +1,42 @@
+"""Codes of numbers, those of `struct` and numpy: b B h H i I q Q f d, and ? for a boolean."""
+
+from __future__ import annotations
+
+import struct
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import numpy as np
+
+
+MAX_DEPTH = 16
+MAX_ZERO_WIDTH = 65_536
+MAX_COUNT = 2**31 - 1
+MAX_TEXT = MAX_COUNT - 1
+
+
+CODE_MEANING = {
+    "?": "a boolean",
+    "b": "a whole number from -128 to 127",
+    "B": "a whole number from 0 to 255",
+    "h": "a whole number from -32768 to 32767",
+    "H": "a whole number from 0 to 65535",
+    "i": "a whole number from -2147483648 to 2147483647",
+    "I": "a whole number from 0 to 4294967295",
+    "q": "a whole number from -2**63 to 2**63 - 1",
+    "Q": "a whole number from 0 to 2**64 - 1",
+    "f": "a number of single precision",
+    "d": "a number",
+}
+WRITERS = {code: struct.Struct(">" + code) for code in CODE_MEANING}
+READERS = {code: struct.Struct(">" + code.replace("?", "B")) for code in CODE_MEANING}
+
+
+@cache
+def dtypes(code: str) -> tuple[np.dtype[Any], np.dtype[Any]]:
+    """In the wire's byte order, and in the machine's."""
+    import numpy as np
+
+    wire = np.dtype(">" + code)
+    return wire, wire.newbyteorder("=")

@@ -1,0 +1,252 @@
+"""Reads values out of bytes that nobody vouches for."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable
+from enum import IntEnum, IntFlag
+from typing import TYPE_CHECKING, Any, NoReturn, TypeAlias, TypeVar
+
+from gecos.wire.codes import (
+    MAX_COUNT,
+    MAX_DEPTH,
+    MAX_ZERO_WIDTH,
+    READERS,
+    dtypes,
+)
+from gecos.wire.errors import DecodeError, DecodeProblem
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    Array: TypeAlias = npt.NDArray[Any]
+
+
+_read_int32 = struct.Struct(">i").unpack_from
+_EnumT = TypeVar("_EnumT", bound=IntEnum)
+_FlagsT = TypeVar("_FlagsT", bound=IntFlag)
+_KeyT = TypeVar("_KeyT")
+_ValueT = TypeVar("_ValueT")
+
+
+class Decoder:
+    """Reads from bytes that nobody vouches for; the first fault raises DecodeError.
+
+    No count is believed before the bytes that it promises are there.
+    """
+
+    __slots__ = ("data", "depth", "end", "offset")
+
+    data: bytes | bytearray | memoryview
+    offset: int
+    end: int
+    depth: int
+
+    def __init__(self, data: bytes | bytearray | memoryview) -> None:
+        if type(data) is memoryview and (data.format != "B" or data.ndim != 1):
+            data = data.cast("B")
+        self.data = data
+        self.offset = 0
+        self.end = len(data)
+        self.depth = 0
+
+    @property
+    def remaining(self) -> int:
+        return self.end - self.offset
+
+    def number(self, code: str, field: str = "") -> Any:
+        """One value of a code as for `Fields`."""
+        reader = READERS[code]
+        offset = self.offset
+        if offset + reader.size > self.end:
+            self.refuse(DecodeProblem.TRUNCATED, field)
+        value = reader.unpack_from(self.data, offset)[0]
+        if code == "?":
+            if value > 1:
+                self.refuse(DecodeProblem.INVALID_BOOLEAN, field)
+            value = value == 1
+        self.offset = offset + reader.size
+        return value
+
+    def string(self, most: int = MAX_COUNT, field: str = "") -> str:
+        """`most` counts bytes of UTF-8 without the NUL."""
+        start = self.offset
+        first = start + 4
+        if first <= self.end:
+            data = self.data
+            last: int = first + _read_int32(data, start)[0] - 1
+            if first <= last < self.end and last - first <= most and data[last] == 0:
+                try:
+                    text = str(data[first:last], "utf-8")
+                except UnicodeDecodeError:
+                    raise self._string_error(most, field) from None
+                if "\0" not in text:
+                    self.offset = last + 1
+                    return text
+        raise self._string_error(most, field)
+
+    def _string_error(self, most: int, field: str) -> DecodeError:
+        """What is wrong with the string at `offset`, in the order in which C++ looks."""
+        size = self.remaining - 4
+        length: int = _read_int32(self.data, self.offset)[0] if size >= 0 else 0
+        raw = bytes(self.data[self.offset + 4 : self.offset + 4 + max(min(length, size), 0)])
+        if size < 0:
+            problem = DecodeProblem.TRUNCATED
+        elif length < 1:
+            problem = DecodeProblem.NEGATIVE_COUNT
+        elif length - 1 > most:
+            problem = DecodeProblem.OVER_BOUND
+        elif length > size:
+            problem = DecodeProblem.TRUNCATED
+        elif raw[-1] != 0:
+            problem = DecodeProblem.MISSING_NUL
+        elif b"\0" in raw[:-1]:
+            problem = DecodeProblem.NUL_IN_STRING
+        else:
+            problem = DecodeProblem.INVALID_UTF8
+        return DecodeError(problem, self.offset, field)
+
+    def count(self, min_bytes_each: int, most: int = MAX_COUNT, field: str = "") -> int:
+        """A count of elements of at least so many bytes each, which are there."""
+        start = self.offset
+        if start + 4 > self.end:
+            self.refuse(DecodeProblem.TRUNCATED, field)
+        number: int = _read_int32(self.data, start)[0]
+        if number < 0:
+            self.refuse(DecodeProblem.NEGATIVE_COUNT, field)
+        if number > most or (min_bytes_each == 0 and number > MAX_ZERO_WIDTH):
+            self.refuse(DecodeProblem.OVER_BOUND, field)
+        if number * min_bytes_each > self.end - start - 4:
+            self.refuse(DecodeProblem.TRUNCATED, field)
+        self.offset = start + 4
+        return number
+
+    def ranged(self, code: str, low: Any, high: Any, field: str = "") -> Any:
+        """One value of a code as for `Fields`, within `low` and `high`; None leaves a side open."""
+        value = self.number(code, field)
+        if (low is not None and not value >= low) or (high is not None and not value <= high):
+            self.refuse_range(field, READERS[code].size)
+        return value
+
+    def refuse_range(self, field: str, width: int) -> NoReturn:
+        """Refuses a number that begins `width` bytes before what is read next."""
+        raise DecodeError(DecodeProblem.OUT_OF_RANGE, self.offset - width, field)
+
+    def array(
+        self, code: str, number: int, field: str = "", low: Any = None, high: Any = None
+    ) -> Array:
+        """So many numbers, in an array of its own in the machine's byte order."""
+        import numpy as np
+
+        kind, native = dtypes(code)
+        offset = self.offset
+        after = offset + number * kind.itemsize
+        if after > self.end:
+            self.refuse(DecodeProblem.TRUNCATED, field)
+        if code == "?":
+            raw = np.frombuffer(self.data, np.uint8, number, offset)
+            if number and int(raw.max()) > 1:
+                at = offset + int((raw > 1).argmax())
+                raise DecodeError(DecodeProblem.INVALID_BOOLEAN, at, field)
+        self.offset = after
+        values = np.frombuffer(self.data, kind, number, offset).astype(native)
+        if low is not None and not (values >= low).all():
+            self._refuse_outside(values >= low, kind.itemsize, field)
+        if high is not None and not (values <= high).all():
+            self._refuse_outside(values <= high, kind.itemsize, field)
+        return values
+
+    def _refuse_outside(self, inside: Array, width: int, field: str) -> NoReturn:
+        self.refuse_range(field, (len(inside) - int((~inside).argmax())) * width)
+
+    def octets(self, number: int, field: str = "") -> bytes:
+        """So many bytes as they are."""
+        offset = self.offset
+        after = offset + number
+        if after > self.end:
+            self.refuse(DecodeProblem.TRUNCATED, field)
+        self.offset = after
+        return bytes(self.data[offset:after])
+
+    def enumerator(
+        self,
+        kind: type[_EnumT],
+        number: int,
+        default: _EnumT | None = None,
+        field: str = "",
+        width: int = 4,
+    ) -> _EnumT:
+        """The enumerator of a number that was just read with `width` bytes."""
+        try:
+            return kind(number)
+        except ValueError:
+            if default is not None:
+                return default
+        raise DecodeError(DecodeProblem.UNKNOWN_ENUMERATOR, self.offset - width, field)
+
+    def flags(
+        self, kind: type[_FlagsT], number: int, bits: int, field: str = "", width: int = 4
+    ) -> _FlagsT:
+        """The flags of a number that was just read with `width` bytes; `bits` may be set."""
+        if number >> bits:
+            self.refuse_range(field, width)
+        return kind(number)
+
+    def arm(self, selected: bool, field: str = "") -> bool:
+        """Whether an arm of a union is there, which it must be exactly when it is selected."""
+        start = self.offset
+        if self.number("?", field) != selected:
+            self.refuse(DecodeProblem.UNKNOWN_UNION_TAG, field, start)
+        return selected
+
+    def mapping(
+        self,
+        key: Callable[[], _KeyT],
+        value: Callable[[], _ValueT],
+        min_bytes_each: int,
+        most: int = MAX_COUNT,
+        field: str = "",
+    ) -> dict[_KeyT, _ValueT]:
+        """Entries whose keys ascend strictly: a map has one encoding."""
+        entries: dict[_KeyT, _ValueT] = {}
+        last: Any = None
+        for i in range(self.count(min_bytes_each, most, field)):
+            start = self.offset
+            name: Any = key()
+            if i and not last < name:
+                self.refuse(DecodeProblem.UNSORTED_MAP, field, start)
+            entries[name] = value()
+            last = name
+        return entries
+
+    def block(self, field: str = "") -> Decoder:
+        """Steps over an appendable struct and returns a decoder of its fields alone.
+
+        What that one leaves unread is a newer writer's and is ignored.
+        """
+        size = self.count(1, field=field)
+        inner = Decoder.__new__(Decoder)
+        inner.data = self.data
+        inner.offset = self.offset
+        inner.depth = self.depth
+        self.offset = inner.end = self.offset + size
+        return inner
+
+    def enter(self, field: str = "") -> None:
+        """Before a nested struct; `leave` after it."""
+        if self.depth == MAX_DEPTH:
+            self.refuse(DecodeProblem.TOO_DEEP, field)
+        self.depth += 1
+
+    def leave(self) -> None:
+        self.depth -= 1
+
+    def expect_end(self) -> None:
+        if self.offset != self.end:
+            self.refuse(DecodeProblem.TRAILING_BYTES)
+
+    def refuse(
+        self, problem: DecodeProblem, field: str = "", offset: int | None = None
+    ) -> NoReturn:
+        """Raises; the offset is where the next read would start unless it is given."""
+        raise DecodeError(problem, self.offset if offset is None else offset, field)

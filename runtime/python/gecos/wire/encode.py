@@ -1,0 +1,159 @@
+"""Pieces of a value on its way out: each function gives bytes, joined once at the end."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
+
+from gecos.wire.codes import (
+    CODE_MEANING,
+    MAX_COUNT,
+    WRITERS,
+    dtypes,
+)
+from gecos.wire.errors import EncodeError, out_of_range
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    Array: TypeAlias = npt.NDArray[Any]
+
+
+Parts: TypeAlias = list[bytes | bytearray | memoryview]
+
+_ElementT = TypeVar("_ElementT")
+_pack_int32 = struct.Struct(">i").pack
+
+
+def count(number: int, most: int = MAX_COUNT, field: str = "") -> bytes:
+    """How many elements follow."""
+    if number > most:
+        raise EncodeError(field, f"{number} elements, at most {most} are allowed")
+    return _pack_int32(number)
+
+
+def string(text: str, most: int = MAX_COUNT - 1, field: str = "") -> bytes:
+    """Length with NUL, UTF-8, NUL. `most` counts bytes of UTF-8 without the NUL."""
+    try:
+        raw = text.encode()
+    except UnicodeEncodeError as error:
+        raise EncodeError(field, f"{text!r} cannot be UTF-8: {error.reason}") from None
+    size = len(raw)
+    if size > most:
+        raise EncodeError(field, f"{size} bytes of text, at most {most} are allowed")
+    if b"\0" in raw:
+        raise EncodeError(field, f"{text!r} contains NUL")
+    return _pack_int32(size + 1) + raw + b"\0"
+
+
+def array(values: npt.ArrayLike, code: str, field: str = "") -> memoryview:
+    """Numbers in big-endian order, without a count, ready to be joined. `code` as for `Fields`.
+
+    Refuses what would change the numbers; only double to single precision may round.
+    """
+    import numpy as np
+
+    given = np.asarray(values)
+    wanted, native = dtypes(code)
+    if given.dtype == native or given.size == 0 or np.can_cast(given.dtype, wanted, "safe"):
+        return given.astype(wanted, order="C").data
+    if given.dtype.kind in "iuf" and wanted.kind == "f":
+        return given.astype(wanted, order="C").data
+    if given.dtype.kind in "iu" and wanted.kind in "iu":
+        limits = np.iinfo(wanted)
+        low, high = int(given.min()), int(given.max())
+        if limits.min <= low and high <= limits.max:
+            return given.astype(wanted, order="C").data
+        worst = low if low < limits.min else high
+        raise EncodeError(field, f"{worst} is not {CODE_MEANING[code]}")
+    raise EncodeError(field, f"an array of {given.dtype} where each is {CODE_MEANING[code]}")
+
+
+def block(parts: Parts) -> bytes:
+    """An appendable struct: its size in bytes, then its fields."""
+    fields = b"".join(parts)
+    return _pack_int32(len(fields)) + fields
+
+
+def number(value: Any, code: str, field: str = "") -> bytes:
+    """One value of a code as for `Fields`."""
+    try:
+        return WRITERS[code].pack(value)
+    except (struct.error, OverflowError, TypeError):
+        raise EncodeError(field, f"{value!r} is not {CODE_MEANING[code]}") from None
+
+
+def char(letter: str, field: str = "") -> bytes:
+    """One character of Latin-1, a byte."""
+    try:
+        raw = letter.encode("latin-1")
+    except UnicodeEncodeError:
+        raw = b""
+    if len(raw) != 1:
+        raise EncodeError(field, f"{letter!r} is not one character of Latin-1")
+    return raw
+
+
+def numbers(
+    values: npt.ArrayLike, code: str, most: int, field: str = "", low: Any = None, high: Any = None
+) -> Parts:
+    """A sequence of numbers: its count, then the numbers, each within `low` and `high`."""
+    import numpy as np
+
+    given = np.asarray(values)
+    if given.ndim != 1:
+        raise EncodeError(field, f"an array of {given.ndim} dimensions where a sequence has one")
+    _expect_within(given, low, high, field)
+    return [count(len(given), most, field), array(given, code, field)]
+
+
+def fixed(
+    values: npt.ArrayLike,
+    code: str,
+    shape: tuple[int, ...],
+    field: str = "",
+    low: Any = None,
+    high: Any = None,
+) -> memoryview:
+    """An array of numbers of a given shape, each within `low` and `high`."""
+    import numpy as np
+
+    given = np.asarray(values)
+    if given.shape != shape:
+        raise EncodeError(field, f"an array of shape {given.shape} where {shape} is declared")
+    _expect_within(given, low, high, field)
+    return array(given, code, field)
+
+
+def _expect_within(given: Array, low: Any, high: Any, field: str) -> None:
+    if low is None and high is None:
+        return
+    import numpy as np
+
+    outside = np.zeros(given.shape, bool)
+    if low is not None:
+        outside |= ~(given >= low)
+    if high is not None:
+        outside |= ~(given <= high)
+    if outside.any():
+        shown = f"[{'-inf' if low is None else low}, {'inf' if high is None else high}]"
+        raise out_of_range(field, given[outside].flat[0].item(), shown)
+
+
+def octets(raw: bytes, most: int, field: str = "") -> Parts:
+    """A sequence of bytes: its count, then the bytes."""
+    return [count(len(raw), most, field), bytes(raw)]
+
+
+def fixed_octets(raw: bytes, size: int, field: str = "") -> bytes:
+    if len(raw) != size:
+        raise EncodeError(field, f"{len(raw)} bytes where {size} are declared")
+    return bytes(raw)
+
+
+def exactly(values: Sequence[_ElementT], size: int, field: str = "") -> Sequence[_ElementT]:
+    """`values`, which are refused unless there are so many."""
+    if len(values) != size:
+        raise EncodeError(field, f"{len(values)} elements where {size} are declared")
+    return values

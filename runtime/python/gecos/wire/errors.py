@@ -1,0 +1,55 @@
+"""What is wrong with bytes, or with a value that should become bytes."""
+
+from __future__ import annotations
+
+from enum import Enum
+
+
+class DecodeProblem(Enum):
+    """Why bytes were refused. Names and texts are those of the C++ side."""
+
+    TRUNCATED = "the bytes end before the value does"
+    INVALID_BOOLEAN = "a boolean must be 0 or 1"
+    NEGATIVE_COUNT = "the count is negative"
+    OVER_BOUND = "more elements than allowed"
+    MISSING_NUL = "the string does not end with NUL"
+    NUL_IN_STRING = "the string contains NUL"
+    INVALID_UTF8 = "the string is not UTF-8"
+    TOO_DEEP = "nested deeper than 16"
+    TRAILING_BYTES = "bytes are left over"
+    UNKNOWN_ENUMERATOR = "no enumerator has this number"
+    UNKNOWN_UNION_TAG = "the union's tag and its arms do not agree"
+    OUT_OF_RANGE = "outside its declared range"
+    UNSORTED_MAP = "the map's keys are not ascending"
+    WRONG_FINGERPRINT = "a message of another type"
+    INVALID_VALUE = "not a valid value of its type"
+
+
+class DecodeError(ValueError):
+    """Bytes that are not what they should be: which field, at which byte, and why."""
+
+    def __init__(self, problem: DecodeProblem, offset: int, field: str = "") -> None:
+        named = f"field '{field}' " if field else ""
+        super().__init__(f"{named}at byte {offset}: {problem.value}")
+        self.problem = problem
+        self.offset = offset
+        self.field = field
+
+    def __reduce__(self) -> tuple[type[DecodeError], tuple[DecodeProblem, int, str]]:
+        return DecodeError, (self.problem, self.offset, self.field)
+
+
+class EncodeError(ValueError):
+    """A value that its field cannot carry: which field, and why."""
+
+    def __init__(self, field: str, why: str) -> None:
+        super().__init__(f"{field}: {why}" if field else why)
+        self.field = field
+        self.why = why
+
+    def __reduce__(self) -> tuple[type[EncodeError], tuple[str, str]]:
+        return EncodeError, (self.field, self.why)
+
+
+def out_of_range(field: str, value: object, limits: str) -> EncodeError:
+    return EncodeError(field, f"{value} is outside {limits}")

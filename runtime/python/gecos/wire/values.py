@@ -1,0 +1,46 @@
+"""Small things that generated types are made with."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from gecos.wire.codes import (
+    dtypes,
+)
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    Array: TypeAlias = npt.NDArray[Any]
+
+
+def signed(bits: int, width: int) -> int:
+    """The number that `width` bits are in two's complement."""
+    return bits - (1 << width) if bits >> (width - 1) else bits
+
+
+def first(entry: tuple[Any, Any]) -> Any:
+    """Key by which the entries of a map are sorted."""
+    return entry[0]
+
+
+def zeros(code: str, *shape: int) -> Array:
+    """An array as a new value has it."""
+    import numpy as np
+
+    return np.zeros(shape, dtypes(code)[1])
+
+
+def same(left: Any, right: Any) -> bool:
+    """`==` for values that hold arrays."""
+    if isinstance(left, list) or isinstance(right, list):
+        sized = hasattr(left, "__len__") and hasattr(right, "__len__")
+        return sized and len(left) == len(right) and all(map(same, left, right))
+    if isinstance(left, dict) and isinstance(right, dict):
+        return left.keys() == right.keys() and all(same(left[key], right[key]) for key in left)
+    if left is None or right is None:
+        return left is right
+    equal = left == right
+    if hasattr(equal, "all"):
+        return bool(equal.all()) and left.shape == right.shape
+    return bool(equal)
