@@ -53,6 +53,10 @@ bench: build  ## speeds, shown and never asserted
 	@for program in $$(find $(BUILD)/benchmarks -maxdepth 1 -type f -executable | sort); do \
 	  echo "──── $$program" && $$program || exit 1; done
 
+.PHONY: fuzz
+fuzz: setup  ## ten minutes of input that nobody would write, for the parser
+	@$(PYTHON) tests/fuzz/parser_fuzz.py --seconds 600
+
 .PHONY: wheels
 wheels: setup  ## both wheels into dist/, tried where the tree is not known
 	@tools/check_wheels.sh
