@@ -1,6 +1,9 @@
 // How commands end: canceled, late, replaced, or with their server.
 #include <poll.h>
 
+#include <atomic>
+#include <memory>
+#include <mutex>
 #include <thread>
 
 #include "over_media.hpp"
@@ -101,19 +104,25 @@ TEST_P(Commands, RunInTheOrderInWhichTheyWereIssued) {
 }
 
 TEST_P(Commands, AreAnsweredLaterFromAnotherThread) {
-  std::vector<std::thread> threads;
-  servant_.on_read = [&](gecos::IncomingCall call) {
-    threads.emplace_back([call = std::make_shared<gecos::IncomingCall>(std::move(call))] {
+  struct Answering {
+    std::mutex mutex;
+    std::vector<std::thread> threads;
+  };
+  const auto answering = std::make_shared<Answering>();
+  servant_.on_read([answering](gecos::IncomingCall call) {
+    const std::lock_guard lock(answering->mutex);
+    answering->threads.emplace_back([call = std::make_shared<gecos::IncomingCall>(std::move(call))] {
       call->finish(4, [](gecos::wire::Encoder& to) { to.put(std::int32_t{11}); });
     });
-  };
+  });
   EXPECT_EQ(probe_.read().get().value(), 11);
   EXPECT_EQ(probe_.read().get().value(), 11);
-  for (auto& thread : threads) thread.join();
+  const std::lock_guard lock(answering->mutex);
+  for (auto& thread : answering->threads) thread.join();
 }
 
 TEST_P(Commands, AreFaultWhenTheirHandlerDropsThem) {
-  servant_.on_read = [](gecos::IncomingCall) {};
+  servant_.on_read([](gecos::IncomingCall) {});
   const auto read = probe_.read().get();
   ASSERT_FALSE(read);
   EXPECT_EQ(read.error().detail, Detail::Fault);
@@ -163,17 +172,17 @@ TEST_P(Commands, ReachManyThreadsThroughOneProxy) {
 }
 
 TEST_P(Commands, OfASlowHandlerDoNotKeepOthersWaiting) {
-  std::atomic<bool> go_on{false};
-  servant_.on_read = [&](gecos::IncomingCall call) {
-    go_on.wait(false);
+  const auto go_on = std::make_shared<std::atomic<bool>>(false);
+  servant_.on_read([go_on](gecos::IncomingCall call) {
+    go_on->wait(false);
     call.finish(4, [](gecos::wire::Encoder& to) { to.put(std::int32_t{1}); });
-  };
+  });
   const auto slow = probe_.read();
   const auto other = connect(second_lab_);
   EXPECT_TRUE(gecos::ping(other).get()) << "a standby polls while the handler runs";
   EXPECT_EQ(slow.state(), State::Running);
-  go_on = true;
-  go_on.notify_all();
+  go_on->store(true);
+  go_on->notify_all();
   EXPECT_EQ(slow.get().value(), 1);
 }
 

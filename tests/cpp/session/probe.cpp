@@ -87,7 +87,12 @@ void ProbeServant::gecos_dispatch(gecos::IncomingCall call) {
     return call.fail({gecos::Detail::BadParameter, from.error().message(), {}, {}});
   }
   const auto code = call.operation().code;
-  if (code == read_code && on_read) return on_read(std::move(call));
+  std::function<void(gecos::IncomingCall)> special;
+  {
+    const std::lock_guard lock(mutex_);
+    if (code == read_code) special = on_read_;
+  }
+  if (special) return special(std::move(call));
   if (code == move_code || code == finish_code) return move(std::move(call), argument);
   if (code == set_code) {
     if (argument < 0) return call.fail(gecos::Fault(Jammed{argument}).failure());
@@ -128,6 +133,11 @@ void ProbeServant::move(gecos::IncomingCall call, std::int32_t goal) {
 
 void ProbeServant::publish(std::int32_t value, std::int64_t stamp_ns) {
   gecos_publisher_->publish(description().streams[0], bytes_of(value), stamp_ns);
+}
+
+void ProbeServant::on_read(std::function<void(gecos::IncomingCall)> handler) {
+  const std::lock_guard lock(mutex_);
+  on_read_ = std::move(handler);
 }
 
 void ProbeServant::await_moves(int count) {

@@ -83,7 +83,8 @@ class ProbeServant : public gecos::Servant {
   /// Waits until an event like this happened.
   void await_event(const std::string& event);
 
-  std::function<void(gecos::IncomingCall)> on_read;  ///< instead of answering with the level
+  /// Instead of answering `read` with the level.
+  void on_read(std::function<void(gecos::IncomingCall)> handler);
 
  private:
   void move(gecos::IncomingCall call, std::int32_t goal);
@@ -91,6 +92,7 @@ class ProbeServant : public gecos::Servant {
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;
+  std::function<void(gecos::IncomingCall)> on_read_;
   std::vector<std::string> events_;
   std::int32_t level_ = 7;
   int moves_ = 0;
