@@ -76,9 +76,10 @@ template <class T, class Get>
 }
 
 /// Entries with their count in front, keys strictly ascending: a map has one encoding.
-template <class Key, class T, class GetKey, class Get>
-[[nodiscard]] bool get_map(Decoder& from, std::map<Key, T>& entries, std::size_t min_bytes_each,
-                           std::size_t max, const char* field, GetKey&& get_key, Get&& get) {
+template <class Key, class T, class Order, class GetKey, class Get>
+[[nodiscard]] bool get_map(Decoder& from, std::map<Key, T, Order>& entries,
+                           std::size_t min_bytes_each, std::size_t max, const char* field,
+                           GetKey&& get_key, Get&& get) {
   std::size_t count = 0;
   entries.clear();
   if (!from.get_count(count, min_bytes_each, max, field)) return false;
@@ -86,7 +87,7 @@ template <class Key, class T, class GetKey, class Get>
     const std::size_t offset = from.offset();
     Key key{};
     if (!get_key(key)) return false;
-    if (!entries.empty() && !(entries.rbegin()->first < key)) {
+    if (!entries.empty() && !entries.key_comp()(entries.rbegin()->first, key)) {
       return from.fail(DecodeProblem::UnsortedMap, field, offset);
     }
     if (!get(entries.emplace_hint(entries.end(), std::move(key), T{})->second)) return false;

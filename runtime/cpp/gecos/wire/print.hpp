@@ -27,8 +27,8 @@ template <class T>
 void print(std::ostream& out, const std::vector<T>& values);
 template <class T, std::size_t size>
 void print(std::ostream& out, const std::array<T, size>& values);
-template <class Key, class T>
-void print(std::ostream& out, const std::map<Key, T>& entries);
+template <class Key, class T, class Order>
+void print(std::ostream& out, const std::map<Key, T, Order>& entries);
 
 template <class Range>
 void print_range(std::ostream& out, const Range& values) {
@@ -61,8 +61,8 @@ void print(std::ostream& out, const std::array<T, size>& values) {
   print_range(out, values);
 }
 
-template <class Key, class T>
-void print(std::ostream& out, const std::map<Key, T>& entries) {
+template <class Key, class T, class Order>
+void print(std::ostream& out, const std::map<Key, T, Order>& entries) {
   const char* separator = "";
   out << '{';
   for (const auto& [key, value] : entries) {

@@ -31,4 +31,11 @@ bool valid_utf8(std::string_view text);
 /// May be sent as a string: UTF-8 without NUL.
 bool valid_text(std::string_view text);
 
+/// Characters by their number in Latin-1, also where `char` is signed: the order of keys in a map.
+struct LatinOrder {
+  bool operator()(char a, char b) const {
+    return static_cast<unsigned char>(a) < static_cast<unsigned char>(b);
+  }
+};
+
 }  // namespace gecos::wire

@@ -68,7 +68,10 @@ class Types:
             case SequenceType(element):
                 return f"std::vector<{self.type(element)}>"
             case MapType(key, value):
-                return f"std::map<{self.type(key)}, {self.type(value)}>"
+                order = ""
+                if self.model.target(key) == PrimitiveType(Primitive.CHAR):
+                    order = ", gecos::wire::LatinOrder"
+                return f"std::map<{self.type(key)}, {self.type(value)}{order}>"
             case ArrayType(element, dimensions):
                 text = self.type(element)
                 for size in reversed(dimensions):
