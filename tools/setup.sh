@@ -6,7 +6,7 @@ cd "$(dirname "$0")/.."
 
 # What the C++ is built with, and the interpreter. a|b: either will do (Ubuntu 24.04 renamed some).
 packages=(
-  build-essential cmake ninja-build pkg-config omniidl
+  build-essential clang-14 cmake ninja-build pkg-config omniidl
   python3 python3-venv python3-dev
   libeigen3-dev liborocos-kdl-dev liburdfdom-dev libexpected-dev
   "libglib2.0-0|libglib2.0-0t64"
