@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import sys
+
 import gecos
 import pytest
 from gecos import Detail, State
@@ -49,6 +51,15 @@ def test_a_command_that_was_stopped_while_another_object_had_the_thread_never_st
     burning.result()
     held.dim(1.0).result()
     assert second.starts == []
+
+
+def test_a_handler_that_exits_ends_its_call_and_no_other(lamp: Lamp, servant: PlainLamp) -> None:
+    servant.before_label = sys.exit
+    with pytest.raises(gecos.CommandFailed, match="SystemExit") as caught:
+        lamp.label().result()
+    assert caught.value.detail is Detail.FAULT
+    servant.before_label = lambda: None
+    assert lamp.label().result() == "a lamp"
 
 
 def test_the_first_name_that_is_online_and_of_the_right_type_is_taken(

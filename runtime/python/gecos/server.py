@@ -12,6 +12,7 @@ from gecos import _core, farewell
 from gecos.ending import EndingSignals
 from gecos.errors import CommandFailed, DeclaredError, Detail, ServeError
 from gecos.execution import Execution
+from gecos.interface import Handler
 from gecos.lab import Lab
 from gecos.servant import Servant
 from gecos.wire import DecodeError, Decoder, to_bytes
@@ -107,6 +108,9 @@ def _answer(servant: Servant, call: _core.IncomingCall) -> None:
     except DecodeError as error:
         call.fail(Detail.BAD_PARAMETER, f"{handler.operation.name}: {error}", "", b"")
         return
+    except Exception as error:  # of a value type that a user wrote
+        _fault(call, handler, error)
+        return
     if call.interrupted():  # stopped or canceled while another handler had the thread
         call.fail(Detail.CANCELED, f"{handler.operation.name}: ended before it started", "", b"")
         return
@@ -119,18 +123,22 @@ def _answer(servant: Servant, call: _core.IncomingCall) -> None:
         call.fail(Detail.FAULT, str(error), error._gecos_name, to_bytes(error))
     except CommandFailed as error:
         call.fail(error.detail, error.text, "", b"")
-    except Exception as error:
-        text = f"{handler.operation.name}: {type(error).__name__}: {error}"
-        _core.log_error("server", f"{text}\n{traceback.format_exc()}")
-        call.fail(Detail.FAULT, text, "", b"")
+    except (Exception, SystemExit) as error:  # a handler ends its call, not the thread of all calls
+        _fault(call, handler, error)
     else:
         call.finish(result)
+
+
+def _fault(call: _core.IncomingCall, handler: Handler, error: BaseException) -> None:
+    text = f"{handler.operation.name}: {type(error).__name__}: {error}"
+    _core.log_error("server", f"{text}\n{traceback.format_exc()}")
+    call.fail(Detail.FAULT, text, "", b"")
 
 
 def _stopped(servant: Servant) -> None:
     try:
         servant.gecos_on_stop()
-    except Exception:
+    except (Exception, SystemExit):
         _core.log_error(
             "server",
             f"{servant._gecos_interface.name}: gecos_on_stop failed\n{traceback.format_exc()}",

@@ -72,7 +72,8 @@ class ServerHandle {
 
   nb::object add(const std::string& name, nb::handle interface, bool simulated,
                  const std::vector<std::string>& media) {
-    if (server_ == nullptr) return nb::str("the server is closed");
+    const auto server = server_;  // another thread may close meanwhile
+    if (server == nullptr) return nb::str("the server is closed");
     ObjectOptions options;
     options.simulated = simulated;
     options.thread_safe = true;  // dispatching only queues
@@ -87,7 +88,7 @@ class ServerHandle {
     PulledServant& servant = *served_->servants.emplace_back(std::make_unique<PulledServant>(
         description_of(interface), served_->tasks, served_->servants.size()));
     options.on_stop = [&servant] { servant.stopped(); };
-    const auto added = without_gil([&] { return server_->add(name, servant, std::move(options)); });
+    const auto added = without_gil([&] { return server->add(name, servant, std::move(options)); });
     if (!added) return nb::str(added.error().text.c_str());
     return nb::cast(ServantHandle(served_, servant));
   }
