@@ -1,10 +1,9 @@
 """The whole front end against text nobody would write: findings, no traceback, bounded time.
 
-    python tests/fuzz/parser_fuzz.py --seconds 600 [--seed 7] [--coverage]
+    python tests/fuzz/parser_fuzz.py --seconds 600 [--seed 7]
 
-Pieces of the corpus are cut, doubled, mixed and bent. With --coverage (and atheris installed)
-libFuzzer chooses the inputs by what they reach. Exit status 0: nothing found; 1: the input is kept
-as a file where the program runs, and the traceback printed.
+Pieces of the corpus are cut, doubled, mixed and bent. Exit status 0: nothing found; 1: the input is
+kept as a file where the program runs, and the traceback printed.
 """
 
 from __future__ import annotations
@@ -117,30 +116,12 @@ def run(seconds: float, seed: int) -> int:
     return 0
 
 
-def run_guided(seconds: float) -> int:
-    """libFuzzer's own loop, with the corpus as its seeds. Ends the process."""
-    import atheris
-
-    with atheris.instrument_imports(include=["gidl"]):
-        import gidl.compile
-        import gidl.omg  # noqa: F401
-    folder = Path(tempfile.mkdtemp(prefix="parser-corpus-"))
-    for number, text in enumerate(texts()):
-        (folder / f"{number}.gidl").write_text(text, encoding="utf-8")
-    place = folder.parent / f"{folder.name}.gidl"
-    limits = [f"-max_total_time={int(seconds)}", f"-max_len={LONGEST}", "-timeout=60"]
-    atheris.Setup([sys.argv[0], *limits, str(folder)], lambda data: check(data, place))
-    atheris.Fuzz()
-    return 0
-
-
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--seconds", type=float, default=600.0)
     parser.add_argument("--seed", type=int, default=int.from_bytes(os.urandom(4)))
-    parser.add_argument("--coverage", action="store_true", help="guided by atheris")
     chosen = parser.parse_args()
-    return run_guided(chosen.seconds) if chosen.coverage else run(chosen.seconds, chosen.seed)
+    return run(chosen.seconds, chosen.seed)
 
 
 if __name__ == "__main__":
