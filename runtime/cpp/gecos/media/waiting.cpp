@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <ctime>
+#include <utility>
 #include <vector>
 
 namespace gecos::media {
@@ -14,6 +15,7 @@ SpinPolicy::SpinPolicy(const Clock& clock, SpinOptions options)
     : clock_(clock),
       options_(options),
       looks_between_yields_(options.looks_alone),
+      quickest_yield_(options.quick_yield),
       next_pause_(options.pause_first) {}
 
 bool SpinPolicy::yield() {
@@ -28,18 +30,20 @@ bool SpinPolicy::yield() {
     looks_ = looks_between_yields_;
     return true;
   }
+  const TimePoint before = looks_between_yields_ == 0 ? last_ : clock_.now();
   ::sched_yield();
   const TimePoint now = clock_.now();
-  const Duration took = now - last_;
-  last_ = now;
-  if (took >= options_.lost_core) {
+  const Duration took = now - before;
+  const bool lost_core = now - std::exchange(last_, now) >= options_.lost_core;
+  if (lost_core) {
     paused_until_ = now + next_pause_;
     next_pause_ = std::min(2 * next_pause_, options_.pause_longest);
     state_ = State::Over;
     return false;
   }
   // Somebody else ran here, perhaps the peer: every look before the next yield would delay it.
-  looks_between_yields_ = took >= options_.shared_core ? 0 : options_.looks_alone;
+  quickest_yield_ = std::min(quickest_yield_, took);
+  looks_between_yields_ = took >= 2 * quickest_yield_ ? 0 : options_.looks_alone;
   if (now - began_ >= options_.longest) {
     next_pause_ = options_.pause_first;  // a whole spin in which the core stayed ours
     state_ = State::Over;

@@ -13,8 +13,8 @@ struct SpinOptions {
   Duration lost_core = std::chrono::microseconds(200);    ///< a yield this long gave the core away
   Duration pause_first = std::chrono::milliseconds(20);   ///< no spinning after a lost core …
   Duration pause_longest = std::chrono::seconds(1);       ///< … doubling up to this while it recurs
-  Duration shared_core = std::chrono::microseconds(1);    ///< a yield this long let somebody else run
-  std::uint32_t looks_alone = 64;                         ///< looks between yields on a core of our own
+  Duration quick_yield = std::chrono::microseconds(1);    ///< the longest that a yield to nobody takes
+  std::uint32_t looks_alone = 256;                        ///< looks between yields on a core of our own
 };
 
 /// Decides, look by look, whether to look again or to sleep.
@@ -28,7 +28,9 @@ struct SpinOptions {
 ///
 /// Beside a busy program a yield gives the core away for a whole time slice. It is noticed by timing
 /// it, and then spinning stops for a while; so a wait costs what a wake-up costs, not what the
-/// neighbour likes. One thread at a time; keep one per waiting thread, for what it has learned.
+/// neighbour likes. What a yield to nobody takes differs tenfold between machines, so it is learned: one
+/// that takes twice as long as the quickest has let somebody run, and then every look is followed by a
+/// yield, because it may be the peer who waits for the core. One thread at a time; keep one per waiting thread, for what it has learned.
 class SpinPolicy {
  public:
   explicit SpinPolicy(const Clock& clock, SpinOptions options = {});
@@ -54,6 +56,7 @@ class SpinPolicy {
   State state_ = State::Fresh;
   std::uint32_t looks_ = 0;
   std::uint32_t looks_between_yields_;
+  Duration quickest_yield_;
   TimePoint began_{};
   TimePoint last_{};
   TimePoint paused_until_{};
