@@ -10,6 +10,7 @@ from typing import ClassVar, Self
 
 from gecos import wire
 from gecos.errors import DeclaredError
+from gecos.wire import shapes
 
 __all__ = [
     "Entry",
@@ -113,6 +114,25 @@ class Entry:
     def fingerprint() -> int:
         return 0xA4B1E0E2E68AD9CD
 
+    @staticmethod
+    def _gecos_shape() -> shapes.Shape:
+        return shapes.Members(
+            Entry,
+            (
+                shapes.Member("name", shapes.Text()),
+                shapes.Member("interface_name", shapes.Text()),
+                shapes.Member("bases", shapes.Items(shapes.Text())),
+                shapes.Member("interface_hash", shapes.Number("Q")),
+                shapes.Member("boot", shapes.Number("Q")),
+                shapes.Member("pid", shapes.Number("i")),
+                shapes.Member("user", shapes.Text()),
+                shapes.Member("host", shapes.Text()),
+                shapes.Member("hostname", shapes.Text()),
+                shapes.Member("addresses", shapes.Items(shapes.Text())),
+                shapes.Member("simulated", shapes.Number("?")),
+            ),
+        )
+
 
 @dataclass(slots=True, eq=False)
 class UnknownName(DeclaredError):
@@ -142,6 +162,16 @@ class UnknownName(DeclaredError):
     def fingerprint() -> int:
         return 0x7CD6BC0789C32AB9
 
+    @staticmethod
+    def _gecos_shape() -> shapes.Shape:
+        return shapes.Members(
+            UnknownName,
+            (
+                shapes.Member("name", shapes.Text()),
+                shapes.Member("known", shapes.Items(shapes.Text())),
+            ),
+        )
+
 
 @dataclass(slots=True, eq=False)
 class NameTaken(DeclaredError):
@@ -163,3 +193,13 @@ class NameTaken(DeclaredError):
     @staticmethod
     def fingerprint() -> int:
         return 0xF9FFADED7A4CA4F9
+
+    @staticmethod
+    def _gecos_shape() -> shapes.Shape:
+        return shapes.Members(
+            NameTaken,
+            (
+                shapes.Member("name", shapes.Text()),
+                shapes.Member("by", shapes.Text()),
+            ),
+        )

@@ -11,6 +11,7 @@ from typing import ClassVar, Self
 
 from gecos import wire
 from gecos.errors import DeclaredError
+from gecos.wire import shapes
 
 __all__ = [
     "Description",
@@ -84,6 +85,22 @@ class Holder:
     @staticmethod
     def fingerprint() -> int:
         return 0x698A6B2FE41FD109
+
+    @staticmethod
+    def _gecos_shape() -> shapes.Shape:
+        return shapes.Members(
+            Holder,
+            (
+                shapes.Member("status", shapes.Enumerators(Status)),
+                shapes.Member("user", shapes.Text()),
+                shapes.Member("host", shapes.Text()),
+                shapes.Member("program", shapes.Text()),
+                shapes.Member("pid", shapes.Number("i")),
+                shapes.Member("held_for", shapes.Number("d")),
+                shapes.Member("expires_in", shapes.Number("d")),
+                shapes.Member("releasing", shapes.Number("?")),
+            ),
+        )
 
 
 _DESCRIPTION_LAYOUT_1 = wire.Fields(
@@ -171,6 +188,25 @@ class Description:
     def fingerprint() -> int:
         return 0xB0B1E1F3FCB0CB92
 
+    @staticmethod
+    def _gecos_shape() -> shapes.Shape:
+        return shapes.Members(
+            Description,
+            (
+                shapes.Member("name", shapes.Text()),
+                shapes.Member("interface_name", shapes.Text()),
+                shapes.Member("version", shapes.Text()),
+                shapes.Member("interface_hash", shapes.Number("Q")),
+                shapes.Member("simulated", shapes.Number("?")),
+                shapes.Member("presence", shapes.Text()),
+                shapes.Member("authentication", shapes.Text()),
+                shapes.Member("epoch", shapes.Number("Q")),
+                shapes.Member("queued", shapes.Number("I")),
+                shapes.Member("executing", shapes.Text()),
+                shapes.Member("pid", shapes.Number("i")),
+            ),
+        )
+
 
 @dataclass(slots=True, eq=False)
 class StatusRefused(DeclaredError):
@@ -200,6 +236,16 @@ class StatusRefused(DeclaredError):
     @staticmethod
     def fingerprint() -> int:
         return 0xB6FF0198C8E03F2A
+
+    @staticmethod
+    def _gecos_shape() -> shapes.Shape:
+        return shapes.Members(
+            StatusRefused,
+            (
+                shapes.Member("reason", shapes.Text()),
+                shapes.Member("holders", shapes.Items(shapes.Value(Holder))),
+            ),
+        )
 
 
 _GRANT_LAYOUT = wire.Fields(
@@ -231,3 +277,13 @@ class Grant:
     @staticmethod
     def fingerprint() -> int:
         return 0x1741290F0C97C441
+
+    @staticmethod
+    def _gecos_shape() -> shapes.Shape:
+        return shapes.Members(
+            Grant,
+            (
+                shapes.Member("status", shapes.Enumerators(Status)),
+                shapes.Member("epoch", shapes.Number("Q")),
+            ),
+        )

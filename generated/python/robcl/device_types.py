@@ -9,6 +9,7 @@ from typing import ClassVar, Self
 
 from gecos import wire
 from gecos.errors import DeclaredError
+from gecos.wire import shapes
 
 __all__ = [
     "MountRefused",
@@ -32,3 +33,12 @@ class MountRefused(DeclaredError):
     @staticmethod
     def fingerprint() -> int:
         return 0xED00B27A58C49395
+
+    @staticmethod
+    def _gecos_shape() -> shapes.Shape:
+        return shapes.Members(
+            MountRefused,
+            (
+                shapes.Member("reason", shapes.Text()),
+            ),
+        )

@@ -5,9 +5,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from dataclasses import field as _field
 from typing import Self
 
 from gecos import wire
+from gecos.wire import shapes
 from robcl.frames import Frame
 
 __all__ = [
@@ -46,6 +48,17 @@ class Vector:
     def fingerprint() -> int:
         return 0xAE7E5FBA5EECA11E
 
+    @staticmethod
+    def _gecos_shape() -> shapes.Shape:
+        return shapes.Members(
+            Vector,
+            (
+                shapes.Member("x", shapes.Number("d")),
+                shapes.Member("y", shapes.Number("d")),
+                shapes.Member("z", shapes.Number("d")),
+            ),
+        )
+
 
 _QUATERNION_LAYOUT = wire.Fields(
     "dddd",
@@ -77,3 +90,78 @@ class Quaternion:
     @staticmethod
     def fingerprint() -> int:
         return 0x365BDD4BF9100A1F
+
+    @staticmethod
+    def _gecos_shape() -> shapes.Shape:
+        return shapes.Members(
+            Quaternion,
+            (
+                shapes.Member("w", shapes.Number("d")),
+                shapes.Member("x", shapes.Number("d")),
+                shapes.Member("y", shapes.Number("d")),
+                shapes.Member("z", shapes.Number("d")),
+            ),
+        )
+
+
+_FRAME_LAYOUT_LAYOUT = wire.Fields(
+    "ddddddd",
+    (
+        "Vector.x",
+        "Vector.y",
+        "Vector.z",
+        "Quaternion.w",
+        "Quaternion.x",
+        "Quaternion.y",
+        "Quaternion.z",
+    ),
+)
+
+
+@dataclass(slots=True)
+class _FrameLayout:
+    """Position and orientation of a coordinate system, seen from another."""
+
+    position: Vector = _field(default_factory=Vector)
+    orientation: Quaternion = _field(default_factory=Quaternion)
+
+    def encode(self, out: wire.Parts, /) -> None:
+        out.append(
+            _FRAME_LAYOUT_LAYOUT.pack(
+                self.position.x,
+                self.position.y,
+                self.position.z,
+                self.orientation.w,
+                self.orientation.x,
+                self.orientation.y,
+                self.orientation.z,
+            )
+        )
+
+    @classmethod
+    def decode(cls, source: wire.Decoder, /) -> Self:
+        (
+            position_x,
+            position_y,
+            position_z,
+            orientation_w,
+            orientation_x,
+            orientation_y,
+            orientation_z,
+        ) = _FRAME_LAYOUT_LAYOUT.unpack(source)
+        position_value = Vector(position_x, position_y, position_z)
+        orientation_value = Quaternion(orientation_w, orientation_x, orientation_y, orientation_z)
+        return cls(position_value, orientation_value)
+
+    @staticmethod
+    def _gecos_shape() -> shapes.Shape:
+        return shapes.Members(
+            _FrameLayout,
+            (
+                shapes.Member("position", shapes.Value(Vector)),
+                shapes.Member("orientation", shapes.Value(Quaternion)),
+            ),
+        )
+
+
+shapes.described[Frame] = shapes.Layout(Frame, _FrameLayout)

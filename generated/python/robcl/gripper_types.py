@@ -9,6 +9,7 @@ from typing import ClassVar, Self
 
 from gecos import wire
 from gecos.errors import DeclaredError
+from gecos.wire import shapes
 
 __all__ = [
     "GripperState",
@@ -54,6 +55,19 @@ class GripperState:
     def fingerprint() -> int:
         return 0xE3695E149ACAA4EA
 
+    @staticmethod
+    def _gecos_shape() -> shapes.Shape:
+        return shapes.Members(
+            GripperState,
+            (
+                shapes.Member("width", shapes.Number("d")),
+                shapes.Member("force", shapes.Number("d")),
+                shapes.Member("moving", shapes.Number("?")),
+                shapes.Member("holding", shapes.Number("?")),
+                shapes.Member("held", shapes.Text()),
+            ),
+        )
+
 
 _OUT_OF_RANGE_LAYOUT = wire.Fields(
     "ddd",
@@ -89,3 +103,15 @@ class OutOfRange(DeclaredError):
     @staticmethod
     def fingerprint() -> int:
         return 0x8809D953DA8D5F46
+
+    @staticmethod
+    def _gecos_shape() -> shapes.Shape:
+        return shapes.Members(
+            OutOfRange,
+            (
+                shapes.Member("what", shapes.Text()),
+                shapes.Member("value", shapes.Number("d")),
+                shapes.Member("lower", shapes.Number("d")),
+                shapes.Member("upper", shapes.Number("d")),
+            ),
+        )

@@ -9,6 +9,7 @@ from typing import ClassVar, Self
 
 from gecos import wire
 from gecos.errors import DeclaredError
+from gecos.wire import shapes
 
 __all__ = [
     "Distance",
@@ -54,6 +55,19 @@ class Distance:
     def fingerprint() -> int:
         return 0xBE9649CF1136FC5F
 
+    @staticmethod
+    def _gecos_shape() -> shapes.Shape:
+        return shapes.Members(
+            Distance,
+            (
+                shapes.Member("value", shapes.Number("d")),
+                shapes.Member("valid", shapes.Number("?")),
+                shapes.Member("lower", shapes.Number("d")),
+                shapes.Member("upper", shapes.Number("d")),
+                shapes.Member("stamp", shapes.Number("d")),
+            ),
+        )
+
 
 @dataclass(slots=True, eq=False)
 class SensorFault(DeclaredError):
@@ -74,3 +88,12 @@ class SensorFault(DeclaredError):
     @staticmethod
     def fingerprint() -> int:
         return 0xED00B27A58C49395
+
+    @staticmethod
+    def _gecos_shape() -> shapes.Shape:
+        return shapes.Members(
+            SensorFault,
+            (
+                shapes.Member("reason", shapes.Text()),
+            ),
+        )

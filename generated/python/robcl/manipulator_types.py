@@ -10,6 +10,7 @@ from typing import ClassVar, Self
 
 from gecos import wire
 from gecos.errors import DeclaredError
+from gecos.wire import shapes
 
 __all__ = [
     "Blend",
@@ -109,6 +110,20 @@ class Trajectory:
     def fingerprint() -> int:
         return 0xD448702624F0ED77
 
+    @staticmethod
+    def _gecos_shape() -> shapes.Shape:
+        return shapes.Members(
+            Trajectory,
+            (
+                shapes.Member("speed", shapes.Number("d")),
+                shapes.Member("acceleration", shapes.Number("d")),
+                shapes.Member("path", shapes.Enumerators(PathType)),
+                shapes.Member("at_goal", shapes.Enumerators(Blend)),
+                shapes.Member("tool_speed", shapes.Optional(shapes.Number("d"))),
+                shapes.Member("turn_speed", shapes.Optional(shapes.Number("d"))),
+            ),
+        )
+
 
 _MOTION_PROGRESS_LAYOUT = wire.Fields(
     "dd",
@@ -143,6 +158,16 @@ class MotionProgress:
     def fingerprint() -> int:
         return 0xE2C8D491F2659A98
 
+    @staticmethod
+    def _gecos_shape() -> shapes.Shape:
+        return shapes.Members(
+            MotionProgress,
+            (
+                shapes.Member("fraction", shapes.Number("d")),
+                shapes.Member("remaining", shapes.Number("d")),
+            ),
+        )
+
 
 @dataclass(slots=True, eq=False)
 class OutOfReach(DeclaredError):
@@ -162,6 +187,15 @@ class OutOfReach(DeclaredError):
     @staticmethod
     def fingerprint() -> int:
         return 0xED00B27A58C49395
+
+    @staticmethod
+    def _gecos_shape() -> shapes.Shape:
+        return shapes.Members(
+            OutOfReach,
+            (
+                shapes.Member("reason", shapes.Text()),
+            ),
+        )
 
 
 _JOINT_LIMIT_LAYOUT = wire.Fields(
@@ -198,6 +232,18 @@ class JointLimit(DeclaredError):
     def fingerprint() -> int:
         return 0x5E97B6D7D7AED1BF
 
+    @staticmethod
+    def _gecos_shape() -> shapes.Shape:
+        return shapes.Members(
+            JointLimit,
+            (
+                shapes.Member("axis", shapes.Number("I")),
+                shapes.Member("value", shapes.Number("d")),
+                shapes.Member("lower", shapes.Number("d")),
+                shapes.Member("upper", shapes.Number("d")),
+            ),
+        )
+
 
 @dataclass(slots=True, eq=False)
 class Singular(DeclaredError):
@@ -219,3 +265,12 @@ class Singular(DeclaredError):
     @staticmethod
     def fingerprint() -> int:
         return 0xED00B27A58C49395
+
+    @staticmethod
+    def _gecos_shape() -> shapes.Shape:
+        return shapes.Members(
+            Singular,
+            (
+                shapes.Member("reason", shapes.Text()),
+            ),
+        )

@@ -9,6 +9,7 @@ from enum import IntEnum
 from typing import Self
 
 from gecos import wire
+from gecos.wire import shapes
 
 __all__ = [
     "Configuration",
@@ -66,3 +67,14 @@ class Configuration:
     @staticmethod
     def fingerprint() -> int:
         return 0x1728D4F1BB29BF27
+
+    @staticmethod
+    def _gecos_shape() -> shapes.Shape:
+        return shapes.Members(
+            Configuration,
+            (
+                shapes.Member("arm", shapes.Enumerators(Shoulder)),
+                shapes.Member("bend", shapes.Enumerators(Elbow)),
+                shapes.Member("hand", shapes.Enumerators(Wrist)),
+            ),
+        )

@@ -9,6 +9,7 @@ from dataclasses import field as _field
 from typing import TYPE_CHECKING, Self, TypeAlias
 
 from gecos import wire
+from gecos.wire import shapes
 
 if TYPE_CHECKING:
     import numpy as np
@@ -40,6 +41,15 @@ class Joints:
     @staticmethod
     def fingerprint() -> int:
         return 0xDEB28047FC62F5C4
+
+    @staticmethod
+    def _gecos_shape() -> shapes.Shape:
+        return shapes.Members(
+            Joints,
+            (
+                shapes.Member("position", shapes.Array("d", (6,))),
+            ),
+        )
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Joints):

@@ -10,6 +10,7 @@ from typing import ClassVar, Self
 
 from gecos import wire
 from gecos.errors import DeclaredError
+from gecos.wire import shapes
 from robcl.geometry_types import Frame, Vector
 
 __all__ = [
@@ -64,6 +65,19 @@ class Body:
     def fingerprint() -> int:
         return 0x6B8048C6826A69EB
 
+    @staticmethod
+    def _gecos_shape() -> shapes.Shape:
+        return shapes.Members(
+            Body,
+            (
+                shapes.Member("name", shapes.Text()),
+                shapes.Member("pose", shapes.Value(Frame)),
+                shapes.Member("size", shapes.Value(Vector)),
+                shapes.Member("fixed", shapes.Number("?")),
+                shapes.Member("held_by", shapes.Text()),
+            ),
+        )
+
 
 _RAY_HIT_LAYOUT = wire.Fields(
     "?d",
@@ -97,6 +111,17 @@ class RayHit:
     @staticmethod
     def fingerprint() -> int:
         return 0x93C7ADEF79860A8F
+
+    @staticmethod
+    def _gecos_shape() -> shapes.Shape:
+        return shapes.Members(
+            RayHit,
+            (
+                shapes.Member("hit", shapes.Number("?")),
+                shapes.Member("range", shapes.Number("d")),
+                shapes.Member("body_name", shapes.Text()),
+            ),
+        )
 
 
 _CONTACT_LAYOUT = wire.Fields(
@@ -132,6 +157,17 @@ class Contact:
     def fingerprint() -> int:
         return 0x94172E9049560A8F
 
+    @staticmethod
+    def _gecos_shape() -> shapes.Shape:
+        return shapes.Members(
+            Contact,
+            (
+                shapes.Member("hit", shapes.Number("?")),
+                shapes.Member("width", shapes.Number("d")),
+                shapes.Member("body_name", shapes.Text()),
+            ),
+        )
+
 
 @dataclass(slots=True, eq=False)
 class UnknownBody(DeclaredError):
@@ -160,3 +196,13 @@ class UnknownBody(DeclaredError):
     @staticmethod
     def fingerprint() -> int:
         return 0x7CD6BC0789C32AB9
+
+    @staticmethod
+    def _gecos_shape() -> shapes.Shape:
+        return shapes.Members(
+            UnknownBody,
+            (
+                shapes.Member("name", shapes.Text()),
+                shapes.Member("known", shapes.Items(shapes.Text())),
+            ),
+        )

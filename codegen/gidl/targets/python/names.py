@@ -50,7 +50,7 @@ def member_name(name: str, words: frozenset[str] = STRUCT_WORDS) -> str:
 
 def constant(*words: str) -> str:
     """("Manipulator", "tool_offset") -> "_MANIPULATOR_TOOL_OFFSET"."""
-    return "_" + "_".join(snake_case(word) for word in words).upper()
+    return "_" + "_".join(snake_case(word) for word in words).upper().lstrip("_")
 
 
 def method_names(model: Model, interface: Interface) -> LocalNames:

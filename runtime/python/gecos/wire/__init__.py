@@ -26,6 +26,7 @@ from gecos.wire.encode import (
 )
 from gecos.wire.errors import DecodeError, DecodeProblem, EncodeError, out_of_range
 from gecos.wire.fields import Fields
+from gecos.wire.shapes import JsonError
 from gecos.wire.values import first, same, signed, zeros
 
 __all__ = [
@@ -39,6 +40,7 @@ __all__ = [
     "Decoder",
     "EncodeError",
     "Fields",
+    "JsonError",
     "Parts",
     "array",
     "block",

@@ -39,6 +39,8 @@ def string(text: str, most: int = MAX_COUNT - 1, field: str = "") -> bytes:
         raw = text.encode()
     except UnicodeEncodeError as error:
         raise EncodeError(field, f"{text!r} cannot be UTF-8: {error.reason}") from None
+    except AttributeError:
+        raise EncodeError(field, f"{text!r} is not a string") from None
     size = len(raw)
     if size > most:
         raise EncodeError(field, f"{size} bytes of text, at most {most} are allowed")

@@ -7,11 +7,12 @@ from __future__ import annotations
 
 from gidl.targets.python.lower.reading import Reading
 from gidl.targets.python.lower.runs import Leaf, Run
+from gidl.targets.python.lower.shapes import Shapes
 from gidl.targets.python.lower.types import CODES, Slot, indented
 from gidl.targets.python.lower.writing import Writing
 
 __all__ = ["CODES", "Leaf", "Lowering", "Run", "Slot", "indented"]
 
 
-class Lowering(Writing, Reading):
+class Lowering(Writing, Reading, Shapes):
     """All of it, for one model."""

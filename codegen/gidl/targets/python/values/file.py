@@ -19,7 +19,7 @@ from gidl.model import (
 from gidl.targets.naming import value_note
 from gidl.targets.python import names
 from gidl.targets.python.imports import export_order, import_lines
-from gidl.targets.python.lower import Lowering
+from gidl.targets.python.lower import CODES, Lowering
 from gidl.targets.python.values.names import (
     one_line,
     type_doc,
@@ -49,7 +49,7 @@ def types_view(lowering: Lowering, file: File, extra: tuple[Struct, ...]) -> Typ
         for d in declarations
         if isinstance(d, Struct) and (found := names.mapped(d)) is not None
     ]
-    exported = [t.name for t in types] + [name for _, name in mapped]
+    exported = [t.name for t in types if not t.name.startswith("_")] + [name for _, name in mapped]
     return TypesView(
         file.path,
         type_doc(Facts(Location(file.path, 1, 1), file.doc)) or (f"Types of {file.path}.",),
@@ -113,8 +113,6 @@ def _imports(
     for declaration in declarations:
         match declaration:
             case Struct():
-                if names.mapped(declaration):
-                    continue
                 for member in model.all_members(declaration):
                     used |= lowering.imports(member.type)
             case Union():
@@ -128,6 +126,7 @@ def _imports(
     modules: dict[str, set[str]] = {}
     if {t.kind for t in types} & {"struct", "union", "bits"}:
         modules["gecos"] = {"wire"}
+        modules["gecos.wire"] = {"shapes"}
     if any(isinstance(t, StructView) and t.is_exception for t in types):
         modules["gecos.errors"] = {"DeclaredError"}
     for module, name in mapped:
@@ -164,7 +163,10 @@ class _Types(Structs, Unions):
             case Bitset():
                 return self._bits(declaration)
             case Struct():
-                return None if names.mapped(declaration) else self._struct(declaration)
+                mapped = names.mapped(declaration)
+                if mapped is not None:
+                    return self._twin(declaration, mapped[1])
+                return self._struct(declaration)
             case Union():
                 return self._union(declaration)
             case Typedef():
@@ -187,17 +189,20 @@ class _Types(Structs, Unions):
         )
 
     def _bits(self, bitset: Bitset) -> BitsView:
-        fields, used = [], 0
+        fields, shape, used = [], [], 0
         for f in self._model.all_fields(bitset):
             if f.name is None:
                 continue
             kind = f.type.kind
             boolean = kind is Primitive.BOOLEAN
             signed = not boolean and not kind.is_unsigned
+            member = names.member_name(f.name, names.STRUCT_WORDS | {"pack", "unpack"})
+            attribute = f', attribute="{member}"' if member != f.name else ""
+            shape.append(f'shapes.Member("{f.name}", shapes.Number("{CODES[kind]}"){attribute})')
             used |= ((1 << f.width) - 1) << f.position
             fields.append(
                 BitsFieldView(
-                    names.member_name(f.name, names.STRUCT_WORDS | {"pack", "unpack"}),
+                    member,
                     "bool" if boolean else "int",
                     "False" if boolean else "0",
                     type_doc(f.facts, f"{f.width} bits"),
@@ -213,5 +218,5 @@ class _Types(Structs, Unions):
         wide = bitset.bit_size > 32
         return BitsView(
             "bits", self._name(bitset), type_doc(bitset.facts), "Q" if wide else "I",
-            8 if wide else 4, f"0x{used:x}", tuple(fields),
+            8 if wide else 4, f"0x{used:x}", tuple(fields), tuple(shape),
         )  # fmt: skip

@@ -136,8 +136,11 @@ class Plan:
     ) -> list[str]:
         variables = [local.fresh(_variable(leaf)) for leaf in run.leaves]
         left = ", ".join(variables) + ("," if len(variables) == 1 else "")
-        target = f"({left})" if len(variables) == 1 else left
-        lines = [f"{target} = {self._names[id(run)]}.unpack(source)"]
+        unpacked = f"{self._names[id(run)]}.unpack(source)"
+        long = len(left) + len(unpacked) > 88
+        lines = [
+            f"({left}) = {unpacked}" if long or len(variables) == 1 else f"{left} = {unpacked}"
+        ]
         for i, (leaf, variable) in enumerate(zip(run.leaves, variables, strict=True)):
             lines += self._lowering.refuse_leaf(leaf, variable, run.behind(i))
         left_over, behind = list(variables), [run.behind(i) for i in range(len(run.leaves))]

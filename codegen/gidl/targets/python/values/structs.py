@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from gidl.model import (
     ExceptionStruct,
     Member,
@@ -23,7 +25,7 @@ from gidl.targets.reach import type_reaches
 
 
 class Structs(ValueNames):
-    def _struct(self, struct: Struct) -> StructView:
+    def _struct(self, struct: Struct, stands_for: str = "") -> StructView:
         members = self._model.all_members(struct)
         words = names.STRUCT_WORDS
         is_exception = isinstance(struct, ExceptionStruct)
@@ -53,7 +55,21 @@ class Structs(ValueNames):
             tuple(plan.decode_body(known and type_reaches(self._model, struct.name, struct.name))),
             "" if layout is None else f"0x{layout.fingerprint & (1 << 64) - 1:016X}",
             tuple(self._comparisons(members, words)) if arrays and not is_exception else (),
+            tuple(self._member_shape(m, words) for m in members),
+            stands_for,
         )
+
+    def _twin(self, struct: Struct, mapped: str) -> StructView:
+        """What the declared members look like where a hand-written type has their bytes."""
+        bare = replace(struct, name=f"_{struct.simple_name}Layout", maps_to=None)
+        return self._struct(bare, mapped)
+
+    def _member_shape(self, member: Member, words: frozenset[str]) -> str:
+        shape = self._lowering.shape(member.type, member.optional)
+        name = names.member_name(member.name, words)
+        attribute = f', attribute="{name}"' if name != member.name else ""
+        secret = ", secret=True" if member.secret else ""
+        return f'shapes.Member("{member.name}", {shape}{attribute}{secret})'
 
     def _comparisons(self, members: tuple[Member, ...], words: frozenset[str]) -> list[str]:
         lines = []

@@ -88,6 +88,8 @@ class Unions(ValueNames):
             " | ".join([*hints, "None"]), tuple(arms), tuple(self._select(union)),
             tuple(encode), tuple(decode), f"0x{fingerprint & (1 << 64) - 1:016X}",
             any("npt." in hint for hint in hints),
+            lowering.shape(union.discriminator),
+            tuple(lowering.shape(case.member.type) for case in union.cases),
         )  # fmt: skip
 
     def _decode_tag(

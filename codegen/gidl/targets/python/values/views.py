@@ -50,6 +50,8 @@ class StructView:
     decode: tuple[str, ...]
     fingerprint: str  # "" for what is no declared type
     equal: tuple[str, ...]  # comparisons, where arrays need help
+    shape: tuple[str, ...]  # its members as gecos.wire.shapes has them
+    stands_for: str  # the hand-written type whose layout it has, or ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,6 +78,8 @@ class UnionView:
     decode: tuple[str, ...]
     fingerprint: str
     needs_same: bool
+    tag_shape: str
+    arm_shapes: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,6 +106,7 @@ class BitsView:
     size: int
     used: str
     fields: tuple[BitsFieldView, ...]
+    shape: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,64 @@
+"""What both languages write and refuse as JSON: type of everything.gidl, text, outcome."""
+
+from __future__ import annotations
+
+from type_values import Case
+
+WRITTEN = [
+    ("Grows", "{}", '{"first": 0, "second": 2.5, "third": null, "fourth": "x"}'),
+    ("Choice", '{"tag": 2, "value": "two"}', '{"tag": 2, "value": "two"}'),
+    ("Gap", '{"tag": 7}', '{"tag": 7}'),
+    (
+        "Masks",
+        '{"lit": ["TOP", "LEFT"], "bits": {"mode": 5}, "level": "HIGH"}',
+        '{"lit": ["LEFT", "TOP"], "broad": [], "bits": {"mode": 5, "on": false, "offset": 0},'
+        ' "level": "HIGH"}',
+    ),
+    (
+        "Maps",
+        '{"places": [[2, {"x": 1}], [-1, {}]], "names": [["BLUE", ["b"]]]}',
+        '{"counts": [], "places": [[-1, {"x": 0.0, "y": 0.0, "z": 0.0}],'
+        ' [2, {"x": 1.0, "y": 0.0, "z": 0.0}]], "names": [["BLUE", ["b"]]]}',
+    ),
+    (
+        "Limits",
+        '{"both": -0.5, "lower": "inf", "few": 2}',
+        '{"both": -0.5, "lower": "inf", "upper": 0, "share": 0, "few": 2}',
+    ),
+    (
+        "Words",
+        '{"pass": "hunter2", "value": 1e300}',
+        '{"class": 0, "def": 0, "encode": 0, "size": 0, "to": 0, "pass": "***", "value": 1e300}',
+    ),
+]
+
+REFUSED = [
+    ("Numbers", "{", "not JSON: "),
+    ("Numbers", "[]", "an object is expected, a list is there"),
+    ("Numbers", '{"i8": 128}', "i8: 128 is not a whole number from -128 to 127"),
+    ("Numbers", '{"u64": -1}', "u64: -1 is not a whole number from 0 to 2**64 - 1"),
+    ("Numbers", '{"i32": 1.0}', "i32: a whole number is expected, a number is there"),
+    ("Numbers", '{"i32": true}', "i32: a whole number is expected, a boolean is there"),
+    ("Numbers", '{"flag": 1}', "flag: a boolean is expected, a number is there"),
+    ("Numbers", '{"twice": "1"}', "twice: a number is expected, a text is there"),
+    ("Numbers", '{"letter": "ab"}', "letter: one character of Latin-1 is expected"),
+    ("Numbers", '{"wide": 1}', "wide: there is no such member; there are flag, raw, letter, "),
+    ("Holds", '{"one": {"first": null}}', "one.first: a whole number is expected, null is there"),
+    ("Holds", '{"many": [{}, {"fourth": 1}]}', "many[1].fourth: a text is expected, a number"),
+    ("Holds", '{"pair": [{}]}', "pair: 2 elements are expected, 1 are there"),
+    ("Holds", '{"form": {"tag": "RED", "value": "x"}}', "form.value: a number is expected"),
+    ("Holds", '{"form": {"value": 1}}', "form: its tag is missing"),
+    ("Holds", '{"form": {"tag": "RED"}}', "form: what its tag selects is missing: value"),
+    ("Gap", '{"tag": 7, "value": 1}', "value: this tag has no such member"),
+    ("Sequences", '{"colours": ["PINK"]}', "colours[0]: there is no PINK; there are RED, GREEN, B"),
+    ("Masks", '{"lit": ["LEFT", "UP"], "level": "LOW"}', "lit[1]: there is no UP; there are LEFT"),
+    ("Maps", '{"counts": [["a", 1], ["a", 2]]}', "counts[1]: its key was there before"),
+    ("Maps", '{"counts": [["a"]]}', "counts[0]: a pair of key and value is expected"),
+    ("Arrays", '{"grid": [[1, 2, 3], [1, 2]]}', "grid[1]: 3 elements are expected, 2 are there"),
+    ("Limits", '{"few": 0}', "Limits.few: 0 is outside [1, 3]"),
+    ("Limits", '{"few": 1, "share": 101}', "Limits.share: 101 is outside [0, 100]"),
+]
+
+
+def without_nan(case: Case) -> bool:
+    return "nan" not in repr(case.value)
