@@ -28,7 +28,8 @@ class Sample(Generic[T]):
 
 
 class Stream(Generic[T]):
-    """Samples as they come. A slow reader loses old ones and is told how many.
+    """Samples as they come, from the newest there is at first. A slow reader loses old ones and is
+    told how many.
 
     Iterating waits for each next sample and ends when the server closes the stream; a server that
     is gone or silent raises StreamLost. One thread or task reads at a time; others wait for it.
@@ -48,7 +49,8 @@ class Stream(Generic[T]):
             return None if raw is None else self._sample(*raw)
 
     def next(self, timeout: float | None = None) -> Sample[T]:
-        """The next unread sample.
+        """The next unread sample; it is old when you read more slowly than the server publishes.
+        For what is true now, ask `latest()`.
 
         Raises TimeoutError after `timeout` seconds without one, EOFError when the stream was
         closed, StreamLost when the server is gone.

@@ -163,6 +163,20 @@ TEST(StreamRing, NoReaderSeesATornSample) {
   EXPECT_GT(read, 0u);
 }
 
+TEST(StreamRing, ALateReaderBeginsWithTheNewestSample) {
+  OneStream stream(64, 4);
+  for (int i = 1; i <= 3; ++i) ASSERT_TRUE(stream.writer.publish(packet(8, i), i));
+  const auto reader = stream.watches.open(stream.memory, stream.mapping);
+  StreamSample sample;
+  ASSERT_TRUE(reader->next(0, sample));
+  EXPECT_EQ(sample.sequence, 3u);
+  EXPECT_FALSE(reader->next(sample.sequence, sample));
+  ASSERT_TRUE(stream.writer.publish(packet(8, 4), 4));
+  ASSERT_TRUE(stream.writer.publish(packet(8, 5), 5));
+  ASSERT_TRUE(reader->next(sample.sequence, sample));
+  EXPECT_EQ(sample.sequence, 4u);
+}
+
 TEST(StreamRing, AWriterThatDiedInTheMiddleHoldsNobody) {
   OneStream stream(64, 2);
   ASSERT_TRUE(stream.writer.publish(packet(8, 1), 1));

@@ -84,6 +84,7 @@ class StreamReader {
   /// The newest sample, when there is one that is newer than `after`. Reuses `into`'s memory.
   virtual bool latest(std::uint64_t after, StreamSample& into) = 0;
   /// The oldest sample kept that is newer than `after`; the gap in sequence says how many were lost.
+  /// It begins with what was the newest when the stream was opened: nobody gets what went before.
   virtual bool next(std::uint64_t after, StreamSample& into) = 0;
 };
 

@@ -116,6 +116,7 @@ bool StreamRingReader::latest(std::uint64_t after, StreamSample& into) {
 }
 
 bool StreamRingReader::next(std::uint64_t after, StreamSample& into) {
+  after = std::max(after, watch_->past);
   for (int tries = 0; tries < most_tries; ++tries) {
     const std::uint64_t newest = watch_->memory.newest().load(std::memory_order_acquire);
     watch_->seen.store(newest, std::memory_order_relaxed);
@@ -132,6 +133,8 @@ std::unique_ptr<StreamReader> StreamWatches::open(StreamMemory memory,
   auto watch = std::make_shared<StreamWatch>();
   watch->memory = memory;
   watch->owner = std::move(owner);
+  const std::uint64_t newest = memory.newest().load(std::memory_order_acquire);
+  watch->past = newest == 0 ? 0 : newest - 1;
   const std::lock_guard lock(mutex_);
   watches_.push_back(watch);
   any_.store(true, std::memory_order_relaxed);

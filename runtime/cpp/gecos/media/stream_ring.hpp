@@ -74,6 +74,9 @@ class StreamRingWriter : public StreamWriter {
 struct StreamWatch {
   StreamMemory memory;
   std::shared_ptr<void> owner;
+  /// What was written before the newest when the reader came is past: a memory of many subscribers
+  /// holds what earlier ones read.
+  std::uint64_t past = 0;
   /// The newest sample that the reader or arm() has seen; tells arm() whether there is another.
   std::atomic<std::uint64_t> seen{0};
 };

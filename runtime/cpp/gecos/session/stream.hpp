@@ -61,7 +61,8 @@ class Stream {
     if (!core_->latest(raw_)) return std::nullopt;
     return decoded();
   }
-  /// The next unread sample, waiting for it at most `patience`.
+  /// The next unread sample, waiting for it at most `patience`. It is old when you read more slowly
+  /// than the server publishes; for what is true now, ask `latest()`.
   tl::expected<Sample<T>, StreamEnd> next(Duration patience) {
     if (auto got = core_->next(raw_, deadline_after(patience)); !got) {
       return tl::unexpected(got.error());
