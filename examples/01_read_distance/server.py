@@ -1,6 +1,6 @@
 """The paper's first example: a server for a laser distance sensor.
 
-Run `gecos-broker` first, then this, then any of the clients beside it.
+Run `gecos broker` first, then this, then any of the clients beside it.
 """
 
 import math

@@ -147,6 +147,8 @@ def test_packing_too_few_values_is_a_programming_error() -> None:
 def test_strings_that_cannot_be_sent_are_refused() -> None:
     with pytest.raises(EncodeError, match="name: 5 bytes of text, at most 4"):
         wire.string("Gerä", 4, "name")
+    with pytest.raises(EncodeError, match="name: None is not a string"):
+        wire.string(None, field="name")  # type: ignore[arg-type]
     with pytest.raises(EncodeError, match="contains NUL"):
         wire.string("a\0b", field="name")
     with pytest.raises(EncodeError, match="cannot be UTF-8: surrogates not allowed"):

@@ -15,7 +15,8 @@ from gecos.wire import DecodeError, from_bytes
 class Lease:
     """Status of one object, held until it is released, closed, lost, or the program ends.
 
-    Releasing drains: what was issued under it still finishes before anybody else gets in.
+    Releasing drains: what was issued under it still finishes before anybody else gets in. Once it
+    has returned the server knows of it; what is issued afterwards is DENIED.
     """
 
     def __init__(self, core: _core.Lease) -> None:
@@ -75,16 +76,16 @@ def _acquire(robot: Object, access: Access, password: str) -> Lease:
     where = f"{access.name.lower()} status of {session.object_name}"
     if detail.state is State.CONNECTION_FAILED:
         raise ConnectionFailed(detail, f"{where}: {text}")
-    raise _refusal(f"{where}: {text}", exception, evidence)
+    raise _refusal(where, text, exception, evidence)
 
 
-def _refusal(text: str, exception: str, evidence: bytes) -> LeaseRefused:
+def _refusal(where: str, text: str, exception: str, evidence: bytes) -> LeaseRefused:
     from gecos_idl.object_types import StatusRefused
 
     if exception != StatusRefused._gecos_name:
-        return LeaseRefused(text)
+        return LeaseRefused(f"{where}: {text}")
     try:
         refused = from_bytes(StatusRefused, evidence)
     except DecodeError as error:
-        return LeaseRefused(f"{text} (its holders do not decode: {error})")
-    return LeaseRefused(f"{text}: {refused.reason}", refused.holders)
+        return LeaseRefused(f"{where}: {text} (its holders do not decode: {error})")
+    return LeaseRefused(refused.reason, refused.holders)  # which names the object and the status

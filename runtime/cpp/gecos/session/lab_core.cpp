@@ -40,7 +40,7 @@ tl::expected<std::shared_ptr<LinkedSession>, std::string> LabCore::broker(TimePo
     if (session) return broker_ = std::move(*session);
     tried += (tried.empty() ? "" : "; ") + address + ": " + session.error();
   }
-  return tl::unexpected("no broker answers; start `gecos-broker`, or say where it is in GECOS_BROKER" +
+  return tl::unexpected("no broker answers; start `gecos broker`, or say where it is in GECOS_BROKER" +
                         (tried.empty() ? std::string() : " (tried " + tried + ")"));
 }
 
