@@ -4,10 +4,6 @@
 
 namespace gecos {
 
-std::string Fault::describe_exception(std::string_view type_name) {
-  return "the handler raised " + std::string(type_name);
-}
-
 IncomingCall& IncomingCall::operator=(IncomingCall&& other) noexcept {
   IncomingCall dropped(std::move(*this));
   core_ = std::move(other.core_);

@@ -3,6 +3,7 @@
 #include <concepts>
 #include <cstdint>
 #include <memory>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -29,7 +30,7 @@ class Fault {
   template <wire::GeneralContents E>
     requires requires { { E::type_name() } -> std::convertible_to<std::string_view>; }
   Fault(const E& exception)  // NOLINT(google-explicit-constructor)
-      : failure_{Detail::Fault, describe_exception(E::type_name()), std::string(E::type_name()),
+      : failure_{Detail::Fault, describe(exception), std::string(E::type_name()),
                  wire::to_bytes(exception)} {}
 
   /// The command was refused as it stands; `why` says what to do.
@@ -46,7 +47,17 @@ class Fault {
 
  private:
   explicit Fault(Failure failure) : failure_(std::move(failure)) {}
-  static std::string describe_exception(std::string_view type_name);
+  /// With its members, for a caller that only prints what went wrong.
+  template <class E>
+  static std::string describe(const E& exception) {
+    if constexpr (requires(std::ostringstream out) { out << exception; }) {
+      std::ostringstream out;
+      out << exception;
+      return std::move(out).str();
+    } else {
+      return "the handler raised it";
+    }
+  }
   Failure failure_;
 };
 
