@@ -44,6 +44,15 @@ TEST(Directory, GivesANameToOneSessionAtATime) {
   EXPECT_TRUE(directory.enlist(ada, named("RX90"))) << "its own session may say it again";
 }
 
+TEST(Directory, RefusesASecondObjectOfTheSameSessionUnderOneName) {
+  Directory directory;
+  ASSERT_TRUE(directory.enlist(ada, named("RX90")));
+  Entry second = named("RX90");
+  second.addresses = {"shm:/run/gecos/other.sock"};
+  EXPECT_FALSE(directory.enlist(ada, second));
+  EXPECT_TRUE(directory.look_up("RX90")->addresses.empty()) << "the first one stays";
+}
+
 TEST(Directory, LetsOnlyWhoEnlistedItWithdrawIt) {
   Directory directory;
   ASSERT_TRUE(directory.enlist(ada, named("RX90")));

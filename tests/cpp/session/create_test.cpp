@@ -122,6 +122,18 @@ TEST_F(Create, TellsWhatAnObjectIs) {
   EXPECT_EQ(about->pid, getpid());
 }
 
+TEST_F(Create, IsRefusedANameThatItsOwnServerHasAlready) {
+  serve("PROBE", servant_);
+  probe::ProbeServant second;
+  gecos::ObjectOptions options;
+  options.media = {Kind::Inproc};
+  const auto added = server_->add("PROBE", second, options);
+  ASSERT_FALSE(added);
+  EXPECT_NE(added.error().text.find("the name PROBE is taken by"), std::string::npos)
+      << added.error().text;
+  EXPECT_EQ(connect(lab_).read().get().value(), 7) << "the first one goes on";
+}
+
 TEST_F(Create, IsRefusedANameThatAnotherServerHas) {
   serve("PROBE", servant_);
   gecos::Server second(second_lab_);

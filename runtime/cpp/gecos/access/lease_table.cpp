@@ -191,8 +191,8 @@ tl::expected<void, Denial> LeaseTable::may_queue(SessionId session, Epoch epoch,
   const Member* const member = find(session);
   if (member != nullptr && member->holder.releasing && needed != Status::Sensor) {
     return tl::unexpected(
-        Denial{Denial::Reason::LeaseEnded,
-               "the status was given back and only drains; " + how_to_get(needed) + " again"});
+        Denial{Denial::Reason::NeedsStatus,
+               needs(needed) + "; it was given back and only drains; " + how_to_get(needed) + " again"});
   }
   return authorise(member, session, epoch, needed, now);
 }

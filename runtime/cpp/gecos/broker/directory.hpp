@@ -13,7 +13,7 @@ namespace gecos::broker {
 /// Which objects there are, and which session enlisted each of them. Pure; not thread-safe.
 class Directory {
  public:
-  /// Adds it, or replaces what the same session enlisted under that name.
+  /// Adds it. The same session may say the same again; whatever else has that name, it is taken.
   tl::expected<void, NameTaken> enlist(std::uint64_t session, const Entry& entry);
   /// Only who enlisted an object takes it off.
   tl::expected<void, UnknownName> withdraw(std::uint64_t session, const std::string& name);

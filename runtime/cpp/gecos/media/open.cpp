@@ -2,7 +2,6 @@
 
 #include "gecos/media/inproc.hpp"
 #include "gecos/media/lcm.hpp"
-#include "gecos/media/lcm.hpp"
 #include "gecos/media/shm/shm.hpp"
 
 namespace gecos::media {

@@ -17,6 +17,11 @@ DuplicateWindow::Verdict DuplicateWindow::arrived(std::uint64_t counter) {
   return Verdict::New;
 }
 
+bool DuplicateWindow::seen(std::uint64_t counter) const {
+  if (counter <= all_up_to_) return true;
+  return counter <= all_up_to_ + width && later_[counter % width];
+}
+
 void ReplyCache::keep(std::uint64_t counter, Bytes packet) {
   if (counter <= acknowledged_) return;
   bytes_ += packet.size();

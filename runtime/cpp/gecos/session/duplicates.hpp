@@ -20,6 +20,7 @@ class DuplicateWindow {
   };
   /// Notes that `counter` arrived.
   Verdict arrived(std::uint64_t counter);
+  bool seen(std::uint64_t counter) const;
   /// Highest counter up to which all arrived.
   std::uint64_t all_up_to() const { return all_up_to_; }
 
@@ -35,6 +36,8 @@ class ReplyCache {
   void keep(std::uint64_t counter, Bytes packet);
   /// The client has all replies up to `counter`.
   void acknowledged(std::uint64_t counter);
+  /// Not acknowledged: the client may still ask for it.
+  bool awaited(std::uint64_t counter) const { return counter > acknowledged_; }
   /// Null when it was acknowledged or crowded out.
   const Bytes* find(std::uint64_t counter) const;
 

@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <system_error>
 
+#include "gecos/base/log.hpp"
 #include "gecos/session/packets.hpp"
 #include "gecos/session/thread.hpp"
 
@@ -142,7 +143,12 @@ void IoLoop::cool_down(TimePoint now) {
   const auto cold = [&](const std::shared_ptr<ServerSession>& session) {
     if (session->quiet_looks == 0) session->last_heard = now;
     session->quiet_looks = 1;
-    if (now - session->last_heard < stays_hot || !session->link().arm()) return false;
+    if (session->gone.load()) return true;
+    if (now - session->last_heard < stays_hot) return false;
+    if (!session->link().arm()) {
+      session->link().disarm();
+      return false;
+    }
     session->hot = false;
     return true;
   };
@@ -185,7 +191,7 @@ void IoLoop::take_events(int milliseconds, Polling& polling) {
       open_doors();
       part_from_suspects();
     } else if ((key & door_bit) != 0) {
-      accept(*doors_[key & ~door_bit]);
+      if (const auto& door = doors_[key & ~door_bit]) accept(*door);
     } else if (const auto found = sessions_.find(key); found != sessions_.end()) {
       heat(found->second);
     }
@@ -194,7 +200,11 @@ void IoLoop::take_events(int milliseconds, Polling& polling) {
 
 void IoLoop::accept(Door& door) {
   while (auto link = door.acceptor->accept()) {
-    watch(std::make_shared<ServerSession>(std::move(link), door.object));
+    try {
+      watch(std::make_shared<ServerSession>(std::move(link), door.object));
+    } catch (const std::system_error& failed) {  // the client sees its link closed
+      log_warning("session", door.object->name() + " turned a client away: " + failed.what());
+    }
   }
   // A medium that loses packets brings those of its links through this door.
   for (const auto& [key, session] : sessions_) {
@@ -229,6 +239,7 @@ void IoLoop::part_if_lost(const std::shared_ptr<ServerSession>& session) {
 /// Housekeeping saw that they are lost; what they sent before is still to be read, here.
 void IoLoop::part_from_suspects() {
   if (!suspects_.exchange(false)) return;
+  shut_doors();
   std::vector<std::shared_ptr<ServerSession>> gone;
   const std::lock_guard list(list_mutex_);
   for (auto at = sessions_.begin(); at != sessions_.end();) {
@@ -242,12 +253,19 @@ void IoLoop::part_from_suspects() {
   }
 }
 
+void IoLoop::shut_doors() {
+  for (auto& door : doors_) {
+    if (door && door->object->closed()) door.reset();
+  }
+}
+
 void IoLoop::tend(TimePoint now) {
   const std::uint64_t handler = handler_turn_.load();
   if (handler % 2 == 1 && handler == handler_seen_) {
     const std::lock_guard called(standby_mutex_);
     standby_wanted_ = true;
     standby_called_.notify_one();
+    wakeup_.ring();  // it may still sleep on events, from when it was wanted last
   }
   handler_seen_ = handler;
 

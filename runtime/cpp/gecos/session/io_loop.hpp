@@ -28,7 +28,7 @@ class IoLoop {
 
   /// Accepts clients of `object` from now on.
   void serve(std::shared_ptr<ServedObject> object, std::shared_ptr<media::Acceptor> acceptor);
-  /// Parts from the clients of `object`, which could not be made findable.
+  /// Parts from the clients of `object` and lets no more in. @pre it is closed
   void withdraw(const ServedObject& object);
   /// Heartbeats, silence and lost links; wakes the standby. On the housekeeping thread.
   void tend(TimePoint now);
@@ -59,6 +59,7 @@ class IoLoop {
   void accept(Door& door);
   void watch(const std::shared_ptr<ServerSession>& session);
   void part_from_suspects();
+  void shut_doors();
   void part_if_lost(const std::shared_ptr<ServerSession>& session);
   void add_descriptor(int descriptor, std::uint64_t key);
 
@@ -70,7 +71,7 @@ class IoLoop {
 
   std::mutex polling_;  ///< held by who polls; guards what follows
   media::SpinPolicy spin_;
-  std::vector<std::unique_ptr<Door>> doors_;
+  std::vector<std::unique_ptr<Door>> doors_;  ///< null where an object was withdrawn
   std::vector<std::shared_ptr<ServerSession>> hot_;
   std::uint64_t next_key_ = 1;
   unsigned turns_ = 0;

@@ -118,6 +118,22 @@ tl::expected<std::uint64_t, media::SendProblem> LinkedSession::send(wire::Packet
   return link_->send(packet_, {});
 }
 
+std::uint64_t LinkedSession::hold(std::uint64_t epoch) {
+  const std::lock_guard lock(mutex_);
+  if (epoch_.exchange(epoch, std::memory_order_relaxed) != epoch) {
+    ++statuses_;
+    leases_ = 0;
+  }
+  ++leases_;
+  return statuses_;
+}
+
+void LinkedSession::let_go(std::uint64_t held) {
+  const std::lock_guard lock(mutex_);
+  if (held != statuses_ || --leases_ != 0) return;
+  epoch_.store(0, std::memory_order_relaxed);
+}
+
 std::uint64_t LinkedSession::finished_up_to() const {
   const auto open = calls_.lowest();
   return open != 0 ? open - 1 : next_counter_ - 1;
@@ -222,7 +238,9 @@ void LinkedSession::take_reply(const wire::PacketView& packet) {
     command = calls_.take(packet.header.counter);
   }
   if (!command) return;  // a repeated reply
-  if (packet.header.epoch != Epoch{}) hold(number(packet.header.epoch));  // a stop renewed it
+  if (packet.header.epoch != Epoch{}) {  // a stop renewed it
+    epoch_.store(number(packet.header.epoch), std::memory_order_relaxed);
+  }
   const auto detail = detail_from(static_cast<std::uint8_t>(packet.header.flags));
   if (detail == Detail::Done) {
     command->finish(packet.body);
@@ -260,12 +278,23 @@ tl::expected<std::shared_ptr<StreamCore>, Failure> LinkedSession::subscribe(
     const StreamDescription& stream) {
   const OperationDescription operation = reserved_operation(Reserved::Subscribe);
   const auto code = number(stream.code);
-  const auto command =
-      call(operation, sizeof code, [&](wire::Encoder& to) { to.put(code); }, {});
-  command->wait_until(TimePoint::max());
-  if (command->progress().detail != Detail::Done) return tl::unexpected(command->failure());
+  std::shared_ptr<CommandCore> command;
+  {
+    const std::lock_guard lock(subscribing_);
+    ++subscriptions_[stream.code];
+    command = call(operation, sizeof code, [&](wire::Encoder& to) { to.put(code); }, {});
+  }
+  auto opened = open_subscribed(stream, *command);
+  if (!opened) unsubscribe(stream.code);
+  return opened;
+}
+
+tl::expected<std::shared_ptr<StreamCore>, Failure> LinkedSession::open_subscribed(
+    const StreamDescription& stream, CommandCore& subscribed) {
+  subscribed.wait_until(TimePoint::max());
+  if (subscribed.progress().detail != Detail::Done) return tl::unexpected(subscribed.failure());
   std::uint32_t id = 0;
-  if (wire::Decoder from(command->result()); !from.get(id, "id")) {
+  if (wire::Decoder from(subscribed.result()); !from.get(id, "id")) {
     return tl::unexpected(Failure{Detail::Fault, "the reply does not decode: " +
                                                      from.error().message(), {}, {}});
   }
@@ -296,10 +325,17 @@ void LinkedSession::stream_closed(ClientStream& stream) {
   {
     const std::lock_guard lock(mutex_);
     streams_.erase(std::remove(streams_.begin(), streams_.end(), &stream), streams_.end());
-    const auto same = [&](const ClientStream* other) { return other->code() == stream.code(); };
-    if (lost() || std::any_of(streams_.begin(), streams_.end(), same)) return;
   }
-  const auto code = number(stream.code());
+  unsubscribe(stream.code());
+}
+
+void LinkedSession::unsubscribe(FunctionCode stream) {
+  const std::lock_guard lock(subscribing_);
+  const auto found = subscriptions_.find(stream);
+  if (--found->second != 0) return;
+  subscriptions_.erase(found);
+  if (lost()) return;
+  const auto code = number(stream);
   call(reserved_operation(Reserved::Unsubscribe), sizeof code,
        [&](wire::Encoder& to) { to.put(code); }, {});
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -50,7 +51,8 @@ class LinkedSession final : public ClientSession,
   const std::string& interface_name() const override { return welcome_.interface_name; }
   const std::string& object_name() const override { return welcome_.object; }
   const media::Offer& offer() const override { return link_->offer(); }
-  void hold(std::uint64_t epoch) override { epoch_.store(epoch, std::memory_order_relaxed); }
+  std::uint64_t hold(std::uint64_t epoch) override;
+  void let_go(std::uint64_t held) override;
 
   const Welcome& welcome() const { return welcome_; }
   bool lost() const { return lost_.load(std::memory_order_acquire); }
@@ -92,6 +94,9 @@ class LinkedSession final : public ClientSession,
   Failure not_sent(const OperationDescription& operation, std::size_t size,
                    media::SendProblem problem);
   std::unique_ptr<media::StreamReader> open_stream(std::uint32_t id);
+  tl::expected<std::shared_ptr<StreamCore>, Failure> open_subscribed(
+      const StreamDescription& stream, CommandCore& subscribed);
+  void unsubscribe(FunctionCode stream);
 
   // With the mutex.
   tl::expected<std::uint64_t, media::SendProblem> send(wire::PacketHeader header, ByteView body);
@@ -121,6 +126,9 @@ class LinkedSession final : public ClientSession,
   std::atomic<bool> goodbye_heard_{false};  // publishes nothing but itself
   std::atomic<std::uint64_t> epoch_{0};   // publishes nothing but itself
 
+  std::mutex subscribing_;  ///< taken before mutex_: so that no subscription is ended by another's end
+  std::map<FunctionCode, std::size_t> subscriptions_;  ///< of each stream; guarded by subscribing_
+
   std::mutex mutex_;
   std::uint64_t next_counter_ = 1;
   CallTable<PendingCommand> calls_;
@@ -128,6 +136,8 @@ class LinkedSession final : public ClientSession,
   Bytes packet_;  ///< sending: reused
   std::string loss_text_;
   bool cancels_waiting_ = false;  ///< one found no room
+  std::uint64_t statuses_ = 0;    ///< how many there were; leases of the newest count
+  std::uint64_t leases_ = 0;      ///< of the newest, not given back
 
   // Housekeeping thread only.
   bool watching_ = false;

@@ -17,7 +17,8 @@ class NilSession final : public ClientSession {
   const std::string& interface_name() const override { return nothing_; }
   const std::string& object_name() const override { return nothing_; }
   const media::Offer& offer() const override { return offer_; }
-  void hold(std::uint64_t /*epoch*/) override {}
+  std::uint64_t hold(std::uint64_t /*epoch*/) override { return 0; }
+  void let_go(std::uint64_t /*held*/) override {}
 
  private:
   static Failure why(const std::string& what) {

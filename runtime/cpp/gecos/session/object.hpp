@@ -38,8 +38,11 @@ class ClientSession {
   virtual const std::string& interface_name() const = 0;
   virtual const std::string& object_name() const = 0;
   virtual const media::Offer& offer() const = 0;
-  /// Commands are issued under this status epoch from now on; 0: under none.
-  virtual void hold(std::uint64_t epoch) = 0;
+  /// A lease was acquired: commands are issued under its epoch from now on. Gives what `let_go`
+  /// wants.
+  virtual std::uint64_t hold(std::uint64_t epoch) = 0;
+  /// That lease is given back. After the last one of a status, commands are issued under none.
+  virtual void let_go(std::uint64_t held) = 0;
 };
 
 /// Stands in for a proxy that was never created: every call is CONNECTION_FAILED/NO_SERVER.

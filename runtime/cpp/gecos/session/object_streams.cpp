@@ -1,5 +1,7 @@
 #include "gecos/session/object_streams.hpp"
 
+#include <exception>
+
 #include "gecos/base/log.hpp"
 
 namespace gecos::session {
@@ -30,17 +32,25 @@ tl::expected<std::uint32_t, std::string> ObjectStreams::share(const StreamDescri
   const std::lock_guard lock(mutex_);
   const auto index = static_cast<std::size_t>(&stream - interface_.streams.data());
   Outlet& outlet = outlets_[index];
-  auto& writer = outlet.writers[link.offer().kind];
-  if (!writer) {
+  auto& writers = outlet.writers;
+  auto found = writers.find(link.offer().kind);
+  if (found == writers.end()) {
     const std::size_t largest = stream.largest != 0 ? stream.largest : unbounded_sample;
     const std::size_t depth = stream.quality.depth != 0 ? stream.quality.depth : usual_depth;
-    writer = acceptors_.at(link.offer().kind)->make_stream(largest, depth);
+    try {
+      found = writers.emplace(link.offer().kind,
+                              acceptors_.at(link.offer().kind)->make_stream(largest, depth)).first;
+    } catch (const std::exception& failed) {  // no memory or no descriptor is left
+      return tl::unexpected("stream '" + std::string(stream.name) + "' of " + object_ +
+                            " cannot be opened over " +
+                            std::string(media::to_string(link.offer().kind)) + ": " + failed.what());
+    }
     if (outlet.published) {
-      static_cast<void>(writer->publish(outlet.latest, outlet.latest_stamp_ns));
+      static_cast<void>(found->second->publish(outlet.latest, outlet.latest_stamp_ns));
     }
   }
   const auto id = static_cast<std::uint32_t>(index + 1);
-  if (!link.share(id, *writer)) {
+  if (!link.share(id, *found->second)) {
     return tl::unexpected("stream '" + std::string(stream.name) + "' of " + object_ +
                           " cannot be shared over " +
                           std::string(media::to_string(link.offer().kind)) +

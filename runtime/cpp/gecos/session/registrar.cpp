@@ -82,12 +82,14 @@ bool Registrar::enlist_again() {
     const std::lock_guard lock(mutex_);
     entries = entries_;
   }
+  bool all = true;
   for (const auto& entry : entries) {
     const auto enlisted = enlist(**broker, entry, deadline);
     if (enlisted) continue;
     log_warning("session", entry.name + " is not findable: " + enlisted.error().text);
-    return false;
+    all = false;  // the others need not wait for it
   }
+  if (!all) return false;
   log_info("session", "a new broker knows the objects of this server");
   const std::lock_guard lock(mutex_);
   broker_ = std::move(*broker);

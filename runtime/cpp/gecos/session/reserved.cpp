@@ -41,46 +41,43 @@ tl::expected<Lease, LeaseRefusal> acquire(const Object& object, Status wanted,
     return tl::unexpected(LeaseRefusal{
         {Detail::Fault, "the reply does not decode: " + from.error().message(), {}, {}}, {}});
   }
-  session->hold(grant.epoch);
   return Lease(session, grant);
-}
-
-void give_back(session::ClientSession& session, std::uint64_t epoch, bool now) {
-  static_cast<void>(session.call(
-      session::reserved_operation(Reserved::Release), 8 + 1,
-      [&](wire::Encoder& to) {
-        to.put(epoch);
-        to.put(now);
-      },
-      {}));
 }
 
 }  // namespace
 
 Lease::Lease(std::shared_ptr<session::ClientSession> session, Grant grant)
-    : session_(std::move(session)), grant_(grant) {}
+    : session_(std::move(session)), grant_(grant), held_(session_->hold(grant.epoch)) {}
 
 Lease& Lease::operator=(Lease&& other) noexcept {
   if (this != &other) {
     release();
     session_ = std::move(other.session_);
     grant_ = other.grant_;
+    held_ = other.held_;
   }
   return *this;
 }
 
 Lease::~Lease() { release(); }
 
-void Lease::release() {
-  if (const auto session = std::exchange(session_, nullptr)) {
-    give_back(*session, grant_.epoch, false);
-  }
-}
+void Lease::release() { give_back(false); }
 
-void Lease::release_now() {
-  if (const auto session = std::exchange(session_, nullptr)) {
-    give_back(*session, grant_.epoch, true);
-  }
+void Lease::release_now() { give_back(true); }
+
+void Lease::give_back(bool now) {
+  constexpr Duration patience = std::chrono::seconds(1);
+  const auto session = std::exchange(session_, nullptr);
+  if (session == nullptr) return;
+  session->let_go(held_);
+  const auto released = session->call(
+      session::reserved_operation(Reserved::Release), 8 + 1,
+      [&](wire::Encoder& to) {
+        to.put(grant_.epoch);
+        to.put(now);
+      },
+      {});
+  released->wait_until(deadline_after(patience));
 }
 
 std::ostream& operator<<(std::ostream& out, const LeaseRefusal& refusal) {

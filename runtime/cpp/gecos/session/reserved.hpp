@@ -10,8 +10,12 @@
 /// What every object answers, whatever its interface: free functions, so nothing can clash.
 namespace gecos {
 
-/// Status of one object that this session holds. Ends when it is destroyed (draining: what was
-/// issued under it still finishes), when it is released, or when it is lost. Move-only.
+/// Status of one object that this session holds. Ends when it is destroyed, which is `release()`,
+/// when it is released, or when it is lost. Move-only.
+///
+/// Once a release has returned the server knows of it: others may have the status, as soon as what
+/// was issued under it has ended. It waits for the server's word, at most a second. What is issued
+/// afterwards without another lease is DENIED.
 class Lease {
  public:
   Lease(std::shared_ptr<session::ClientSession> session, Grant grant);
@@ -27,8 +31,11 @@ class Lease {
   void release_now();
 
  private:
+  void give_back(bool now);
+
   std::shared_ptr<session::ClientSession> session_;
   Grant grant_;
+  std::uint64_t held_;  ///< what the session calls it
 };
 
 /// Why status was not given.

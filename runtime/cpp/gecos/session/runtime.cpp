@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <system_error>
 
 #include "gecos/media/open.hpp"
 #include "gecos/session/linked_session.hpp"
@@ -122,10 +123,18 @@ tl::expected<std::shared_ptr<LinkedSession>, std::string> Runtime::connect(
   }
   const auto opened = medium(*kind);
   if (!opened) return tl::unexpected(opened.error().text);
-  auto link = (*opened)->connect(address);
-  if (!link) return tl::unexpected(link.error().text);
-  auto session =
-      LinkedSession::open(shared_from_this(), std::move(*link), introduce(wanted), deadline);
+  using Session = tl::expected<std::shared_ptr<LinkedSession>, LinkedSession::NotOpened>;
+  const auto open = [&]() -> Session {
+    try {
+      auto link = (*opened)->connect(address);
+      if (!link) return tl::unexpected(LinkedSession::NotOpened{Detail::NoServer, link.error().text});
+      return LinkedSession::open(shared_from_this(), std::move(*link), introduce(wanted), deadline);
+    } catch (const std::system_error& failed) {
+      return tl::unexpected(LinkedSession::NotOpened{
+          Detail::NoServer, std::string(failed.what()) + "; are descriptors left (ulimit -n)?"});
+    }
+  };
+  auto session = open();
   if (!session) {
     if (why != nullptr) *why = session.error().detail;
     return tl::unexpected(session.error().reason);

@@ -28,7 +28,7 @@ void ServedObject::run_ready(Starter starter) {
     {
       const Lock lock(mutex_);
       ready_.store(false, std::memory_order_relaxed);
-      call = start_next();
+      call = start_next(starter);
     }
     if (!call) return;
     if (starter == Starter::Other || runs_long(call->operation())) {
@@ -50,21 +50,19 @@ void ServedObject::execute(const std::shared_ptr<ServerCall>& call) {
   if (call->answered) {
     finished(*call);
   } else if (!call->terminal) {
-    open_.push_back(call);  // its handler answers later
+    list(*call);  // its handler answers later
     call->session->report(*call, Detail::Executing, 0);
   }
   note_ready();
 }
 
-std::shared_ptr<ServerCall> ServedObject::start_next() {
+std::shared_ptr<ServerCall> ServedObject::start_next(Starter starter) {
   while (auto ticket = queue_.next()) {
     auto call = std::static_pointer_cast<ServerCall>(ticket);
-    leave_queue(*call);
     if (starts_on_time(*call)) {
-      if (runs_long(call->operation())) {
-        open_.push_back(call);
-        call->session->report(*call, Detail::Executing, 0);
-      }
+      const bool is_long = runs_long(call->operation());
+      if (is_long || starter == Starter::Other) list(*call);
+      if (is_long) call->session->report(*call, Detail::Executing, 0);
       return call;
     }
     call->answered = call->returned = true;
@@ -126,29 +124,47 @@ void ServedObject::answered(ServerCall& call, Failure failure) {
 }
 
 void ServedObject::end(ServerCall& call, ByteView result) {
-  call.terminal = true;
-  call.session->calls.take(call.counter);
+  settle(call);
   call.session->reply(call, result);
 }
 
 void ServedObject::end(ServerCall& call, const Failure& failure) {
-  call.terminal = true;
-  call.session->calls.take(call.counter);
+  settle(call);
   call.session->reply(call.counter, failure);
 }
 
-void ServedObject::leave_queue(ServerCall& call) {
-  open_.erase(std::remove_if(open_.begin(), open_.end(),
-                             [&](const auto& other) { return other.get() == &call; }),
-              open_.end());
-}
-
-/// Its handler has returned and answered: the lane is free, and a released status may have drained.
-void ServedObject::finished(ServerCall& call) {
-  queue_.ended(call);
-  leave_queue(call);
+/// Before its caller is told: whoever has seen the last command of a released status end finds the
+/// status free. What the next holder commands still waits for the handler to return.
+void ServedObject::settle(ServerCall& call) {
+  call.terminal = true;
+  call.session->calls.take(call.counter);
   if (call.lane != Ticket::Place::Actor) return;
   if (--call.session->commands == 0) leases_.drained(call.client);
+}
+
+void ServedObject::list(ServerCall& call) {
+  if (!std::exchange(call.listed, true)) open_.push_back(call.shared_from_this());
+}
+
+/// Its handler has returned and answered: the lane is free.
+void ServedObject::finished(ServerCall& call) {
+  queue_.ended(call);
+  if (std::exchange(call.listed, false)) {
+    open_.erase(std::find_if(open_.begin(), open_.end(),
+                             [&](const auto& other) { return other.get() == &call; }));
+  }
+  ServerSession& session = *call.session;
+  if (--session.unreturned != 0 || !session.departed) return;
+  tell_user([this, id = number(session.id())] { servant_.gecos_session_ended(id); });
+}
+
+void ServedObject::tell_user(std::function<void()> what) {
+  runtime_->housekeeping().post([weak = weak_from_this(), what = std::move(what)] {
+    const auto self = weak.lock();
+    if (self == nullptr) return;
+    const std::lock_guard lock(self->user_mutex_);
+    if (!self->joined_) what();
+  });
 }
 
 void ServedObject::end_commands(const std::function<bool(const ServerCall&)>& which,
@@ -241,10 +257,12 @@ bool ServedObject::judge_silence(const std::shared_ptr<ServerSession>& session, 
     leases_.renew(session->id(), now);
     return false;
   }
-  return now - session->last_sign >= runtime_->options().lease_ttl + runtime_->options().grace;
+  return session->overrun() ||
+         now - session->last_sign >= runtime_->options().lease_ttl + runtime_->options().grace;
 }
 
 void ServedObject::depart(const std::shared_ptr<ServerSession>& session, Departure how) {
+  bool calls_are_over = false;
   {
     const Lock lock(mutex_);
     if (std::exchange(session->departed, true)) return;
@@ -255,8 +273,9 @@ void ServedObject::depart(const std::shared_ptr<ServerSession>& session, Departu
                                      std::to_string(session->caller().pid) + ") is gone");
     }
     session->subscriptions.clear();
+    calls_are_over = session->unreturned == 0;
   }
-  if (session->greeted()) servant_.gecos_session_ended(number(session->id()));
+  if (session->greeted() && calls_are_over) servant_.gecos_session_ended(number(session->id()));
 }
 
 void ServedObject::lose_status(SessionId session, const std::string& why) {
@@ -295,6 +314,17 @@ void ServedObject::close() {
     call->interrupt();
     if (!call->terminal) end(*call, failure);
   }
+}
+
+bool ServedObject::closed() {
+  const Lock lock(mutex_);
+  return closed_;
+}
+
+void ServedObject::join() {
+  workers_.join();
+  const std::lock_guard lock(user_mutex_);
+  joined_ = true;
 }
 
 void ServedObject::publish(const StreamDescription& stream, ByteView sample,

@@ -59,8 +59,10 @@ class ServedObject final : public Publisher, public std::enable_shared_from_this
 
   /// Ends all calls as STOPPED and takes no more.
   void close();
-  /// Waits until the handlers have returned. @pre closed, and not in one of them
-  void join() { workers_.join(); }
+  bool closed();
+  /// Waits until the handlers have returned. From then on the servant and what else the user gave
+  /// is called by no other thread. @pre closed, and not in one of them
+  void join();
 
  private:
   using Lock = std::lock_guard<std::mutex>;
@@ -86,11 +88,12 @@ class ServedObject final : public Publisher, public std::enable_shared_from_this
   void stop(ServerSession& by, std::uint64_t counter);
 
   // Life of calls; with the mutex.
-  std::shared_ptr<ServerCall> start_next();
+  std::shared_ptr<ServerCall> start_next(Starter starter);
   bool starts_on_time(ServerCall& call);
   void end(ServerCall& call, const Failure& failure);
   void end(ServerCall& call, ByteView result);
-  void leave_queue(ServerCall& call);
+  void settle(ServerCall& call);
+  void list(ServerCall& call);
   void finished(ServerCall& call);
   void preempt(const ServerCall& by);
   /// Ends those of the actor commands that `which` picks: drops the waiting, interrupts the running.
@@ -102,6 +105,8 @@ class ServedObject final : public Publisher, public std::enable_shared_from_this
   void note_ready() { ready_.store(true, std::memory_order_release); }
 
   void execute(const std::shared_ptr<ServerCall>& call);
+  /// Runs what the user gave soon, on housekeeping, unless the server has ended by then.
+  void tell_user(std::function<void()> what);
   bool runs_long(const OperationDescription& operation) const {
     return operation.cancelable || options_.blocking;
   }
@@ -115,11 +120,14 @@ class ServedObject final : public Publisher, public std::enable_shared_from_this
   std::mutex mutex_;
   access::LeaseTable leases_;
   ObjectQueue queue_;
-  std::vector<std::shared_ptr<ServerCall>> open_;  ///< commands that queue or run long
+  std::vector<std::shared_ptr<ServerCall>> open_;  ///< actor commands, and what may take long
   TimePoint now_;                                  ///< of the last tick: good enough for leases
   bool closed_ = false;
   std::atomic<bool> ready_{false};  // a hint: something was queued or ended since it was last looked
   ObjectStreams streams_;
+
+  std::mutex user_mutex_;
+  bool joined_ = false;  ///< guarded by user_mutex_
   WorkerPool workers_;  ///< last: its threads end first
 };
 

@@ -39,11 +39,13 @@ void ServedObject::take(const std::shared_ptr<ServerSession>& session, ByteView 
   if (header.kind == wire::PacketKind::Hello) return greet(session, *packet);
   const bool theirs = session->greeted() && header.session == session->id();
   if (header.kind == wire::PacketKind::Goodbye) {
-    session->left = true;
-    if (theirs) give_back_all(*session);
+    if (theirs) {
+      session->left = true;
+      give_back_all(*session);
+    }
     return say_goodbye(*session, header.session, "as you asked");
   }
-  if (!theirs) return say_goodbye(*session, header.session, "it is not known here");
+  if (!theirs || session->departed) return say_goodbye(*session, header.session, "it is not known here");
 
   if (session->repeats()) session->replies.acknowledged(header.acknowledged);
   switch (header.kind) {
@@ -106,6 +108,9 @@ void ServedObject::arrive(const std::shared_ptr<ServerSession>& session,
                           const wire::PacketView& packet) {
   const std::uint64_t counter = packet.header.counter;
   if (session->repeats()) {
+    // What was issued before a release still runs: until all of it is here, it has not arrived.
+    const bool release = packet.header.code == FunctionCode{static_cast<std::uint32_t>(Reserved::Release)};
+    if (release && counter > session->window.all_up_to() + 1) return;
     switch (session->window.arrived(counter)) {
       case DuplicateWindow::Verdict::New: break;
       case DuplicateWindow::Verdict::Seen: return answer_again(*session, counter);
@@ -125,6 +130,10 @@ void ServedObject::arrive(const std::shared_ptr<ServerSession>& session,
                                       ") has no operation with code " +
                                       std::to_string(number(code)) +
                                       "; its server is older than this client's interface", {}, {}});
+  }
+  if (session->calls.size() >= ObjectQueue::most_of_object) {  // which no client of ours does
+    return session->reply(counter, Failure{Detail::QueueFull,
+                                           "more calls are unanswered than were granted", {}, {}});
   }
   admit(session, packet, *operation);
 }
@@ -163,6 +172,7 @@ void ServedObject::admit(const std::shared_ptr<ServerSession>& session,
                                          " wait already");
   }
   session->calls.insert(call->counter, call);
+  ++session->unreturned;
   if (call->lane == Ticket::Place::Actor) {
     ++session->commands;
     const auto position = queue_.position(*call).value_or(0);
@@ -171,9 +181,7 @@ void ServedObject::admit(const std::shared_ptr<ServerSession>& session,
       if (position != 0) session->report(*call, Detail::Queued, position);
     }
   }
-  if (call->lane == Ticket::Place::Actor || call->deadline != TimePoint::max()) {
-    open_.push_back(call);
-  }
+  if (call->lane == Ticket::Place::Actor || call->deadline != TimePoint::max()) list(*call);
   note_ready();
 }
 
@@ -188,7 +196,13 @@ void ServedObject::preempt(const ServerCall& by) {
 void ServedObject::answer_again(ServerSession& session, std::uint64_t counter) {
   if (const Bytes* kept = session.replies.find(counter)) return session.send_again(*kept);
   const auto* found = session.calls.find(counter);
-  if (found == nullptr) return;  // acknowledged, or never seen: its call is on the way again
+  if (found == nullptr) {
+    // Never seen: its call is on the way again. Acknowledged: a packet that was late.
+    if (!session.window.seen(counter) || !session.replies.awaited(counter)) return;
+    return session.reply(counter, Failure{Detail::OutcomeUnknown,
+                                          "it came to an end, but its answer was lost and is not kept"
+                                          " any more: too many later ones were unacknowledged", {}, {}});
+  }
   const ServerCall& call = **found;
   const Detail detail = call.canceling ? Detail::Canceling
                         : call.started ? Detail::Executing

@@ -147,7 +147,7 @@ void ServedObject::stop(ServerSession& by, std::uint64_t counter) {
   if (still_holds) by.renewed[number(before)] = number(leases_.epoch());
   end_commands([](const ServerCall&) { return true; },
                Failure{Detail::Stopped, "stopped by " + who(by.caller()), {}, {}});
-  if (options_.on_stop) runtime_->housekeeping().post(options_.on_stop);
+  if (options_.on_stop) tell_user(options_.on_stop);
   by.reply(counter, ByteView{}, still_holds ? leases_.epoch() : Epoch{});
 }
 

@@ -2,7 +2,7 @@
 
 #include <signal.h>
 
-#include <atomic>
+#include <algorithm>
 #include <mutex>
 
 #include "gecos/base/log.hpp"
@@ -84,9 +84,12 @@ tl::expected<Server::Core::Opened, ServeError> Server::Core::open_places(
   Opened opened;
   std::string failed;
   for (const media::Kind kind : kinds) {
+    bool needed = !options.media.empty();
     auto acceptor = [&]() -> tl::expected<std::unique_ptr<media::Acceptor>, media::MediumError> {
       const auto medium = lab_->runtime()->medium(kind);
       if (!medium) return tl::unexpected(medium.error());
+      // A host has one such place; between hosts it is somebody else's, or there is no network.
+      needed = needed || (options.well_known && (*medium)->offer().same_host_only);
       return (*medium)->listen(name, options.well_known);
     }();
     if (acceptor) {
@@ -97,7 +100,7 @@ tl::expected<Server::Core::Opened, ServeError> Server::Core::open_places(
     const std::string why =
         name + " is not served over " + std::string(media::to_string(kind)) + ": " +
         acceptor.error().text;
-    if (!options.media.empty() || options.well_known) return tl::unexpected(ServeError{why});
+    if (needed) return tl::unexpected(ServeError{why});
     log_warning("session", why);
     failed += (failed.empty() ? "" : "; ") + why;
   }
@@ -119,11 +122,14 @@ tl::expected<void, ServeError> Server::Core::add(std::string name, Servant& serv
   }
   if (well_known) return {};
   if (auto enlisted = registrar_.add(*object, std::move(opened->addresses)); !enlisted) {
-    io_.withdraw(*object);
+    {
+      const std::lock_guard lock(mutex_);
+      objects_.erase(std::find(objects_.begin(), objects_.end(), object));
+    }
     object->close();
+    io_.withdraw(*object);
+    object->join();
     object->streams().close();
-    const std::lock_guard lock(mutex_);
-    objects_.pop_back();
     return tl::unexpected(ServeError{enlisted.error()});
   }
   return {};

@@ -44,6 +44,7 @@ class ServerCall final : public CallCore,
   bool answered = false;   ///< the handler has given its answer, heard or not
   bool returned = false;   ///< the handler's thread came back
   bool canceling = false;
+  bool listed = false;     ///< among the object's open calls
   double fraction = 0;
   Bytes feedback;
   bool untold = false;     ///< progress that the caller does not know yet

@@ -7,6 +7,9 @@
 namespace gecos::session {
 namespace {
 
+/// An answer to each granted call, and as many goodbyes; the rest is room for repetitions.
+constexpr std::size_t most_backlog = 4 * ObjectQueue::most_of_object;
+
 wire::PacketHeader reply_to(std::uint64_t counter) {
   wire::PacketHeader header;
   header.kind = wire::PacketKind::Reply;
@@ -78,6 +81,10 @@ void ServerSession::deliver(ByteView packet) {
   if (backlog_.empty()) {
     const auto sent = link_->send(packet, {});
     if (sent || sent.error() != media::SendProblem::Full) return;
+  }
+  if (backlog_.size() == most_backlog) {
+    overrun_.store(true, std::memory_order_relaxed);
+    return;
   }
   backlog_.emplace_back(packet.begin(), packet.end());
 }

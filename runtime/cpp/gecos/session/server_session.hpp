@@ -47,6 +47,8 @@ class ServerSession {
   bool report(const ServerCall& call, Detail detail, std::size_t position);
   void send_again(const Bytes& packet);
   void flush();
+  /// It sends and takes no answers, so that more wait than any client of ours can have asked for.
+  bool overrun() const { return overrun_.load(std::memory_order_relaxed); }
   tl::expected<std::uint32_t, std::string> share(const StreamDescription& stream);
   void unshare(std::uint32_t id);
 
@@ -63,7 +65,8 @@ class ServerSession {
   ReplyCache replies;
   std::map<FunctionCode, std::uint32_t> subscriptions;  ///< stream and the id it is shared under
   std::map<std::uint64_t, std::uint64_t> renewed;       ///< epochs that a stop of its own replaced
-  std::size_t commands = 0;  ///< actor commands queued or running
+  std::size_t commands = 0;    ///< actor commands that have not reached their end
+  std::size_t unreturned = 0;  ///< calls that wait, or whose handler has not answered and returned
   bool left = false;         ///< said goodbye
   bool departed = false;     ///< its link is gone
   std::uint64_t beats_judged = 0;
@@ -81,6 +84,7 @@ class ServerSession {
   std::mutex send_mutex_;
   Bytes packet_;              ///< reused
   std::deque<Bytes> backlog_;  ///< what found no room
+  std::atomic<bool> overrun_{false};  // publishes nothing but itself
 };
 
 }  // namespace gecos::session

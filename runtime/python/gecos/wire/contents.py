@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 from typing import Protocol, Self, TypeVar
 
 from gecos.wire.decode import Decoder
@@ -44,6 +45,13 @@ def from_bytes(kind: type[_ContentsT], data: bytes | bytearray | memoryview) -> 
 
 def to_message(value: Contents) -> bytes:
     """An LCM message: fingerprint, then the fields."""
+    whole = getattr(value, "_gecos_message", None)
+    if whole is not None:  # a struct that is one run of numbers
+        try:
+            packed: bytes = whole()
+            return packed
+        except (struct.error, OverflowError, TypeError):
+            pass  # what does not fit is named below
     out: Parts = [_fingerprint_bytes(value)]
     value.encode(out)
     return b"".join(out)
@@ -51,6 +59,11 @@ def to_message(value: Contents) -> bytes:
 
 def from_message(kind: type[_ContentsT], data: bytes | bytearray | memoryview) -> _ContentsT:
     """The inverse of `to_message`; a message of another type is WRONG_FINGERPRINT."""
+    plain = getattr(kind, "_gecos_plain", None)
+    if plain is not None and len(data) == plain[0].size + 8 and type(data) is bytes:
+        fingerprint, *values = plain[0].unpack_message(data)
+        if fingerprint == plain[1]:
+            return kind(*values)
     source = Decoder(data)
     if source.octets(8) != _fingerprint_bytes(kind):
         raise DecodeError(DecodeProblem.WRONG_FINGERPRINT, 0)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NoReturn
 
 from gecos.wire.codes import (
@@ -19,7 +19,21 @@ class Fields:
     `codes` are those of `struct` without byte order: b B h H i I q Q f d, and ? for a boolean.
     """
 
-    __slots__ = ("_booleans", "_codes", "_names", "_pack", "_unpack_from", "size")
+    __slots__ = (
+        "_booleans",
+        "_codes",
+        "_names",
+        "_pack",
+        "_unpack_from",
+        "pack_message",
+        "size",
+        "unpack_message",
+    )
+
+    pack_message: Callable[..., bytes]
+    """The fingerprint and all members, without a word about what does not fit."""
+    unpack_message: Callable[..., tuple[Any, ...]]
+    """Its inverse, of exactly `size` and eight more bytes."""
 
     def __init__(self, codes: str, names: Sequence[str]) -> None:
         if len(codes) != len(names):
@@ -31,6 +45,8 @@ class Fields:
         reader = struct.Struct(">" + codes.replace("?", "B"))
         self._unpack_from = reader.unpack_from
         self.size = reader.size
+        message = struct.Struct(">Q" + codes)
+        self.pack_message, self.unpack_message = message.pack, message.unpack
 
     def pack(self, *values: Any) -> bytes:
         try:

@@ -1,4 +1,11 @@
+#include <sys/socket.h>
+#include <sys/un.h>
+
 #include <algorithm>
+#include <cerrno>
+#include <cstddef>
+#include <cstring>
+#include <system_error>
 #include <utility>
 
 #include "gecos/base/log.hpp"
@@ -22,10 +29,43 @@ std::string channel_of_name(std::string_view name) {
   return channel;
 }
 
+/// Says to this host that a place is served. Multicast lets anybody listen beside us, so a name in the
+/// kernel's table of abstract sockets stands for the place: it goes with the process that holds it.
+class Claim {
+ public:
+  static tl::expected<std::unique_ptr<Claim>, MediumError> stake(const LcmAddress& place) {
+    const std::string name = "gecos/" + place.to_string();
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    std::copy_n(name.begin(), std::min(name.size(), sizeof address.sun_path - 1),
+                address.sun_path + 1);  // behind a NUL: no file
+    const auto size = static_cast<socklen_t>(
+        std::min(offsetof(sockaddr_un, sun_path) + 1 + name.size(), sizeof address));
+    Descriptor held(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+    if (!held || ::bind(held.get(), reinterpret_cast<const sockaddr*>(&address), size) != 0) {
+      return tl::unexpected(MediumError{
+          errno == EADDRINUSE
+              ? place.to_string() + " is served already by another program of this host; `ss -xap | "
+                                    "grep gecos/lcm` tells by which"
+              : place.to_string() + " cannot be claimed: " + std::strerror(errno)});
+    }
+    return std::make_unique<Claim>(std::move(held));
+  }
+  explicit Claim(Descriptor held) : held_(std::move(held)) {}
+
+ private:
+  Descriptor held_;
+  const ForkWatch fork_watch_{this, [](void* owner) noexcept {
+                                static_cast<Claim*>(owner)->held_.reset();
+                              }};
+};
+
 class LcmAcceptor final : public Acceptor {
  public:
-  LcmAcceptor(std::shared_ptr<LcmDoor> door)
-      : door_(std::move(door)),
+  /// `claim` is null for a place of its own.
+  LcmAcceptor(std::shared_ptr<LcmDoor> door, std::unique_ptr<Claim> claim)
+      : claim_(std::move(claim)),
+        door_(std::move(door)),
         address_(door_->address().to_string()),
         descriptors_{door_->descriptor(), bell_.descriptor()} {}
   ~LcmAcceptor() override { door_->close(); }
@@ -63,6 +103,7 @@ class LcmAcceptor final : public Acceptor {
   }
 
  private:
+  const std::unique_ptr<Claim> claim_;
   Bell bell_;
   const std::shared_ptr<LcmDoor> door_;
   const std::string address_;
@@ -80,7 +121,12 @@ class Lcm final : public Medium {
   tl::expected<std::unique_ptr<Acceptor>, MediumError> listen(std::string_view name,
                                                               bool well_known) override {
     LcmAddress address = well_known_place(name);
-    if (!well_known) {
+    std::unique_ptr<Claim> claim;
+    if (well_known) {
+      auto staked = Claim::stake(address);
+      if (!staked) return tl::unexpected(std::move(staked.error()));
+      claim = std::move(*staked);
+    } else {
       address.port = draw_port();
       address.channel = lcm_channel("GO", draw_number());
     }
@@ -88,7 +134,7 @@ class Lcm final : public Medium {
     if (!in) return tl::unexpected(std::move(in.error()));
     auto door = std::make_shared<LcmDoor>(options_, std::move(*in), address);
     if (auto opened = door->open(); !opened) return tl::unexpected(std::move(opened.error()));
-    return std::make_unique<LcmAcceptor>(std::move(door));
+    return std::make_unique<LcmAcceptor>(std::move(door), std::move(claim));
   }
 
   tl::expected<std::unique_ptr<Link>, MediumError> connect(std::string_view address) override {
@@ -139,7 +185,12 @@ void LcmDoor::take(ByteView datagram) {
           inboxes_.size() == most_links || std::ranges::find(gone_, header->client) != gone_.end()) {
         return;
       }
-      inbox = std::make_shared<LcmInbox>();
+      try {
+        inbox = std::make_shared<LcmInbox>();
+      } catch (const std::system_error& failed) {  // nothing may pass through LCM's own C
+        log_warning("lcm", std::string("cannot let a client in: ") + failed.what());
+        return;  // it says Hello again
+      }
       inboxes_.emplace(header->client, inbox);
       guests_.push_back({header->client, header->reply_port, inbox});
     }

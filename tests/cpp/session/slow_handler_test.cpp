@@ -1,0 +1,37 @@
+// A handler that takes longer than it should holds up its own callers and nobody else.
+#include <latch>
+
+#include "bench.hpp"
+
+namespace {
+
+using namespace std::chrono_literals;
+using gecos::State;
+
+class SlowHandler : public probe::Bench {};
+
+TEST_F(SlowHandler, DelaysNobodyAtAnotherObjectHoweverOftenItHappens) {
+  probe::ProbeServant slow;
+  serve("SLOW", slow);
+  serve("QUICK", servant_);
+  const auto slow_probe = connect(lab_, "SLOW");
+  const auto quick_probe = connect(second_lab_, "QUICK");
+  for (int round = 0; round < 3; ++round) {
+    std::latch inside(1);
+    std::latch leave(1);
+    slow.on_read([&](gecos::IncomingCall call) {
+      inside.count_down();
+      leave.wait();
+      call.fail(gecos::Fault::rejected("slowly").failure());
+    });
+    ASSERT_TRUE(quick_probe.read().get()) << "so that its connection is looked at, not slept on";
+    const auto held_up = slow_probe.read();
+    inside.wait();
+    EXPECT_EQ(quick_probe.read().wait_for(5s), State::Finished) << "round " << round;
+    EXPECT_EQ(held_up.state(), State::Running);
+    leave.count_down();
+    EXPECT_EQ(held_up.wait(), State::CommandFailed);
+  }
+}
+
+}  // namespace
