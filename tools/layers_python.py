@@ -31,7 +31,7 @@ def _gidl(*names: str) -> str:
 
 _FOUNDATION = ("source", "diagnostics")
 _MODEL = ("model", "policy")
-_WORDS = ("keywords",)
+_WORDS = ("keywords", "places")
 _TEXT = (*_WORDS, "lexer", "preprocess", "docs_text", "token_reader", "syntax")
 _PARSER = ("parser", r"\w+_parser")
 _LAYOUT = ("wire_layout", "wire_nodes", "lcm_lowering", "function_codes", "hashes")

@@ -12,8 +12,8 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from gidl.diagnostics import Findings
+from gidl.places import PLACES
 from gidl.source import Source, Span
-from gidl.vocabulary import PLACES
 
 
 class Token(NamedTuple):

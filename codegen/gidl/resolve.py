@@ -30,6 +30,7 @@ from gidl.model import (
     Union,
     Value,
 )
+from gidl.places import PLACES
 from gidl.resolve_interfaces import InterfaceResolver
 from gidl.scopes import Names, Scope, Symbol
 from gidl.syntax import (
@@ -45,7 +46,7 @@ from gidl.syntax import (
     ScopedName,
     TypedefSyntax,
 )
-from gidl.vocabulary import PLACES, Declared, Parameter, Vocabulary
+from gidl.vocabulary import Declared, Parameter, Vocabulary
 
 
 def resolve(files: Iterable[LoadedFile], vocabulary: FileSyntax, findings: Findings) -> Model:

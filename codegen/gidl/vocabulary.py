@@ -13,56 +13,9 @@ from difflib import get_close_matches
 from gidl.constants import Computed, describe_kind
 from gidl.diagnostics import Findings, Note
 from gidl.model import Primitive, PrimitiveType, StringType, Type, Value
+from gidl.places import PLACES
 from gidl.source import Span
 from gidl.syntax import AnnotationUse
-
-_CALLS = frozenset(("operation", "attribute"))
-_OPERATION = frozenset(("operation",))
-_ATTRIBUTE = frozenset(("attribute",))
-_SLOTS = frozenset(("member", "parameter"))
-_VALUES = _SLOTS | _CALLS | {"typedef"}
-_STRUCTS = frozenset(("struct", "exception", "union"))
-_TYPES = _STRUCTS | {"enum", "bitmask", "bitset", "typedef"}
-
-# What each annotation of the vocabulary may stand on.
-PLACES: Mapping[str, frozenset[str]] = {
-    "sensor": _CALLS,
-    "actor": _CALLS,
-    "master": _CALLS,
-    "safety": _OPERATION,
-    "presence": _CALLS,
-    "idempotent": _OPERATION,
-    "cancelable": _OPERATION,
-    "on_new": _OPERATION,
-    "parallel": _OPERATION,
-    "ordered": _OPERATION,
-    "on_loss": _OPERATION,
-    "stream": _ATTRIBUTE,
-    "open_stream": _ATTRIBUTE,
-    "event": _OPERATION,
-    "qos": _CALLS | {"interface"},
-    "unit": _VALUES | {"sequence", "constant"},
-    "range": _VALUES,
-    "min": _VALUES,
-    "max": _VALUES,
-    "default": _SLOTS,
-    "default_literal": frozenset(("enumerator",)),
-    "optional": _SLOTS | _CALLS,
-    "id": _CALLS | {"member"},
-    "value": frozenset(("enumerator",)),
-    "position": frozenset(("flag",)),
-    "bit_bound": frozenset(("enum", "bitmask")),
-    "final": _STRUCTS,
-    "appendable": _STRUCTS,
-    "mutable": _STRUCTS,
-    "bulk": _SLOTS | _CALLS,
-    "secret": _SLOTS | _CALLS,
-    "maps_to": frozenset(("struct",)),
-    "version": _TYPES | {"module", "interface"},
-    "since": _TYPES | _CALLS | _SLOTS | {"interface", "enumerator", "flag", "constant"},
-    "deprecated": _TYPES | _CALLS | _SLOTS | {"interface", "enumerator", "flag", "constant"},
-    "hash_as": _STRUCTS | _CALLS | {"member", "interface", "enum", "bitmask", "bitset"},
-}
 
 # Annotations of the standard that mean nothing here: never taken for a slip of the pen.
 _STANDARD = frozenset(
