@@ -169,16 +169,16 @@ def _cpp(
     compiler = [os.environ.get("CXX", "c++")]
     if shutil.which("ccache"):
         compiler.insert(0, "ccache")
-    include = [f"-I{folder / 'cpp'}", f"-I{folder / 'theirs'}", f"-I{runtime}"]
+    include = ["-Icpp", "-Itheirs", f"-I{runtime}"]  # relative, so that ccache knows them again
     objects = []
     for each in (source, *(runtime / "gecos" / "wire" / f"{part}.cpp" for part in WIRE_SOURCES)):
-        objects.append(str(folder / f"{each.stem}.o"))
+        objects.append(f"{each.stem}.o")
         subprocess.run(
             [*compiler, "-std=c++20", "-O0", *include, "-isystem", str(wheel() / "include"),
-             "-c", str(each), "-o", objects[-1]],
-            check=True,
+             "-c", each.name if each == source else str(each), "-o", objects[-1]],
+            check=True, cwd=folder,
         )  # fmt: skip
-    subprocess.run([compiler[-1], *objects, "-o", str(binary)], check=True)
+    subprocess.run([compiler[-1], *objects, "-o", binary.name], check=True, cwd=folder)
     done = subprocess.run([str(binary), str(records)], capture_output=True, text=True)
     differences = [f"C++: {line}" for line in done.stdout.splitlines()[:-1]]
     last = done.stdout.splitlines()[-1:]

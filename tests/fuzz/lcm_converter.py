@@ -54,7 +54,8 @@ def _assign(model: Model, lcm: LcmStruct) -> Iterator[str]:
     if not isinstance(declaration, Struct | Union):
         return
     ours = f"::{full_name(model, declaration.name)}"
-    yield f"inline void assign([[maybe_unused]] const {theirs}& from, [[maybe_unused]] {ours}& to) {{"
+    yield f"inline void assign([[maybe_unused]] const {theirs}& from,"
+    yield f"                   [[maybe_unused]] {ours}& to) {{"
     if isinstance(declaration, Union):
         yield f"  convert(from.{lcm.members[0].name}, to.tag);"
         for index, case in enumerate(declaration.cases, start=1):
@@ -139,7 +140,9 @@ void compare(const char* name, gecos::ByteView message) {
   Theirs theirs;
   const int size = static_cast<int>(message.size());
   if (Theirs::getHash() != Ours::fingerprint()) differs(type + ": fingerprints");
-  if (theirs.decode(message.data(), 0, size) != size) return differs(type + ": lcm-gen's C++ refuses");
+  if (theirs.decode(message.data(), 0, size) != size) {
+    return differs(type + ": lcm-gen's C++ refuses");
+  }
   Ours ours;
   convert(theirs, ours);
   gecos::Bytes again(static_cast<std::size_t>(theirs.getEncodedSize()));
