@@ -82,7 +82,8 @@ class Direct final : public gecos::session::ClientSession {
   const std::string& interface_name() const override { return name_; }
   const std::string& object_name() const override { return name_; }
   const gecos::media::Offer& offer() const override { return offer_; }
-  void hold(std::uint64_t) override {}
+  std::uint64_t hold(std::uint64_t) override { return 0; }
+  void let_go(std::uint64_t) override {}
 
   int sent = 0;
 

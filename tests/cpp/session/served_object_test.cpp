@@ -7,6 +7,7 @@
 
 #include "gecos/session/function_code.hpp"
 #include "gecos/session/packets.hpp"
+#include "gecos/session/reserved_codec.hpp"
 #include "probe.hpp"
 
 namespace gecos::session {
