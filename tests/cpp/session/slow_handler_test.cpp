@@ -8,18 +8,22 @@ namespace {
 using namespace std::chrono_literals;
 using gecos::State;
 
-class SlowHandler : public probe::Bench {};
+class SlowHandler : public probe::Bench {
+ protected:
+  void TearDown() override { server_.reset(); }  // before the servant that only this test has
+
+  probe::ProbeServant slow_;
+};
 
 TEST_F(SlowHandler, DelaysNobodyAtAnotherObjectHoweverOftenItHappens) {
-  probe::ProbeServant slow;
-  serve("SLOW", slow);
+  serve("SLOW", slow_);
   serve("QUICK", servant_);
   const auto slow_probe = connect(lab_, "SLOW");
   const auto quick_probe = connect(second_lab_, "QUICK");
   for (int round = 0; round < 3; ++round) {
     std::latch inside(1);
     std::latch leave(1);
-    slow.on_read([&](gecos::IncomingCall call) {
+    slow_.on_read([&](gecos::IncomingCall call) {
       inside.count_down();
       leave.wait();
       call.fail(gecos::Fault::rejected("slowly").failure());

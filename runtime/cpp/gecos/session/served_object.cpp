@@ -250,6 +250,7 @@ void ServedObject::tend(TimePoint now) {
 
 bool ServedObject::judge_silence(const std::shared_ptr<ServerSession>& session, TimePoint now) {
   const Lock lock(mutex_);
+  if (session->overrun()) return true;
   const auto beats = session->link().beats_seen();
   if (beats != session->beats_judged || session->last_sign == TimePoint{}) {
     session->beats_judged = beats;
@@ -257,8 +258,7 @@ bool ServedObject::judge_silence(const std::shared_ptr<ServerSession>& session, 
     leases_.renew(session->id(), now);
     return false;
   }
-  return session->overrun() ||
-         now - session->last_sign >= runtime_->options().lease_ttl + runtime_->options().grace;
+  return now - session->last_sign >= runtime_->options().lease_ttl + runtime_->options().grace;
 }
 
 void ServedObject::depart(const std::shared_ptr<ServerSession>& session, Departure how) {

@@ -46,7 +46,7 @@ class ServedObject final : public Publisher, public std::enable_shared_from_this
   /// The link is gone. In order: its commands go on, its status drains.
   enum class Departure : std::uint8_t { InOrder, Lost };
   void depart(const std::shared_ptr<ServerSession>& session, Departure how);
-  /// Heartbeat seen from it, or not, judged every tick. True: silent for so long that it ends.
+  /// Heartbeat seen from it, or not, judged every tick. True: it ends, silent for so long or deaf.
   bool judge_silence(const std::shared_ptr<ServerSession>& session, TimePoint now);
   /// Deadlines, leases, progress that waits to be told. On the housekeeping thread.
   void tend(TimePoint now);
