@@ -165,6 +165,7 @@ def test_fingerprints_are_those_of_lcm_gen(file: Path, tmp_path: Path) -> None:
     ours = {
         s.lcm.name: s.fingerprint & 0xFFFFFFFFFFFFFFFF
         for s in (*layout.structs.values(), *layout.unions.values())
+        if "." in s.lcm.name  # lcm-gen's Python of nested types without a package does not run
     }
     script = (
         "import sys\nsys.path.insert(0, sys.argv[1])\nimport importlib\nfor n in sys.argv[2:]:\n"
@@ -175,7 +176,7 @@ def test_fingerprints_are_those_of_lcm_gen(file: Path, tmp_path: Path) -> None:
         )
     )
     run = subprocess.run(
-        [sys.executable, "-c", script, str(out), *ours], capture_output=True, text=True, check=True
+        [sys.executable, "-c", script, str(out), *ours], stdout=subprocess.PIPE, text=True, check=True
     )
     theirs = {n: int(h, 16) for n, h in re.findall(r"^(\S+) (\w+)$", run.stdout, re.MULTILINE)}
     assert theirs == ours

@@ -42,11 +42,22 @@ atexit.register(_generated.cleanup)
 _generate_rail_python(Path(_generated.name))  # now: test modules import it when they are collected
 
 
-@pytest.fixture
-def lab(build: Path) -> Iterator[Laboratory]:
+@pytest.fixture(scope="session")
+def place() -> Iterator[Path]:
+    """Where the laboratories meet: one folder for the process's life, because it is what a process
+    takes for its host. tests/python may have chosen it already."""
+    chosen = os.environ.get("GECOS_RUNTIME_DIR")
+    if chosen:
+        yield Path(chosen)
+        return
     # Not tmp_path: the name of a Unix socket has at most 107 characters.
     with tempfile.TemporaryDirectory(prefix="gecos-") as directory:
-        yield from laboratory(Path(directory), build)
+        yield Path(directory)
+
+
+@pytest.fixture
+def lab(build: Path, place: Path) -> Iterator[Laboratory]:
+    yield from laboratory(place, build)
 
 
 @pytest.fixture

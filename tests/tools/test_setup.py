@@ -9,6 +9,8 @@ TREE = Path(__file__).resolve().parents[2]
 FIRST = "build-essential"
 ALL_BUT_TWO = """\
 ii  build-essential
+ii  clang-14
+ii  omniidl
 ii  cmake
 ii  pkg-config
 ii  python3

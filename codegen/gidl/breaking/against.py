@@ -69,4 +69,7 @@ def _extract(ref: str, subfolder: str, into: Path) -> None:
         said = run.stderr.decode("utf-8", "replace").strip().splitlines()
         raise AgainstError(f"git has no {subfolder}/ in '{ref}': {said[-1] if said else 'no word'}")
     with tarfile.open(fileobj=io.BytesIO(run.stdout)) as archive:
-        archive.extractall(into, filter="data")
+        if hasattr(tarfile, "data_filter"):  # Debian 12's Python 3.11.2 is older than it
+            archive.extractall(into, filter="data")
+        else:
+            archive.extractall(into)  # git made it: no absolute paths, nothing outside
