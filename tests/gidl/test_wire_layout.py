@@ -176,7 +176,10 @@ def test_fingerprints_are_those_of_lcm_gen(file: Path, tmp_path: Path) -> None:
         )
     )
     run = subprocess.run(
-        [sys.executable, "-c", script, str(out), *ours], stdout=subprocess.PIPE, text=True, check=True
+        [sys.executable, "-c", script, str(out), *ours],
+        stdout=subprocess.PIPE,
+        text=True,
+        check=True,
     )
     theirs = {n: int(h, 16) for n, h in re.findall(r"^(\S+) (\w+)$", run.stdout, re.MULTILINE)}
     assert theirs == ours
