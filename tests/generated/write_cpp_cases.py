@@ -8,6 +8,7 @@ from pathlib import Path
 
 from gidl.model import Model, NamedType
 from gidl.targets.cpp.names import full_name
+from memory_factor import MemoryFactors
 from type_values import CppWriter, cases, load
 
 HELPERS = r"""
@@ -32,8 +33,9 @@ std::string printed(const T& value) {
 }
 
 template <class T>
-Verdict verdict(gecos::ByteView bytes) {
+Verdict verdict(gecos::ByteView bytes, void (*decoded_now)()) {
   const auto decoded = gecos::wire::from_bytes<T>(bytes);
+  if (decoded_now != nullptr) decoded_now();
   if (!decoded) return {std::nullopt, decoded.error().message()};
   return {gecos::wire::to_bytes(*decoded), ""};
 }
@@ -63,7 +65,8 @@ def source(model: Model) -> str:
     writer = CppWriter(model)
     types = sorted({case.type for case in cases()})
     headers = sorted({f"{model.file_of(name).removesuffix('.gidl')}_types.hpp" for name in types})
-    lines = ['#include "cases.hpp"', "", "#include <limits>", "#include <sstream>", ""]
+    lines = ['#include "cases.hpp"', "", "#include <algorithm>", "#include <limits>"]
+    lines += ["#include <sstream>", ""]
     lines += [f'#include "{header}"' for header in headers]
     lines += [HELPERS, "const std::vector<Case>& cases() {"]
     lines += ["  static const std::vector<Case> all{"]
@@ -76,10 +79,17 @@ def source(model: Model) -> str:
             f"       [] {{ return printed({value}); }}}},",
         ]
     lines += ["  };", "  return all;", "}", ""]
-    lines += ["Verdict judge(std::string_view type, gecos::ByteView bytes) {"]
+    head = "Verdict judge(std::string_view type, gecos::ByteView bytes, void (*decoded)())"
+    lines.append(f"{head} {{")
     for name in types:
-        lines.append(f'  if (type == "{name}") return verdict<{full_name(model, name)}>(bytes);')
+        call = f"verdict<{full_name(model, name)}>(bytes, decoded)"
+        lines.append(f'  if (type == "{name}") return {call};')
     lines += ['  return {std::nullopt, "no such type"};', "}", ""]
+    factors = MemoryFactors(model)
+    lines += ["const std::vector<JudgedType>& judged_types() {"]
+    lines += ["  static const std::vector<JudgedType> all{"]
+    lines += [f'      {{"{name}", {factors.of(NamedType(name))}}},' for name in types]
+    lines += ["  };", "  return all;", "}", ""]
     return "\n".join(lines)
 
 

@@ -23,7 +23,15 @@ struct Verdict {
   std::optional<gecos::Bytes> bytes;
   std::string why;
 };
-Verdict judge(std::string_view type, gecos::ByteView bytes);
+/// `decoded` is called between decoding and encoding.
+Verdict judge(std::string_view type, gecos::ByteView bytes, void (*decoded)() = nullptr);
+
+/// A type that can be judged. Decoding n bytes of it allocates at most memory_factor * n + 64 KiB.
+struct JudgedType {
+  const char* name;
+  double memory_factor;
+};
+const std::vector<JudgedType>& judged_types();
 
 gecos::Bytes from_hex(std::string_view hex);
 std::string to_hex(gecos::ByteView bytes);
