@@ -53,9 +53,13 @@ bench: build  ## speeds, shown and never asserted
 	@for program in $$(find $(BUILD)/benchmarks -maxdepth 1 -type f -executable | sort); do \
 	  echo "──── $$program" && $$program || exit 1; done
 
+# Each run says what it found; all of them run, whatever the others said. FUZZ_SECONDS=60 for shorter ones.
+FUZZ_SECONDS ?= 600
 .PHONY: fuzz
-fuzz: setup  ## ten minutes of input that nobody would write, for the parser
-	@$(PYTHON) tests/fuzz/parser_fuzz.py --seconds 600
+fuzz: build  ## input that nobody would write: parser and decoders, both decoders alike, ours against lcm-gen's
+	@failed=; for run in parser decoders verdicts lcm-gen; do \
+	  echo "──── $$run" && FUZZ_SECONDS=$(FUZZ_SECONDS) BUILD=$(BUILD) JOBS=$(JOBS) tools/fuzz.sh $$run || failed="$$failed $$run"; \
+	done; test -z "$$failed" || { echo "fuzz: FAILED:$$failed"; exit 1; }
 
 .PHONY: wheels
 wheels: setup  ## both wheels into dist/, tried where the tree is not known
@@ -69,4 +73,4 @@ format: setup  ## C++ and Python laid out as the house does
 
 .PHONY: clean
 clean:  ## all that was built; the virtual environment stays
-	@rm -rf build build-asan build-tsan build-wheel dist runtime/python/gecos/_core*.so
+	@rm -rf build build-asan build-tsan build-fuzz build-wheel dist runtime/python/gecos/_core*.so

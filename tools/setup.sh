@@ -4,13 +4,15 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-# What the C++ is built with, and the interpreter. a|b: either will do (Ubuntu 24.04 renamed some).
+# What the C++ is built with, and the interpreter; a big-endian machine for tests. a|b: either will do (Ubuntu 24.04
+# renamed some).
 packages=(
   build-essential clang-14 cmake ninja-build pkg-config omniidl
   python3 python3-venv python3-dev
   libeigen3-dev liborocos-kdl-dev liburdfdom-dev libexpected-dev libsodium-dev
   "libglib2.0-0|libglib2.0-0t64"
   libgtest-dev libbenchmark-dev
+  g++-s390x-linux-gnu qemu-user
 )
 
 installed=$(dpkg-query -W -f='${db:Status-Abbrev}${binary:Package}\n' 2>/dev/null \

@@ -23,6 +23,8 @@ ii  libexpected-dev
 ii  libsodium-dev:amd64
 ii  libglib2.0-0t64:amd64
 ii  libgtest-dev:amd64
+ii  g++-s390x-linux-gnu
+ii  qemu-user
 rc  libbenchmark-dev:amd64
 """
 

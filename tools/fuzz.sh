@@ -1,0 +1,41 @@
+#!/bin/bash
+# fuzz.sh <parser|decoders|verdicts|lcm-gen>: one of the four runs of `make fuzz`. FUZZ_SECONDS says how long parser and
+# decoders run.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+seconds=${FUZZ_SECONDS:-600}
+jobs=${JOBS:-$(nproc)}
+python=.venv/bin/python
+
+case "${1-}" in
+  parser)
+    exec "$python" tests/fuzz/parser_fuzz.py --seconds "$seconds"
+    ;;
+  decoders)
+    compiler=$(command -v clang++-14 || command -v clang++ || echo clang++-14)
+    entry='extern "C" int LLVMFuzzerTestOneInput(const unsigned char*, unsigned long) { return 0; }'
+    "$compiler" -fsanitize=fuzzer,address,undefined -x c++ - -o /dev/null <<<"$entry" || {
+      echo "fuzz: $compiler cannot link libFuzzer: apt-get install clang-14 libclang-rt-14-dev" >&2
+      exit 1
+    }
+    tools/configure.sh build-fuzz RelWithDebInfo -DGECOS_FUZZ=ON -DGECOS_SANITIZE=address "-DCMAKE_CXX_COMPILER=$compiler"
+    cmake --build build-fuzz "-j$jobs" --target decoder_fuzzer
+    corpus=build-fuzz/corpus
+    "$python" tests/fuzz/write_corpus.py "$corpus/vectors"
+    mkdir -p "$corpus/found"
+    exec build-fuzz/tests/fuzz/decoder_fuzzer "-max_total_time=$seconds" -max_len=16384 -timeout=10 -rss_limit_mb=1024 \
+      -print_final_stats=1 -print_funcs=0 -verbosity=0 -artifact_prefix=build-fuzz/ "$corpus/found" "$corpus/vectors"
+    ;;
+  verdicts)
+    cmake --build "${BUILD:-build}" "-j$jobs" --target generated_verdicts
+    PYTHONPATH=codegen:runtime/python:generated/python exec "$python" tests/generated/compare_verdicts.py \
+      --strings 100000 --seed "${FUZZ_SEED:-$RANDOM}" "${BUILD:-build}/tests/cpp/generated/generated_verdicts"
+    ;;
+  lcm-gen)
+    exec "$python" tests/fuzz/lcm_differential.py --types 300 --values 1000 --jobs "$jobs" --seed "${FUZZ_SEED:-1}"
+    ;;
+  *)
+    echo "fuzz: name one of parser, decoders, verdicts, lcm-gen" >&2
+    exit 2
+    ;;
+esac
