@@ -1,0 +1,83 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+#include "gecos/base/bytes.hpp"
+#include "gecos/base/result.hpp"
+#include "gecos/crypto/keys.hpp"
+#include "gecos/crypto/noise.hpp"
+
+/// The handshake Noise_IK_25519_ChaChaPoly_SHA256, bare: two messages, after which both sides know each
+/// other's public key and share two keys. The initiator knows the responder's public key beforehand.
+/// Repeating, admission and limits are of opening.hpp and handshake_door.hpp.
+namespace gecos::crypto {
+
+inline constexpr std::string_view noise_name = "Noise_IK_25519_ChaChaPoly_SHA256";
+
+enum class HandshakeProblem : std::uint8_t {
+  WrongSize,  ///< no message of this handshake
+  WeakKey,    ///< a public key that gives everybody the same secret
+  Forged,     ///< not for us, not from whom it says, about something else (prologue), or altered
+};
+std::string_view to_string(HandshakeProblem problem);
+
+struct SessionKeys {
+  Key send;
+  Key receive;
+  Hash binding;  ///< the same on both sides, and of this handshake alone
+};
+
+class IkInitiator {
+ public:
+  static constexpr std::size_t first_overhead = key_bytes + key_bytes + tag_bytes + tag_bytes;
+
+  IkInitiator(const Identity& own, const PublicKey& responder, ByteView prologue,
+              const KeyPair& ephemeral = KeyPair::draw());
+
+  /// Once.
+  tl::expected<Bytes, HandshakeProblem> write_first(ByteView payload);
+
+  struct Finished {
+    SessionKeys keys;
+    Bytes payload;
+  };
+  /// A forged message changes nothing: the right one may still come.
+  tl::expected<Finished, HandshakeProblem> read_second(ByteView message) const;
+
+ private:
+  const Identity& own_;
+  PublicKey responder_;
+  KeyPair ephemeral_;
+  SymmetricState state_;
+};
+
+class IkResponder {
+ public:
+  static constexpr std::size_t second_overhead = key_bytes + tag_bytes;
+
+  /// Keeps nothing of a message that fails.
+  static tl::expected<IkResponder, HandshakeProblem> read_first(const Identity& own, ByteView message,
+                                                                ByteView prologue);
+
+  const PublicKey& initiator() const { return initiator_; }
+  const Bytes& payload() const { return payload_; }
+
+  struct Finished {
+    SessionKeys keys;
+    Bytes message;
+  };
+  tl::expected<Finished, HandshakeProblem> write_second(
+      ByteView payload, const KeyPair& ephemeral = KeyPair::draw()) const;
+
+ private:
+  explicit IkResponder(const SymmetricState& state) : state_(state) {}
+
+  SymmetricState state_;
+  PublicKey initiator_;
+  PublicKey initiator_ephemeral_;
+  Bytes payload_;
+};
+
+}  // namespace gecos::crypto

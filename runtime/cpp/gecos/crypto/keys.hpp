@@ -1,0 +1,62 @@
+#pragma once
+
+#include <array>
+#include <compare>
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "gecos/base/bytes.hpp"
+#include "gecos/crypto/secret.hpp"
+
+/// X25519 keys: who a program is, to those it talks to over a wire that others can read.
+namespace gecos::crypto {
+
+inline constexpr std::size_t key_bytes = 32;
+
+struct PublicKey {
+  std::array<std::byte, key_bytes> bytes{};
+
+  auto operator<=>(const PublicKey&) const = default;
+  /// 64 hex digits, as files and addresses carry it.
+  std::string to_string() const;
+  /// Its first eight digits, for people.
+  std::string short_name() const;
+  static std::optional<PublicKey> parse(std::string_view hex_digits);
+  /// @pre `from` has key_bytes bytes.
+  static PublicKey of(ByteView from);
+};
+
+struct KeyPair {
+  Secret<key_bytes> secret;
+  PublicKey public_key;
+
+  static KeyPair draw();
+  static KeyPair of(const Secret<key_bytes>& secret);
+};
+
+/// The key pair that a user is known by. Its secret half lies between guard pages, is not swapped out
+/// as far as the system's limit on locked memory allows, and is left out of core dumps.
+class Identity {
+ public:
+  /// Throws std::bad_alloc when there is no memory for it.
+  explicit Identity(const KeyPair& pair);
+
+  const PublicKey& public_key() const { return public_key_; }
+  std::span<const std::byte, key_bytes> secret() const;
+
+ private:
+  struct Free {
+    void operator()(std::byte* memory) const;
+  };
+  std::unique_ptr<std::byte[], Free> secret_;
+  PublicKey public_key_;
+};
+
+/// What only the two owners can compute. Nothing for a public key made to give everybody the same.
+std::optional<Key> shared_secret(std::span<const std::byte, key_bytes> secret,
+                                 const PublicKey& peer);
+
+}  // namespace gecos::crypto
