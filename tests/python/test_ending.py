@@ -41,3 +41,14 @@ def test_other_signals_do_not_end_it() -> None:
         signals._here.setblocking(False)
         with pytest.raises(BlockingIOError):
             signals._here.recv(1)
+
+
+def test_what_came_is_known_before_waiting_for_it() -> None:
+    with EndingSignals() as signals:
+        before = signal.signal(signal.SIGUSR1, lambda number, frame: None)
+        signal.raise_signal(signal.SIGUSR1)
+        assert not signals.came()
+        signal.raise_signal(signal.SIGINT)
+        assert signals.came()
+        signals.wait()
+        signal.signal(signal.SIGUSR1, before)

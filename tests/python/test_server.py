@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import sys
+import threading
 
 import gecos
 import pytest
@@ -163,3 +164,15 @@ def test_many_threads_may_call_through_one_proxy(lamp: Lamp) -> None:
     with ThreadPoolExecutor(8) as pool:
         labels = list(pool.map(lambda _: lamp.label().result(), range(200)))
     assert labels == ["a lamp"] * 200
+
+
+def test_a_server_waits_for_a_broker_that_is_starting(place: object) -> None:
+    with gecos.Lab() as ours, gecos.Server(ours) as server:
+        with pytest.raises(gecos.ServeError, match="no broker answers"):
+            server.await_broker(0.0)
+        adding = threading.Thread(target=server.add, args=("EARLY", PlainLamp()))
+        adding.start()
+        with gecos.Lab() as theirs, gecos.Broker(theirs):
+            adding.join()
+            assert theirs.create(Lamp, "EARLY").label().result() == "a lamp"
+            server.close()

@@ -68,6 +68,8 @@ class IncomingCall:
 
 class Server:
     def __init__(self, lab: Lab) -> None: ...
+    def await_broker(self, patience: float) -> str | None:
+        """None once a broker answers; where it was looked for when none did for `patience`."""
     def add(
         self, name: str, interface: Interface, simulated: bool, media: Sequence[str]
     ) -> PulledServant | str:

@@ -8,6 +8,7 @@ from types import TracebackType
 from typing import Self
 
 _ENDING = (signal.SIGINT, signal.SIGTERM)
+_ENOUGH = 4096  # other signals that came before it
 
 
 class EndingSignals:
@@ -28,6 +29,14 @@ class EndingSignals:
         """Sleeps until the first of them, also when it came before."""
         while self._here.recv(1)[0] not in _ENDING:
             pass
+
+    def came(self) -> bool:
+        """Whether one of them came already."""
+        try:
+            waiting = self._here.recv(_ENOUGH, socket.MSG_PEEK | socket.MSG_DONTWAIT)
+        except BlockingIOError:
+            return False
+        return any(number in _ENDING for number in waiting)
 
     def __exit__(
         self,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 import traceback
 from collections.abc import Iterable, Mapping
 from types import TracebackType
@@ -19,6 +20,9 @@ from gecos.wire import DecodeError, Decoder, to_bytes
 
 _SENSOR_LANE = 0
 _FIFO_LANE = 1
+
+BROKER_PATIENCE = 10.0
+"""How long a server waits for a broker that is starting, in seconds."""
 
 
 class Server:
@@ -41,13 +45,22 @@ class Server:
             thread.start()
         farewell.at_exit(self, farewell.Turn.SERVERS)
 
+    def await_broker(self, patience: float = BROKER_PATIENCE) -> None:
+        """Waits at most `patience` seconds for a broker that is starting; `add` does this too.
+
+        Raises ServeError that says where it was looked for.
+        """
+        if why := self._core.await_broker(patience):
+            raise ServeError(why)
+
     def add(
         self, name: str, servant: Servant, *, simulated: bool = False, media: Iterable[str] = ()
     ) -> None:
         """Serves `servant` under `name` from now on. `media`: those that clients may use, else all.
 
-        Raises ServeError when the name is taken or nothing can be opened.
+        Raises ServeError when no broker answers, the name is taken or nothing can be opened.
         """
+        self.await_broker()
         self._servants.append(servant)
         added = self._core.add(name, servant._gecos_interface, simulated, list(media))
         if isinstance(added, str):
@@ -92,10 +105,26 @@ def serve(
 ) -> None:
     """Serves objects under their names until SIGINT or SIGTERM. Call it from the main thread."""
     with EndingSignals() as signals, Server(lab or Lab()) as server:
+        if not _broker_found(server, signals):
+            return
         for name, servant in servants.items():
             server.add(name, servant, simulated=simulated, media=media)
         print(f"serving {', '.join(servants)}", flush=True)
         signals.wait()
+
+
+def _broker_found(server: Server, signals: EndingSignals) -> bool:
+    """Waits for it, but not after the user has had enough."""
+    give_up = time.monotonic() + BROKER_PATIENCE
+    while not signals.came():
+        try:
+            server.await_broker(min(0.2, give_up - time.monotonic()))
+        except ServeError:
+            if time.monotonic() >= give_up:
+                raise
+        else:
+            return True
+    return False
 
 
 def _answer(servant: Servant, call: _core.IncomingCall) -> None:

@@ -77,6 +77,7 @@ class ServerHandle {
     ObjectOptions options;
     options.simulated = simulated;
     options.thread_safe = true;  // dispatching only queues
+    options.patience = Duration::zero();  // await_broker was before
     for (const std::string& medium : media) {
       const auto kind = media::kind_from(medium);
       if (!kind) {
@@ -91,6 +92,20 @@ class ServerHandle {
     const auto added = without_gil([&] { return server->add(name, servant, std::move(options)); });
     if (!added) return nb::str(added.error().text.c_str());
     return nb::cast(ServantHandle(served_, servant));
+  }
+
+  /// Nothing once a broker answers, else where it was looked for.
+  nb::object await_broker(double patience) {
+    const auto server = server_;  // another thread may close meanwhile
+    if (server == nullptr) return nb::str("the server is closed");
+    std::string why;
+    const bool found = wait_in_slices(patience, [&](TimePoint until) {
+      const auto answers = server->await_broker(until - SystemClock().now());
+      if (!answers) why = answers.error().text;
+      return answers.has_value();
+    });
+    if (found) return nb::none();
+    return nb::str(why.c_str());
   }
 
   nb::object next(int lane, std::optional<double> timeout) {
@@ -206,6 +221,7 @@ void bind_server(nb::module_& module) {
 
   nb::class_<ServerHandle>(module, "Server")
       .def(nb::init<const LabHandle&>(), nb::arg("lab"))
+      .def("await_broker", &ServerHandle::await_broker, nb::arg("patience"))
       .def("add", &ServerHandle::add, nb::arg("name"), nb::arg("interface"), nb::arg("simulated"),
            nb::arg("media"))
       .def("next", &ServerHandle::next, nb::arg("lane"), nb::arg("timeout").none())

@@ -280,7 +280,7 @@ void IoLoop::tend(TimePoint now) {
   for (const auto& session : sessions) {
     session->flush();
     if (beat) session->link().beat();
-    if (session->object()->judge_silence(session, now)) {
+    if (session->object()->judge_silence(session)) {
       session->gone = true;
       session->object()->depart(session, ServedObject::Departure::Lost);
     }

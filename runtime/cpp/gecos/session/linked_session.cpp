@@ -19,9 +19,9 @@ LinkedSession::LinkedSession(std::shared_ptr<Runtime> runtime, std::unique_ptr<m
       id_(id),
       welcome_(std::move(welcome)),
       repeats_(!link_->offer().reliable),
-      spin_(system_clock()) {
-  last_sign_ = runtime_->clock().now();
-}
+      spin_(system_clock()),
+      watched_(runtime_->clock().now(), runtime_->options().heartbeat * 2),
+      last_sign_(watched_.now()) {}
 
 LinkedSession::~LinkedSession() {
   close(runtime_->housekeeping().on_this_thread() ? Duration{} : runtime_->options().heartbeat * 2);

@@ -13,6 +13,7 @@
 #include "gecos/session/housekeeping.hpp"
 #include "gecos/session/object.hpp"
 #include "gecos/session/pending_command.hpp"
+#include "gecos/session/watched_time.hpp"
 #include "gecos/media/waiting.hpp"
 #include "gecos/wire/packet.hpp"
 
@@ -142,7 +143,8 @@ class LinkedSession final : public ClientSession,
   // Housekeeping thread only.
   bool watching_ = false;
   std::uint64_t beats_judged_ = 0;
-  TimePoint last_sign_{};
+  WatchedTime watched_;  ///< the server is judged by it
+  TimePoint last_sign_;
   TimePoint next_beat_{};
 };
 

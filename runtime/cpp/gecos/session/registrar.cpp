@@ -20,6 +20,19 @@ Registrar::Registrar(std::shared_ptr<LabCore> lab) : lab_(std::move(lab)) {
   thread_ = start_thread("gecos-registrar", [this] { run(); });
 }
 
+tl::expected<void, std::string> Registrar::await_broker(TimePoint deadline) {
+  for (bool told = false;; told = true) {
+    const auto broker = lab_->broker(std::min(deadline, deadline_after(patience)));
+    if (broker) return {};
+    if (!told) log_info("session", "waiting for a broker: " + broker.error());
+    const Clock& clock = lab_->runtime()->clock();
+    const TimePoint next_try = std::min(deadline, clock.now() + between_tries);
+    std::unique_lock lock(mutex_);
+    changed_.wait_until(lock, next_try, [this] { return ended_; });
+    if (ended_ || clock.now() >= deadline) return tl::unexpected(broker.error());
+  }
+}
+
 tl::expected<void, std::string> Registrar::add(const ServedObject& object,
                                                std::vector<std::string> addresses) {
   const InterfaceDescription& interface = object.interface();

@@ -21,6 +21,8 @@ class Registrar {
   explicit Registrar(std::shared_ptr<LabCore> lab);
   ~Registrar() { end(); }
 
+  /// Waits until a broker answers, for it may be about to start; else says what was tried.
+  tl::expected<void, std::string> await_broker(TimePoint deadline);
   /// Enlists it; findable when this returns. Fails when no broker answers or the name is taken.
   tl::expected<void, std::string> add(const ServedObject& object,
                                       std::vector<std::string> addresses);

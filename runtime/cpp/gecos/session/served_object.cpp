@@ -16,7 +16,7 @@ ServedObject::ServedObject(std::shared_ptr<Runtime> runtime, std::string name, S
       options_(std::move(options)),
       leases_(process_boot(), runtime_->options().lease_ttl),
       queue_(options_.thread_safe ? LaneThreads::Many : LaneThreads::One),
-      now_(runtime_->clock().now()),
+      watched_(runtime_->clock().now(), runtime_->options().heartbeat * 2),
       streams_(name_, interface_),
       workers_("gecos-" + name_) {}
 
@@ -82,7 +82,7 @@ bool ServedObject::starts_on_time(ServerCall& call) {
     return false;
   }
   if (call.operation().safety) return true;
-  const auto may = leases_.may_start(call.client, call.epoch, call.operation().status, now_);
+  const auto may = leases_.may_start(call.client, call.epoch, call.operation().status, watched_.now());
   if (may) return true;
   const bool lost = may.error().reason == access::Denial::Reason::LeaseEnded;
   end(call, Failure{lost ? Detail::LeaseLost : Detail::Denied,
@@ -218,8 +218,7 @@ void ServedObject::tell_positions() {
 
 void ServedObject::tend(TimePoint now) {
   const Lock lock(mutex_);
-  now_ = now;
-  for (const auto& holder : leases_.expire(now)) {
+  for (const auto& holder : leases_.expire(watched_.look(now))) {
     lose_status(holder.session, "its holder has been silent for " +
                                     std::to_string(std::chrono::duration_cast<std::chrono::milliseconds>(
                                                        runtime_->options().lease_ttl)
@@ -248,9 +247,10 @@ void ServedObject::tend(TimePoint now) {
   tell_positions();
 }
 
-bool ServedObject::judge_silence(const std::shared_ptr<ServerSession>& session, TimePoint now) {
+bool ServedObject::judge_silence(const std::shared_ptr<ServerSession>& session) {
   const Lock lock(mutex_);
   if (session->overrun()) return true;
+  const TimePoint now = watched_.now();
   const auto beats = session->link().beats_seen();
   if (beats != session->beats_judged || session->last_sign == TimePoint{}) {
     session->beats_judged = beats;

@@ -13,6 +13,7 @@
 #include "gecos/session/object_streams.hpp"
 #include "gecos/session/server.hpp"
 #include "gecos/session/server_session.hpp"
+#include "gecos/session/watched_time.hpp"
 #include "gecos/session/worker_pool.hpp"
 
 namespace gecos::session {
@@ -47,7 +48,7 @@ class ServedObject final : public Publisher, public std::enable_shared_from_this
   enum class Departure : std::uint8_t { InOrder, Lost };
   void depart(const std::shared_ptr<ServerSession>& session, Departure how);
   /// Heartbeat seen from it, or not, judged every tick. True: it ends, silent for so long or deaf.
-  bool judge_silence(const std::shared_ptr<ServerSession>& session, TimePoint now);
+  bool judge_silence(const std::shared_ptr<ServerSession>& session);
   /// Deadlines, leases, progress that waits to be told. On the housekeeping thread.
   void tend(TimePoint now);
 
@@ -121,7 +122,7 @@ class ServedObject final : public Publisher, public std::enable_shared_from_this
   access::LeaseTable leases_;
   ObjectQueue queue_;
   std::vector<std::shared_ptr<ServerCall>> open_;  ///< actor commands, and what may take long
-  TimePoint now_;                                  ///< of the last tick: good enough for leases
+  WatchedTime watched_;                            ///< leases and silence are judged by it
   bool closed_ = false;
   std::atomic<bool> ready_{false};  // a hint: something was queued or ended since it was last looked
   ObjectStreams streams_;

@@ -86,7 +86,7 @@ void ServedObject::greet(const std::shared_ptr<ServerSession>& session,
     const SessionId id = new_session_id();
     caller.session = number(id);
     session->greet(id, std::move(caller));
-    session->last_sign = now_;
+    session->last_sign = watched_.now();
   }
   Welcome welcome{name_, std::string(interface_.name), {}, interface_.hash,
                   number(process_boot()), static_cast<std::uint32_t>(ObjectQueue::most_of_object)};
@@ -148,7 +148,7 @@ void ServedObject::admit(const std::shared_ptr<ServerSession>& session,
   if (closed_) return refuse(Detail::Rejected, "was not started: the server is about to end");
   if (!operation.safety) {
     const auto may =
-        leases_.may_queue(session->id(), packet.header.epoch, operation.status, now_);
+        leases_.may_queue(session->id(), packet.header.epoch, operation.status, watched_.now());
     if (!may) {
       const bool lost = may.error().reason == access::Denial::Reason::LeaseEnded;
       return refuse(lost ? Detail::LeaseLost : Detail::Denied, may.error().text);

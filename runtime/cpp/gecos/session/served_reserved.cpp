@@ -69,7 +69,7 @@ void ServedObject::answer_reserved(const std::shared_ptr<ServerSession>& session
 }
 
 void ServedObject::holders(ServerSession& session, std::uint64_t counter) {
-  session.reply(counter, blocks_bytes(shown(leases_.roster(), runtime_->clock().now())));
+  session.reply(counter, blocks_bytes(shown(leases_.roster(), watched_.now())));
 }
 
 void ServedObject::describe(ServerSession& session, std::uint64_t counter) {
@@ -104,7 +104,7 @@ void ServedObject::acquire(ServerSession& session, std::uint64_t counter, wire::
                                           "sensor status is everybody's: acquire actor or master",
                                           {}, {}});
   }
-  const TimePoint now = runtime_->clock().now();
+  const TimePoint now = watched_.now();
   auto granted = leases_.acquire(session.id(), session.client(), status_of(wanted),
                                  access::plain_proof(password.value_or("")), now);
   if (granted) {
@@ -161,7 +161,7 @@ void ServedObject::subscribe(ServerSession& session, std::uint64_t counter, wire
                                               ") has no stream with code " + std::to_string(code),
                                           {}, {}});
   }
-  const auto may = leases_.may_queue(session.id(), leases_.epoch(), stream->status, now_);
+  const auto may = leases_.may_queue(session.id(), leases_.epoch(), stream->status, watched_.now());
   if (!may) {
     return session.reply(counter, Failure{Detail::Denied,
                                           "stream '" + std::string(stream->name) + "' of " + name_ +

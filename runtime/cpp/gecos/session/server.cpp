@@ -25,6 +25,7 @@ class Server::Core {
   }
   ~Core();
 
+  tl::expected<void, ServeError> await_broker(Duration patience);
   tl::expected<void, ServeError> add(std::string name, Servant& servant, ObjectOptions options);
   void run();
   void shut_down();
@@ -108,9 +109,20 @@ tl::expected<Server::Core::Opened, ServeError> Server::Core::open_places(
   return opened;
 }
 
+tl::expected<void, ServeError> Server::Core::await_broker(Duration patience) {
+  return registrar_.await_broker(deadline_after(patience)).map_error([](const std::string& why) {
+    return ServeError{why};
+  });
+}
+
 tl::expected<void, ServeError> Server::Core::add(std::string name, Servant& servant,
                                                  ObjectOptions options) {
   const bool well_known = options.well_known;
+  if (!well_known) {
+    if (const auto found = await_broker(options.patience); !found) {
+      return tl::unexpected(ServeError{name + " is not served: " + found.error().text});
+    }
+  }
   auto opened = open_places(name, options);
   if (!opened) return tl::unexpected(opened.error());
   auto object = std::make_shared<ServedObject>(lab_->runtime(), name, servant, std::move(options));
@@ -156,6 +168,9 @@ Server::Server(Lab& lab)
     : core_(std::make_unique<Core>(lab.core().shared_from_this())) {}
 Server::~Server() = default;
 
+tl::expected<void, ServeError> Server::await_broker(Duration patience) {
+  return core_->await_broker(patience);
+}
 tl::expected<void, ServeError> Server::add(std::string name, Servant& servant,
                                            ObjectOptions options) {
   return core_->add(std::move(name), servant, std::move(options));

@@ -20,6 +20,7 @@ struct ObjectOptions {
   /// Media that clients may use; empty: all that can be opened here.
   std::vector<media::Kind> media{};
   bool well_known = false;  ///< at the host's well-known place instead of in the broker's list
+  Duration patience = std::chrono::seconds(10);  ///< how long to wait for a broker that is starting
 };
 
 struct ServeError {
@@ -36,6 +37,8 @@ class Server {
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
 
+  /// Waits until the lab's broker answers; else says where it was looked for. `add` does this too.
+  tl::expected<void, ServeError> await_broker(Duration patience);
   /// Serves `servant` under `name` from now on. The servant must outlive the server.
   tl::expected<void, ServeError> add(std::string name, Servant& servant, ObjectOptions options = {});
   /// Waits until SIGINT or SIGTERM (both must be unblocked in no other thread), or `shut_down()`.

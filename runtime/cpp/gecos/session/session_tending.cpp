@@ -26,6 +26,7 @@ void LinkedSession::tend(TimePoint now) {
 }
 
 void LinkedSession::judge_silence(TimePoint now) {
+  now = watched_.look(now);
   const auto beats = link_->beats_seen();
   if (beats != beats_judged_) {
     beats_judged_ = beats;
