@@ -1,6 +1,6 @@
 #!/bin/bash
-# fuzz.sh <parser|decoders|verdicts|lcm-gen>: one of the four runs of `make fuzz`. FUZZ_SECONDS says how long parser and
-# decoders run.
+# fuzz.sh <parser|decoders|verdicts|lcm-gen|evolution>: one of the runs of `make fuzz`. FUZZ_SECONDS says how long parser
+# and decoders run, FUZZ_SEED what verdicts and lcm-gen begin with.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 seconds=${FUZZ_SECONDS:-600}
@@ -34,8 +34,11 @@ case "${1-}" in
   lcm-gen)
     exec "$python" tests/fuzz/lcm_differential.py --types 300 --values 1000 --jobs "$jobs" --seed "${FUZZ_SEED:-1}"
     ;;
+  evolution)
+    GIDL_EVOLUTION_EDITS=2000 exec "$python" -m pytest -q tests/gidl/test_evolution.py
+    ;;
   *)
-    echo "fuzz: name one of parser, decoders, verdicts, lcm-gen" >&2
+    echo "fuzz: name one of parser, decoders, verdicts, lcm-gen, evolution" >&2
     exit 2
     ;;
 esac
