@@ -13,6 +13,12 @@
 
 namespace probe {
 
+/// Returns once the server has said that `command` waits in the queue.
+template <class Command>
+void await_queued(const Command& command) {
+  while (command.progress().detail != gecos::Detail::Queued) std::this_thread::yield();
+}
+
 /// Counted before the first member is made and after the last is gone: nothing may be left open.
 class NothingLeftOpen : public ::testing::Test {
  public:

@@ -32,8 +32,7 @@ TEST_P(Commands, AreCanceledWhileTheyQueue) {
   const auto first = probe_.move(1);
   const auto second = probe_.move(2);
   servant_.await_moves(1);
-  while (second.progress().detail != Detail::Queued) {
-  }
+  probe::await_queued(second);
   EXPECT_EQ(second.progress().position, 1u);
   second.cancel();
   EXPECT_EQ(second.get().error().detail, Detail::Canceled);

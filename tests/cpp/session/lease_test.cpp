@@ -146,6 +146,7 @@ TEST_P(Leases, EndWhenAnybodyStopsTheDevice) {
   const auto move = mover.move(1);
   const auto set = mover.set(2);
   servant_.await_moves(1);
+  probe::await_queued(set);  // what comes after the stop is LEASE_LOST
   ASSERT_TRUE(gecos::stop(other).get());
   const auto stopped = move.get();
   ASSERT_FALSE(stopped);
