@@ -48,6 +48,10 @@ def python(path: str, text: str) -> list[Violation]:
         ("runtime/cpp/gecos/session/command.hpp", "<sodium.h>"),
         ("runtime/cpp/gecos/wire/encoder.hpp", "<thread>"),
         ("runtime/cpp/gecos/access/lease_table.cpp", "<sys/socket.h>"),
+        ("runtime/cpp/gecos/crypto/transport.cpp", "<fcntl.h>"),
+        ("runtime/cpp/gecos/crypto/key_directory.hpp", "<unistd.h>"),
+        ("runtime/cpp/gecos/crypto/opening.cpp", '"gecos/wire/encoder.hpp"'),
+        ("runtime/cpp/gecos/media/lcm/link.cpp", "<sodium.h>"),
     ],
 )
 def test_a_forbidden_include_is_found(path: str, header: str) -> None:
@@ -64,6 +68,9 @@ def test_a_forbidden_include_is_found(path: str, header: str) -> None:
     [
         ("runtime/cpp/gecos/wire/packet.cpp", '"gecos/base/bytes.hpp"'),
         ("runtime/cpp/gecos/media/lcm.cpp", "<lcm/lcm.h>"),
+        ("runtime/cpp/gecos/media/lcm/link.cpp", '"gecos/crypto/channel.hpp"'),
+        ("runtime/cpp/gecos/crypto/keys.cpp", "<sodium.h>"),
+        ("runtime/cpp/gecos/crypto/key_directory.cpp", "<fcntl.h>"),
         ("runtime/cpp/gecos/media/shm/ring.cpp", '"gecos/media/medium.hpp"'),
         ("runtime/cpp/gecos/media/shm/ring.cpp", "<sys/mman.h>"),
         ("runtime/cpp/gecos/session/select.cpp", '"gecos/media/medium.hpp"'),
