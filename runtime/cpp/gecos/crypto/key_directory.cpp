@@ -1,0 +1,202 @@
+#include "gecos/crypto/key_directory.hpp"
+
+#include <fcntl.h>
+#include <pwd.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <optional>
+
+#include "gecos/base/log.hpp"
+#include "gecos/crypto/key_file.hpp"
+
+namespace gecos::crypto {
+namespace {
+
+constexpr ::mode_t open_to_others = S_IRWXG | S_IRWXO;
+constexpr ::mode_t writable_by_others = S_IWGRP | S_IWOTH;
+constexpr const char* how_to_move = "; GECOS_KEY_DIR names another directory";
+
+tl::unexpected<KeyError> fail(const std::string& path, const std::string& what) {
+  return tl::unexpected(KeyError{path + ": " + what});
+}
+tl::unexpected<KeyError> fail_with_errno(const std::string& path, const std::string& what) {
+  return fail(path, what + " (" + std::strerror(errno) + ")" + how_to_move);
+}
+
+class File {
+ public:
+  explicit File(int descriptor) : descriptor_(descriptor) {}
+  ~File() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+  }
+  File(const File&) = delete;
+  File& operator=(const File&) = delete;
+  explicit operator bool() const { return descriptor_ >= 0; }
+  int get() const { return descriptor_; }
+
+ private:
+  const int descriptor_;
+};
+
+/// Why `found` is not ours alone; nothing when it is. `bits`: what nobody else may.
+std::optional<std::string> not_ours(const struct stat& found, ::mode_t bits, const char* mend) {
+  if (found.st_uid != ::geteuid()) {
+    return "belongs to uid " + std::to_string(found.st_uid) + ", and this program runs as uid " +
+           std::to_string(::geteuid()) + how_to_move;
+  }
+  if ((found.st_mode & bits) != 0) {
+    return std::string("is open to other users: run `chmod ") + mend + "` on it";
+  }
+  return std::nullopt;
+}
+
+/// mkdir -p, everything that is missing for us alone. False with errno.
+bool make_directories(const std::string& path) {
+  if (::mkdir(path.c_str(), S_IRWXU) == 0 || errno == EEXIST) return true;
+  const auto slash = path.find_last_of('/');
+  if (errno != ENOENT || slash == std::string::npos || slash == 0) return false;
+  return make_directories(path.substr(0, slash)) &&
+         (::mkdir(path.c_str(), S_IRWXU) == 0 || errno == EEXIST);
+}
+
+bool write_all(int to, std::span<const std::byte> bytes) {
+  while (!bytes.empty()) {
+    const ::ssize_t written = ::write(to, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) return false;
+    bytes = bytes.subspan(static_cast<std::size_t>(written));
+  }
+  return true;
+}
+
+/// Puts a whole file in place or none. False with errno; EEXIST when another one came first.
+bool put_file(const std::string& path, const std::string& directory, const KeyText& text) {
+  const std::string fresh = directory + "/.new-" + KeyPair::draw().public_key.short_name() +
+                            std::to_string(::getpid());
+  const File file(::open(fresh.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW,
+                         S_IRUSR | S_IWUSR));
+  if (!file) return false;
+  // link() rather than rename(): it never replaces what another process has put there.
+  const bool done = ::fchmod(file.get(), S_IRUSR | S_IWUSR) == 0 &&
+                    write_all(file.get(), text.bytes()) && ::fsync(file.get()) == 0 &&
+                    ::link(fresh.c_str(), path.c_str()) == 0;
+  const int problem = errno;
+  ::unlink(fresh.c_str());
+  errno = problem;
+  return done;
+}
+
+/// The key in a file. Nothing in the optional: there is no such file.
+tl::expected<std::optional<Secret<key_bytes>>, KeyError> read_file(const std::string& path,
+                                                                   KeyFileKind kind) {
+  const File file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
+  if (!file) {
+    if (errno == ENOENT) return std::optional<Secret<key_bytes>>();
+    return fail_with_errno(path, "cannot be read");
+  }
+  struct stat found {};
+  if (::fstat(file.get(), &found) != 0) return fail_with_errno(path, "cannot be looked at");
+  if (!S_ISREG(found.st_mode)) return fail(path, "is no regular file: remove it");
+  if (kind == KeyFileKind::SecretKey) {
+    if (const auto why = not_ours(found, open_to_others, "600")) {
+      return fail(path, *why + ", and remove it for a new key if somebody may have read it");
+    }
+  } else if (const auto why = not_ours(found, writable_by_others, "600")) {
+    return fail(path, *why);
+  }
+  Secret<key_file_bytes + 1> text;
+  std::size_t size = 0;
+  while (size < text.bytes().size()) {
+    const ::ssize_t got = ::read(file.get(), text.bytes().data() + size, text.bytes().size() - size);
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) return fail_with_errno(path, "cannot be read");
+    if (got == 0) break;
+    size += static_cast<std::size_t>(got);
+  }
+  auto key = read_key_file(kind, std::span<const std::byte>(text.bytes()).first(size));
+  if (!key) {
+    return fail(path, std::string(key.error()) +
+                          (kind == KeyFileKind::SecretKey
+                               ? ": restore it, or remove it for a new key (who admitted the old one "
+                                 "must admit the new one)"
+                               : ": copy it again, or remove it"));
+  }
+  return std::optional(*key);
+}
+
+}  // namespace
+
+std::string KeyDirectory::default_path() {
+  const auto set = [](const char* name) -> std::optional<std::string> {
+    const char* const value = std::getenv(name);
+    if (value == nullptr || *value == '\0') return std::nullopt;
+    return value;
+  };
+  if (const auto chosen = set("GECOS_KEY_DIR")) return *chosen;
+  if (const auto config = set("XDG_CONFIG_HOME")) return *config + "/gecos/keys";
+  if (const auto home = set("HOME")) return *home + "/.config/gecos/keys";
+  std::array<char, 4096> names;
+  struct passwd entry {};
+  struct passwd* found = nullptr;
+  if (::getpwuid_r(::geteuid(), &entry, names.data(), names.size(), &found) == 0 &&
+      found != nullptr) {
+    return std::string(found->pw_dir) + "/.config/gecos/keys";
+  }
+  return "/tmp/gecos-keys-" + std::to_string(::geteuid());  // safe: it is refused unless ours alone
+}
+
+tl::expected<KeyDirectory, KeyError> KeyDirectory::open(std::string path) {
+  while (path.size() > 1 && path.back() == '/') path.pop_back();
+  if (!make_directories(path)) return fail_with_errno(path, "the key directory cannot be made");
+  struct stat found {};
+  if (::stat(path.c_str(), &found) != 0) return fail_with_errno(path, "cannot be looked at");
+  if (!S_ISDIR(found.st_mode)) {
+    return fail(path, std::string("is no directory, and keys need one") + how_to_move);
+  }
+  if (const auto why = not_ours(found, open_to_others, "700")) return fail(path, "the key directory " + *why);
+  return KeyDirectory(std::move(path));
+}
+
+tl::expected<Identity, KeyError> KeyDirectory::identity() const {
+  const std::string secret_path = path_ + "/own.secret";
+  auto secret = read_file(secret_path, KeyFileKind::SecretKey);
+  if (secret && !*secret) {
+    const KeyPair drawn = KeyPair::draw();
+    const KeyText text = key_file_text(KeyFileKind::SecretKey, drawn.secret.bytes());
+    if (!put_file(secret_path, path_, text) && errno != EEXIST) {
+      return fail_with_errno(secret_path, "the key cannot be written");
+    }
+    secret = read_file(secret_path, KeyFileKind::SecretKey);  // maybe another process's
+    if (secret && !*secret) return fail(secret_path, "was removed as soon as it was made");
+  }
+  if (!secret) return tl::unexpected(secret.error());
+  const KeyPair pair = KeyPair::of(**secret);
+  // For copying to others. Not vital, so a directory that became read-only still works.
+  const std::string public_path = path_ + "/" + pair.public_key.to_string() + ".public";
+  if (::access(public_path.c_str(), F_OK) != 0 &&
+      !put_file(public_path, path_, key_file_text(KeyFileKind::PublicKey, pair.public_key.bytes)) &&
+      errno != EEXIST) {
+    log_warning("crypto", public_path + ": cannot be written: " + std::strerror(errno));
+  }
+  return Identity(pair);
+}
+
+bool KeyDirectory::is_admitted(const PublicKey& key) const {
+  const std::string path = path_ + "/" + key.to_string() + ".public";
+  const auto found = read_file(path, KeyFileKind::PublicKey);
+  if (!found) {
+    log_warning("crypto", "not admitted: " + found.error().text);
+    return false;
+  }
+  if (!*found) return false;
+  if (PublicKey::of((*found)->bytes()) == key) return true;
+  log_warning("crypto", "not admitted: " + path + ": holds another key than its name says");
+  return false;
+}
+
+}  // namespace gecos::crypto

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "gecos/base/result.hpp"
+#include "gecos/crypto/keys.hpp"
+
+/// What is in a file of a key: one line of a word, 64 hex digits and a check of eight more.
+namespace gecos::crypto {
+
+inline constexpr std::size_t key_file_bytes = 15 + 64 + 1 + 8 + 1;
+
+/// Wipes itself: the text of a secret key is as secret as the key.
+using KeyText = Secret<key_file_bytes>;
+
+enum class KeyFileKind : std::uint8_t { SecretKey, PublicKey };
+
+KeyText key_file_text(KeyFileKind kind, std::span<const std::byte, key_bytes> key);
+
+/// The key in `text`, or what is wrong with it, for people: "is cut short".
+tl::expected<Secret<key_bytes>, std::string_view> read_key_file(KeyFileKind kind,
+                                                                std::span<const std::byte> text);
+
+}  // namespace gecos::crypto
