@@ -1,6 +1,8 @@
 #pragma once
 
+#include <coroutine>
 #include <cstdint>
+#include <functional>
 #include <iosfwd>
 #include <memory>
 #include <optional>
@@ -88,6 +90,26 @@ class CommandCore {
   virtual const Failure& failure() const = 0;
   /// Descriptor that becomes readable when the command is terminal; the core owns it.
   virtual int descriptor() = 0;
+  /// Runs `then` once the command is terminal: at once when it is, else on the lab's thread of
+  /// callbacks. It runs also when the command was dropped.
+  virtual void when_ended(std::function<void()> then) = 0;
+};
+
+/// `co_await command`: resumes on the lab's thread of callbacks with what `get()` gives.
+template <class Command>
+class CommandAwaiter {
+ public:
+  explicit CommandAwaiter(Command command) : command_(std::move(command)) {}
+  bool await_ready() const { return command_.wait_for(Duration{}) != State::Running; }
+  void await_suspend(std::coroutine_handle<> waits) const {
+    // The awaiter may be gone before this returns: the coroutine owns it.
+    const auto core = command_.core();
+    core->when_ended([waits] { waits.resume(); });
+  }
+  auto await_resume() const { return command_.get(); }
+
+ private:
+  Command command_;
 };
 
 }  // namespace session
@@ -137,11 +159,22 @@ class [[nodiscard]] Command {
     wire::Decoder from(core_->result());
     T value{};
     if (!decode_(from, value)) {
-      return tl::unexpected(Failure{Detail::Fault, "the reply does not decode: " + describe(from.error()), {}, {}});
+      return tl::unexpected(Failure{
+          Detail::Fault, "the reply does not decode: " + describe(from.error()), {}, {}});
     }
     return value;
   }
   void cancel() const { core_->cancel(); }
+
+  /// Calls `callback` with what `get()` gives, once the command is terminal: at once when it is,
+  /// else on the lab's thread of callbacks, one after another. It may block, and issue commands.
+  template <class Callback>
+  void then(Callback callback) const {
+    core_->when_ended([command = *this, callback = std::move(callback)]() mutable {
+      callback(command.get());
+    });
+  }
+  auto operator co_await() const { return session::CommandAwaiter<Command>(*this); }
   const std::shared_ptr<session::CommandCore>& core() const { return core_; }
 
  private:
@@ -183,6 +216,16 @@ class [[nodiscard]] Command<void, Feedback> {
     return {};
   }
   void cancel() const { core_->cancel(); }
+
+  /// Calls `callback` with what `get()` gives, once the command is terminal: at once when it is,
+  /// else on the lab's thread of callbacks, one after another. It may block, and issue commands.
+  template <class Callback>
+  void then(Callback callback) const {
+    core_->when_ended([command = *this, callback = std::move(callback)]() mutable {
+      callback(command.get());
+    });
+  }
+  auto operator co_await() const { return session::CommandAwaiter<Command>(*this); }
   const std::shared_ptr<session::CommandCore>& core() const { return core_; }
 
  private:

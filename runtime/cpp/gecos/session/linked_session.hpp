@@ -55,6 +55,7 @@ class LinkedSession final : public ClientSession,
   std::uint64_t hold(std::uint64_t epoch) override;
   void let_go(std::uint64_t held) override;
 
+  Runtime& runtime() { return *runtime_; }
   const Welcome& welcome() const { return welcome_; }
   bool lost() const { return lost_.load(std::memory_order_acquire); }
   bool unreachable() const { return unreachable_.load(std::memory_order_relaxed); }

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "gecos/session/linked_session.hpp"
+#include "gecos/session/runtime.hpp"
 
 namespace gecos::session {
 
@@ -58,6 +59,19 @@ int PendingCommand::descriptor() {
   return descriptor;
 }
 
+void PendingCommand::when_ended(std::function<void()> then) {
+  std::shared_ptr<LinkedSession> session;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!terminal()) {
+      callbacks_.push_back(std::move(then));
+      session = session_;
+    }
+  }
+  if (session) return session->attend();
+  then();
+}
+
 void PendingCommand::report(Detail detail, const ProgressBody& body) {
   const std::lock_guard lock(mutex_);
   if (terminal()) return;
@@ -78,6 +92,8 @@ void PendingCommand::end(Detail detail, Publish publish) {
   position_ = 0;
   released = std::move(session_);
   if (exported_) exported_->ring();
+  for (auto& callback : callbacks_) released->runtime().callbacks().post(std::move(callback));
+  callbacks_.clear();
   detail_.store(detail, std::memory_order_seq_cst);
 }
 

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <memory>
 #include <mutex>
+#include <vector>
 
 #include "gecos/session/command.hpp"
 #include "gecos/session/handshake.hpp"
@@ -27,6 +28,7 @@ class PendingCommand final : public CommandCore {
   ByteView result() const override { return result_; }
   const Failure& failure() const override { return failure_; }
   int descriptor() override;
+  void when_ended(std::function<void()> then) override;
 
   bool terminal() const { return project(detail_.load(std::memory_order_acquire)) != State::Running; }
 
@@ -59,6 +61,7 @@ class PendingCommand final : public CommandCore {
   Bytes result_;
   Failure failure_;
   std::unique_ptr<Wakeup> exported_;
+  std::vector<std::function<void()>> callbacks_;
   std::shared_ptr<LinkedSession> session_;  ///< null once terminal
 };
 

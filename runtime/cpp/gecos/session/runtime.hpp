@@ -8,6 +8,7 @@
 
 #include "gecos/base/ids.hpp"
 #include "gecos/media/medium.hpp"
+#include "gecos/session/callbacks.hpp"
 #include "gecos/session/handshake.hpp"
 #include "gecos/session/housekeeping.hpp"
 #include "gecos/session/lab.hpp"
@@ -32,6 +33,7 @@ class Runtime : public std::enable_shared_from_this<Runtime> {
   const LabOptions& options() const { return options_; }
   const Clock& clock() const { return clock_; }
   Housekeeping& housekeeping() { return housekeeping_; }
+  Callbacks& callbacks() { return callbacks_; }
 
   /// The medium of this kind, opened at first use, or why it cannot be had here.
   tl::expected<media::Medium*, media::MediumError> medium(media::Kind kind);
@@ -54,6 +56,7 @@ class Runtime : public std::enable_shared_from_this<Runtime> {
   std::mutex mutex_;
   std::map<media::Kind, tl::expected<std::unique_ptr<media::Medium>, media::MediumError>> media_;
   std::vector<std::weak_ptr<LinkedSession>> sessions_;
+  Callbacks callbacks_;
   Housekeeping housekeeping_;  ///< last: its thread ends first
 };
 
