@@ -28,6 +28,7 @@ _VECTOR_LAYOUT = wire.Fields(
 )
 
 
+@wire.one_run(_VECTOR_LAYOUT)
 @dataclass(slots=True)
 class Vector:
     x: float = 0.0
@@ -47,6 +48,9 @@ class Vector:
     @staticmethod
     def fingerprint() -> int:
         return 0xAE7E5FBA5EECA11E
+
+    def _gecos_message(self) -> bytes:
+        return _VECTOR_LAYOUT.pack_message(0xAE7E5FBA5EECA11E, self.x, self.y, self.z)
 
     @staticmethod
     def _gecos_shape() -> shapes.Shape:
@@ -71,6 +75,7 @@ _QUATERNION_LAYOUT = wire.Fields(
 )
 
 
+@wire.one_run(_QUATERNION_LAYOUT)
 @dataclass(slots=True)
 class Quaternion:
     """Unit quaternion, w + xi + yj + zk."""
@@ -90,6 +95,9 @@ class Quaternion:
     @staticmethod
     def fingerprint() -> int:
         return 0x365BDD4BF9100A1F
+
+    def _gecos_message(self) -> bytes:
+        return _QUATERNION_LAYOUT.pack_message(0x365BDD4BF9100A1F, self.w, self.x, self.y, self.z)
 
     @staticmethod
     def _gecos_shape() -> shapes.Shape:

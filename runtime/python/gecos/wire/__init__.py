@@ -8,7 +8,15 @@ numpy is imported when the first array passes, so that programs without arrays s
 """
 
 from gecos.wire.codes import MAX_COUNT, MAX_DEPTH, MAX_TEXT, MAX_ZERO_WIDTH
-from gecos.wire.contents import Contents, from_bytes, from_message, put_block, to_bytes, to_message
+from gecos.wire.contents import (
+    Contents,
+    from_bytes,
+    from_message,
+    one_run,
+    put_block,
+    to_bytes,
+    to_message,
+)
 from gecos.wire.decode import Decoder
 from gecos.wire.encode import (
     Parts,
@@ -55,6 +63,7 @@ __all__ = [
     "number",
     "numbers",
     "octets",
+    "one_run",
     "out_of_range",
     "put_block",
     "same",

@@ -34,9 +34,14 @@ READERS = {code: struct.Struct(">" + code.replace("?", "B")) for code in CODE_ME
 
 
 @cache
-def dtypes(code: str) -> tuple[np.dtype[Any], np.dtype[Any]]:
-    """In the wire's byte order, and in the machine's."""
+def arrays(code: str) -> tuple[type[np.ndarray[Any, Any]], np.dtype[Any], np.dtype[Any], int]:
+    """numpy's array; its elements on the wire, and in the machine: the one object that arrays have
+    there; bytes of each."""
     import numpy as np
 
     wire = np.dtype(">" + code)
-    return wire, wire.newbyteorder("=")
+    return np.ndarray, wire, np.dtype(wire.newbyteorder("=").name), wire.itemsize
+
+
+def native(code: str) -> np.dtype[Any]:
+    return arrays(code)[2]

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import struct
-from typing import Protocol, Self, TypeVar
+from collections.abc import Callable
+from functools import cache
+from typing import Any, Protocol, Self, TypeVar
 
 from gecos.wire.decode import Decoder
 from gecos.wire.encode import Parts, block
 from gecos.wire.errors import DecodeError, DecodeProblem
+from gecos.wire.fields import Fields
 
 
 class Contents(Protocol):
@@ -26,6 +29,21 @@ class Contents(Protocol):
 
 
 _ContentsT = TypeVar("_ContentsT", bound=Contents)
+_KindT = TypeVar("_KindT", bound=type[Any])
+
+# Of structs that are one run of numbers: how a message is packed, unpacked and known.
+_one_run: dict[type, tuple[Callable[[Any], bytes], Callable[[Any], tuple[Any, ...]], int]] = {}
+
+
+def one_run(run: Fields) -> Callable[[_KindT], _KindT]:
+    """Tells of a generated struct that `run` is all of it, in the order of its constructor, and
+    that nothing in it needs a check: its messages are packed and unpacked in one go."""
+
+    def tell(kind: _KindT) -> _KindT:
+        _one_run[kind] = (kind._gecos_message, run.unpack_message, kind.fingerprint())
+        return kind
+
+    return tell
 
 
 def to_bytes(value: Contents) -> bytes:
@@ -45,34 +63,41 @@ def from_bytes(kind: type[_ContentsT], data: bytes | bytearray | memoryview) -> 
 
 def to_message(value: Contents) -> bytes:
     """An LCM message: fingerprint, then the fields."""
-    whole = getattr(value, "_gecos_message", None)
-    if whole is not None:  # a struct that is one run of numbers
+    whole = _one_run.get(type(value))
+    if whole is not None:
         try:
-            packed: bytes = whole()
-            return packed
+            return whole[0](value)
         except (struct.error, OverflowError, TypeError):
             pass  # what does not fit is named below
-    out: Parts = [_fingerprint_bytes(value)]
+    out: Parts = [_fingerprint_bytes(type(value))]
     value.encode(out)
     return b"".join(out)
 
 
 def from_message(kind: type[_ContentsT], data: bytes | bytearray | memoryview) -> _ContentsT:
     """The inverse of `to_message`; a message of another type is WRONG_FINGERPRINT."""
-    plain = getattr(kind, "_gecos_plain", None)
-    if plain is not None and len(data) == plain[0].size + 8 and type(data) is bytes:
-        fingerprint, *values = plain[0].unpack_message(data)
-        if fingerprint == plain[1]:
-            return kind(*values)
+    whole = _one_run.get(kind)
+    if whole is not None:
+        _, unpack, fingerprint = whole
+        try:
+            values = unpack(data)
+        except (struct.error, BufferError):
+            pass  # what is wrong is named below
+        else:
+            if values[0] == fingerprint:
+                return kind(*values[1:])
     source = Decoder(data)
-    if source.octets(8) != _fingerprint_bytes(kind):
+    if source.data[:8] != _fingerprint_bytes(kind):
+        source.octets(8)  # are they there?
         raise DecodeError(DecodeProblem.WRONG_FINGERPRINT, 0)
+    source.offset = 8
     value = kind.decode(source)
     source.expect_end()
     return value
 
 
-def _fingerprint_bytes(kind: Contents | type[Contents]) -> bytes:
+@cache
+def _fingerprint_bytes(kind: type[Contents]) -> bytes:
     return (kind.fingerprint() & 0xFFFF_FFFF_FFFF_FFFF).to_bytes(8, "big")
 
 

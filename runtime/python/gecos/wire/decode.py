@@ -12,7 +12,7 @@ from gecos.wire.codes import (
     MAX_DEPTH,
     MAX_ZERO_WIDTH,
     READERS,
-    dtypes,
+    arrays,
 )
 from gecos.wire.errors import DecodeError, DecodeProblem
 
@@ -132,29 +132,45 @@ class Decoder:
         """Refuses a number that begins `width` bytes before what is read next."""
         raise DecodeError(DecodeProblem.OUT_OF_RANGE, self.offset - width, field)
 
+    def numbers(
+        self, code: str, most: int = MAX_COUNT, field: str = "", low: Any = None, high: Any = None
+    ) -> Array:
+        """A sequence of numbers: its count, then `array`."""
+        start = self.offset
+        first = start + 4
+        kind, wire, native, size = arrays(code)
+        if first <= self.end and code != "?" and low is high is None:
+            number = _read_int32(self.data, start)[0]
+            after = first + number * size
+            if 0 <= number <= most and after <= self.end:  # the usual case, for its speed
+                self.offset = after
+                return kind(number, wire, self.data, first).astype(native)
+        return self.array(code, self.count(size, most, field), field, low, high)
+
     def array(
         self, code: str, number: int, field: str = "", low: Any = None, high: Any = None
     ) -> Array:
         """So many numbers, in an array of its own in the machine's byte order."""
-        import numpy as np
-
-        kind, native = dtypes(code)
+        kind, wire, native, size = arrays(code)
         offset = self.offset
-        after = offset + number * kind.itemsize
+        after = offset + number * size
         if after > self.end:
             self.refuse(DecodeProblem.TRUNCATED, field)
         if code == "?":
-            raw = np.frombuffer(self.data, np.uint8, number, offset)
-            if number and int(raw.max()) > 1:
-                at = offset + int((raw > 1).argmax())
-                raise DecodeError(DecodeProblem.INVALID_BOOLEAN, at, field)
+            self._expect_booleans(number, field)
         self.offset = after
-        values = np.frombuffer(self.data, kind, number, offset).astype(native)
+        values = kind(number, wire, self.data, offset).astype(native)
         if low is not None and not (values >= low).all():
-            self._refuse_outside(values >= low, kind.itemsize, field)
+            self._refuse_outside(values >= low, size, field)
         if high is not None and not (values <= high).all():
-            self._refuse_outside(values <= high, kind.itemsize, field)
+            self._refuse_outside(values <= high, size, field)
         return values
+
+    def _expect_booleans(self, number: int, field: str) -> None:
+        raw = bytes(self.data[self.offset : self.offset + number])
+        wrong = next((i for i, byte in enumerate(raw) if byte > 1), None)
+        if wrong is not None:
+            self.refuse(DecodeProblem.INVALID_BOOLEAN, field, self.offset + wrong)
 
     def _refuse_outside(self, inside: Array, width: int, field: str) -> NoReturn:
         self.refuse_range(field, (len(inside) - int((~inside).argmax())) * width)

@@ -6,12 +6,7 @@ import struct
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
-from gecos.wire.codes import (
-    CODE_MEANING,
-    MAX_COUNT,
-    WRITERS,
-    dtypes,
-)
+from gecos.wire.codes import CODE_MEANING, MAX_COUNT, WRITERS, arrays
 from gecos.wire.errors import EncodeError, out_of_range
 
 if TYPE_CHECKING:
@@ -54,19 +49,29 @@ def array(values: npt.ArrayLike, code: str, field: str = "") -> memoryview:
 
     Refuses what would change the numbers; only double to single precision may round.
     """
+    kind, wanted, native, _ = arrays(code)
+    if type(values) is kind and values.dtype is native:
+        swapped: Any = values.astype(wanted, "C")
+    else:
+        swapped = _fitting(values, code, field).astype(wanted, "C")
+    return swapped  # type: ignore[no-any-return]  # memory that can be joined, also as an array
+
+
+def _fitting(values: npt.ArrayLike, code: str, field: str) -> Array:
+    """An array whose numbers are all numbers of `code`."""
     import numpy as np
 
     given = np.asarray(values)
-    wanted, native = dtypes(code)
-    if given.dtype == native or given.size == 0 or np.can_cast(given.dtype, wanted, "safe"):
-        return given.astype(wanted, order="C").data
+    wanted = arrays(code)[1]
+    if given.size == 0 or np.can_cast(given.dtype, wanted, "safe"):
+        return given
     if given.dtype.kind in "iuf" and wanted.kind == "f":
-        return given.astype(wanted, order="C").data
+        return given
     if given.dtype.kind in "iu" and wanted.kind in "iu":
         limits = np.iinfo(wanted)
         low, high = int(given.min()), int(given.max())
         if limits.min <= low and high <= limits.max:
-            return given.astype(wanted, order="C").data
+            return given
         worst = low if low < limits.min else high
         raise EncodeError(field, f"{worst} is not {CODE_MEANING[code]}")
     raise EncodeError(field, f"an array of {given.dtype} where each is {CODE_MEANING[code]}")
@@ -101,6 +106,14 @@ def numbers(
     values: npt.ArrayLike, code: str, most: int, field: str = "", low: Any = None, high: Any = None
 ) -> Parts:
     """A sequence of numbers: its count, then the numbers, each within `low` and `high`."""
+    kind, wanted, native, _ = arrays(code)
+    if (  # the usual case, for its speed
+        type(values) is kind
+        and (values.dtype is native and values.ndim == 1 and low is high is None)
+        and (size := len(values)) <= most
+    ):
+        swapped: Any = values.astype(wanted)
+        return [_pack_int32(size), swapped]
     import numpy as np
 
     given = np.asarray(values)

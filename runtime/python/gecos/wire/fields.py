@@ -6,9 +6,7 @@ import struct
 from collections.abc import Callable, Sequence
 from typing import Any, NoReturn
 
-from gecos.wire.codes import (
-    CODE_MEANING,
-)
+from gecos.wire.codes import CODE_MEANING
 from gecos.wire.decode import Decoder
 from gecos.wire.errors import DecodeError, DecodeProblem, EncodeError
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from enum import IntEnum, IntFlag
 from typing import Any, Protocol
 
-from gecos.wire.codes import CODE_MEANING, dtypes
+from gecos.wire.codes import CODE_MEANING, native
 
 HIDDEN = "***"
 _WIDTHS = (8, 16, 32, 64)
@@ -207,7 +207,7 @@ class Array:
     def made(self, data: Any, path: str) -> Any:
         import numpy as np
 
-        return np.array(self._list().made(data, path), dtypes(self.code)[1])
+        return np.array(self._list().made(data, path), native(self.code))
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from gecos.wire.codes import (
-    dtypes,
-)
+from gecos.wire.codes import native
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -28,7 +26,7 @@ def zeros(code: str, *shape: int) -> Array:
     """An array as a new value has it."""
     import numpy as np
 
-    return np.zeros(shape, dtypes(code)[1])
+    return np.zeros(shape, native(code))
 
 
 def same(left: Any, right: Any) -> bool:

@@ -77,8 +77,15 @@ class Reading(Runs):
                 assert isinstance(target, SequenceType)
                 limits = self.limits(Slot("", label, target.element))
                 least = min_size_of(self.model, element)
+                bulk = self.bulk_code(element)
+                if bulk is not None and not is_octet(element):
+                    rest = f'{most(bound, "count")}, "{label}"{range_arguments(limits)}'
+                    return f'source.numbers("{bulk}", {rest})'
                 count = f'source.count({least}, {most(bound, "count")}, "{label}")'
-                return self._decode_elements(element, target.element, count, label, limits)
+                if is_octet(element):
+                    return f'source.octets({count}, "{label}")'
+                read = self._decode(target.element, label, limits)
+                return f"[{read} for _ in range({count})]"
             case ArrayNode(element, dimensions):
                 assert isinstance(target, ArrayType)
                 limits = self.limits(Slot("", label, target.element))
@@ -93,16 +100,6 @@ class Reading(Runs):
                     f'{least}, {most(bound, "count")}, "{label}")'
                 )
         raise AssertionError(node)
-
-    def _decode_elements(
-        self, element: Node, used: Type, count: str, label: str, limits: Range | None
-    ) -> str:
-        if is_octet(element):
-            return f'source.octets({count}, "{label}")'
-        code = self.bulk_code(element)
-        if code is not None:
-            return f'source.array("{code}", {count}, "{label}"{range_arguments(limits)})'
-        return f"[{self._decode(used, label, limits)} for _ in range({count})]"
 
     def _decode_array(
         self,

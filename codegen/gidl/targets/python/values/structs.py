@@ -41,6 +41,7 @@ class Structs(ValueNames):
         layout = self._lowering.layout.structs.get(struct.name)
         plan = Plan(self._lowering, struct, members, slots, self._name(struct), words)
         by_hand = is_exception or arrays
+        one_run = "" if is_exception or layout is None else plan.only_run()
         return StructView(
             "struct",
             self._name(struct),
@@ -56,6 +57,8 @@ class Structs(ValueNames):
             "" if layout is None else f"0x{layout.fingerprint & (1 << 64) - 1:016X}",
             tuple(self._comparisons(members, words)) if arrays and not is_exception else (),
             tuple(self._member_shape(m, words) for m in members),
+            one_run,
+            ", ".join(slot.expression for slot in slots),
             stands_for,
         )
 
