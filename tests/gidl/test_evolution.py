@@ -15,12 +15,15 @@ from random import Random
 import gecos
 import pytest
 from evolving import Lab, Slot, edited, random_lab
+from gidl.breaking import category_of, compare
+from gidl.compile import compile_files
 from talking import Side, categories, conversation
 
 EDITS = int(os.environ.get("GIDL_EVOLUTION_EDITS", "96"))
 CHUNKS = 8
 MEDIA = ("inproc", "shm")
 GEARS = {"LOW": 0, "HIGH": 1}
+CARTS = Path(__file__).resolve().parents[1] / "idl" / "evolution"
 
 
 @pytest.fixture(autouse=True, scope="module")
@@ -85,3 +88,14 @@ def test_a_version_agrees_with_itself(tmp_path: Path) -> None:
         with conversation(old, new, medium) as talk:
             assert talk.agree(Random(1))
     assert not categories(old, new)
+
+
+@pytest.mark.parametrize(("version", "agree"), [(2, True), (3, False)])
+def test_the_verdict_is_right_for_the_versions_that_talk_in_cpp(version: int, agree: bool) -> None:
+    """The pairs of tests/cpp/generated/evolution_test.cpp."""
+    old, new = (
+        compile_files([str(CARTS / f"cart_v{each}.gidl")], [str(CARTS)]) for each in (1, version)
+    )
+    assert not old.has_errors and not new.has_errors
+    said = {category_of(finding.code) for finding in compare(old.model, new.model)}
+    assert ("WIRE" not in said) == agree
