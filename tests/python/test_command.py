@@ -2,6 +2,9 @@ from __future__ import annotations
 
 import asyncio
 import gc
+import queue
+import select
+import threading
 import warnings
 
 import gecos
@@ -252,3 +255,44 @@ def test_details_have_the_numbers_of_the_runtime() -> None:
 
     assert [_core.detail_name(detail) for detail in Detail] == [detail.name for detail in Detail]
     assert _core.detail_name(len(Detail)) == ""
+
+
+def test_a_callback_is_told_of_the_end(held: Lamp, servant: PlainLamp) -> None:
+    told: queue.Queue[State] = queue.Queue()
+    held.burn_in().add_done_callback(lambda command: told.put(command.state))
+    servant.burning.wait()
+    assert told.empty()
+    servant.finish.set()
+    assert told.get() is State.FINISHED
+
+
+def test_a_callback_of_what_has_ended_is_called_at_once(held: Lamp) -> None:
+    where: list[threading.Thread] = []
+    label = held.label()
+    label.wait()
+    label.add_done_callback(lambda _: where.append(threading.current_thread()))
+    assert where == [threading.current_thread()]
+
+
+def test_a_callback_may_wait_for_other_commands(held: Lamp, servant: PlainLamp) -> None:
+    told: queue.Queue[str] = queue.Queue()
+    held.burn_in().add_done_callback(lambda _: told.put(held.label().result()))
+    servant.finish.set()
+    assert told.get() == "a lamp"
+
+
+def test_a_callback_that_fails_does_not_stop_the_next(held: Lamp, servant: PlainLamp) -> None:
+    told: queue.Queue[int] = queue.Queue()
+    burning = held.burn_in()
+    burning.add_done_callback(lambda _: 1 / 0)
+    burning.add_done_callback(lambda _: told.put(1))
+    servant.finish.set()
+    assert told.get() == 1
+
+
+def test_a_command_can_be_selected_on(held: Lamp, servant: PlainLamp) -> None:
+    burning = held.burn_in()
+    assert select.select([burning], [], [], 0) == ([], [], [])
+    servant.finish.set()
+    assert select.select([burning], [], [], 10) == ([burning], [], [])
+    assert burning.state is State.FINISHED

@@ -7,8 +7,9 @@ import warnings
 from collections.abc import Callable, Generator
 from dataclasses import dataclass
 from types import GenericAlias
-from typing import TYPE_CHECKING, Generic
+from typing import TYPE_CHECKING, Generic, Self
 
+from gecos.callbacks import call, when_ended
 from gecos.errors import (
     CommandFailed,
     ConnectionFailed,
@@ -114,13 +115,32 @@ class Command(Generic[T, F]):
         """Says that nobody will look: it runs on, and dropping it does not warn."""
         self._observed = True
 
+    def fileno(self) -> int:
+        """A descriptor that is readable once it is terminal, for `select` and its like.
+
+        The command owns it: keep the command as long as it is watched.
+        """
+        self._observed = True
+        return self._core.descriptor()
+
+    def add_done_callback(self, callback: Callable[[Self], object]) -> None:
+        """Calls `callback(command)` once it is terminal, also when nobody else keeps the command.
+
+        Callbacks run one after another on a thread of their own, or at once on this one when the
+        command has ended already. They may block and issue commands; what they raise is logged.
+        """
+        if self.state is State.RUNNING:
+            when_ended(self, lambda: callback(self))
+        else:
+            call(lambda: callback(self))
+
     def __await__(self) -> Generator[object, None, T]:
         return self._awaited().__await__()
 
     async def _awaited(self) -> T:
         self._observed = True
         if self.state is State.RUNNING:
-            await _readable(self._core.descriptor())
+            await _readable(self.fileno())
         return self.result()
 
     def _failure(self) -> CommandFailed | ConnectionFailed:
