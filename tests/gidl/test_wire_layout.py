@@ -204,3 +204,61 @@ def test_every_member_of_the_corpus_has_a_layout() -> None:
             elif isinstance(member, Attribute):
                 assert (member.scoped_name in calls) == member.has_getter
                 assert (f"{member.scoped_name}=" in calls) == member.has_setter
+
+
+FROZEN = """module frozen {
+  enum Gear { @default_literal NEUTRAL, @value(7) DRIVE };
+  @bit_bound(12) bitmask Rights { READ, @position(9) WRITE };
+  bitset Head { bitfield<3> low; bitfield<1> last; };
+  typedef double Row[3];
+  @final struct Point { @unit("m") double x; @range(min=0, max=5) float y; };
+  @appendable struct Goal { Point at; @optional string<9> name; @default(1) long tries; };
+  union Reading switch (Gear) { case NEUTRAL: Row cells; default: sequence<octet, 8> raw; };
+  exception Refused { string why; };
+  interface Base { @sensor void look(); };
+  interface Cart : Base {
+    @actor Goal go(in Goal to, inout Reading seen, out map<short, Gear> gears,
+                   @default(2) in long times) raises (Refused);
+    @sensor @stream(rate="9Hz") readonly attribute Point place;
+    @id(4711) attribute Rights allowed;
+    @event oneway void bumped(in Head top, in Base by);
+  };
+};
+"""
+
+
+IDENTITIES = {
+    "fingerprint of Point": "85a6ae9c505f57c6",
+    "fingerprint of Goal": "e616c5296ba4a4b4",
+    "fingerprint of Refused": "55b842c4e0ba6fe4",
+    "fingerprint of Reading": "d1a253db6c0f0d29",
+    "code of Base::look": "5b4367a1",
+    "code of Cart::go": "4ba088ab",
+    "code of Cart::place": "9dd1e3dc",
+    "code of Cart::allowed": "00001267",
+    "code of Cart::allowed=": "00001268",
+    "code of Cart::bumped": "dcb62bdc",
+    "hash of Cart": "7b80b503a0b2e59c",
+    "hash of Cart::go": "d244b9555d2b888b",
+    "hash of Cart::place": "eaa4a79b4a0c8a03",
+    "hash of Cart::allowed": "e1cf624fdac8db34",
+    "hash of Cart::bumped": "f85ef16197804726",
+}
+
+
+def test_what_identifies_things_on_the_wire_never_changes(tmp_path: Path) -> None:
+    """Programs that were built with an earlier gidl have these numbers in them."""
+    model = model_of(tmp_path, FROZEN)
+    layout = wire_layout.build(model)
+    cart = model.interface("frozen::Cart")
+    types = {**layout.structs, **layout.unions}
+    told = {f"fingerprint of {n}": f"{t.fingerprint % 2**64:016x}" for n, t in types.items()}
+    told |= {f"code of {c.name}": f"{c.code:08x}" for c in layout.all_calls(model, cart)}
+    told["hash of frozen::Cart"] = f"{hashes.interface_hash(model, cart):016x}"
+    for member in cart.members:
+        if isinstance(member, Attribute):
+            number = hashes.attribute_hash(model, member)
+        else:
+            number = hashes.operation_hash(model, member)
+        told[f"hash of {member.scoped_name}"] = f"{number:016x}"
+    assert {name.replace("frozen::", ""): number for name, number in told.items()} == IDENTITIES
