@@ -46,6 +46,7 @@ _EXCEPTION = frozenset(("exception",))
 _STRUCT = frozenset(("struct",))
 _Choice = TypeVar("_Choice", OnNew, OnLoss)
 _Number = TypeVar("_Number", int, float)
+_DURATIONS = "ns, us, ms, s, min or h"
 MEDIA = ("inproc", "shm", "lcm", "tcp", "can")
 
 
@@ -302,8 +303,8 @@ class InterfaceResolver(TypeResolver):
                 f'a stream has no direction "{direction}"',
                 'dir is "out" (the server publishes) or "in" (the server accepts)',
             )
-        rate = self._quantity(applied, "rate", rate_hz, "a rate", '"250Hz"')
-        watchdog = self._quantity(applied, "watchdog", duration_ns, "a duration", '"48ms"')
+        rate = self._quantity(applied, "rate", rate_hz, "mHz, Hz or kHz", "250Hz")
+        watchdog = self._quantity(applied, "watchdog", duration_ns, _DURATIONS, "48ms")
         way = StreamDirection.IN if direction == "in" else StreamDirection.OUT
         return Stream(way, rate, watchdog, "open_stream" in marks)
 
@@ -315,7 +316,7 @@ class InterfaceResolver(TypeResolver):
             return Qos()
 
         def duration(name: str) -> int | None:
-            return self._quantity(applied, name, duration_ns, "a duration", '"5ms"')
+            return self._quantity(applied, name, duration_ns, _DURATIONS, "5ms")
 
         def literal(name: str) -> str | None:
             value = applied.arguments[name]
@@ -360,7 +361,7 @@ class InterfaceResolver(TypeResolver):
         applied: Applied,
         name: str,
         read: Callable[[str], _Number | None],
-        what: str,
+        units: str,
         example: str,
     ) -> _Number | None:
         if name not in applied.written:
@@ -368,7 +369,12 @@ class InterfaceResolver(TypeResolver):
         text = applied.text(name)
         found = read(text)
         if found is None:
+            if text.isdecimal():  # with the unit of the example
+                example = text + example.lstrip("0123456789")
             self._findings.error(
-                "G0506", applied.span, f"'{name}' is {what}, not \"{text}\"", f"write {example}"
+                "G0506",
+                applied.span,
+                f"'{name}' needs a positive number and its unit ({units}), not \"{text}\"",
+                f'write {name}="{example}"',
             )
         return found

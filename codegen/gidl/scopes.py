@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from difflib import get_close_matches
 
 from gidl.diagnostics import Findings, Note, suggestion
 from gidl.model import Type, Value
@@ -28,6 +29,13 @@ _ELSEWHERE = {
     "int8_t": "int8", "int16_t": "int16", "int32_t": "int32", "int64_t": "int64",
     "uint8_t": "uint8", "uint16_t": "uint16", "uint32_t": "uint32", "uint64_t": "uint64",
 }  # fmt: skip
+
+# What a wrong word may have been meant as, beside what is declared.
+_BUILT_IN = (
+    "boolean", "char", "double", "float", "int16", "int32", "int64", "int8", "long", "map",
+    "octet", "sequence", "short", "string", "uint16", "uint32", "uint64", "uint8", "unsigned",
+    "wchar", "wstring",
+)  # fmt: skip
 
 
 @dataclass(slots=True, eq=False)
@@ -226,13 +234,18 @@ class Names:
                     return f"there is '{symbol.scoped}', declared in {place}"
                 shown = symbol.name if self._reaches(symbol, scope) else symbol.scoped
                 known[shown] = place if symbol.file in self.visible else f"{place} (not included)"
-        close = suggestion(wanted, known)
-        if self.cut and not close:
+        if close := suggestion(wanted, known):
+            return close
+        if len(name.parts) == 1 and kinds is TYPE_KINDS:
+            built_in = get_close_matches(wanted.lower(), _BUILT_IN, n=1, cutoff=0.75)
+            if built_in:
+                return f"did you mean '{built_in[0]}'?"
+        if self.cut:
             return (
                 f"{self.cut[0]} includes this file, so it is read after it: move what both need "
                 "into a third file"
             )
-        return close
+        return ""
 
     def _reaches(self, symbol: Symbol, scope: Scope) -> bool:
         around = symbol.scoped.rpartition("::")[0]
