@@ -18,7 +18,7 @@ def test_status_lasts_as_long_as_the_block(lamp: Lamp) -> None:
     with pytest.raises(gecos.CommandFailed) as caught:
         lamp.dim(1.0).result()
     assert caught.value.detail is Detail.DENIED
-    assert "gecos::actor(object)" in caught.value.text
+    assert "actor(object) of gecos" in caught.value.text
 
 
 def test_a_second_client_is_refused_and_told_who_holds_it(held: Lamp, other: Lamp) -> None:

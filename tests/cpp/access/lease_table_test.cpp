@@ -41,7 +41,7 @@ TEST_F(LeaseTableTest, MovingWithoutALeaseIsDeniedAndSaysHowToGetOne) {
   const auto denied = table.may_queue(kAda, Epoch{}, Status::Actor, now);
   ASSERT_FALSE(denied);
   EXPECT_EQ(denied.error().reason, Denial::Reason::NeedsStatus);
-  EXPECT_EQ(denied.error().text, "needs actor status; take it with gecos::actor(object)");
+  EXPECT_EQ(denied.error().text, "needs actor status; take it with actor(object) of gecos");
 }
 
 TEST_F(LeaseTableTest, AHolderMayMove) {
@@ -60,7 +60,7 @@ TEST_F(LeaseTableTest, ActorDoesNotDoWhatNeedsMaster) {
   const Grant grant = give(kAda, Status::Actor);
   const auto denied = table.may_queue(kAda, grant.epoch, Status::Master, now);
   ASSERT_FALSE(denied);
-  EXPECT_EQ(denied.error().text, "needs master status; take it with gecos::master(object)");
+  EXPECT_EQ(denied.error().text, "needs master status; take it with master(object) of gecos");
 }
 
 TEST_F(LeaseTableTest, ASecondClientIsRefusedAndToldWhoHoldsItSinceAndUntilWhen) {
@@ -98,6 +98,9 @@ TEST_F(LeaseTableTest, MasterRefusesReadingToOthersOnly) {
   const auto denied = table.may_queue(kBob, Epoch{}, Status::Sensor, now);
   ASSERT_FALSE(denied);
   EXPECT_EQ(denied.error().reason, Denial::Reason::OthersMaster);
+  EXPECT_EQ(denied.error().text,
+            "is refused to everybody else: master status is held by ada on lab1 (grip_block, pid "
+            "4711) for 0.0 s, lost in 0.5 s if silent");
 }
 
 TEST_F(LeaseTableTest, TheOnlyHolderMayBecomeMaster) {
@@ -160,6 +163,8 @@ TEST_F(LeaseTableTest, SilentHolderLosesTheRobot) {
   const auto denied = table.may_start(kAda, grant.epoch, Status::Actor, now + 500ms);
   ASSERT_FALSE(denied);
   EXPECT_EQ(denied.error().reason, Denial::Reason::LeaseEnded);
+  EXPECT_EQ(denied.error().text,
+            "was issued under a status that has ended; take it with actor(object) of gecos again");
 }
 
 TEST_F(LeaseTableTest, ASignOfLifeKeepsTheRobot) {

@@ -18,8 +18,9 @@ std::string needs(Status needed) {
   return "needs " + status + " status";
 }
 
+/// Read in every language: no spelling of one of them.
 std::string how_to_get(Status needed) {
-  return "take it with gecos::" + std::string(to_string(needed)) + "(object)";
+  return "take it with " + std::string(to_string(needed)) + "(object) of gecos";
 }
 
 }  // namespace
@@ -169,13 +170,13 @@ tl::expected<void, Denial> LeaseTable::authorise(const Member* member, SessionId
     if (other.holder.session == session || other.holder.status != Status::Master) continue;
     if (member != nullptr) continue;  // master is shared with this session
     return tl::unexpected(
-        Denial{Reason::OthersMaster, "refused to everybody else: " + describe(other.holder, now)});
+        Denial{Reason::OthersMaster, "is refused to everybody else: " + describe(other.holder, now)});
   }
   if (needed == Status::Sensor) return {};
   if (epoch != Epoch{} && epoch != this->epoch()) {
     return tl::unexpected(
         Denial{Reason::LeaseEnded,
-               "the status under which it was issued has ended; " + how_to_get(needed) + " again"});
+               "was issued under a status that has ended; " + how_to_get(needed) + " again"});
   }
   if (member != nullptr && member->holder.status >= needed && epoch != Epoch{}) return {};
   Denial denial{Reason::NeedsStatus, needs(needed)};

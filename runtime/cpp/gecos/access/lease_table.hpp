@@ -55,7 +55,7 @@ struct Denial {
     LeaseEnded,    ///< it was issued under a status that has ended since
   };
   Reason reason = Reason::NeedsStatus;
-  std::string text;
+  std::string text;  ///< goes on after what was refused: "needs actor status; …"
 };
 
 /// Decides who may command one object. Every client may read; moving needs a lease.
