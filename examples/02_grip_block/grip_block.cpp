@@ -21,6 +21,11 @@ using robcl::Frame;
 
 namespace {
 
+constexpr const char* usage =
+    "usage: grip_block [--leave] [shm|lcm]\n"
+    "Grips a block and lifts it by 200 mm. The medium is chosen by the host unless it is named.\n"
+    "  --leave  end without waiting for the lift: the block is lifted all the same\n";
+
 // Where the robot stands and where the block is gripped, in the world. The grip frame's z axis is
 // the direction in which the tool approaches, so it points down.
 const Frame robot_base;
@@ -99,8 +104,11 @@ int main(int argc, char** argv) {
     const std::string_view word = argv[i];
     if (word == "--leave") {
       leave = true;
+    } else if (word == "--help" || word == "-h") {
+      std::cout << usage;
+      return 0;
     } else if (options.medium = gecos::media::kind_from(word); !options.medium) {
-      std::cerr << "usage: grip_block [--leave] [shm|lcm]; '" << word << "' is neither\n";
+      std::cerr << "grip_block: '" << word << "' is not known\n" << usage;
       return 2;
     }
   }

@@ -68,8 +68,17 @@ def grip_and_lift(leave: bool, medium: str | None) -> None:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description="Grips a block and lifts it by 200 mm.")
-    parser.add_argument("--leave", action="store_true", help="end without waiting for the lift")
-    parser.add_argument("medium", nargs="?", choices=["shm", "lcm"], help="medium to use")
+    parser.add_argument(
+        "--leave",
+        action="store_true",
+        help="end without waiting for the lift: the block is lifted all the same",
+    )
+    parser.add_argument(
+        "medium",
+        nargs="?",
+        choices=["shm", "lcm"],
+        help="medium to use, else the best for this host",
+    )
     words = parser.parse_args()
     try:
         grip_and_lift(words.leave, words.medium)

@@ -26,7 +26,7 @@ struct Entry {
   std::uint64_t boot = 0;
   std::int32_t pid = 0;
   std::string user{};
-  /// host identity, see docs/protocol.md
+  /// life and network of the host: equal where shared memory reaches
   std::string host{};
   /// for people
   std::string hostname{};

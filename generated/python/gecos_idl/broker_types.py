@@ -52,7 +52,7 @@ class Entry:
     pid: int = 0
     user: str = ""
     host: str = ""
-    """host identity, see docs/protocol.md"""
+    """life and network of the host: equal where shared memory reaches"""
     hostname: str = ""
     """for people"""
     addresses: list[str] = _field(default_factory=list)
