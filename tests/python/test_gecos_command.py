@@ -25,6 +25,25 @@ def test_ls_lists_what_is_online(
     assert "simulated" in first
     assert second.split()[:2] == ["SPARE", "test::Lamp"]
     assert "hardware" in second
+    assert "lcm, shm" in first
+
+
+def test_ls_names_only_media_that_lead_to_other_programs(
+    server: gecos.Server, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    server.add("HIDDEN", PlainLamp(), media=["inproc"])
+    assert run(monkeypatch, "ls") == 0
+    _, hidden, _ = capsys.readouterr().out.splitlines()
+    assert "its own process only" in hidden
+    assert "inproc" not in hidden
+
+
+def test_a_misspelt_name_is_told_the_right_one(
+    server: gecos.Server, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(monkeypatch, "describe", "lmap") == 1
+    said = "gecos: lmap: NO_SERVER: no such object is online; did you mean LAMP?\n"
+    assert capsys.readouterr().err == said
 
 
 def test_ls_of_an_empty_laboratory_says_so(
@@ -85,9 +104,9 @@ def test_stop_stops_whoever_moves_it(
 def test_an_unknown_name_names_those_that_are_online(
     server: gecos.Server, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert run(monkeypatch, "describe", "LAMPE") == 1
+    assert run(monkeypatch, "describe", "ROBOT") == 1
     assert capsys.readouterr().err == (
-        "gecos: LAMPE: NO_SERVER: no such object is online; the broker knows LAMP\n"
+        "gecos: ROBOT: NO_SERVER: no such object is online; the broker knows LAMP\n"
     )
 
 

@@ -1,7 +1,10 @@
 from __future__ import annotations
 
+import os
+import subprocess
 import sys
 import threading
+from pathlib import Path
 
 import gecos
 import pytest
@@ -79,14 +82,59 @@ def test_create_gives_a_reason_for_each_name(lab: gecos.Lab, server: gecos.Serve
     assert "test::Heater" in lamp.reason
 
 
-def test_without_a_broker_create_says_what_was_tried(place: object) -> None:
-    with gecos.Lab() as alone, pytest.raises(gecos.CreateError, match="broker"):
+def test_without_a_broker_create_says_what_was_tried(place: Path) -> None:
+    with gecos.Lab() as alone, pytest.raises(gecos.CreateError) as caught:
         alone.create(Lamp, "LAMP", patience=0.2)
+    assert str(caught.value) == (
+        "LAMP: NO_SERVER: no broker answers; start `gecos broker`, or say where it is in "
+        "GECOS_BROKER (tried inproc:BROKER: nobody in this process serves it; "
+        f"shm:{place}/BROKER.sock: no server is there)"
+    )
+
+
+def test_create_says_what_its_first_parameter_is(lab: gecos.Lab, server: gecos.Server) -> None:
+    with pytest.raises(TypeError, match=r"the class that gidl generated.*not 'LAMP'"):
+        lab.create("LAMP", "LAMP")  # type: ignore[type-var]
+    with pytest.raises(TypeError, match="not the class PlainLamp"):
+        lab.create(PlainLamp, "LAMP")  # type: ignore[type-var]
+    with pytest.raises(TypeError, match="not None"):
+        lab.broker(None)  # type: ignore[type-var]
+
+
+def test_a_proxy_of_a_closed_lab_says_so(server: gecos.Server) -> None:
+    with gecos.Lab() as closed:
+        lamp = closed.create(Lamp, "LAMP")
+    why = "'label' of LAMP was called on a proxy whose Lab is closed"
+    with pytest.raises(gecos.ConnectionFailed, match=why) as caught:
+        lamp.label().result()
+    assert caught.value.detail is Detail.NO_SERVER
+    with pytest.raises(gecos.ConnectionFailed, match="a proxy whose Lab is closed"):
+        lamp.level.stream()
+    assert repr(lamp) == "<test::Lamp 'LAMP' over inproc>"
+    with pytest.raises(ValueError, match="this Lab is closed"):
+        closed.create(Lamp, "LAMP")
 
 
 def test_a_second_broker_is_refused(lab: gecos.Lab) -> None:
-    with gecos.Lab() as other, pytest.raises(gecos.ServeError):
+    with gecos.Lab() as other, pytest.raises(gecos.ServeError, match="already in this process"):
         gecos.Broker(other)
+
+
+def test_a_second_broker_is_told_where_the_first_is_and_what_to_do(
+    lab: gecos.Lab, place: Path
+) -> None:
+    second = subprocess.run(
+        [sys.executable, "-m", "gecos.cli", "broker"],
+        env={"PYTHONPATH": ":".join(filter(None, sys.path)), "GECOS_RUNTIME_DIR": str(place)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert second.returncode == 1
+    assert f"{place}/BROKER.sock is served already by uid {os.getuid()}, pid {os.getpid()};" in (
+        second.stderr
+    )
+    assert f"end it first (kill {os.getpid()})" in second.stderr
 
 
 def test_a_name_that_is_taken_is_refused(server: gecos.Server) -> None:

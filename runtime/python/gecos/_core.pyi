@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from gecos.interface import Interface
 
 class Lab:
-    def __init__(self, broker: str) -> None: ...
+    def __init__(self, broker: str, program: str) -> None: ...
     def create(
         self, interface: Interface, names: Sequence[str], medium: str | None, patience: float
     ) -> Session | list[tuple[str, int, str]]:

@@ -8,6 +8,8 @@ from typing import Self, TypeVar
 
 from gecos import _core, farewell
 from gecos.errors import Attempt, CreateError, Detail
+from gecos.interface import Interface
+from gecos.program import program_name
 from gecos.proxy import Object
 
 P = TypeVar("P", bound=Object)
@@ -19,7 +21,7 @@ class Lab:
     end early; at the end of the program it takes leave in order anyway."""
 
     def __init__(self, broker: str | None = None) -> None:
-        self._core = _core.Lab(broker or "")
+        self._core = _core.Lab(broker or "", program_name())
         farewell.at_exit(self, farewell.Turn.LABS)
 
     def create(
@@ -37,7 +39,7 @@ class Lab:
         each server. Raises CreateError with a reason for each name.
         """
         wanted = [names] if isinstance(names, str) else list(names)
-        created = self._core.create(interface._gecos_interface, wanted, medium, patience)
+        created = self._core.create(_table_of(interface), wanted, medium, patience)
         if isinstance(created, list):
             raise CreateError([Attempt(name, Detail(d), reason) for name, d, reason in created])
         return interface(created)
@@ -47,7 +49,7 @@ class Lab:
 
         Raises CreateError with what was tried.
         """
-        opened = self._core.broker(interface._gecos_interface, patience)
+        opened = self._core.broker(_table_of(interface), patience)
         if isinstance(opened, str):
             raise CreateError([Attempt("BROKER", Detail.NO_SERVER, opened)])
         return interface(opened)
@@ -66,3 +68,13 @@ class Lab:
         trace: TracebackType | None,
     ) -> None:
         self.close()
+
+
+def _table_of(interface: type[Object]) -> Interface:
+    if isinstance(interface, type) and issubclass(interface, Object):
+        return interface._gecos_interface
+    given = f"the class {interface.__name__}" if isinstance(interface, type) else repr(interface)
+    raise TypeError(
+        "the interface comes first, as the class that gidl generated for it, and then the names: "
+        f'`from robcl.rx90 import Rx90` and `lab.create(Rx90, "RX90")`; not {given}'
+    )

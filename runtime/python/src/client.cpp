@@ -159,12 +159,13 @@ void bind_client(nb::module_& module) {
   nb::class_<LabHandle>(module, "Lab")
       .def(
           "__init__",
-          [](LabHandle* self, const std::string& broker) {
+          [](LabHandle* self, const std::string& broker, const std::string& program) {
             LabOptions options;
             options.broker = broker;
+            options.program = program;
             new (self) LabHandle(std::move(options));
           },
-          nb::arg("broker"))
+          nb::arg("broker"), nb::arg("program"))
       .def("create", &create, nb::arg("interface"), nb::arg("names"), nb::arg("medium").none(),
            nb::arg("patience"))
       .def("broker", &broker, nb::arg("interface"), nb::arg("patience"))

@@ -28,12 +28,13 @@ class SessionHandle {
   SessionHandle& operator=(const SessionHandle&) = delete;
   ~SessionHandle() { let_go(session_); }
 
-  /// Never null: after `close` it is the session with nobody.
-  std::shared_ptr<session::ClientSession> get() const {
-    return session_ ? session_ : session::nil_session();
-  }
+  /// Never null: after `close` whatever is asked of it says that its Lab is closed.
+  std::shared_ptr<session::ClientSession> get() const { return session_; }
   const InterfaceDescription& table() const { return table_; }
-  void close() { let_go(session_); }
+  void close() {
+    auto open = std::exchange(session_, session::closed_session(*session_));
+    let_go(open);
+  }
 
  private:
   std::shared_ptr<session::ClientSession> session_;

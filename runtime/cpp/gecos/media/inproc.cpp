@@ -262,7 +262,7 @@ class Inproc final : public Medium {
     }
     if (door == nullptr) {
       return tl::unexpected(
-          MediumError{"nobody in this process serves " + std::string(address)});
+          MediumError{std::string(address) + ": nobody in this process serves it"});
     }
     auto connection = std::make_shared<Connection>();
     {

@@ -61,7 +61,7 @@ tl::expected<std::shared_ptr<LinkedSession>, Attempt> create_one(LabCore& lab,
   for (const auto& address : *addresses) {
     auto session = lab.runtime()->connect(address, wanted, deadline, &failed.detail);
     if (session) return std::move(*session);
-    failed.reason += (failed.reason.empty() ? "" : "; ") + address + ": " + session.error();
+    failed.reason += (failed.reason.empty() ? "" : "; ") + session.error();
     if (failed.detail == Detail::Refused) break;
   }
   if (failed.detail == Detail::NoServer) failed.reason = name + " is offline (" + failed.reason + ")";

@@ -17,6 +17,8 @@ namespace gecos {
 struct LabOptions {
   /// Address of the broker, "shm:…" or "lcm:…". Empty: `GECOS_BROKER`, else this host's broker.
   std::string broker{};
+  /// What others are told this program is called. Empty: the name of its executable.
+  std::string program{};
   Duration grace = std::chrono::seconds(1);          ///< how long a lost peer may stay UNREACHABLE
   Duration lease_ttl = std::chrono::milliseconds(500);  ///< silence that ends a session
   Duration heartbeat = std::chrono::milliseconds(100);

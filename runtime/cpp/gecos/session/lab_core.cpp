@@ -38,7 +38,7 @@ tl::expected<std::shared_ptr<LinkedSession>, std::string> LabCore::broker(TimePo
   for (const auto& address : broker_addresses()) {
     auto session = runtime_->connect(address, broker_interface(), deadline);
     if (session) return broker_ = std::move(*session);
-    tried += (tried.empty() ? "" : "; ") + address + ": " + session.error();
+    tried += (tried.empty() ? "" : "; ") + session.error();
   }
   return tl::unexpected("no broker answers; start `gecos broker`, or say where it is in GECOS_BROKER" +
                         (tried.empty() ? std::string() : " (tried " + tried + ")"));

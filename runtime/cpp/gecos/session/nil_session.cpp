@@ -3,29 +3,41 @@
 namespace gecos::session {
 namespace {
 
+/// A session with nobody: whatever is asked of it ends at once and says why.
 class NilSession final : public ClientSession {
  public:
+  explicit NilSession(std::string reason) : reason_(std::move(reason)) {}
+  NilSession(std::string reason, const ClientSession& was)
+      : reason_(std::move(reason)),
+        interface_name_(was.interface_name()),
+        object_name_(was.object_name()),
+        offer_(was.offer()) {}
+
   std::shared_ptr<CommandCore> call(const OperationDescription& operation, std::size_t /*size*/,
                                     FunctionRef<void(wire::Encoder&)> /*encode*/,
                                     const CallOptions& /*options*/) override {
-    return ended(why("'" + std::string(operation.name) + "' was called"));
+    return ended(why("'" + std::string(operation.name) + "'" + of_object() + " was called"));
   }
   tl::expected<std::shared_ptr<StreamCore>, Failure> subscribe(
       const StreamDescription& stream) override {
-    return tl::unexpected(why("'" + std::string(stream.name) + "' was subscribed to"));
+    return tl::unexpected(
+        why("'" + std::string(stream.name) + "'" + of_object() + " was subscribed to"));
   }
-  const std::string& interface_name() const override { return nothing_; }
-  const std::string& object_name() const override { return nothing_; }
+  const std::string& interface_name() const override { return interface_name_; }
+  const std::string& object_name() const override { return object_name_; }
   const media::Offer& offer() const override { return offer_; }
   std::uint64_t hold(std::uint64_t /*epoch*/) override { return 0; }
   void let_go(std::uint64_t /*held*/) override {}
 
  private:
-  static Failure why(const std::string& what) {
-    return {Detail::NoServer,
-            what + " on a proxy that names no object; get one from Lab::create", {}, {}};
+  std::string of_object() const { return object_name_.empty() ? "" : " of " + object_name_; }
+  Failure why(const std::string& what) const {
+    return {Detail::NoServer, what + " on a proxy " + reason_, {}, {}};
   }
-  const std::string nothing_;
+
+  const std::string reason_;
+  const std::string interface_name_;
+  const std::string object_name_;
   const media::Offer offer_;
 };
 
@@ -36,8 +48,15 @@ std::shared_ptr<CommandCore> ended(Failure failure) {
 }
 
 const std::shared_ptr<ClientSession>& nil_session() {
-  static const std::shared_ptr<ClientSession> nil = std::make_shared<NilSession>();
+  static const std::shared_ptr<ClientSession> nil =
+      std::make_shared<NilSession>("that names no object; get one from Lab::create");
   return nil;
+}
+
+std::shared_ptr<ClientSession> closed_session(const ClientSession& was) {
+  return std::make_shared<NilSession>(
+      "whose Lab is closed; keep the Lab open as long as its proxies, or create it from a new one",
+      was);
 }
 
 }  // namespace gecos::session

@@ -48,6 +48,9 @@ class ClientSession {
 /// Stands in for a proxy that was never created: every call is CONNECTION_FAILED/NO_SERVER.
 const std::shared_ptr<ClientSession>& nil_session();
 
+/// The session of a proxy whose lab was closed: as `nil_session`, in the name of the one it `was`.
+std::shared_ptr<ClientSession> closed_session(const ClientSession& was);
+
 /// A command that ended before anything was sent; generated proxies refuse bad parameters with it.
 std::shared_ptr<CommandCore> ended(Failure failure);
 

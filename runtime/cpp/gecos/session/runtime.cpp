@@ -105,7 +105,7 @@ Hello Runtime::introduce(const InterfaceDescription& wanted) const {
   Hello hello;
   hello.user = user_name();
   hello.host = host_name();
-  hello.program = program_invocation_short_name;
+  hello.program = options_.program.empty() ? program_invocation_short_name : options_.program;
   hello.pid = getpid();
   hello.boot = number(process_boot());
   hello.interface_name = wanted.name;
@@ -128,10 +128,15 @@ tl::expected<std::shared_ptr<LinkedSession>, std::string> Runtime::connect(
     try {
       auto link = (*opened)->connect(address);
       if (!link) return tl::unexpected(LinkedSession::NotOpened{Detail::NoServer, link.error().text});
-      return LinkedSession::open(shared_from_this(), std::move(*link), introduce(wanted), deadline);
+      return LinkedSession::open(shared_from_this(), std::move(*link), introduce(wanted), deadline)
+          .map_error([&](LinkedSession::NotOpened failed) {
+            failed.reason = address + ": " + failed.reason;
+            return failed;
+          });
     } catch (const std::system_error& failed) {
       return tl::unexpected(LinkedSession::NotOpened{
-          Detail::NoServer, std::string(failed.what()) + "; are descriptors left (ulimit -n)?"});
+          Detail::NoServer,
+          address + ": " + failed.what() + "; are descriptors left (ulimit -n)?"});
     }
   };
   auto session = open();

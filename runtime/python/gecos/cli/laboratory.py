@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from difflib import get_close_matches
 from typing import TYPE_CHECKING
 
 from gecos_idl.broker import Broker
@@ -23,8 +25,7 @@ def find(lab: gecos.Lab, name: str) -> gecos.Object:
     known = {entry.name: entry for entry in entries(lab)}
     entry = known.get(name)
     if entry is None:
-        online = ", ".join(known) or "nothing"
-        reason = f"no such object is online; the broker knows {online}"
+        reason = f"no such object is online; {_instead_of(name, list(known))}"
         raise gecos.CreateError([gecos.Attempt(name, gecos.Detail.NO_SERVER, reason)])
 
     itself = Interface(name=entry.interface_name, hash=entry.interface_hash)
@@ -33,3 +34,11 @@ def find(lab: gecos.Lab, name: str) -> gecos.Object:
         _gecos_interface = itself
 
     return lab.create(Anything, name)
+
+
+def _instead_of(name: str, known: Sequence[str]) -> str:
+    by_lower = {one.lower(): one for one in known}
+    near = get_close_matches(name.lower(), by_lower, n=1)
+    if near:
+        return f"did you mean {by_lower[near[0]]}?"
+    return f"the broker knows {', '.join(known) or 'nothing'}"

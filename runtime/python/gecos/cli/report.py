@@ -20,12 +20,18 @@ def objects(entries: Sequence[Entry]) -> None:
             entry.interface_name,
             f"{entry.user}@{entry.hostname}",
             str(entry.pid),
-            ", ".join(sorted({address.partition(":")[0] for address in entry.addresses})),
+            _media(entry),
             "simulated" if entry.simulated else "hardware",
         )
         for entry in entries
     ]
     _table(("name", "type", "served by", "pid", "media", ""), rows)
+
+
+def _media(entry: Entry) -> str:
+    """Those by which other programs reach it."""
+    kinds = {address.partition(":")[0] for address in entry.addresses} - {"inproc"}
+    return ", ".join(sorted(kinds)) or "its own process only"
 
 
 def description(of: Description) -> None:

@@ -59,6 +59,20 @@ bool server_is_dead(const std::string& path) {
   return !connect_to(path) && errno == ECONNREFUSED;
 }
 
+/// What to say of a well-known place that somebody serves; `their` is a connection there, if any.
+tl::unexpected<MediumError> taken(const std::string& path, const Descriptor& their) {
+  const auto server = their ? peer_of(their.get()) : tl::unexpected(std::string());
+  const std::string others = "or name a folder of your own in GECOS_RUNTIME_DIR";
+  if (!server) {
+    return error(path + " is served already by another program (`fuser -v " + path +
+                 "` tells by which); use that one, end it first, " + others);
+  }
+  if (*server->pid == ::getpid()) return error(path + " is served already by this program");
+  const std::string pid = std::to_string(*server->pid);
+  return error(path + " is served already by " + server->description +
+               "; use that one, end it first (kill " + pid + "), " + others);
+}
+
 /// Removes what servers that were killed have left: "<name>.<pid>.<number>.sock".
 /// @pre the directory's lock is held.
 void sweep(const std::string& directory) {
@@ -145,10 +159,8 @@ tl::expected<std::unique_ptr<Acceptor>, MediumError> ShmAcceptor::open(const Shm
   if (well_known) {
     listener = bind_and_listen(path, options.other_users);
     if (!listener && errno == EADDRINUSE) {
-      if (!server_is_dead(path)) {
-        return error(path + " is served already by another program; `fuser -v " + path +
-                     "` tells by which");
-      }
+      const Descriptor their = connect_to(path);
+      if (their || errno != ECONNREFUSED) return taken(path, their);
       ::unlink(path.c_str());
       listener = bind_and_listen(path, options.other_users);
     }

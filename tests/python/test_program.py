@@ -1,0 +1,77 @@
+"""What a program is called by those who ask who holds a robot."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import gecos
+import pytest
+from gecos.program import program_name
+from lamp import Lamp
+
+SAYING = "from gecos.program import program_name\nprint(program_name())\n"
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """A script, a module and a package that say what they are called."""
+    (tmp_path / "lift.py").write_text(SAYING)
+    (tmp_path / "tools" / "lifter").mkdir(parents=True)
+    (tmp_path / "tools" / "once.py").write_text(SAYING)
+    (tmp_path / "tools" / "lifter" / "__main__.py").write_text(SAYING)
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    ("words", "name"),
+    [
+        (["./lift.py", "--fast"], "lift.py"),
+        (["-m", "lift"], "lift"),
+        (["-m", "tools.once"], "tools.once"),
+        (["-m", "tools.lifter"], "tools.lifter"),
+        (["tools/lifter"], "lifter"),
+        (["-c", SAYING], "python"),
+    ],
+)
+def test_a_program_is_called_as_it_was_started(folder: Path, words: list[str], name: str) -> None:
+    said = subprocess.run(
+        [sys.executable, *words],
+        cwd=folder,
+        env={"PYTHONPATH": ":".join(filter(None, sys.path))},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert said.stdout == f"{name}\n"
+
+
+def test_python_that_reads_from_a_pipe_is_python(folder: Path) -> None:
+    said = subprocess.run(
+        [sys.executable],
+        input=SAYING,
+        env={"PYTHONPATH": ":".join(filter(None, sys.path))},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert said.stdout == "python\n"
+
+
+def test_a_name_that_is_no_text_can_be_sent_all_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys.modules["__main__"], "__spec__", None)
+    monkeypatch.setattr(sys, "argv", ["/opt/\udcff.py"])
+    assert program_name() == "?.py"
+
+
+@pytest.mark.parametrize("medium", ["inproc", "shm", "lcm"])
+def test_the_holder_of_a_robot_is_named_so(
+    lab: gecos.Lab, server: gecos.Server, medium: str
+) -> None:
+    lamp = lab.create(Lamp, "LAMP", medium=medium)
+    with gecos.actor(lamp):
+        (holder,) = gecos.holders(lamp).result()
+        assert holder.program == program_name()
+        with pytest.raises(gecos.LeaseRefused, match=rf"\({program_name()}, pid "):
+            gecos.actor(lab.create(Lamp, "LAMP", medium=medium))
