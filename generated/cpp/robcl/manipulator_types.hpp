@@ -23,6 +23,8 @@ std::ostream& operator<<(std::ostream& out, PathType value);
 /// An unknown number becomes JOINT.
 [[nodiscard]] bool decode_enum(gecos::wire::Decoder& from, PathType& value, const char* field);
 
+/// Whether the arm stands at the goal, or may pass it on its way to the next one. Today
+/// every arm stands there: NOBREAK acts like BREAK.
 enum class Blend : std::int32_t {
   BREAK = 0,
   NOBREAK = 1,
@@ -100,6 +102,7 @@ std::string gecos_violation(const OutOfReach& value);
 
 /// [exception]
 struct JointLimit {
+  /// from 1, which is next to the base
   std::uint32_t axis = 0;
   /// [rad]
   double value = 0;

@@ -29,6 +29,10 @@ class PathType(IntEnum):
 
 
 class Blend(IntEnum):
+    """Whether the arm stands at the goal, or may pass it on its way to the next one. Today
+    every arm stands there: NOBREAK acts like BREAK.
+    """
+
     BREAK = 0
     NOBREAK = 1
 
@@ -214,6 +218,7 @@ class JointLimit(DeclaredError):
     _gecos_name: ClassVar[str] = "robcl::JointLimit"
 
     axis: int = 0
+    """from 1, which is next to the base"""
     value: float = 0.0
     """[rad]"""
     lower: float = 0.0
