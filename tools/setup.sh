@@ -41,8 +41,9 @@ if [ ${#missing[@]} -gt 0 ]; then
     echo "setup: ask somebody who is to run:  apt-get update && $install" >&2
     exit 1
   fi
-  echo "setup: installing ${missing[*]}"
+  echo "setup: apt-get update"
   "${as_root[@]}" apt-get update -q </dev/null
+  echo "setup: apt-get install ${missing[*]} (minutes on a fresh machine)"
   # shellcheck disable=SC2086
   "${as_root[@]}" DEBIAN_FRONTEND=noninteractive $install </dev/null
 fi
@@ -63,9 +64,12 @@ if [ -f "$stamp" ] && [ "$(cat "$stamp")" = "$now" ]; then
   exit 0
 fi
 
-echo "setup: virtual environment in .venv"
+echo "setup: a virtual environment in .venv, of $("$python" -V)"
 "$python" -m venv --clear .venv
+packages_of_python=$(sed -n 's/^\([A-Za-z][A-Za-z0-9_.-]*\).*/\1/p' tools/requirements.txt | paste -sd ' ')
+echo "setup: pip install $packages_of_python (about a minute)"
 .venv/bin/python -m pip install --quiet --disable-pip-version-check --requirement tools/requirements.txt </dev/null
+echo "setup: .venv sees the packages and commands of this tree"
 .venv/bin/python tools/link_tree.py
 echo "$now" >"$stamp"
 echo "setup: done"

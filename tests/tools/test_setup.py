@@ -93,6 +93,18 @@ def test_root_installs_what_is_missing_and_nothing_else(machine: Machine) -> Non
     ]
 
 
+def test_each_step_is_said_before_it_is_done(machine: Machine) -> None:
+    machine.installed(ALL_BUT_TWO)
+    machine.user(0)
+    machine.program("apt-get", 'echo "(apt-get $1)"')
+    assert machine.set_up().stdout.splitlines() == [
+        "setup: apt-get update",
+        "(apt-get update)",
+        "setup: apt-get install ninja-build libbenchmark-dev (minutes on a fresh machine)",
+        "(apt-get install)",
+    ]
+
+
 def test_sudo_that_asks_nothing_is_used(machine: Machine) -> None:
     machine.installed(ALL_BUT_TWO)
     machine.program("sudo", '[ "$1" = -n ] && exit 0; exec "$@"')
@@ -105,7 +117,7 @@ def test_with_everything_there_apt_is_left_alone(machine: Machine) -> None:
     machine.installed(
         ALL_BUT_TWO.replace("rc  libbenchmark", "ii  libbenchmark") + "ii  ninja-build\n"
     )
-    machine.set_up()
+    assert machine.set_up().stdout == ""
     assert machine.apt_calls() == []
 
 
