@@ -53,6 +53,25 @@ def test_every_annotation_is_documented() -> None:
     assert declared - documented == set()
 
 
+def settings_that_are_read() -> set[str]:
+    read = re.compile(
+        r"""(?:getenv\(|\bset\(|environ\.get\(|\$\{)"?((?:GECOS|GIDL|FUZZ)_[A-Z_]+)(?:"|:-)"""
+    )
+    return {
+        match[1]
+        for room in ("runtime", "codegen", "tools", "devices", "tests")
+        for file in (TREE / room).rglob("*")
+        if file.suffix in (".cpp", ".hpp", ".py", ".sh")
+        for match in read.finditer(text_of(file))
+    }
+
+
+def test_every_setting_is_documented_and_every_documented_one_is_read() -> None:
+    section = text_of(TREE / "docs/programs.md").split("\n## Settings\n")[1]
+    documented = set(re.findall(r"^\| `([A-Z_]+)`", section, re.MULTILINE))
+    assert documented == settings_that_are_read()
+
+
 def test_the_documents_that_visitors_look_for_are_there() -> None:
     present = {name(document) for document in DOCUMENTS}
     assert {"README.md", "CONTRIBUTING.md", "CHANGELOG.md", "docs/architecture.md"} <= present
