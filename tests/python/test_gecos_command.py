@@ -68,7 +68,8 @@ def test_describe_shows_state_of_any_object(
     assert run(monkeypatch, "describe", "LAMP") == 0
     out = capsys.readouterr().out
     assert out.startswith("LAMP\n  type            test::Lamp 1.0\n  device          simulated\n")
-    assert f"pid             {os.getpid()}" in out
+    assert f"  pid             {os.getpid()}\n" in out
+    assert out.count(str(os.getpid())) == 1, "the caller's own pid tells nothing of the object"
 
 
 def test_holders_shows_who_moves_it(

@@ -64,7 +64,7 @@ struct Description {
   bool simulated = false;
   /// "not required (simulated)"
   std::string presence{};
-  /// "kernel (same user)", "not authenticated"
+  /// of callers over this medium: "user and process, named by the kernel"
   std::string authentication{};
   /// fencing token of the present status
   std::uint64_t epoch = 0;

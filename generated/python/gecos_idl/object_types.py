@@ -138,7 +138,7 @@ class Description:
     presence: str = ""
     """"not required (simulated)\""""
     authentication: str = ""
-    """"kernel (same user)", "not authenticated\""""
+    """of callers over this medium: "user and process, named by the kernel\""""
     epoch: int = 0
     """fencing token of the present status"""
     queued: int = 0

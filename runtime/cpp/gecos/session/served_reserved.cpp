@@ -81,7 +81,7 @@ void ServedObject::describe(ServerSession& session, std::uint64_t counter) {
   about.simulated = options_.simulated;
   about.presence = options_.simulated ? "not required (simulated)" : "not checked yet";
   about.authentication = session.link().offer().authenticated
-                             ? "by the kernel: " + session.link().peer().description
+                             ? "user and process, named by the kernel"
                              : "not authenticated";
   about.epoch = number(leases_.epoch());
   about.queued = static_cast<std::uint32_t>(queue_.waiting().size());
