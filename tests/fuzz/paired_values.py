@@ -197,8 +197,10 @@ class PairedValues:
             case Bitset(bit_size=bits):
                 return self._bitset(declaration, 64 if bits > 32 else 32)
             case Struct() | Union():
-                is_union = isinstance(declaration, Union)
-                ours, theirs = self._union(name, declaration) if is_union else self.struct(name)
+                if isinstance(declaration, Union):
+                    ours, theirs = self._union(name, declaration)
+                else:
+                    ours, theirs = self.struct(name)
                 node = node_of(self._model, NamedType(name))
                 block = isinstance(node, AppendableNode)
                 block = block or (isinstance(node, UnionNode) and node.appendable)

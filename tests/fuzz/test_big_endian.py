@@ -25,9 +25,11 @@ def environment() -> dict[str, str]:
 
 
 def product(folder: Path) -> list[Path]:
-    """What is on trial: the wire, frames, and generated types."""
+    """What is on trial: the wire, frames, and generated types; and GoogleTest, so that both parts
+    take about as long to compile."""
     cpp = TREE / "runtime" / "cpp"
     return [
+        *(GOOGLETEST / "src" / name for name in ("gtest-all.cc", "gtest_main.cc")),
         *sorted((cpp / "gecos" / "wire").glob("*.cpp")),
         *sorted((cpp / "robcl" / "frames").glob("*.cpp")),
         *sorted((TREE / "generated" / "cpp").glob("*/*_types.cpp")),
@@ -39,7 +41,6 @@ def trial(folder: Path) -> list[Path]:
     """types.json, frames.json, decoder.json and packet.json, by the tests that every host runs."""
     tests = TREE / "tests" / "cpp"
     return [
-        *(GOOGLETEST / "src" / name for name in ("gtest-all.cc", "gtest_main.cc")),
         folder / "cases.cpp",
         tests / "generated" / "vectors_test.cpp",
         *(tests / "wire" / f"{name}.cpp"

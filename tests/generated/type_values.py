@@ -111,11 +111,11 @@ def _encoded(model: Model, used: Type, value: Any) -> bytes:
     target = model.target(used)
     match target:
         case PrimitiveType(Primitive.CHAR):
-            return value.encode("latin-1")
+            return str(value).encode("latin-1")
         case PrimitiveType(kind):
             return struct.pack(">" + CODES[kind], value)
         case StringType():
-            raw = value.encode()
+            raw = str(value).encode()
             return struct.pack(">i", len(raw) + 1) + raw + b"\0"
         case SequenceType(element):
             body = b"".join(_encoded(model, element, item) for item in value)
@@ -364,8 +364,8 @@ class CppWriter:
                 flags = " | ".join(f"{name}::{flag}" for flag in value)
                 return f"({flags})" if flags else f"{name}{{}}"
             case Bitset():
-                sets = " ".join(f"{v}.{key} = {_cpp_integer(int(n))};" for key, n in value.items())
-                return f"[] {{ {name} {v}; {sets} return {v}; }}()"
+                bits = " ".join(f"{v}.{key} = {_cpp_integer(int(n))};" for key, n in value.items())
+                return f"[] {{ {name} {v}; {bits} return {v}; }}()"
             case Union():
                 tag = self.expression(declaration.discriminator, value["tag"])
                 held = ""
