@@ -1,6 +1,8 @@
 from __future__ import annotations
 
+import asyncio
 import os
+import re
 import subprocess
 import sys
 import threading
@@ -9,7 +11,7 @@ from pathlib import Path
 import gecos
 import pytest
 from gecos import Detail, State
-from lamp import Heater, Lamp, PlainLamp
+from lamp import Burnt, Heater, Lamp, PlainLamp
 
 
 def test_a_sensor_call_is_answered_while_a_command_runs(held: Lamp, servant: PlainLamp) -> None:
@@ -57,13 +59,38 @@ def test_a_command_that_was_stopped_while_another_object_had_the_thread_never_st
     assert second.starts == []
 
 
-def test_a_handler_that_exits_ends_its_call_and_no_other(lamp: Lamp, servant: PlainLamp) -> None:
-    servant.before_label = sys.exit
-    with pytest.raises(gecos.CommandFailed, match="SystemExit") as caught:
-        lamp.label().result()
+class Unspeakable(Exception):
+    def __str__(self) -> str:
+        raise ValueError
+
+
+@pytest.mark.parametrize(
+    ("raised", "said"),
+    [
+        (SystemExit(3), "label: SystemExit: 3"),
+        (KeyboardInterrupt(), "label: KeyboardInterrupt"),
+        (asyncio.CancelledError(), "label: CancelledError"),
+        (Unspeakable(), "label: Unspeakable: its text cannot be had: ValueError"),
+        (RuntimeError("\ud800\0"), r"label: RuntimeError: \ud800\0"),
+        (RuntimeError("x" * 1_000_000), "label: RuntimeError: xxx"),
+        (Burnt(hours="many"), "label: EncodeError: hours: 'many' is not"),  # type: ignore[arg-type]
+        (gecos.CommandFailed(Detail.SERVER_CRASHED, "another one"), "SERVER_CRASHED: another one"),
+    ],
+    ids=lambda value: type(value).__name__ if isinstance(value, BaseException) else "",
+)
+@pytest.mark.filterwarnings("error::pytest.PytestUnhandledThreadExceptionWarning")
+def test_whatever_a_handler_raises_ends_its_call_and_no_other(
+    lamp: Lamp, servant: PlainLamp, raised: BaseException, said: str
+) -> None:
+    def fail() -> None:
+        raise raised
+
+    servant.before_label = fail
+    with pytest.raises(gecos.CommandFailed, match=re.escape(said)) as caught:
+        lamp.label().result(30)
     assert caught.value.detail is Detail.FAULT
     servant.before_label = lambda: None
-    assert lamp.label().result() == "a lamp"
+    assert lamp.label().result(30) == "a lamp"
 
 
 def test_the_first_name_that_is_online_and_of_the_right_type_is_taken(

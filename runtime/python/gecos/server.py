@@ -11,7 +11,7 @@ from typing import Self
 
 from gecos import _core, farewell
 from gecos.ending import EndingSignals
-from gecos.errors import CommandFailed, DeclaredError, Detail, ServeError
+from gecos.errors import DeclaredError, Detail, Interrupted, Rejected, ServeError
 from gecos.execution import Execution
 from gecos.interface import Handler
 from gecos.lab import Lab
@@ -20,6 +20,7 @@ from gecos.wire import DecodeError, Decoder, to_bytes
 
 _SENSOR_LANE = 0
 _FIFO_LANE = 1
+_LONGEST_TEXT = 10_000  # characters of a failure
 
 BROKER_PATIENCE = 10.0
 """How long a server waits for a broker that is starting, in seconds."""
@@ -128,6 +129,7 @@ def _broker_found(server: Server, signals: EndingSignals) -> bool:
 
 
 def _answer(servant: Servant, call: _core.IncomingCall) -> None:
+    """Whatever the handler raises ends its call, not the thread of all calls."""
     handler = servant._gecos_handlers.get(call.code)
     if handler is None:
         call.fail(Detail.UNKNOWN_OPERATION, f"no operation has the code {call.code:#x}", "", b"")
@@ -137,7 +139,7 @@ def _answer(servant: Servant, call: _core.IncomingCall) -> None:
     except DecodeError as error:
         call.fail(Detail.BAD_PARAMETER, f"{handler.operation.name}: {error}", "", b"")
         return
-    except Exception as error:  # of a value type that a user wrote
+    except BaseException as error:  # of a value type that a user wrote
         _fault(call, handler, error)
         return
     if call.interrupted():  # stopped or canceled while another handler had the thread
@@ -148,27 +150,50 @@ def _answer(servant: Servant, call: _core.IncomingCall) -> None:
     try:
         value = getattr(servant, handler.method)(*arguments)
         result = b"".join(handler.result(value))
-    except DeclaredError as error:
-        call.fail(Detail.FAULT, str(error), error._gecos_name, to_bytes(error))
-    except CommandFailed as error:
-        call.fail(error.detail, error.text, "", b"")
-    except (Exception, SystemExit) as error:  # a handler ends its call, not the thread of all calls
-        _fault(call, handler, error)
+    except BaseException as error:
+        _raised(call, handler, error)
     else:
         call.finish(result)
 
 
+def _raised(call: _core.IncomingCall, handler: Handler, error: BaseException) -> None:
+    """Ends the call with what its handler raised, as far as that can be sent."""
+    try:
+        if isinstance(error, DeclaredError):
+            call.fail(Detail.FAULT, _sendable(str(error)), error._gecos_name, to_bytes(error))
+            return
+        if isinstance(error, Rejected | Interrupted):
+            call.fail(error.detail, _sendable(str(error.text)), "", b"")
+            return
+    except Exception as unsendable:  # a member, or the text, of a type that it must not have
+        unsendable.__cause__ = error
+        error = unsendable
+    _fault(call, handler, error)
+
+
 def _fault(call: _core.IncomingCall, handler: Handler, error: BaseException) -> None:
-    text = f"{handler.operation.name}: {type(error).__name__}: {error}"
-    _core.log_error("server", f"{text}\n{traceback.format_exc()}")
-    call.fail(Detail.FAULT, text, "", b"")
+    text = ": ".join(filter(None, (handler.operation.name, type(error).__name__, _text(error))))
+    trace = "".join(traceback.format_exception(error))
+    _core.log_error("server", _sendable(f"{text}\n{trace}"))
+    call.fail(Detail.FAULT, _sendable(text), "", b"")
+
+
+def _text(error: BaseException) -> str:
+    try:
+        return str(error)
+    except Exception as unspeakable:
+        return f"its text cannot be had: {type(unspeakable).__name__}"
+
+
+def _sendable(text: str) -> str:
+    """Half of a surrogate pair and NUL cannot be sent; a text of megabytes helps nobody."""
+    text = text.encode(errors="backslashreplace").decode().replace("\0", "\\0")
+    return text if len(text) <= _LONGEST_TEXT else f"{text[:_LONGEST_TEXT]} …"
 
 
 def _stopped(servant: Servant) -> None:
     try:
         servant.gecos_on_stop()
-    except (Exception, SystemExit):
-        _core.log_error(
-            "server",
-            f"{servant._gecos_interface.name}: gecos_on_stop failed\n{traceback.format_exc()}",
-        )
+    except BaseException:
+        text = f"{servant._gecos_interface.name}: gecos_on_stop failed\n{traceback.format_exc()}"
+        _core.log_error("server", _sendable(text))
