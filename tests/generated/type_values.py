@@ -259,12 +259,11 @@ def _python_list(model: Model, element: Type, value: Any) -> Any:
     innermost = element if isinstance(element, ArrayType) else model.target(element)
     while isinstance(innermost, ArrayType):
         innermost = model.target(innermost.element)
-    items = [python_value(model, element, item) for item in value]
     plain = isinstance(model.target(element), PrimitiveType) or isinstance(element, ArrayType)
     if plain and isinstance(innermost, PrimitiveType) and innermost.kind is not Primitive.CHAR:
         boolean = innermost.kind is Primitive.BOOLEAN
-        return np.array(items, dtype="?" if boolean else CODES[innermost.kind])
-    return items
+        return np.array(value, dtype="?" if boolean else CODES[innermost.kind])
+    return [python_value(model, element, item) for item in value]
 
 
 def python_struct(model: Model, name: str, value: Any) -> Any:

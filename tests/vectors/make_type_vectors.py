@@ -78,6 +78,8 @@ CASES: list[tuple[str, str, Any]] = [
         "rows": [[0.5, 1.5, 2.5], [-0.5, -1.5, -2.5]],
         "corners": [{"x": 1.0}, {"z": -1.0}],
         "colours": [["RED", "GREEN"], ["BLUE", "RED"]], "ragged": [[1, -1], []]}),
+    ("everything::Pixels", "as made", {}),
+    ("everything::Pixels", "filled", {"patch": [[1, 2, 3], [253, 254, 255]]}),
     ("everything::Sequences", "as made", {}),
     ("everything::Sequences", "filled", {
         "reals": [i * 0.1 for i in range(40)], "few": [0.5, -0.25, 3.0], "blob": [1, 2, 255],

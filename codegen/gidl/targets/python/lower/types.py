@@ -71,13 +71,13 @@ class Types:
                 return "float" if kind.is_floating else "int"
             case SequenceType(element) | ArrayType(element):
                 node = node_of(self.model, element)
-                if is_octet(node):
+                depth = len(used.dimensions) if isinstance(used, ArrayType) else 1
+                if is_octet(node) and depth == 1:
                     return "bytes"
                 code = self.bulk_code(node)
                 if code is not None:
                     return f"npt.NDArray[np.{DTYPES[code]}]"
                 text = self.hint(element)
-                depth = len(used.dimensions) if isinstance(used, ArrayType) else 1
                 for _ in range(depth):
                     text = f"list[{text}]"
                 return text
