@@ -124,6 +124,7 @@ void swap_1000_with(benchmark::State& state) {
 BENCHMARK_TEMPLATE(swap_1000_with, gecos::wire::detail::SwapKind::Portable)->Arg(0)->Arg(4);
 BENCHMARK_TEMPLATE(swap_1000_with, gecos::wire::detail::SwapKind::Ssse3)->Arg(0)->Arg(4);
 BENCHMARK_TEMPLATE(swap_1000_with, gecos::wire::detail::SwapKind::Avx2)->Arg(0)->Arg(4);
+BENCHMARK_TEMPLATE(swap_1000_with, gecos::wire::detail::SwapKind::Avx512)->Arg(0)->Arg(4);
 
 const gecos::wire::PacketHeader call{.kind = gecos::wire::PacketKind::Call,
                                      .code = gecos::FunctionCode{0x12345678},

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Self
 
 import pytest
-
 from gecos import wire
 from gecos.wire import DecodeError, DecodeProblem, EncodeError
 from robcl.geometry_types import Vector
@@ -15,7 +14,7 @@ MESSAGE = wire.to_message(VALUE)
 
 
 def test_packed_at_once_it_is_the_fingerprint_and_the_fields() -> None:
-    assert MESSAGE == Vector.fingerprint().to_bytes(8, "big") + wire.to_bytes(VALUE)
+    assert Vector.fingerprint().to_bytes(8, "big") + wire.to_bytes(VALUE) == MESSAGE
 
 
 @pytest.mark.parametrize("kind", [bytes, bytearray, memoryview])

@@ -36,9 +36,7 @@ void Entry::encode(gecos::wire::Encoder& to) const {
   for (const auto& item : bases) {
     to.put_string(item);
   }
-  to.put(interface_hash);
-  to.put(boot);
-  to.put(pid);
+  to.put(interface_hash, boot, pid);
   to.put_string(user);
   to.put_string(host);
   to.put_string(hostname);

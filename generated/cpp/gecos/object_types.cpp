@@ -53,10 +53,7 @@ void Holder::encode(gecos::wire::Encoder& to) const {
   to.put_string(user);
   to.put_string(host);
   to.put_string(program);
-  to.put(pid);
-  to.put(held_for);
-  to.put(expires_in);
-  to.put(releasing);
+  to.put(pid, held_for, expires_in, releasing);
 }
 
 bool Holder::decode([[maybe_unused]] gecos::wire::Decoder& from) {
@@ -125,12 +122,10 @@ void Description::encode(gecos::wire::Encoder& to) const {
   to.put_string(name);
   to.put_string(interface_name);
   to.put_string(version);
-  to.put(interface_hash);
-  to.put(simulated);
+  to.put(interface_hash, simulated);
   to.put_string(presence);
   to.put_string(authentication);
-  to.put(epoch);
-  to.put(queued);
+  to.put(epoch, queued);
   to.put_string(executing);
   to.put(pid);
 }
@@ -239,8 +234,7 @@ std::size_t Grant::encoded_size() const {
 }
 
 void Grant::encode(gecos::wire::Encoder& to) const {
-  to.put(static_cast<std::int32_t>(status));
-  to.put(epoch);
+  to.put(static_cast<std::int32_t>(status), epoch);
 }
 
 bool Grant::decode([[maybe_unused]] gecos::wire::Decoder& from) {

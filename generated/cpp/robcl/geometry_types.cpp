@@ -16,9 +16,7 @@ std::size_t Vector::encoded_size() const {
 }
 
 void Vector::encode(gecos::wire::Encoder& to) const {
-  to.put(x);
-  to.put(y);
-  to.put(z);
+  to.put(x, y, z);
 }
 
 bool Vector::decode([[maybe_unused]] gecos::wire::Decoder& from) {
@@ -46,10 +44,7 @@ std::size_t Quaternion::encoded_size() const {
 }
 
 void Quaternion::encode(gecos::wire::Encoder& to) const {
-  to.put(w);
-  to.put(x);
-  to.put(y);
-  to.put(z);
+  to.put(w, x, y, z);
 }
 
 bool Quaternion::decode([[maybe_unused]] gecos::wire::Decoder& from) {

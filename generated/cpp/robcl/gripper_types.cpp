@@ -18,10 +18,7 @@ std::size_t GripperState::encoded_size() const {
 }
 
 void GripperState::encode(gecos::wire::Encoder& to) const {
-  to.put(width);
-  to.put(force);
-  to.put(moving);
-  to.put(holding);
+  to.put(width, force, moving, holding);
   to.put_string(held);
 }
 
@@ -64,9 +61,7 @@ std::size_t OutOfRange::encoded_size() const {
 
 void OutOfRange::encode(gecos::wire::Encoder& to) const {
   to.put_string(what);
-  to.put(value);
-  to.put(lower);
-  to.put(upper);
+  to.put(value, lower, upper);
 }
 
 bool OutOfRange::decode([[maybe_unused]] gecos::wire::Decoder& from) {

@@ -16,11 +16,7 @@ std::size_t Distance::encoded_size() const {
 }
 
 void Distance::encode(gecos::wire::Encoder& to) const {
-  to.put(value);
-  to.put(valid);
-  to.put(lower);
-  to.put(upper);
-  to.put(stamp);
+  to.put(value, valid, lower, upper, stamp);
 }
 
 bool Distance::decode([[maybe_unused]] gecos::wire::Decoder& from) {

@@ -75,11 +75,8 @@ std::size_t Trajectory::encoded_size() const {
 }
 
 void Trajectory::encode(gecos::wire::Encoder& to) const {
-  to.put(speed);
-  to.put(acceleration);
-  to.put(static_cast<std::int32_t>(path));
-  to.put(static_cast<std::int32_t>(at_goal));
-  to.put(tool_speed.has_value());
+  to.put(speed, acceleration, static_cast<std::int32_t>(path),
+         static_cast<std::int32_t>(at_goal), tool_speed.has_value());
   if (tool_speed) {
     to.put(*tool_speed);
   }
@@ -147,8 +144,7 @@ std::size_t MotionProgress::encoded_size() const {
 }
 
 void MotionProgress::encode(gecos::wire::Encoder& to) const {
-  to.put(fraction);
-  to.put(remaining);
+  to.put(fraction, remaining);
 }
 
 bool MotionProgress::decode([[maybe_unused]] gecos::wire::Decoder& from) {
@@ -213,10 +209,7 @@ std::size_t JointLimit::encoded_size() const {
 }
 
 void JointLimit::encode(gecos::wire::Encoder& to) const {
-  to.put(axis);
-  to.put(value);
-  to.put(lower);
-  to.put(upper);
+  to.put(axis, value, lower, upper);
 }
 
 bool JointLimit::decode([[maybe_unused]] gecos::wire::Decoder& from) {

@@ -94,9 +94,8 @@ std::size_t Configuration::encoded_size() const {
 }
 
 void Configuration::encode(gecos::wire::Encoder& to) const {
-  to.put(static_cast<std::int32_t>(arm));
-  to.put(static_cast<std::int32_t>(bend));
-  to.put(static_cast<std::int32_t>(hand));
+  to.put(static_cast<std::int32_t>(arm), static_cast<std::int32_t>(bend),
+         static_cast<std::int32_t>(hand));
 }
 
 bool Configuration::decode([[maybe_unused]] gecos::wire::Decoder& from) {

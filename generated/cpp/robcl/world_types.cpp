@@ -63,8 +63,7 @@ std::size_t RayHit::encoded_size() const {
 }
 
 void RayHit::encode(gecos::wire::Encoder& to) const {
-  to.put(hit);
-  to.put(range);
+  to.put(hit, range);
   to.put_string(body_name);
 }
 
@@ -99,8 +98,7 @@ std::size_t Contact::encoded_size() const {
 }
 
 void Contact::encode(gecos::wire::Encoder& to) const {
-  to.put(hit);
-  to.put(width);
+  to.put(hit, width);
   to.put_string(body_name);
 }
 

@@ -30,6 +30,11 @@ TEST(Encoder, WritesNumbersBigEndian) {
   EXPECT_EQ(encoded([](Encoder& to) { to.put(-2.0); }), "c000000000000000");
 }
 
+TEST(Encoder, WritesManyAtOnceAsOneAfterTheOther) {
+  const auto write = [](Encoder& to) { to.put(true, std::int16_t{1}, false, 1.0F); };
+  EXPECT_EQ(encoded(write), "010001003f800000");
+}
+
 TEST(Encoder, WritesBooleansAsOneByte) {
   EXPECT_EQ(encoded([](Encoder& to) {
               to.put(true);

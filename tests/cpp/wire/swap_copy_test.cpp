@@ -11,7 +11,7 @@ namespace gecos::wire {
 namespace {
 
 constexpr std::size_t most = 133;       // several vector steps and every remainder
-constexpr std::size_t alignments = 33;  // each offset in an AVX2 register, and one around
+constexpr std::size_t alignments = 65;  // each offset in the widest register, and one around
 constexpr std::byte untouched{0xA5};
 
 Bytes pattern(std::size_t size) {
@@ -70,7 +70,8 @@ using enum detail::SwapKind;
 INSTANTIATE_TEST_SUITE_P(Kinds, SwapLoop,
                          testing::Values(Loop{Portable, 2}, Loop{Portable, 4}, Loop{Portable, 8},
                                          Loop{Ssse3, 2}, Loop{Ssse3, 4}, Loop{Ssse3, 8},
-                                         Loop{Avx2, 2}, Loop{Avx2, 4}, Loop{Avx2, 8}));
+                                         Loop{Avx2, 2}, Loop{Avx2, 4}, Loop{Avx2, 8},
+                                         Loop{Avx512, 2}, Loop{Avx512, 4}, Loop{Avx512, 8}));
 
 template <std::size_t width>
 void check_chosen() {

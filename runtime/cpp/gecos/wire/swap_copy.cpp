@@ -3,6 +3,8 @@
 #if defined(__x86_64__) && defined(__GNUC__)
 #define GECOS_SWAP_X86 1
 #include <immintrin.h>
+
+#include <initializer_list>
 #else
 #define GECOS_SWAP_X86 0
 #endif
@@ -52,28 +54,50 @@ __attribute__((target("ssse3"))) void swap_copy_ssse3(std::byte* to, const std::
 template <std::size_t width>
 __attribute__((target("avx2"))) void swap_copy_avx2(std::byte* to, const std::byte* from,
                                                     std::size_t count) {
-  constexpr std::size_t step = 2 * sizeof(__m256i) / width;  // two at a time hides the latency
+  // Several registers a turn, and pointers that move: two instructions for each, nothing else.
+  constexpr std::size_t step = 4 * sizeof(__m256i) / width;
   const __m256i mask = _mm256_broadcastsi128_si256(reversal<width>());
-  std::size_t done = 0;
-  for (; count - done >= step; done += step) {
-    const auto* source = reinterpret_cast<const __m256i*>(from + done * width);
-    auto* target = reinterpret_cast<__m256i*>(to + done * width);
-    const __m256i first = _mm256_loadu_si256(source);
-    const __m256i second = _mm256_loadu_si256(source + 1);
-    _mm256_storeu_si256(target, _mm256_shuffle_epi8(first, mask));
-    _mm256_storeu_si256(target + 1, _mm256_shuffle_epi8(second, mask));
+  const std::byte* const end = from + count / step * step * width;
+  for (; from != end; from += step * width, to += step * width) {
+    const auto* source = reinterpret_cast<const __m256i*>(from);
+    auto* target = reinterpret_cast<__m256i*>(to);
+    const __m256i first = _mm256_shuffle_epi8(_mm256_loadu_si256(source), mask);
+    const __m256i second = _mm256_shuffle_epi8(_mm256_loadu_si256(source + 1), mask);
+    const __m256i third = _mm256_shuffle_epi8(_mm256_loadu_si256(source + 2), mask);
+    const __m256i fourth = _mm256_shuffle_epi8(_mm256_loadu_si256(source + 3), mask);
+    _mm256_storeu_si256(target, first);
+    _mm256_storeu_si256(target + 1, second);
+    _mm256_storeu_si256(target + 2, third);
+    _mm256_storeu_si256(target + 3, fourth);
   }
-  swap_copy_portable<width>(to + done * width, from + done * width, count - done);
+  swap_copy_ssse3<width>(to, from, count % step);
+}
+
+template <std::size_t width>
+__attribute__((target("avx512bw"))) void swap_copy_avx512(std::byte* to, const std::byte* from,
+                                                          std::size_t count) {
+  constexpr std::size_t step = 2 * sizeof(__m512i) / width;
+  const __m512i mask = _mm512_maskz_broadcast_i32x4(0xFFFF, reversal<width>());
+  const std::byte* const end = from + count / step * step * width;
+  for (; from != end; from += step * width, to += step * width) {
+    const __m512i first = _mm512_shuffle_epi8(_mm512_loadu_si512(from), mask);
+    const __m512i second = _mm512_shuffle_epi8(_mm512_loadu_si512(from + sizeof first), mask);
+    _mm512_storeu_si512(to, first);
+    _mm512_storeu_si512(to + sizeof first, second);
+  }
+  swap_copy_ssse3<width>(to, from, count % step);
 }
 
 constexpr SwapLoops ssse3_loops{swap_copy_ssse3<2>, swap_copy_ssse3<4>, swap_copy_ssse3<8>};
 constexpr SwapLoops avx2_loops{swap_copy_avx2<2>, swap_copy_avx2<4>, swap_copy_avx2<8>};
+constexpr SwapLoops avx512_loops{swap_copy_avx512<2>, swap_copy_avx512<4>, swap_copy_avx512<8>};
 
 #endif
 
 const SwapLoops* loops_of(SwapKind kind) {
 #if GECOS_SWAP_X86
   __builtin_cpu_init();
+  if (kind == SwapKind::Avx512 && __builtin_cpu_supports("avx512bw")) return &avx512_loops;
   if (kind == SwapKind::Avx2 && __builtin_cpu_supports("avx2")) return &avx2_loops;
   if (kind == SwapKind::Ssse3 && __builtin_cpu_supports("ssse3")) return &ssse3_loops;
 #endif
@@ -82,8 +106,9 @@ const SwapLoops* loops_of(SwapKind kind) {
 
 const SwapLoops& best_loops() {
   static const SwapLoops& best = []() -> const SwapLoops& {
-    if (const SwapLoops* loops = loops_of(SwapKind::Avx2)) return *loops;
-    if (const SwapLoops* loops = loops_of(SwapKind::Ssse3)) return *loops;
+    for (const SwapKind kind : {SwapKind::Avx512, SwapKind::Avx2, SwapKind::Ssse3}) {
+      if (const SwapLoops* loops = loops_of(kind)) return *loops;
+    }
     return portable_loops;
   }();
   return best;

@@ -45,7 +45,7 @@ inline void swap_copy_portable(std::byte* to, const std::byte* from, std::size_t
   }
 }
 
-enum class SwapKind { Portable, Ssse3, Avx2 };
+enum class SwapKind { Portable, Ssse3, Avx2, Avx512 };
 
 // One named loop, so that tests and benchmarks compare them; false when this machine lacks it.
 // `width` is 2, 4 or 8. The host must be little-endian.

@@ -52,6 +52,32 @@ def conjunction(terms: list[list[str]]) -> list[str]:
     return [f"return {lines[0]}", *(f"       {line}" for line in lines[1:])]
 
 
+def joined_puts(lines: list[str], writer: str) -> list[str]:
+    """The same, with neighbouring `to.put(x);` made one `to.put(x, y);`."""
+    head, joined, values = f"{writer}.put(", list[str](), list[str]()
+    for line in [*lines, ""]:
+        if line.startswith(head):
+            values.append(line.removeprefix(head).removesuffix(");"))
+            continue
+        if values:
+            joined += _call_over_lines(head, values)
+            values = []
+        joined.append(line)
+    return joined[:-1]
+
+
+def _call_over_lines(head: str, arguments: list[str]) -> list[str]:
+    lines = [head + arguments[0]]
+    for argument in arguments[1:]:
+        if len(lines[-1]) + len(argument) > 90:
+            lines[-1] += ","
+            lines.append(" " * len(head) + argument)
+        else:
+            lines[-1] += f", {argument}"
+    lines[-1] += ");"
+    return lines
+
+
 def returning(expression: list[str]) -> list[str]:
     lines = [f"return {expression[0]}", *(f"       {line}" for line in expression[1:])]
     lines[-1] += ";"

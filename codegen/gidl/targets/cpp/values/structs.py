@@ -11,7 +11,7 @@ from gidl.model import (
 )
 from gidl.targets.cpp import names
 from gidl.targets.cpp.lower import Lowering, Slot
-from gidl.targets.cpp.lower.statements import conjunction, or_at_end
+from gidl.targets.cpp.lower.statements import conjunction, joined_puts, or_at_end
 from gidl.targets.cpp.values.names import ValueNames
 from gidl.targets.cpp.values.views import (
     CodecView,
@@ -90,7 +90,7 @@ class Structs(ValueNames):
             writer if encode else "",
             reader,
             tuple(self._size_body(slots, taken)),
-            tuple(encode),
+            tuple(joined_puts(encode, writer)),
             tuple(self._decode_body(struct, members, slots, reader, taken)),
             tuple(self._check_body(slots)) if lowering.struct_has_checks(struct) else (),
         )
