@@ -1,0 +1,53 @@
+#include "command_line/command_line.hpp"
+
+#include <gtest/gtest.h>
+
+#include <initializer_list>
+#include <string>
+#include <vector>
+
+namespace devices {
+namespace {
+
+CommandLine started_with(std::vector<std::string> words) {
+  words.insert(words.begin(), "robcl-belt");
+  std::vector<char*> pointers;
+  for (std::string& word : words) pointers.push_back(word.data());
+  return CommandLine("robcl-belt", "Serves a belt.",
+                     {{"name", "BELT", "name to register"}, {"speed", "0.5", "m/s"}},
+                     static_cast<int>(pointers.size()), pointers.data());
+}
+
+TEST(CommandLine, WhatIsNotGivenHasItsStandardValue) {
+  const CommandLine line = started_with({"--speed", "1.25"});
+  EXPECT_FALSE(line.exit_status().has_value());
+  EXPECT_EQ(line.text("name"), "BELT");
+  EXPECT_EQ(line.number("speed"), 1.25);
+}
+
+TEST(CommandLine, HelpNamesEveryOptionWithItsStandardValueAndEndsWell) {
+  ::testing::internal::CaptureStdout();
+  EXPECT_EQ(started_with({"--help"}).exit_status(), 0);
+  EXPECT_EQ(::testing::internal::GetCapturedStdout(),
+            "usage: robcl-belt [--WORD VALUE]...\n"
+            "Serves a belt.\n"
+            "  --name              name to register (BELT)\n"
+            "  --speed             m/s (0.5)\n"
+            "Prints one line when it is ready and ends on SIGINT or SIGTERM.\n");
+}
+
+TEST(CommandLine, SaysWhatIsWrongWithAWordBeforeTheUsage) {
+  const auto says = [](std::vector<std::string> words) {
+    ::testing::internal::CaptureStderr();
+    EXPECT_EQ(started_with(std::move(words)).exit_status(), 2);
+    const std::string said = ::testing::internal::GetCapturedStderr();
+    return said.substr(0, said.find('\n'));
+  };
+  EXPECT_EQ(says({"--sped", "1"}), "robcl-belt: '--sped' is not known");
+  EXPECT_EQ(says({"--speed"}), "robcl-belt: '--speed' needs a value");
+  EXPECT_EQ(says({"--speed", "fast"}), "robcl-belt: '--speed' needs a number, not 'fast'");
+  EXPECT_EQ(says({"--speed", "nan"}), "robcl-belt: '--speed' needs a number, not 'nan'");
+}
+
+}  // namespace
+}  // namespace devices

@@ -1,0 +1,100 @@
+#include <thread>
+
+#include "gripper/gripper_servant.hpp"
+#include "laboratory.hpp"
+#include "robcl/gripper_client.hpp"
+#include "robcl/world_client.hpp"
+#include "world/gripper_watch.hpp"
+#include "world/world_servant.hpp"
+
+namespace devices {
+namespace {
+
+using robcl::translate;
+using namespace robcl::literals;
+
+/// A gripper that stands in the world, with a block of 60 mm between its fingers.
+class GripperTest : public Laboratory {
+ protected:
+  void SetUp() override {
+    Laboratory::SetUp();
+    serve("WORLD", world_servant_);
+    serve("GRIPPER", servant_);
+    gripper_ = create<robcl::Gripper>("GRIPPER");
+    in_world_ = create<robcl::World>("WORLD");
+  }
+
+  /// A cycle of the jaws, and of the world that watches them.
+  auto cycle() {
+    return [this] {
+      servant_.step(0.005);
+      servant_.publish();
+      watch_.tend();
+    };
+  }
+  std::string holder_of_block() { return in_world_.find("block").get().value().held_by; }
+
+  SimulatedWorld world_{-1, {{"block", {translate(0, 0, 150_mm), {0.06, 0.06, 0.1}}, false, {}}}};
+  GripperWatch watch_{lab_, world_, "GRIPPER"};
+  WorldServant world_servant_{world_, [this] { watch_.carry(); }};
+  GripperServant servant_{lab_, "GRIPPER", "WORLD", "", translate(0, 0, 150_mm), {}};
+  robcl::Gripper gripper_;
+  robcl::World in_world_;
+};
+
+TEST_F(GripperTest, ClosingHoldsWhatIsBetweenTheJawsAndEndsWhenTheWorldShowsIt) {
+  const auto lease = gecos::actor(gripper_);
+  ASSERT_TRUE(lease) << lease.error();
+  ASSERT_TRUE(get(gripper_.open(100_mm), cycle()));
+  const auto closed = get(gripper_.close(30), cycle());
+  ASSERT_TRUE(closed) << closed.error();
+  const auto jaws = gripper_.jaws().get().value();
+  EXPECT_NEAR(jaws.width, 0.06, 1e-9);
+  EXPECT_EQ(jaws.force, 30);
+  EXPECT_EQ(jaws.held, "block");
+  EXPECT_EQ(holder_of_block(), "GRIPPER");
+
+  const auto opened = get(gripper_.open(100_mm), cycle());
+  ASSERT_TRUE(opened) << opened.error();
+  EXPECT_EQ(holder_of_block(), "");
+  EXPECT_FALSE(gripper_.jaws().get().value().holding);
+}
+
+TEST_F(GripperTest, RefusesAForceThatItDoesNotHaveWithItsLimitsInTheTextToo) {
+  const auto lease = gecos::actor(gripper_);
+  const auto refused = get(gripper_.close(1000), cycle());
+  ASSERT_FALSE(refused);
+  const auto why = refused.error().as<robcl::OutOfRange>();
+  ASSERT_TRUE(why.has_value());
+  EXPECT_EQ(why->upper, 100);
+  EXPECT_EQ(refused.error().text,
+            R"(OutOfRange{what="force in N", value=1000, lower=0, upper=100})");
+}
+
+TEST_F(GripperTest, ThatIsStoppedStandsWithItsJawsWhereTheyAre) {
+  const auto lease = gecos::actor(gripper_);
+  const auto opening = gripper_.open(110_mm);
+  while (gripper_.jaws().get().value().width < 70_mm) servant_.step(0.005);
+  ASSERT_TRUE(gecos::stop(gripper_).get());
+  const auto stopped = get(opening, [] {});
+  ASSERT_FALSE(stopped);
+  EXPECT_EQ(stopped.error().detail, gecos::Detail::Stopped);
+  while (gripper_.jaws().get().value().moving) std::this_thread::yield();  // its handler returns
+  const double width = gripper_.jaws().get().value().width;
+  EXPECT_LT(width, 110_mm);
+  servant_.step(1);
+  EXPECT_EQ(gripper_.jaws().get().value().width, width);
+}
+
+TEST_F(GripperTest, IsNotMountedOnAnArmThatIsNotThere) {
+  const auto lease = gecos::actor(gripper_);
+  const auto refused = get(gripper_.mount("NOBODY", robcl::Frame()), cycle());
+  ASSERT_FALSE(refused);
+  const auto why = refused.error().as<robcl::MountRefused>();
+  ASSERT_TRUE(why.has_value());
+  EXPECT_NE(why->reason.find("no object is called NOBODY"), std::string::npos) << why->reason;
+  EXPECT_EQ(gripper_.parent().get().value(), "");
+}
+
+}  // namespace
+}  // namespace devices

@@ -1,0 +1,79 @@
+#include <chrono>
+#include <thread>
+
+#include "periodic/periodic.hpp"
+#include "rx90_fixture.hpp"
+
+namespace devices {
+namespace {
+
+using robcl::translate;
+using namespace robcl::literals;
+using namespace std::chrono_literals;
+using Rx90Test = Rx90Laboratory;
+
+TEST_F(Rx90Test, StandsAtTheGoalWhenAMoveIsFinishedAlsoWithNoBreak) {
+  const auto lease = gecos::actor(robot_);
+  ASSERT_TRUE(lease) << lease.error();
+  const Frame goal = robot_.tool().get().value() * translate(0, 50_mm, 0);
+  for (const robcl::Blend at_goal : {robcl::Blend::BREAK, robcl::Blend::NOBREAK}) {
+    const Frame there = at_goal == robcl::Blend::BREAK ? goal : goal * translate(50_mm, 0, 0);
+    const auto moved = get(robot_.move(there, robcl::Trajectory{.at_goal = at_goal}), cycle());
+    ASSERT_TRUE(moved) << moved.error();
+    EXPECT_FALSE(arm_.moving());
+    EXPECT_LT(distance(robot_.tool().get().value(), there), 1e-4);
+  }
+}
+
+TEST_F(Rx90Test, AJointThatCannotTurnSoFarIsNamedCountedFromOne) {
+  const auto lease = gecos::actor(robot_);
+  robcl::Joints target = robot_.joints().get().value();
+  target.position[1] = 200_deg;
+  const auto refused = get(robot_.move_joints(target), cycle());
+  ASSERT_FALSE(refused);
+  const auto why = refused.error().as<robcl::JointLimit>();
+  ASSERT_TRUE(why.has_value()) << refused.error();
+  EXPECT_EQ(why->axis, 2U);
+  EXPECT_NEAR(why->value, 200_deg, 1e-9);
+  EXPECT_LT(why->upper, why->value);
+  EXPECT_EQ(refused.error().text.rfind("JointLimit{axis=2, value=", 0), 0U) << refused.error().text;
+}
+
+TEST_F(Rx90Test, AGoalOutOfReachIsRefusedAndTheArmDoesNotMove) {
+  const auto lease = gecos::actor(robot_);
+  const auto refused = get(robot_.move(translate(5, 0, 0)), cycle());
+  ASSERT_FALSE(refused);
+  EXPECT_TRUE(refused.error().as<robcl::OutOfReach>().has_value()) << refused.error();
+  EXPECT_FALSE(arm_.moving());
+}
+
+TEST_F(Rx90Test, StoppedByAnotherProgramItStandsOnItsWay) {
+  const auto lease = gecos::actor(robot_);
+  const Frame start = arm_.tool();
+  const Frame goal = start * translate(0, 300_mm, 0);
+  const Periodic control(4ms,
+                         [this](double seconds) { arm_.step(seconds); });   // as on the real arm
+  const auto moving = robot_.move(goal, robcl::Trajectory{.speed = 0.05});  // for seconds
+  while (distance(arm_.tool(), start) < 1e-3) std::this_thread::yield();
+
+  gecos::Lab other;
+  ASSERT_TRUE(gecos::stop(other.create<robcl::Manipulator>("RX90").value()).get());
+  const auto stopped = get(moving, [] {});
+  ASSERT_FALSE(stopped);
+  EXPECT_EQ(stopped.error().detail, gecos::Detail::Stopped);
+  while (arm_.moving()) std::this_thread::yield();
+  EXPECT_GT(distance(arm_.tool(), goal), 100_mm);
+}
+
+TEST_F(Rx90Test, StandsOnTheFloorAndOnNoOtherArm) {
+  const auto lease = gecos::actor(robot_);
+  const auto refused = robot_.mount("PUMA", Frame()).get();
+  ASSERT_FALSE(refused);
+  EXPECT_TRUE(refused.error().as<robcl::MountRefused>().has_value()) << refused.error();
+  const Frame before = robot_.tool().get().value();
+  ASSERT_TRUE(robot_.mount("", translate(1, 0, 0)).get());
+  EXPECT_TRUE(near(robot_.tool().get().value(), translate(1, 0, 0) * before, 1e-4, 1e-3));
+}
+
+}  // namespace
+}  // namespace devices
