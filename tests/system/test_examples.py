@@ -40,16 +40,30 @@ def test_read_distance_without_a_server_says_what_is_missing(
     assert "Traceback" not in asked.output(), str(asked)
 
 
+def grip_block(lab: Laboratory, language: str) -> list[str | Path]:
+    if language == "C++":
+        return [lab.build / "examples" / "grip_block"]
+    return [sys.executable, EXAMPLES / "02_grip_block" / "grip_block.py"]
+
+
+@pytest.mark.parametrize("language", ["C++", "Python"])
+def test_grip_block_says_what_it_takes(language: str, lab: Laboratory) -> None:
+    helped = lab.run(*grip_block(lab, language), "--help")
+    assert helped.finish() == 0, str(helped)
+    assert "usage: grip_block" in helped.output()
+    assert "lifts it by 200 mm" in helped.output() and "--leave" in helped.output()
+
+    refused = lab.run(*grip_block(lab, language), "--lift")
+    assert refused.finish() == 2, str(refused)
+    assert "--lift" in refused.output() and "usage: grip_block" in refused.output()
+
+
 @pytest.mark.parametrize("medium", ["shm", "lcm"])
 @pytest.mark.parametrize("language", ["C++", "Python"])
 def test_grip_block_over_each_medium(
     language: str, medium: str, lab_with_devices: Laboratory
 ) -> None:
     lab = lab_with_devices
-    program: dict[str, list[str | Path]] = {
-        "C++": [lab.build / "examples" / "grip_block"],
-        "Python": [sys.executable, EXAMPLES / "02_grip_block" / "grip_block.py"],
-    }
-    gripped = lab.run(*program[language], medium)
+    gripped = lab.run(*grip_block(lab, language), medium)
     assert gripped.finish() == 0, str(gripped)
     assert gripped.lines[-1] == "lift: FINISHED", str(gripped)
