@@ -1,7 +1,11 @@
 #include "gecos/base/log.hpp"
 
 #include <gtest/gtest.h>
+#include <limits.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <set>
 #include <sstream>
 #include <string>
@@ -70,6 +74,52 @@ TEST_F(Log, LinesOfSeveralThreadsDoNotMix) {
   EXPECT_EQ(seen,
             (std::set<std::string>{"gecos error test: " + words[0], "gecos error test: " + words[1],
                                    "gecos error test: " + words[2]}));
+}
+
+/// stderr is a pipe that nobody reads, until it is asked what came out of it.
+class UnreadStderr {
+ public:
+  UnreadStderr() : before_(::dup(STDERR_FILENO)) {
+    EXPECT_EQ(::pipe(ends_.data()), 0);
+    ::dup2(ends_[1], STDERR_FILENO);
+  }
+  ~UnreadStderr() {
+    ::dup2(before_, STDERR_FILENO);
+    for (const int end : {before_, ends_[0], ends_[1]}) ::close(end);
+  }
+  std::string read() {
+    std::string text(1 << 20, '\0');
+    const ssize_t size = ::read(ends_[0], text.data(), text.size());
+    text.resize(size > 0 ? static_cast<std::size_t>(size) : 0);
+    return text;
+  }
+
+ private:
+  const int before_;
+  std::array<int, 2> ends_{};
+};
+
+TEST_F(Log, NobodyWaitsForAStderrThatIsNotReadAndTheLossIsTold) {
+  UnreadStderr unread;
+  for (int i = 0; i < 10'000; ++i) log_warning("test", "one of very many");
+  const std::string before = unread.read();
+  const auto written = std::count(before.begin(), before.end(), '\n');
+  EXPECT_LT(written, 10'000);
+  EXPECT_EQ(before.find("are lost"), std::string::npos);
+  log_warning("test", "read again");
+  EXPECT_EQ(unread.read(), "gecos warning log: " + std::to_string(10'000 - written) +
+                               " lines are lost: stderr was not read\n"
+                               "gecos warning test: read again\n");
+}
+
+TEST_F(Log, ALineThatAPipeDoesNotTakeAtOnceLosesItsMiddle) {
+  UnreadStderr unread;
+  log_warning("test", "begin " + std::string(100'000, 'x') + " end");
+  const std::string line = unread.read();
+  EXPECT_EQ(line.size(), std::size_t{PIPE_BUF});
+  EXPECT_EQ(line.rfind("gecos warning test: begin xxx", 0), 0u);
+  EXPECT_NE(line.find("x … x"), std::string::npos);
+  EXPECT_TRUE(line.ends_with("xxx end\n"));
 }
 
 }  // namespace

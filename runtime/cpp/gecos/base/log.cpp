@@ -1,18 +1,68 @@
 #include "gecos/base/log.hpp"
 
+#include <limits.h>
+#include <poll.h>
+#include <pthread.h>
+#include <unistd.h>
+
 #include <array>
 #include <atomic>
 #include <cstddef>
-#include <cstdio>
 #include <cstdlib>
+#include <mutex>
 #include <string>
+#include <utility>
 
 namespace gecos {
 namespace {
 
 constexpr std::array<std::string_view, 4> level_names{"error", "warning", "info", "debug"};
 
-// fwrite of one whole line: stdio locks the stream, so lines of several threads never mix.
+/// Lines of several threads never mix, and nobody waits for a stderr that nobody reads: a pipe that
+/// is full loses lines, and says how many once it is read again.
+class Stderr {
+ public:
+  static Stderr& instance() {
+    static Stderr& out = *new Stderr;  // outlives every static that may still log
+    return out;
+  }
+
+  void write_line(std::string line) {
+    const std::lock_guard lock(mutex_);
+    const bool told = lost_ == 0 || write("gecos warning log: " + std::to_string(lost_) +
+                                          " lines are lost: stderr was not read\n");
+    if (told) lost_ = 0;
+    if (!told || !write(shortened(std::move(line)))) ++lost_;
+  }
+
+ private:
+  /// What a pipe takes as one piece whenever poll() says that it takes anything.
+  static constexpr std::size_t longest = PIPE_BUF;
+
+  Stderr() {  // a forked child must find it unlocked
+    ::pthread_atfork([] { instance().mutex_.lock(); }, [] { instance().mutex_.unlock(); },
+                     [] { instance().mutex_.unlock(); });
+  }
+
+  /// Without its middle: a trace says the most at its two ends.
+  static std::string shortened(std::string line) {
+    constexpr std::string_view gap = " … ";
+    if (line.size() > longest) {
+      line.replace(longest / 2, line.size() - longest + gap.size(), gap);
+    }
+    return line;
+  }
+
+  static bool write(std::string_view line) {
+    pollfd watched{STDERR_FILENO, POLLOUT, 0};
+    if (::poll(&watched, 1, 0) != 1 || (watched.revents & (POLLERR | POLLNVAL)) != 0) return false;
+    return ::write(STDERR_FILENO, line.data(), line.size()) >= 0;
+  }
+
+  std::mutex mutex_;
+  std::size_t lost_ = 0;
+};
+
 void write_line(LogLevel level, std::string_view component, std::string_view message) {
   std::string line;
   line.reserve(component.size() + message.size() + 20);
@@ -20,7 +70,7 @@ void write_line(LogLevel level, std::string_view component, std::string_view mes
   line.append(component).append(": ");
   for (const char c : message) line.push_back(c == '\n' || c == '\r' ? ' ' : c);
   line.push_back('\n');
-  std::fwrite(line.data(), 1, line.size(), stderr);
+  Stderr::instance().write_line(std::move(line));
 }
 
 LogLevel level_from_environment() {
