@@ -11,7 +11,7 @@ namespace gecos::crypto {
 ///     auto opened = opening->finish(answer, now);   // succeeds, then `opened->channel` is ready
 ///
 /// Repeating the same bytes is what lets the server answer twice without a second channel. An opening
-/// that was not answered for HandshakeRule::answers_kept of the server has to begin anew.
+/// that has no answer after the server's HandshakeRule::answers_kept (5 s) has to begin anew.
 ///
 /// `context` is what both sides know about where they meet (address, the datagram's header in clear);
 /// it is not sent, and a first message is worth nothing in any other context.

@@ -35,6 +35,8 @@ class StreamSealer {
   static constexpr std::size_t overhead = Sealer::overhead + signature_bytes;
 
   StreamSealer();  ///< draws its keys
+  StreamSealer(StreamSealer&&) = default;
+  StreamSealer(const StreamSealer&) = delete;  // a copy would use its counters again
 
   const StreamKey& key() const { return key_; }
   /// Seals in place what stands in `frame` from text_at up to its last overhead - text_at bytes.

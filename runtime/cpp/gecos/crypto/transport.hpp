@@ -43,6 +43,8 @@ class Sealer {
   static constexpr std::size_t overhead = text_at + tag_bytes;
 
   Sealer(const Key& key, TimePoint now, RekeyRule rule = {});
+  Sealer(Sealer&&) = default;
+  Sealer(const Sealer&) = delete;  // a copy would use its counters again
 
   /// Seals in place what stands in `frame` from text_at up to its last tag_bytes. `associated` is not
   /// sent; the opener must name the same. @pre `frame` has at least `overhead` bytes.
