@@ -145,7 +145,7 @@ def test_a_map_has_no_more_than_its_bytes_or_its_bound() -> None:
 
 def test_an_appendable_value_stands_in_its_block() -> None:
     out: Parts = []
-    wire.put_block(Byte(7), out)
+    wire.put_block(Byte(7), Byte, out, "Byte")
     assert b"".join(out) == b"\0\0\0\1\7"
     source = Decoder(b"\0\0\0\3\7\x08\x09")
     assert Byte.decode(source.block()) == Byte(7)

@@ -59,7 +59,7 @@ def _broker_lookup_arguments(source: Decoder) -> tuple[str]:
 
 def _broker_lookup_result(value: Entry) -> Parts:
     out: Parts = []
-    wire.put_block(value, out)
+    wire.put_block(value, Entry, out, "lookup")
     return out
 
 
@@ -74,7 +74,7 @@ def _broker_list_result(value: list[Entry]) -> Parts:
     out: Parts = []
     out.append(wire.count(len(value), wire.MAX_COUNT, "list"))
     for item in value:
-        wire.put_block(item, out)
+        wire.put_block(item, Entry, out, "list")
     return out
 
 
@@ -157,7 +157,7 @@ class Broker(Object):
         May raise NameTaken.
         """
         out: Parts = []
-        wire.put_block(what, out)
+        wire.put_block(what, Entry, out, "enlist.what")
         return self._gecos_call(_BROKER_ENLIST, out)
 
     def withdraw(self, name: str) -> Command[None]:

@@ -52,7 +52,7 @@ def _gecos_object_holders_result(value: list[Holder]) -> Parts:
     out: Parts = []
     out.append(wire.count(len(value), wire.MAX_COUNT, "holders"))
     for item in value:
-        wire.put_block(item, out)
+        wire.put_block(item, Holder, out, "holders")
     return out
 
 
@@ -62,7 +62,7 @@ def _gecos_object_describe_reply(source: Decoder) -> Description:
 
 def _gecos_object_describe_result(value: Description) -> Parts:
     out: Parts = []
-    wire.put_block(value, out)
+    wire.put_block(value, Description, out, "describe")
     return out
 
 
@@ -91,7 +91,7 @@ def _gecos_object_acquire_arguments(source: Decoder) -> tuple[Status, str | None
 
 def _gecos_object_acquire_result(value: Grant) -> Parts:
     out: Parts = []
-    wire.put_block(value, out)
+    wire.put_block(value, Grant, out, "acquire")
     return out
 
 
@@ -259,6 +259,7 @@ class GecosObject(Object):
         """
         out: Parts = []
         out.append(wire.number(wanted, "i", "acquire.wanted"))
+        wire.expect_enumerator(wanted, Status, "acquire.wanted")
         if password is None:
             out.append(b"\0")
         else:

@@ -66,6 +66,7 @@ class Holder:
 
     def encode(self, out: wire.Parts, /) -> None:
         out.append(_HOLDER_LAYOUT_1.pack(self.status))
+        wire.expect_enumerator(self.status, Status, "Holder.status")
         out.append(wire.string(self.user, 64, "Holder.user"))
         out.append(wire.string(self.host, 64, "Holder.host"))
         out.append(wire.string(self.program, 128, "Holder.program"))
@@ -221,7 +222,7 @@ class StatusRefused(DeclaredError):
         out.append(wire.string(self.reason, wire.MAX_TEXT, "StatusRefused.reason"))
         out.append(wire.count(len(self.holders), wire.MAX_COUNT, "StatusRefused.holders"))
         for item in self.holders:
-            wire.put_block(item, out)
+            wire.put_block(item, Holder, out, "StatusRefused.holders")
 
     @classmethod
     def decode(cls, source: wire.Decoder, /) -> Self:
@@ -266,6 +267,7 @@ class Grant:
 
     def encode(self, out: wire.Parts, /) -> None:
         out.append(_GRANT_LAYOUT.pack(self.status, self.epoch))
+        wire.expect_enumerator(self.status, Status, "Grant.status")
 
     @classmethod
     def decode(cls, source: wire.Decoder, /) -> Self:

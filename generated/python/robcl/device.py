@@ -37,7 +37,7 @@ __all__ = [
 
 def _device_base_result(value: Frame) -> Parts:
     out: Parts = []
-    value.encode(out)
+    wire.put(value, Frame, out, "base")
     return out
 
 
@@ -130,7 +130,7 @@ class Device(Object):
         """
         out: Parts = []
         out.append(wire.string(carrier, wire.MAX_TEXT, "mount.carrier"))
-        offset.encode(out)
+        wire.put(offset, Frame, out, "mount.offset")
         return self._gecos_call(_DEVICE_MOUNT, out)
 
 

@@ -134,6 +134,8 @@ class _FrameLayout:
     orientation: Quaternion = _field(default_factory=Quaternion)
 
     def encode(self, out: wire.Parts, /) -> None:
+        wire.expect(self.position, Vector, "_FrameLayout.position")
+        wire.expect(self.orientation, Quaternion, "_FrameLayout.orientation")
         out.append(
             _FRAME_LAYOUT_LAYOUT.pack(
                 self.position.x,

@@ -44,13 +44,13 @@ def _gripper_jaws_reply(source: Decoder) -> GripperState:
 
 def _gripper_jaws_result(value: GripperState) -> Parts:
     out: Parts = []
-    wire.put_block(value, out)
+    wire.put_block(value, GripperState, out, "jaws")
     return out
 
 
 def _gripper_grip_point_result(value: Frame) -> Parts:
     out: Parts = []
-    value.encode(out)
+    wire.put(value, Frame, out, "grip_point")
     return out
 
 
@@ -315,5 +315,5 @@ class GripperServant(DeviceServant):
     def publish_jaws(self, value: GripperState, stamp: float | None = None) -> None:
         """A new sample of `jaws`, measured at `stamp` (Unix time in s; now)."""
         out: Parts = []
-        wire.put_block(value, out)
+        wire.put_block(value, GripperState, out, "jaws")
         self._gecos_publish(0x6755A361, out, stamp)

@@ -38,13 +38,13 @@ __all__ = [
 
 def _laser_distance_sensor_beam_result(value: Distance) -> Parts:
     out: Parts = []
-    value.encode(out)
+    wire.put(value, Distance, out, "beam")
     return out
 
 
 def _laser_distance_sensor_measure_result(value: Distance) -> Parts:
     out: Parts = []
-    value.encode(out)
+    wire.put(value, Distance, out, "measure")
     return out
 
 
@@ -186,5 +186,5 @@ class LaserDistanceSensorServant(DeviceServant):
     def publish_beam(self, value: Distance, stamp: float | None = None) -> None:
         """A new sample of `beam`, measured at `stamp` (Unix time in s; now)."""
         out: Parts = []
-        value.encode(out)
+        wire.put(value, Distance, out, "beam")
         self._gecos_publish(0x43A6C344, out, stamp)

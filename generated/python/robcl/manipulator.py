@@ -54,19 +54,19 @@ __all__ = [
 
 def _manipulator_tool_result(value: Frame) -> Parts:
     out: Parts = []
-    value.encode(out)
+    wire.put(value, Frame, out, "tool")
     return out
 
 
 def _manipulator_flange_result(value: Frame) -> Parts:
     out: Parts = []
-    value.encode(out)
+    wire.put(value, Frame, out, "flange")
     return out
 
 
 def _manipulator_tool_offset_result(value: Frame) -> Parts:
     out: Parts = []
-    value.encode(out)
+    wire.put(value, Frame, out, "tool_offset")
     return out
 
 
@@ -233,7 +233,7 @@ class Manipulator(Device):
     def set_tool_offset(self, value: Frame) -> Command[None]:
         """Tool frame seen from the flange. Setting it is refused while moving."""
         out: Parts = []
-        value.encode(out)
+        wire.put(value, Frame, out, "tool_offset.value")
         return self._gecos_call(_MANIPULATOR_SET_TOOL_OFFSET, out)
 
     def move(self, goal: Frame, how: Trajectory | None = None) -> Command[None, MotionProgress]:
@@ -243,12 +243,12 @@ class Manipulator(Device):
         May raise OutOfReach, JointLimit, Singular.
         """
         out: Parts = []
-        goal.encode(out)
+        wire.put(goal, Frame, out, "move.goal")
         if how is None:
             out.append(b"\0")
         else:
             out.append(b"\1")
-            wire.put_block(how, out)
+            wire.put_block(how, Trajectory, out, "move.how")
         return self._gecos_call(_MANIPULATOR_MOVE, out)
 
 
@@ -317,11 +317,11 @@ class ManipulatorServant(DeviceServant):
     def publish_tool(self, value: Frame, stamp: float | None = None) -> None:
         """A new sample of `tool`, measured at `stamp` (Unix time in s; now)."""
         out: Parts = []
-        value.encode(out)
+        wire.put(value, Frame, out, "tool")
         self._gecos_publish(0x271B3177, out, stamp)
 
     def publish_flange(self, value: Frame, stamp: float | None = None) -> None:
         """A new sample of `flange`, measured at `stamp` (Unix time in s; now)."""
         out: Parts = []
-        value.encode(out)
+        wire.put(value, Frame, out, "flange")
         self._gecos_publish(0xD602ADAC, out, stamp)

@@ -69,6 +69,8 @@ class Trajectory:
             raise wire.out_of_range("Trajectory.speed", self.speed, "[0.01, 1.0]")
         if not 0.01 <= self.acceleration <= 1.0:
             raise wire.out_of_range("Trajectory.acceleration", self.acceleration, "[0.01, 1.0]")
+        wire.expect_enumerator(self.path, PathType, "Trajectory.path")
+        wire.expect_enumerator(self.at_goal, Blend, "Trajectory.at_goal")
         value = self.tool_speed
         if value is None:
             out.append(b"\0")

@@ -40,7 +40,7 @@ def _rx90_posture_reply(source: Decoder) -> Configuration:
 
 def _rx90_posture_result(value: Configuration) -> Parts:
     out: Parts = []
-    wire.put_block(value, out)
+    wire.put_block(value, Configuration, out, "posture")
     return out
 
 

@@ -54,6 +54,9 @@ class Configuration:
 
     def encode(self, out: wire.Parts, /) -> None:
         out.append(_CONFIGURATION_LAYOUT.pack(self.arm, self.bend, self.hand))
+        wire.expect_enumerator(self.arm, Shoulder, "Configuration.arm")
+        wire.expect_enumerator(self.bend, Elbow, "Configuration.bend")
+        wire.expect_enumerator(self.hand, Wrist, "Configuration.hand")
 
     @classmethod
     def decode(cls, source: wire.Decoder, /) -> Self:

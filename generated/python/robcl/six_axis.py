@@ -40,7 +40,7 @@ __all__ = [
 
 def _six_axis_joints_result(value: Joints) -> Parts:
     out: Parts = []
-    value.encode(out)
+    wire.put(value, Joints, out, "joints")
     return out
 
 
@@ -131,12 +131,12 @@ class SixAxis(Manipulator):
         May raise JointLimit.
         """
         out: Parts = []
-        target.encode(out)
+        wire.put(target, Joints, out, "move_joints.target")
         if how is None:
             out.append(b"\0")
         else:
             out.append(b"\1")
-            wire.put_block(how, out)
+            wire.put_block(how, Trajectory, out, "move_joints.how")
         return self._gecos_call(_SIX_AXIS_MOVE_JOINTS, out)
 
 
@@ -179,5 +179,5 @@ class SixAxisServant(ManipulatorServant):
     def publish_joints(self, value: Joints, stamp: float | None = None) -> None:
         """A new sample of `joints`, measured at `stamp` (Unix time in s; now)."""
         out: Parts = []
-        value.encode(out)
+        wire.put(value, Joints, out, "joints")
         self._gecos_publish(0xBFF4D1D1, out, stamp)

@@ -54,7 +54,7 @@ def _world_bodies_result(value: list[Body]) -> Parts:
     out: Parts = []
     out.append(wire.count(len(value), wire.MAX_COUNT, "bodies"))
     for item in value:
-        wire.put_block(item, out)
+        wire.put_block(item, Body, out, "bodies")
     return out
 
 
@@ -69,7 +69,7 @@ def _world_find_arguments(source: Decoder) -> tuple[str]:
 
 def _world_find_result(value: Body) -> Parts:
     out: Parts = []
-    wire.put_block(value, out)
+    wire.put_block(value, Body, out, "find")
     return out
 
 
@@ -85,7 +85,7 @@ def _world_cast_arguments(source: Decoder) -> tuple[Frame, float]:
 
 def _world_cast_result(value: RayHit) -> Parts:
     out: Parts = []
-    wire.put_block(value, out)
+    wire.put_block(value, RayHit, out, "cast")
     return out
 
 
@@ -101,7 +101,7 @@ def _world_between_arguments(source: Decoder) -> tuple[Frame, float]:
 
 def _world_between_result(value: Contact) -> Parts:
     out: Parts = []
-    wire.put_block(value, out)
+    wire.put_block(value, Contact, out, "between")
     return out
 
 
@@ -211,7 +211,7 @@ class World(Object):
         reach: [m]
         """
         out: Parts = []
-        origin.encode(out)
+        wire.put(origin, Frame, out, "cast.origin")
         out.append(wire.number(reach, "d", "cast.reach"))
         return self._gecos_call(_WORLD_CAST, out)
 
@@ -222,7 +222,7 @@ class World(Object):
         opening: [m]
         """
         out: Parts = []
-        jaws.encode(out)
+        wire.put(jaws, Frame, out, "between.jaws")
         out.append(wire.number(opening, "d", "between.opening"))
         return self._gecos_call(_WORLD_BETWEEN, out)
 
@@ -233,7 +233,7 @@ class World(Object):
         """
         out: Parts = []
         out.append(wire.string(name, wire.MAX_TEXT, "place.name"))
-        pose.encode(out)
+        wire.put(pose, Frame, out, "place.pose")
         return self._gecos_call(_WORLD_PLACE, out)
 
 

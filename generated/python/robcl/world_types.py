@@ -47,7 +47,8 @@ class Body:
 
     def encode(self, out: wire.Parts, /) -> None:
         out.append(wire.string(self.name, wire.MAX_TEXT, "Body.name"))
-        self.pose.encode(out)
+        wire.put(self.pose, Frame, out, "Body.pose")
+        wire.expect(self.size, Vector, "Body.size")
         out.append(_BODY_LAYOUT.pack(self.size.x, self.size.y, self.size.z, self.fixed))
         out.append(wire.string(self.held_by, wire.MAX_TEXT, "Body.held_by"))
 

@@ -13,7 +13,7 @@ functions (`gecos.stop(robot)`). What this module brings begins with `_gecos`. W
 
         def move(self, goal: Frame, how: Trajectory | None = None) -> Command[None, MotionProgress]:
             out: Parts = []
-            goal.encode(out)
+            wire.put(goal, Frame, out, "move.goal")
             …
             return self._gecos_call(_MOVE, out)
 

@@ -19,7 +19,7 @@ What gidl generates for a server:
 
         def publish_tool(self, value: Frame, stamp: float | None = None) -> None:
             out: Parts = []
-            value.encode(out)
+            wire.put(value, Frame, out, "tool")
             self._gecos_publish(0x…, out, stamp)
 """
 

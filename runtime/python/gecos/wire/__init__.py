@@ -13,6 +13,7 @@ from gecos.wire.contents import (
     from_bytes,
     from_message,
     one_run,
+    put,
     put_block,
     to_bytes,
     to_message,
@@ -32,7 +33,15 @@ from gecos.wire.encode import (
     octets,
     string,
 )
-from gecos.wire.errors import DecodeError, DecodeProblem, EncodeError, out_of_range
+from gecos.wire.errors import (
+    DecodeError,
+    DecodeProblem,
+    EncodeError,
+    WrongTypeError,
+    expect,
+    expect_enumerator,
+    out_of_range,
+)
 from gecos.wire.fields import Fields
 from gecos.wire.shapes import JsonError
 from gecos.wire.values import first, same, signed, zeros
@@ -50,11 +59,14 @@ __all__ = [
     "Fields",
     "JsonError",
     "Parts",
+    "WrongTypeError",
     "array",
     "block",
     "char",
     "count",
     "exactly",
+    "expect",
+    "expect_enumerator",
     "first",
     "fixed",
     "fixed_octets",
@@ -65,6 +77,7 @@ __all__ = [
     "octets",
     "one_run",
     "out_of_range",
+    "put",
     "put_block",
     "same",
     "signed",

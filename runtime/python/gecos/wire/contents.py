@@ -9,7 +9,7 @@ from typing import Any, Protocol, Self, TypeVar
 
 from gecos.wire.decode import Decoder
 from gecos.wire.encode import Parts, block
-from gecos.wire.errors import DecodeError, DecodeProblem
+from gecos.wire.errors import DecodeError, DecodeProblem, expect
 from gecos.wire.fields import Fields
 
 
@@ -101,8 +101,15 @@ def _fingerprint_bytes(kind: type[Contents]) -> bytes:
     return (kind.fingerprint() & 0xFFFF_FFFF_FFFF_FFFF).to_bytes(8, "big")
 
 
-def put_block(value: Contents, out: Parts) -> None:
-    """An appendable value in its block."""
+def put(value: Contents, kind: type, out: Parts, field: str) -> None:
+    """A value inside another, of the type that `field` has."""
+    expect(value, kind, field)
+    value.encode(out)
+
+
+def put_block(value: Contents, kind: type, out: Parts, field: str) -> None:
+    """The same of an appendable one, in its block."""
+    expect(value, kind, field)
     parts: Parts = []
     value.encode(parts)
     out.append(block(parts))

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from enum import Enum
+from enum import Enum, IntEnum
+from typing import Any
 
 
 class DecodeProblem(Enum):
@@ -49,6 +50,29 @@ class EncodeError(ValueError):
 
     def __reduce__(self) -> tuple[type[EncodeError], tuple[str, str]]:
         return EncodeError, (self.field, self.why)
+
+
+class WrongTypeError(EncodeError, TypeError):
+    """A value of another type than its field has."""
+
+    def __init__(self, field: str, value: object, kind: type) -> None:
+        super().__init__(field, f"{value!r} is no {kind.__name__}")
+        self._given = (field, value, kind)
+
+    def __reduce__(self) -> tuple[type[WrongTypeError], tuple[str, object, type]]:  # type: ignore[override]
+        return WrongTypeError, self._given
+
+
+def expect(value: object, kind: type, field: str) -> None:
+    if not isinstance(value, kind):
+        raise WrongTypeError(field, value, kind)
+
+
+def expect_enumerator(value: Any, kind: type[IntEnum], field: str) -> None:
+    """A number will do if it is that of an enumerator."""
+    if type(value) is not kind and value not in kind.__members__.values():
+        known = ", ".join(kind.__members__)
+        raise EncodeError(field, f"{value!r} is no {kind.__name__}; there are {known}")
 
 
 def out_of_range(field: str, value: object, limits: str) -> EncodeError:

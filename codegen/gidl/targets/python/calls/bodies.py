@@ -83,8 +83,10 @@ class Bodies(CallFacts):
             return "no_result"
         name = self._function(call, "result")
         hint = self._result_hint(call)
-        if self._result_struct(call) is not None:
-            writes = ["value.encode(out)"]
+        struct = self._result_struct(call)
+        if struct is not None:
+            kind = names.type_name(self._model, struct.name)
+            writes = [f'wire.put(value, {kind}, out, "{short_name(call)}")']
         else:
             v = values[0]
             slot = Slot("value", short_name(call), v.type, v.optional, v.range)

@@ -91,6 +91,20 @@ class Runs(Types):
             case _:
                 return None
 
+    def expected(self, slot: Slot) -> list[str]:
+        """Statements before a value's numbers are packed: the structs among them are what they
+        should be."""
+        node = node_of(self.model, slot.type)
+        if not isinstance(node, StructNode):
+            return []
+        struct = self.model.struct(node.name)
+        kind = names.type_name(self.model, node.name)
+        lines = [f'wire.expect({slot.expression}, {kind}, "{slot.label}")']
+        for m in self.model.all_members(struct):
+            expression = f"{slot.expression}.{names.member_name(m.name)}"
+            lines += self.expected(Slot(expression, f"{struct.simple_name}.{m.name}", m.type))
+        return lines
+
     def rebuilt(self, used: Type, variables: list[str], behind: list[int], label: str) -> str:
         """The value made of the next variables of a run, which are taken from the lists."""
         node = node_of(self.model, used)
@@ -132,6 +146,9 @@ class Runs(Types):
         target = self.model.target(leaf.type)
         if isinstance(target, NamedType):
             declaration = self.model.find(target.name)
+            if isinstance(declaration, EnumDeclaration):
+                kind = names.type_name(self.model, target.name)
+                return [f'wire.expect_enumerator({leaf.access}, {kind}, "{leaf.label}")']
             if isinstance(declaration, Bitmask) and declaration.bit_bound not in (32, 64):
                 most = (1 << declaration.bit_bound) - 1
                 return [

@@ -13,6 +13,7 @@ from gidl.model import (
     Type,
 )
 from gidl.targets.naming import LocalNames
+from gidl.targets.python import names
 from gidl.targets.python.lower.runs import Leaf, Runs
 from gidl.targets.python.lower.types import (
     CODES,
@@ -74,7 +75,9 @@ class Writing(Runs):
             case EnumNode(name, wire):
                 declaration = self.model.find(name)
                 if isinstance(declaration, Bitset):
-                    return [f"out.append({x}.pack())"]
+                    kind = names.type_name(self.model, name)
+                    expected = f'wire.expect({x}, {kind}, "{label}")'
+                    return [expected, f"out.append({x}.pack())"]
                 code = CODES[wire]
                 code = code if isinstance(declaration, EnumDeclaration) else code.upper()
                 leaf = Leaf(code, x, label, used, None)
@@ -84,10 +87,12 @@ class Writing(Runs):
                 ]
             case StringNode(bound):
                 return [f'out.append(wire.string({x}, {most(bound, "string")}, "{label}"))']
-            case StructNode() | UnionNode(appendable=False):
-                return [f"{x}.encode(out)"]
-            case AppendableNode() | UnionNode():
-                return [f"wire.put_block({x}, out)"]
+            case StructNode(name) | UnionNode(name, False):
+                kind = names.type_name(self.model, name)
+                return [f'wire.put({x}, {kind}, out, "{label}")']
+            case AppendableNode(name) | UnionNode(name):
+                kind = names.type_name(self.model, name)
+                return [f'wire.put_block({x}, {kind}, out, "{label}")']
             case SequenceNode(element, bound):
                 assert isinstance(target, SequenceType)
                 limits = self.limits(Slot(x, label, target.element))

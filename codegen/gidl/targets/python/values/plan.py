@@ -80,6 +80,8 @@ class Plan:
             if run is None:
                 lines += self._lowering.encode(self._slots[indices[0]], local)
                 continue
+            for i in indices:
+                lines += self._lowering.expected(self._slots[i])
             values = ", ".join(leaf.access for leaf in run.leaves)
             lines.append(f"out.append({self._names[id(run)]}.pack({values}))")
             for leaf in run.leaves:

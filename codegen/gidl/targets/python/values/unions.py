@@ -48,6 +48,9 @@ class Unions(ValueNames):
             ' "its tag does not select the arm that it holds")',
             f'out.append(wire.number({number}, "{code}", "{label}"))',
         ]
+        if isinstance(tag_node, EnumNode):
+            kind = names.type_name(self._model, tag_node.name)
+            encode.append(f'wire.expect_enumerator(self.tag, {kind}, "{label}")')
         decode += self._decode_tag(union, tag_node, code, label)
         decode += ["arm = cls._arm(tag)", "value: Any = None"]
         for index, case in enumerate(union.cases, start=1):
