@@ -47,7 +47,8 @@ inline ChannelPair open_pair(crypto::RekeyRule rule = {}) {
   const crypto::Identity client(crypto::KeyPair::draw());
   const crypto::Identity server(crypto::KeyPair::draw());
   const auto opening = crypto::Opening::begin(client, server.public_key(), {}, {});
-  crypto::HandshakeDoor door(server, [](const auto&) { return true; }, {}, rule);
+  crypto::HandshakeDoor door(
+      server, [](const auto&) { return true; }, {}, rule);
   auto answer = door.answer(opening->first(), {}, {}, pair_opened);
   auto opened = opening->finish(answer->second, pair_opened, rule);
   return {std::move(opened->channel), std::move(*answer->channel)};

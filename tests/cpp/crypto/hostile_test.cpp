@@ -53,7 +53,8 @@ class Attacker {
           std::copy_n(other.begin(), Sealer::text_at, frame.begin());
           break;
         case 4: {  // its head, and the tail of another
-          const auto from = static_cast<std::ptrdiff_t>(below(std::min(frame.size(), other.size())));
+          const auto from =
+              static_cast<std::ptrdiff_t>(below(std::min(frame.size(), other.size())));
           frame.resize(other.size());
           std::copy(other.begin() + from, other.end(), frame.begin() + from);
           break;

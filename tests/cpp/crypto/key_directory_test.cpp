@@ -76,7 +76,8 @@ TEST_F(KeyDirectoryTest, FilesAndDirectoriesAreTheUsersAlone) {
     names.insert(entry.path().filename().string());
     EXPECT_EQ(mode_of(entry.path()), 0600U) << entry.path();
   }
-  EXPECT_EQ(names, (std::set<std::string>{"own.secret", identity->public_key().to_string() + ".public"}));
+  EXPECT_EQ(names,
+            (std::set<std::string>{"own.secret", identity->public_key().to_string() + ".public"}));
 }
 
 TEST_F(KeyDirectoryTest, OwnKeysAreAdmittedAndStrangersAreNot) {
@@ -131,8 +132,7 @@ TEST_F(KeyDirectoryTest, ProcessesThatMakeKeysAtOnceAllGetTheSame) {
         char wait = 0;
         static_cast<void>(::read(start[0], &wait, 1));  // end of file: all are there
         const auto directory = KeyDirectory::open(keys.string());
-        const auto identity =
-            directory ? directory->identity() : tl::unexpected(directory.error());
+        const auto identity = directory ? directory->identity() : tl::unexpected(directory.error());
         if (!identity) ::_exit(1);
         const auto& bytes = identity->public_key().bytes;
         ::_exit(::write(result[1], bytes.data(), bytes.size()) == key_bytes ? 0 : 2);
@@ -206,8 +206,8 @@ TEST_F(KeyDirectoryTest, ASecretThatOthersCanReadIsRefusedWithTheCommandThatMend
 TEST_F(KeyDirectoryTest, ADirectoryThatOthersCanEnterIsRefused) {
   open();
   ::chmod(keys.c_str(), 0755);
-  EXPECT_EQ(why_not_opened(), keys.string() +
-                                  ": the key directory is open to other users: run `chmod 700` on it");
+  EXPECT_EQ(why_not_opened(),
+            keys.string() + ": the key directory is open to other users: run `chmod 700` on it");
 }
 
 TEST_F(KeyDirectoryTest, WhatIsNoDirectoryIsSaidSo) {
@@ -262,9 +262,10 @@ TEST_F(KeyDirectoryTest, ADirectoryThatCannotBeWrittenOrBelongsToAnotherIsSaidSo
   }
   open();
   ::chmod(keys.c_str(), 0500);
-  EXPECT_EQ(why_no_identity(),
-            secret().string() +
-                ": the key cannot be written (Permission denied); GECOS_KEY_DIR names another directory");
+  EXPECT_EQ(
+      why_no_identity(),
+      secret().string() +
+          ": the key cannot be written (Permission denied); GECOS_KEY_DIR names another directory");
   ::chmod(keys.c_str(), 0700);
 }
 
@@ -291,7 +292,8 @@ class EnvironmentTest : public ::testing::Test {
 };
 
 TEST_F(EnvironmentTest, SaysWhereTheKeysAre) {
-  EXPECT_TRUE(KeyDirectory::default_path().ends_with("/.config/gecos/keys")) << "of the user's entry";
+  EXPECT_TRUE(KeyDirectory::default_path().ends_with("/.config/gecos/keys"))
+      << "of the user's entry";
   ::setenv("HOME", "/home/ada", 1);
   EXPECT_EQ(KeyDirectory::default_path(), "/home/ada/.config/gecos/keys");
   ::setenv("XDG_CONFIG_HOME", "/etc/ada", 1);

@@ -3,8 +3,8 @@
 //   noise_speaker initiator <own secret> <peer's public key> <context>
 //   noise_speaker responder <own secret> <context>
 //
-// All in hex, a message a line. Then "seal <text>" answers with a frame, and "open <frame>" with its
-// text or "refused". Keys move on after every third packet.
+// All in hex, a message a line. Then "seal <text>" answers with a frame, and "open <frame>" with
+// its text or "refused". Keys move on after every third packet.
 #include <iostream>
 #include <string>
 #include <vector>
@@ -39,7 +39,8 @@ std::string hear() {
 }
 
 std::optional<Channel> initiate(const Identity& own, const std::string& peer, ByteView context) {
-  const auto opening = Opening::begin(own, PublicKey::parse(peer).value(), context, from_hex(greeting));
+  const auto opening =
+      Opening::begin(own, PublicKey::parse(peer).value(), context, from_hex(greeting));
   say(to_hex(opening->first()));
   auto opened = opening->finish(from_hex(hear()), TimePoint{}, rule);
   if (!opened) return std::nullopt;
@@ -48,7 +49,8 @@ std::optional<Channel> initiate(const Identity& own, const std::string& peer, By
 }
 
 std::optional<Channel> respond(const Identity& own, ByteView context) {
-  HandshakeDoor door(own, [](const PublicKey&) { return true; }, {}, rule);
+  HandshakeDoor door(
+      own, [](const PublicKey&) { return true; }, {}, rule);
   auto answer = door.answer(from_hex(hear()), context, from_hex(greeting), TimePoint{});
   if (!answer) return std::nullopt;
   say(to_hex(answer->second));

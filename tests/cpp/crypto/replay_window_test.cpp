@@ -38,8 +38,7 @@ TEST(ReplayWindow, AgreesWithASetOfAllNumbersSeen) {
     const std::uint64_t reach = random() % 64 == 0 ? 4 * ReplayWindow::size : 24;
     const std::uint64_t base = highest + 8 > 1500 ? highest + 8 - random() % 1500 : random() % 1500;
     const std::uint64_t number = random() % 3 == 0 ? base : highest + random() % reach;
-    const bool expected =
-        number + ReplayWindow::size > highest && seen.count(number) == 0;
+    const bool expected = number + ReplayWindow::size > highest && seen.count(number) == 0;
     ASSERT_EQ(window.fresh(number), expected) << number << " with highest " << highest;
     if (!expected) continue;
     window.mark(number);

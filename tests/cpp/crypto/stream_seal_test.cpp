@@ -56,8 +56,8 @@ TEST(StreamSeal, AReaderCannotForgeASampleToTheOthers) {
 
   // It opens the sample, changes it, and seals it again under the key that it rightly has.
   Bytes forged = real;
-  const auto inside = std::span(forged).subspan(
-      StreamSealer::text_at, forged.size() - Sealer::overhead);
+  const auto inside =
+      std::span(forged).subspan(StreamSealer::text_at, forged.size() - Sealer::overhead);
   const auto tag = std::span(forged).last<tag_bytes>();
   ASSERT_TRUE(aead_open(stolen.key, 0, {}, inside, tag));
   ASSERT_EQ(text_of(inside.first(5)), "true!");
@@ -67,8 +67,8 @@ TEST(StreamSeal, AReaderCannotForgeASampleToTheOthers) {
 
   // The right words under a later counter are another sample, and signed by nobody.
   Bytes moved = real;
-  const auto moved_inside = std::span(moved).subspan(
-      StreamSealer::text_at, moved.size() - Sealer::overhead);
+  const auto moved_inside =
+      std::span(moved).subspan(StreamSealer::text_at, moved.size() - Sealer::overhead);
   ASSERT_TRUE(aead_open(stolen.key, 0, {}, moved_inside, std::span(moved).last<tag_bytes>()));
   moved[7] = std::byte{9};
   aead_seal(stolen.key, 9, {}, moved_inside, std::span(moved).last<tag_bytes>());

@@ -27,16 +27,16 @@ Nonce nonce_of(std::uint64_t counter) {
 
 }  // namespace
 
-void aead_seal(const Key& key, std::uint64_t counter, ByteView associated, std::span<std::byte> text,
-               std::span<std::byte, tag_bytes> tag) {
+void aead_seal(const Key& key, std::uint64_t counter, ByteView associated,
+               std::span<std::byte> text, std::span<std::byte, tag_bytes> tag) {
   ::crypto_aead_chacha20poly1305_ietf_encrypt_detached(
       raw(text.data()), raw(tag.data()), nullptr, raw(text.data()), text.size(),
       raw(associated.data()), associated.size(), nullptr, nonce_of(counter).data(),
       raw(key.bytes().data()));
 }
 
-bool aead_open(const Key& key, std::uint64_t counter, ByteView associated, std::span<std::byte> text,
-               std::span<const std::byte, tag_bytes> tag) {
+bool aead_open(const Key& key, std::uint64_t counter, ByteView associated,
+               std::span<std::byte> text, std::span<const std::byte, tag_bytes> tag) {
   std::byte nothing{};  // libsodium takes a null output for "verify only"
   std::byte* const to = text.empty() ? &nothing : text.data();
   return ::crypto_aead_chacha20poly1305_ietf_decrypt_detached(

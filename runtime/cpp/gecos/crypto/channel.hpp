@@ -5,8 +5,8 @@
 
 namespace gecos::crypto {
 
-/// What a handshake gives: both directions, and who is at the other end. The two halves may be used by
-/// one thread each.
+/// What a handshake gives: both directions, and who is at the other end. The two halves may be used
+/// by one thread each.
 struct Channel {
   PublicKey peer;
   Hash binding;  ///< the same on both sides, and of this channel alone

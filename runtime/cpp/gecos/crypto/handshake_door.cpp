@@ -33,10 +33,14 @@ std::array<std::byte, 16> digest_of(ByteView first, ByteView context) {
 
 std::string_view to_string(Refusal refusal) {
   switch (refusal) {
-    case Refusal::Busy: return "too many at a time";
-    case Refusal::Malformed: return "not meant for this server and place, or altered";
-    case Refusal::NotAdmitted: return "not admitted";
-    case Refusal::Replayed: return "answered long ago";
+    case Refusal::Busy:
+      return "too many at a time";
+    case Refusal::Malformed:
+      return "not meant for this server and place, or altered";
+    case Refusal::NotAdmitted:
+      return "not admitted";
+    case Refusal::Replayed:
+      return "answered long ago";
   }
   return "unknown";
 }
@@ -48,11 +52,14 @@ HandshakeDoor::HandshakeDoor(const Identity& own, Admission is_admitted, Handsha
       rule_(rule),
       rekey_(rekey),
       budget_(rule.burst) {
-  if (rule.remembered == 0) throw std::invalid_argument("a door must remember one message at least");
+  if (rule.remembered == 0)
+    throw std::invalid_argument("a door must remember one message at least");
 }
 
-tl::expected<HandshakeDoor::Answer, HandshakeDoor::Refused> HandshakeDoor::answer(
-    ByteView first, ByteView context, ByteView payload, TimePoint now) {
+tl::expected<HandshakeDoor::Answer, HandshakeDoor::Refused> HandshakeDoor::answer(ByteView first,
+                                                                                  ByteView context,
+                                                                                  ByteView payload,
+                                                                                  TimePoint now) {
   const auto refuse = [](Refusal why, std::optional<PublicKey> who = std::nullopt) {
     return tl::unexpected(Refused{why, who});
   };

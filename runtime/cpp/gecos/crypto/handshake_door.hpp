@@ -14,8 +14,9 @@
 namespace gecos::crypto {
 
 struct HandshakeRule {
-  /// First messages that are looked at: so many at once, and so many per second after that. Each costs
-  /// up to .2 ms, so a flood of them takes a bounded share of the thread that also serves calls.
+  /// First messages that are looked at: so many at once, and so many per second after that. Each
+  /// costs up to .2 ms, so a flood of them takes a bounded share of the thread that also serves
+  /// calls.
   std::uint32_t burst = 256;
   std::uint32_t per_second = 200;
   /// How long a repeated first message gets the same answer again.
@@ -35,10 +36,10 @@ std::string_view to_string(Refusal refusal);
 /// A server's side of opening channels. Nothing is kept of a first message before it has proved who
 /// wrote it and that one is admitted.
 ///
-/// A recorded first message that comes again after `remembered` others, or to the server's next life,
-/// does make a channel, of which the player has no key: until Channel::in.opened_any() whoever holds
-/// the channel must not let it displace another, must not act on its payload, and has to drop it when
-/// nothing was opened within `answers_kept`.
+/// A recorded first message that comes again after `remembered` others, or to the server's next
+/// life, does make a channel, of which the player has no key: until Channel::in.opened_any()
+/// whoever holds the channel must not let it displace another, must not act on its payload, and has
+/// to drop it when nothing was opened within `answers_kept`.
 ///
 /// Reads no clock; one thread at a time.
 class HandshakeDoor {

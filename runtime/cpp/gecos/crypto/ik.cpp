@@ -25,9 +25,12 @@ SymmetricState begin(ByteView prologue, const PublicKey& responder) {
 
 std::string_view to_string(HandshakeProblem problem) {
   switch (problem) {
-    case HandshakeProblem::WrongSize: return "no message of this handshake";
-    case HandshakeProblem::WeakKey: return "a public key that no honest program makes";
-    case HandshakeProblem::Forged: return "not meant for this key and place, or altered";
+    case HandshakeProblem::WrongSize:
+      return "no message of this handshake";
+    case HandshakeProblem::WeakKey:
+      return "a public key that no honest program makes";
+    case HandshakeProblem::Forged:
+      return "not meant for this key and place, or altered";
   }
   return "unknown";
 }

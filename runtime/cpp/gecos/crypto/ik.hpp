@@ -9,9 +9,9 @@
 #include "gecos/crypto/keys.hpp"
 #include "gecos/crypto/noise.hpp"
 
-/// The handshake Noise_IK_25519_ChaChaPoly_SHA256, bare: two messages, after which both sides know each
-/// other's public key and share two keys. The initiator knows the responder's public key beforehand.
-/// Repeating, admission and limits are of opening.hpp and handshake_door.hpp.
+/// The handshake Noise_IK_25519_ChaChaPoly_SHA256, bare: two messages, after which both sides know
+/// each other's public key and share two keys. The initiator knows the responder's public key
+/// beforehand. Repeating, admission and limits are of opening.hpp and handshake_door.hpp.
 namespace gecos::crypto {
 
 inline constexpr std::string_view noise_name = "Noise_IK_25519_ChaChaPoly_SHA256";
@@ -58,7 +58,8 @@ class IkResponder {
   static constexpr std::size_t second_overhead = key_bytes + tag_bytes;
 
   /// Keeps nothing of a message that fails.
-  static tl::expected<IkResponder, HandshakeProblem> read_first(const Identity& own, ByteView message,
+  static tl::expected<IkResponder, HandshakeProblem> read_first(const Identity& own,
+                                                                ByteView message,
                                                                 ByteView prologue);
 
   const PublicKey& initiator() const { return initiator_; }

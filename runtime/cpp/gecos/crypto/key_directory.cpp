@@ -76,8 +76,8 @@ bool write_all(int to, std::span<const std::byte> bytes) {
 
 /// Puts a whole file in place or none. False with errno; EEXIST when another one came first.
 bool put_file(const std::string& path, const std::string& directory, const KeyText& text) {
-  const std::string fresh = directory + "/.new-" + KeyPair::draw().public_key.short_name() +
-                            std::to_string(::getpid());
+  const std::string fresh =
+      directory + "/.new-" + KeyPair::draw().public_key.short_name() + std::to_string(::getpid());
   const File file(::open(fresh.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW,
                          S_IRUSR | S_IWUSR));
   if (!file) return false;
@@ -112,7 +112,8 @@ tl::expected<std::optional<Secret<key_bytes>>, KeyError> read_file(const std::st
   Secret<key_file_bytes + 1> text;
   std::size_t size = 0;
   while (size < text.bytes().size()) {
-    const ::ssize_t got = ::read(file.get(), text.bytes().data() + size, text.bytes().size() - size);
+    const ::ssize_t got =
+        ::read(file.get(), text.bytes().data() + size, text.bytes().size() - size);
     if (got < 0 && errno == EINTR) continue;
     if (got < 0) return fail_with_errno(path, "cannot be read");
     if (got == 0) break;
@@ -120,11 +121,12 @@ tl::expected<std::optional<Secret<key_bytes>>, KeyError> read_file(const std::st
   }
   auto key = read_key_file(kind, std::span<const std::byte>(text.bytes()).first(size));
   if (!key) {
-    return fail(path, std::string(key.error()) +
-                          (kind == KeyFileKind::SecretKey
-                               ? ": restore it, or remove it for a new key (who admitted the old one "
-                                 "must admit the new one)"
-                               : ": copy it again, or remove it"));
+    return fail(path,
+                std::string(key.error()) +
+                    (kind == KeyFileKind::SecretKey
+                         ? ": restore it, or remove it for a new key (who admitted the old one "
+                           "must admit the new one)"
+                         : ": copy it again, or remove it"));
   }
   return std::optional(*key);
 }
@@ -158,7 +160,8 @@ tl::expected<KeyDirectory, KeyError> KeyDirectory::open(std::string path) {
   if (!S_ISDIR(found.st_mode)) {
     return fail(path, std::string("is no directory, and keys need one") + how_to_move);
   }
-  if (const auto why = not_ours(found, open_to_others, "700")) return fail(path, "the key directory " + *why);
+  if (const auto why = not_ours(found, open_to_others, "700"))
+    return fail(path, "the key directory " + *why);
   return KeyDirectory(std::move(path));
 }
 

@@ -14,10 +14,12 @@ struct KeyError {
 /// A user's keys, as files. The only part of this room that does I/O; any thread.
 ///
 ///     own.secret            this user's secret key, made on first use and never sent anywhere
-///     <64 hex digits>.public  somebody who is admitted: the file is named after the key that it holds
+///     <64 hex digits>.public  somebody who is admitted: the file is named after the key that it
+///     holds
 ///
-/// The directory is the user's alone (0700), and so are its files (0600; a .public one may be read). A user with one home on
-/// several hosts has one key. For another, copy its .public file here, and ours there.
+/// The directory is the user's alone (0700), and so are its files (0600; a .public one may be
+/// read). A user with one home on several hosts has one key. For another, copy its .public file
+/// here, and ours there.
 class KeyDirectory {
  public:
   /// $GECOS_KEY_DIR, else $XDG_CONFIG_HOME/gecos/keys, else ~/.config/gecos/keys.
@@ -29,8 +31,8 @@ class KeyDirectory {
   const std::string& path() const { return path_; }
 
   /// The user's own keys, made when there are none. Of several processes that make them at once all
-  /// get the same. Fails when the file is damaged, open to others or cannot be written; a damaged one
-  /// is never replaced, since others may have admitted its key.
+  /// get the same. Fails when the file is damaged, open to others or cannot be written; a damaged
+  /// one is never replaced, since others may have admitted its key.
   tl::expected<Identity, KeyError> identity() const;
 
   /// Whether a file of that key lies here, now. What is wrong with one that does is logged.

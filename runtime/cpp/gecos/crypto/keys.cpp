@@ -19,7 +19,8 @@ const unsigned char* raw(const std::byte* bytes) {
 /// Chooses the fast code for this processor, and opens the source of random numbers.
 void start_sodium() {
   static const bool started = ::sodium_init() >= 0;
-  if (!started) throw std::runtime_error("libsodium cannot start: the system has no random numbers");
+  if (!started)
+    throw std::runtime_error("libsodium cannot start: the system has no random numbers");
 }
 
 }  // namespace
@@ -84,8 +85,8 @@ void Identity::Free::operator()(std::byte* memory) const { ::sodium_free(memory)
 std::optional<Key> shared_secret(std::span<const std::byte, key_bytes> secret,
                                  const PublicKey& peer) {
   Key shared;
-  if (::crypto_scalarmult(raw(shared.bytes().data()), raw(secret.data()),
-                          raw(peer.bytes.data())) != 0) {
+  if (::crypto_scalarmult(raw(shared.bytes().data()), raw(secret.data()), raw(peer.bytes.data())) !=
+      0) {
     return std::nullopt;
   }
   return shared;

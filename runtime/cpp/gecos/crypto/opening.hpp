@@ -10,11 +10,12 @@ namespace gecos::crypto {
 ///     send(opening->first());      // repeated as it is, 20, 40, 80, then 160 ms apart, until
 ///     auto opened = opening->finish(answer, now);   // succeeds, then `opened->channel` is ready
 ///
-/// Repeating the same bytes is what lets the server answer twice without a second channel. An opening
-/// that has no answer after the server's HandshakeRule::answers_kept (5 s) has to begin anew.
+/// Repeating the same bytes is what lets the server answer twice without a second channel. An
+/// opening that has no answer after the server's HandshakeRule::answers_kept (5 s) has to begin
+/// anew.
 ///
-/// `context` is what both sides know about where they meet (address, the datagram's header in clear);
-/// it is not sent, and a first message is worth nothing in any other context.
+/// `context` is what both sides know about where they meet (address, the datagram's header in
+/// clear); it is not sent, and a first message is worth nothing in any other context.
 class Opening {
  public:
   /// `own` must outlive it. WeakKey when `server` is no key that an honest program has.

@@ -22,7 +22,8 @@ class ReplayWindow {
   /// @pre fresh(number), and whoever sent it is proved.
   void mark(std::uint64_t number) {
     if (number >= next_) {
-      const std::uint64_t from = next_ == 0 ? 0 : (next_ - 1) / word_bits + 1;  // word not begun yet
+      const std::uint64_t from =
+          next_ == 0 ? 0 : (next_ - 1) / word_bits + 1;  // word not begun yet
       const std::uint64_t to = number / word_bits;
       if (to >= from) {
         const std::uint64_t count = std::min<std::uint64_t>(to - from + 1, words_.size());

@@ -32,8 +32,8 @@ Digest digest_of(std::span<const std::byte, Sealer::text_at> counter, ByteView a
   crypto_generichash_state state;
   Digest digest;
   ::crypto_generichash_init(&state, nullptr, 0, digest.size());
-  for (const ByteView part : {std::as_bytes(std::span(purpose)), ByteView(counter), ByteView(size),
-                              associated, sample}) {
+  for (const ByteView part :
+       {std::as_bytes(std::span(purpose)), ByteView(counter), ByteView(size), associated, sample}) {
     ::crypto_generichash_update(&state, raw(part.data()), part.size());
   }
   ::crypto_generichash_final(&state, digest.data(), digest.size());
@@ -59,7 +59,8 @@ StreamSealer::StreamSealer() {
 }
 
 void StreamSealer::seal(ByteView associated, std::span<std::byte> frame) {
-  if (frame.size() < overhead) throw std::invalid_argument("no room for counter, signature and tag");
+  if (frame.size() < overhead)
+    throw std::invalid_argument("no room for counter, signature and tag");
   const auto counter = frame.first<text_at>();
   write_u64(counter, next_);
   const auto text = frame.subspan(text_at, frame.size() - Sealer::overhead);
@@ -80,8 +81,7 @@ tl::expected<std::span<std::byte>, OpenProblem> StreamOpener::open(ByteView asso
   }
   if (seen_.too_old(number)) return tl::unexpected(OpenProblem::TooOld);
   if (!seen_.fresh(number)) return tl::unexpected(OpenProblem::Replayed);
-  const auto text =
-      frame.subspan(StreamSealer::text_at, frame.size() - Sealer::overhead);
+  const auto text = frame.subspan(StreamSealer::text_at, frame.size() - Sealer::overhead);
   if (!aead_open(key_.key, number, associated, text, frame.last<tag_bytes>())) {
     return tl::unexpected(OpenProblem::Forged);
   }

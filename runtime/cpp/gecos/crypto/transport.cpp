@@ -18,11 +18,16 @@ std::span<std::byte> text_of(std::span<std::byte> frame) {
 
 std::string_view to_string(OpenProblem problem) {
   switch (problem) {
-    case OpenProblem::TooShort: return "too short for a sealed packet";
-    case OpenProblem::Replayed: return "delivered already";
-    case OpenProblem::TooOld: return "too old";
-    case OpenProblem::TooNew: return "under a key that is not due yet";
-    case OpenProblem::Forged: return "not from the peer, or altered";
+    case OpenProblem::TooShort:
+      return "too short for a sealed packet";
+    case OpenProblem::Replayed:
+      return "delivered already";
+    case OpenProblem::TooOld:
+      return "too old";
+    case OpenProblem::TooNew:
+      return "under a key that is not due yet";
+    case OpenProblem::Forged:
+      return "not from the peer, or altered";
   }
   return "unknown";
 }

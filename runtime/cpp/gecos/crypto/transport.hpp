@@ -12,14 +12,14 @@
 #include "gecos/crypto/aead.hpp"
 #include "gecos/crypto/replay_window.hpp"
 
-/// One direction of a channel: packets that may be lost, repeated or overtake each other on their way,
-/// and are delivered at most once, unaltered, or not at all.
+/// One direction of a channel: packets that may be lost, repeated or overtake each other on their
+/// way, and are delivered at most once, unaltered, or not at all.
 ///
 /// A frame is a counter (8 bytes, big-endian), the packet encrypted, and a tag (16 bytes). The
-/// upper half of the counter is the key's generation, the lower half numbers the packets of it from 0.
-/// The key of a generation is Noise's REKEY of the one before, so what was sent cannot be read with
-/// keys that are found later, and a new key needs no message and no answer. The whole counter is the
-/// nonce; in generation 0 a frame is what Noise's transport messages are.
+/// upper half of the counter is the key's generation, the lower half numbers the packets of it from
+/// 0. The key of a generation is Noise's REKEY of the one before, so what was sent cannot be read
+/// with keys that are found later, and a new key needs no message and no answer. The whole counter
+/// is the nonce; in generation 0 a frame is what Noise's transport messages are.
 ///
 ///     Bytes frame(Sealer::overhead + packet.size());
 ///     std::ranges::copy(packet, frame.begin() + Sealer::text_at);
@@ -27,8 +27,8 @@
 ///     …
 ///     if (auto packet = opener.open(header, frame)) deliver(*packet);  // lies within `frame`
 ///
-/// Neither allocates, locks or reads a clock. One thread at a time, of each half. A forked child must
-/// not seal with what it inherited: two packets under one counter give their contents away.
+/// Neither allocates, locks or reads a clock. One thread at a time, of each half. A forked child
+/// must not seal with what it inherited: two packets under one counter give their contents away.
 namespace gecos::crypto {
 
 /// When a direction goes over to its next key: what comes first.
@@ -46,8 +46,8 @@ class Sealer {
   Sealer(Sealer&&) = default;
   Sealer(const Sealer&) = delete;  // a copy would use its counters again
 
-  /// Seals in place what stands in `frame` from text_at up to its last tag_bytes. `associated` is not
-  /// sent; the opener must name the same. @pre `frame` has at least `overhead` bytes.
+  /// Seals in place what stands in `frame` from text_at up to its last tag_bytes. `associated` is
+  /// not sent; the opener must name the same. @pre `frame` has at least `overhead` bytes.
   void seal(ByteView associated, std::span<std::byte> frame);
 
   /// To be called every now and then, a tenth of RekeyRule::after or more often.
@@ -83,13 +83,13 @@ class Opener {
 
   explicit Opener(const Key& key);
 
-  /// Opens in place and gives the packet, which lies within `frame`. What fails changes nothing here,
-  /// and leaves `frame` unusable.
+  /// Opens in place and gives the packet, which lies within `frame`. What fails changes nothing
+  /// here, and leaves `frame` unusable.
   tl::expected<std::span<std::byte>, OpenProblem> open(ByteView associated,
                                                        std::span<std::byte> frame);
 
-  /// Erases the previous key some time after it was replaced: previous_kept after the first call that
-  /// follows. To be called with every beat.
+  /// Erases the previous key some time after it was replaced: previous_kept after the first call
+  /// that follows. To be called with every beat.
   void tend(TimePoint now);
 
   /// Whether anything was opened: the peer has the key, now and not in a recording.
