@@ -14,6 +14,7 @@ from gidl.diagnostics import Findings, Severity
 from gidl.fmt import UnreadableError, layout
 from gidl.loader import read_text
 from gidl.model import Location
+from gidl.output import replace_text
 from gidl.parser import parse
 from gidl.source import Source
 
@@ -52,7 +53,7 @@ def run(chosen: argparse.Namespace) -> int:
             if laid is not None and laid.shown == "-":
                 sys.stdout.write(laid.after)
             elif laid is not None and laid.after != laid.before:
-                Path(laid.shown).write_text(laid.after, encoding="utf-8", newline="\n")
+                replace_text(Path(laid.shown), laid.after)
     if files != ["-"]:
         _summary(chosen.check, len(files), len(changed))
     return FINDINGS if findings.has_errors or (chosen.check and changed) else FINE

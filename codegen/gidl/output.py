@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import difflib
+import os
+import shutil
+import tempfile
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -55,6 +58,24 @@ def write(out: Path, files: Mapping[str, str], difference: Difference) -> None:
         while folder != out and not any(folder.iterdir()):
             folder.rmdir()
             folder = folder.parent
+
+
+def replace_text(file: Path, text: str) -> None:
+    """Puts a new text in the place of the old, as a whole: who is interrupted, or finds the disk
+    full, has the old one."""
+    file = file.resolve()
+    number, name = tempfile.mkstemp(dir=file.parent, prefix=f".{file.name}.")
+    os.close(number)
+    beside = Path(name)
+    try:
+        beside.write_text(text, encoding="utf-8", newline="\n")
+        shutil.copymode(file, beside)
+        beside.replace(file)
+    except BaseException as problem:
+        beside.unlink()
+        if isinstance(problem, OSError) and problem.filename is None:
+            problem.filename = str(file)
+        raise
 
 
 def diff_text(out: Path, files: Mapping[str, str], difference: Difference) -> str:

@@ -7,6 +7,7 @@ difference.
 import io
 import os
 import re
+import resource
 import shutil
 import sys
 from pathlib import Path
@@ -201,3 +202,31 @@ class TestCommand:
         assert main(["fmt"]) == 100
         assert "idl/a.gidl:2:1: error[G0014]: cannot be laid out" in capsys.readouterr().err
         assert (here / "idl" / "a.gidl").read_text() == half
+
+
+def test_on_a_full_disk_the_file_stays_as_it_was(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "big.gidl"
+    text = "module m{" + "".join(f"struct S{i}{{long a;}};" for i in range(1000)) + "};"
+    file.write_text(text)
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (4096, before[1]))
+    try:
+        status = main(["fmt", str(file)])
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert (status, capsys.readouterr().err) == (1, f"gidl: {file}: File too large\n")
+    assert file.read_text() == text
+    assert [found.name for found in tmp_path.iterdir()] == ["big.gidl"]
+
+
+def test_a_file_that_is_laid_out_keeps_its_mode_and_stays_behind_its_link(tmp_path: Path) -> None:
+    file, link = tmp_path / "a.gidl", tmp_path / "link.gidl"
+    file.write_text("module m{struct S{long a;};};")
+    file.chmod(0o640)
+    link.symlink_to(file)
+    assert main(["fmt", str(link)]) == 0
+    assert link.is_symlink()
+    assert file.stat().st_mode & 0o777 == 0o640
+    assert "\n" in file.read_text()
