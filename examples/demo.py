@@ -33,11 +33,16 @@ class DemoError(RuntimeError):
     """The demonstration did not show what it should; the text says why."""
 
 
+def with_us(command: Sequence[str | Path]) -> list[str]:
+    """The command, for a process that is asked to end when this one is killed (kill -9)."""
+    return ["setpriv", "--pdeathsig", "TERM", "--", *map(str, command)]
+
+
 def start_server(command: Sequence[str | Path], env: dict[str, str]) -> subprocess.Popen[str]:
     """Starts a server and returns once it says that it is ready; passes its lines on."""
     name = Path(command[0]).name
     process = subprocess.Popen(
-        [str(part) for part in command],
+        with_us(command),
         env=env,
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
@@ -106,7 +111,7 @@ def lift(title: str, program: Sequence[str | Path], build: Path) -> None:
     with laboratory(build), gecos.Lab() as lab:
         world = lab.create(World, "WORLD")
         before = block_height(world)
-        process = subprocess.Popen([str(part) for part in program], stdin=subprocess.DEVNULL)
+        process = subprocess.Popen(with_us(program), stdin=subprocess.DEVNULL)
         try:
             status = process.wait(PATIENCE_S)
         except subprocess.TimeoutExpired:
@@ -138,7 +143,8 @@ def main() -> int:
     parser.add_argument("--build", type=Path, default=HERE.parent / "build", help="build folder")
     parser.add_argument("--medium", choices=["shm", "lcm"], help="medium (default: the best)")
     words = parser.parse_args()
-    signal.signal(signal.SIGTERM, interrupt)
+    for number in (signal.SIGTERM, signal.SIGHUP):  # the latter when a terminal is closed
+        signal.signal(number, interrupt)
 
     medium = [words.medium] if words.medium else []
     cpp = words.build / "examples" / "grip_block"

@@ -38,14 +38,22 @@ def test_the_block_is_lifted_from_cpp_and_from_python(lab: Laboratory) -> None:
     assert "FINISHED" in demo.output()
 
 
-def test_ctrl_c_leaves_nothing_behind(lab: Laboratory) -> None:
+@pytest.mark.parametrize(
+    ("number", "status"),
+    [(signal.SIGINT, 130), (signal.SIGHUP, 130), (signal.SIGKILL, -signal.SIGKILL)],
+)
+def test_however_it_is_ended_it_leaves_nothing_running(
+    lab: Laboratory, number: signal.Signals, status: int
+) -> None:
     marker = f"demo-of-{uuid.uuid4()}"
     lab.env["GECOS_TEST_MARKER"] = marker
     demo = lab.start(sys.executable, DEMO, "--build", lab.build)
     demo.wait_for("approach: RUNNING/EXECUTING")
     assert len(alive_with(marker)) >= 7, "the demo, its five servers and the program"
-    demo.signal(signal.SIGINT)
-    assert demo.finish() == 130, str(demo)
+    demo.signal(number)
+    assert demo.finish() == status, str(demo)
+    if number == signal.SIGKILL:  # nobody waits for them
+        until(lambda: alive_with(marker) == [], "its processes have ended")
     assert alive_with(marker) == []
 
 
