@@ -1,5 +1,7 @@
 #include "gecos/session/server_session.hpp"
 
+#include <algorithm>
+
 #include "gecos/session/handshake.hpp"
 #include "gecos/session/packets.hpp"
 #include "gecos/session/served_object.hpp"
@@ -16,6 +18,22 @@ wire::PacketHeader reply_to(std::uint64_t counter) {
   header.flags = static_cast<std::int8_t>(Detail::Done);
   header.counter = counter;
   return header;
+}
+
+/// What still can be told of a failure that no packet holds: its kind, and how its text begins.
+Failure shortened(const Failure& failure, std::size_t takes, std::size_t carried) {
+  constexpr std::size_t longest_text = 1024;
+  std::size_t cut = std::min(failure.text.size(), longest_text);
+  const auto inside_character = [&] {
+    return cut < failure.text.size() && (static_cast<unsigned char>(failure.text[cut]) & 0xC0) == 0x80;
+  };
+  while (cut > 0 && inside_character()) --cut;
+  return {failure.detail,
+          failure.text.substr(0, cut) + (cut < failure.text.size() ? "…" : "") +
+              " (cut: as a whole it takes " + std::to_string(takes) + " bytes and the medium carries " +
+              std::to_string(carried) + ")",
+          {},
+          {}};
 }
 
 }  // namespace
@@ -55,6 +73,10 @@ void ServerSession::reply(std::uint64_t counter, const Failure& failure) {
   auto header = reply_to(counter);
   header.session = id_;
   write_failure(packet_, header, failure);
+  if (const std::size_t carried = link_->offer().largest_packet; packet_.size() > carried) {
+    const std::size_t takes = packet_.size();
+    write_failure(packet_, header, shortened(failure, takes, carried));
+  }
   if (repeats_) replies.keep(counter, packet_);
   deliver(packet_);
 }
