@@ -127,7 +127,7 @@ nb::tuple progress(const CommandHandle& self) {
 }
 
 bool wait(const CommandHandle& self, std::optional<double> timeout) {
-  return wait_in_slices(timeout, [&](TimePoint until) { return self.core().wait_until(until); });
+  return wait_in_slices(timeout, [&](TimePoint until) { return self.awaited().wait_until(until); });
 }
 
 nb::tuple as_tuple(const session::StreamCore& core, const media::StreamSample& sample) {
@@ -172,12 +172,12 @@ void bind_client(nb::module_& module) {
       .def("close", &LabHandle::close);
 
   nb::class_<SessionHandle>(module, "Session")
-      .def_prop_ro("object_name", [](const SessionHandle& s) { return s.get()->object_name(); })
+      .def_prop_ro("object_name", [](const SessionHandle& s) { return s.about().object_name(); })
       .def_prop_ro("interface_name",
-                   [](const SessionHandle& s) { return s.get()->interface_name(); })
+                   [](const SessionHandle& s) { return s.about().interface_name(); })
       .def_prop_ro("medium",
                    [](const SessionHandle& s) {
-                     return std::string(media::to_string(s.get()->offer().kind));
+                     return std::string(media::to_string(s.about().offer().kind));
                    })
       .def("call", &call, nb::arg("code"), nb::arg("arguments"), nb::arg("deadline"))
       .def("subscribe", &subscribe, nb::arg("code"))

@@ -1,7 +1,11 @@
 #pragma once
 
+#include <unistd.h>
+
 #include <memory>
 #include <optional>
+#include <stdexcept>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -13,10 +17,32 @@
 /// server, which is done without it.
 namespace gecos::python {
 
-/// Lets go of a pointer without the GIL. Only where the GIL is held.
+/// Tells a forked child that a handle is its parent's. The threads that would end it in order are not
+/// in the child, and what they held at the fork stays held: nothing may be asked of it or waited for.
+class Owner {
+ public:
+  bool inherited() const { return process_ != ::getpid(); }
+  /// Throws in a forked child; `what` is for example "this Lab".
+  void demand(const char* what) const {
+    if (!inherited()) return;
+    throw std::runtime_error(std::string(what) +
+                             " belongs to the process that forked this one; make a Lab, and what "
+                             "you need of it, in the child");
+  }
+
+ private:
+  pid_t process_ = ::getpid();
+};
+
+/// Lets go of a pointer without the GIL. Only where the GIL is held. A forked child leaves what it
+/// inherited as it is.
 template <class T>
-void let_go(std::shared_ptr<T>& pointer) {
+void let_go(std::shared_ptr<T>& pointer, const Owner& owner) {
   if (pointer == nullptr) return;
+  if (owner.inherited()) {
+    static_cast<void>(new std::shared_ptr<T>(std::exchange(pointer, nullptr)));
+    return;
+  }
   without_gil([dropped = std::exchange(pointer, nullptr)]() mutable { dropped.reset(); });
 }
 
@@ -26,17 +52,24 @@ class SessionHandle {
       : session_(std::move(session)), table_(table) {}
   SessionHandle(const SessionHandle&) = delete;
   SessionHandle& operator=(const SessionHandle&) = delete;
-  ~SessionHandle() { let_go(session_); }
+  ~SessionHandle() { let_go(session_, owner_); }
 
   /// Never null: after `close` whatever is asked of it says that its Lab is closed.
-  std::shared_ptr<session::ClientSession> get() const { return session_; }
+  /// Throws in a forked child.
+  std::shared_ptr<session::ClientSession> get() const {
+    owner_.demand("this proxy");
+    return session_;
+  }
+  const session::ClientSession& about() const { return *session_; }
   const InterfaceDescription& table() const { return table_; }
   void close() {
+    if (owner_.inherited()) return;
     auto open = std::exchange(session_, session::closed_session(*session_));
-    let_go(open);
+    let_go(open, owner_);
   }
 
  private:
+  const Owner owner_;
   std::shared_ptr<session::ClientSession> session_;
   const InterfaceDescription& table_;
 };
@@ -46,10 +79,11 @@ class LabHandle {
   explicit LabHandle(LabOptions options) : lab_(std::make_shared<Lab>(std::move(options))) {}
   LabHandle(const LabHandle&) = delete;
   LabHandle& operator=(const LabHandle&) = delete;
-  ~LabHandle() { let_go(lab_); }
+  ~LabHandle() { let_go(lab_, owner_); }
 
-  /// Throws once it is closed.
+  /// Throws once it is closed, and in a forked child.
   std::shared_ptr<Lab> get() const {
+    owner_.demand("this Lab");
     if (lab_ == nullptr) throw nanobind::value_error("this Lab is closed; make a new one");
     return lab_;
   }
@@ -63,10 +97,11 @@ class LabHandle {
     for (const auto& known : std::exchange(sessions_, {})) {
       if (const auto session = known.lock()) session->close();
     }
-    let_go(lab_);
+    let_go(lab_, owner_);
   }
 
  private:
+  const Owner owner_;
   std::shared_ptr<Lab> lab_;
   std::vector<std::weak_ptr<SessionHandle>> sessions_;
 };
@@ -75,11 +110,17 @@ class CommandHandle {
  public:
   explicit CommandHandle(std::shared_ptr<session::CommandCore> core) : core_(std::move(core)) {}
   CommandHandle(CommandHandle&&) = default;
-  ~CommandHandle() { let_go(core_); }
+  ~CommandHandle() { let_go(core_, owner_); }
 
   session::CommandCore& core() const { return *core_; }
+  /// Throws in a forked child.
+  session::CommandCore& awaited() const {
+    owner_.demand("this command");
+    return *core_;
+  }
 
  private:
+  Owner owner_;
   std::shared_ptr<session::CommandCore> core_;
 };
 
@@ -87,15 +128,19 @@ class StreamHandle {
  public:
   explicit StreamHandle(std::shared_ptr<session::StreamCore> core) : core_(std::move(core)) {}
   StreamHandle(StreamHandle&&) = default;
-  ~StreamHandle() { let_go(core_); }
+  ~StreamHandle() { let_go(core_, owner_); }
 
-  /// Null once it is closed.
-  std::shared_ptr<session::StreamCore> get() const { return core_; }
+  /// Null once it is closed. Throws in a forked child.
+  std::shared_ptr<session::StreamCore> get() const {
+    owner_.demand("this stream");
+    return core_;
+  }
   /// Its memory is used again by each reading.
   media::StreamSample& sample() { return sample_; }
-  void close() { let_go(core_); }
+  void close() { let_go(core_, owner_); }
 
  private:
+  Owner owner_;
   std::shared_ptr<session::StreamCore> core_;
   media::StreamSample sample_;
 };
@@ -112,12 +157,14 @@ class LeaseHandle {
   int status() const { return status_; }
   std::uint64_t epoch() const { return epoch_; }
   /// Again does nothing.
-  void release() { let_go(lease_); }
+  void release() { let_go(lease_, owner_); }
   void release_now() {
+    if (owner_.inherited()) return;
     if (lease_) without_gil([lease = std::exchange(lease_, nullptr)] { lease->release_now(); });
   }
 
  private:
+  Owner owner_;
   int status_;
   std::uint64_t epoch_;
   std::shared_ptr<Lease> lease_;

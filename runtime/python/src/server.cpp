@@ -72,6 +72,7 @@ class ServerHandle {
 
   nb::object add(const std::string& name, nb::handle interface, bool simulated,
                  const std::vector<std::string>& media) {
+    owner_.demand("this Server");
     const auto server = server_;  // another thread may close meanwhile
     if (server == nullptr) return nb::str("the server is closed");
     ObjectOptions options;
@@ -96,6 +97,7 @@ class ServerHandle {
 
   /// Nothing once a broker answers, else where it was looked for.
   nb::object await_broker(double patience) {
+    owner_.demand("this Server");
     const auto server = server_;  // another thread may close meanwhile
     if (server == nullptr) return nb::str("the server is closed");
     std::string why;
@@ -119,17 +121,24 @@ class ServerHandle {
     return nb::cast(CallHandle(std::move(std::get<Arrived>(*task))));
   }
 
-  bool closed() const { return served_->tasks.closed(); }
+  bool closed() const { return owner_.inherited() || served_->tasks.closed(); }
 
   void close() {
+    if (owner_.inherited()) {
+      static_cast<void>(new auto(std::exchange(server_, nullptr)));
+      static_cast<void>(new auto(served_));
+      let_go(lab_, owner_);
+      return;
+    }
     without_gil([this, server = std::exchange(server_, nullptr)]() mutable {
       served_->tasks.close();
       server.reset();
     });
-    let_go(lab_);
+    let_go(lab_, owner_);
   }
 
  private:
+  const Owner owner_;
   std::shared_ptr<Lab> lab_;
   std::shared_ptr<Served> served_ = std::make_shared<Served>();
   std::shared_ptr<Server> server_;
@@ -149,8 +158,8 @@ class BrokerHandle {
   ~BrokerHandle() { close(); }
 
   void close() {
-    let_go(serving_);
-    let_go(lab_);
+    let_go(serving_, owner_);
+    let_go(lab_, owner_);
   }
 
  private:
@@ -159,6 +168,7 @@ class BrokerHandle {
     broker::Broker broker;
     Server server;  // last: ends before the servant it serves
   };
+  const Owner owner_;
   std::shared_ptr<Lab> lab_;
   std::shared_ptr<Serving> serving_;
 };

@@ -1,6 +1,7 @@
 #include "gecos/session/server.hpp"
 
 #include <signal.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <mutex>
@@ -29,6 +30,8 @@ class Server::Core {
   tl::expected<void, ServeError> add(std::string name, Servant& servant, ObjectOptions options);
   void run();
   void shut_down();
+  /// True in a forked child, which has none of the threads that would end it.
+  bool inherited() const { return getpid() != owner_; }
 
  private:
   /// What housekeeping holds: it lets go of the server before the server's parts end.
@@ -46,6 +49,7 @@ class Server::Core {
   tl::expected<Opened, ServeError> open_places(const std::string& name,
                                                const ObjectOptions& options);
 
+  const pid_t owner_ = getpid();
   const std::shared_ptr<LabCore> lab_;
   std::mutex mutex_;
   std::vector<std::shared_ptr<ServedObject>> objects_;
@@ -166,7 +170,9 @@ void Server::Core::shut_down() { ended_.ring(); }
 
 Server::Server(Lab& lab)
     : core_(std::make_unique<Core>(lab.core().shared_from_this())) {}
-Server::~Server() = default;
+Server::~Server() {
+  if (core_->inherited()) static_cast<void>(core_.release());  // the parent's, with all it holds
+}
 
 tl::expected<void, ServeError> Server::await_broker(Duration patience) {
   return core_->await_broker(patience);

@@ -1,0 +1,75 @@
+"""A program that forks while it calls and serves: what the child inherits is its parent's."""
+
+from __future__ import annotations
+
+import gecos
+import pytest
+from lamp import PlainLamp
+from test_process import running
+
+PARENT = """
+import gecos, os, sys, threading
+from lamp import Lamp, PlainLamp
+
+lab = gecos.Lab()
+server = gecos.Server(lab)
+server.add("MINE", PlainLamp(), simulated=True)
+mine = gecos.Lab().create(Lamp, "MINE", medium="shm")
+lamp = lab.create(Lamp, "LAMP", medium="shm")
+lease = gecos.actor(lamp)
+burning = lamp.burn_in()
+burning.detach()
+stream = lamp.level.stream()
+over = threading.Event()
+
+def busy(proxy):
+    while not over.is_set():
+        proxy.label().result(30)
+
+threads = [threading.Thread(target=busy, args=(proxy,)) for proxy in (mine, lamp)]
+for thread in threads:
+    thread.start()
+
+def refused(what):
+    try:
+        what()
+    except RuntimeError as error:
+        assert "belongs to the process that forked this one" in str(error), error
+    else:
+        raise AssertionError("not refused")
+
+for _ in range(20):
+    child = os.fork()
+    if child == 0:
+        over.set()
+{child}
+        sys.exit(0)
+    _, status = os.waitpid(child, 0)
+    assert status == 0, status
+over.set()
+for thread in threads:
+    thread.join()
+assert burning.state is gecos.State.RUNNING
+burning.cancel()
+burning.wait(30)
+print("well", flush=True)
+"""
+
+CHILDREN = {
+    "ends": "pass",
+    "closes": "lease.release(); stream.close(); server.close(); lab.close()",
+    "drops": "del lease, stream, server, lab, mine, lamp, burning",
+    "asks": "[refused(what) for what in (lamp.label, burning.wait, stream.next, stream.latest, "
+    "lambda: lab.create(Lamp, 'LAMP'), lambda: server.add('X', PlainLamp()), "
+    "lambda: gecos.actor(lamp), lambda: gecos.stop(lamp))]",
+    "makes its own": "assert gecos.Lab().create(Lamp, 'LAMP').label().result(30) == 'a lamp'",
+}
+
+
+@pytest.mark.parametrize("child", CHILDREN)
+def test_a_forked_child_ends_and_leaves_its_parent_alone(
+    lab: gecos.Lab, server: gecos.Server, servant: PlainLamp, child: str
+) -> None:
+    with running(PARENT.replace("{child}", "        " + CHILDREN[child])) as program:
+        out, err = program.communicate(timeout=60)
+        assert (out, err, program.returncode) == ("well\n", "", 0)
