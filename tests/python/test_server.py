@@ -209,6 +209,24 @@ def test_an_unknown_medium_is_named(lab: gecos.Lab, server: gecos.Server) -> Non
         server.add("LAMP3", PlainLamp(), media=["pigeon"])
 
 
+def test_a_call_that_waits_for_its_handler_when_the_server_closes_was_not_started(
+    lamp: Lamp, server: gecos.Server, servant: PlainLamp
+) -> None:
+    begun, go_on = threading.Event(), threading.Event()
+    servant.before_label = lambda: (begun.set(), go_on.wait(30))
+    running, waiting = lamp.label(), lamp.label()
+    assert begun.wait(30)
+    gecos.ping(lamp).result(30)  # so both have arrived
+    closing = threading.Thread(target=server.close)
+    closing.start()
+    with pytest.raises(gecos.CommandFailed, match="the server is about to end") as caught:
+        waiting.result(30)
+    assert caught.value.detail is Detail.REJECTED
+    go_on.set()
+    closing.join(30)
+    assert running.wait(30) is not State.RUNNING
+
+
 def test_a_server_may_be_closed_twice(server: gecos.Server) -> None:
     server.close()
     server.close()

@@ -1,16 +1,33 @@
 #include "pulled_servant.hpp"
 
+#include <string>
 #include <utility>
 
 namespace gecos::python {
+namespace {
+
+void refuse(Task& task) {
+  auto* const arrived = std::get_if<Arrived>(&task);
+  if (arrived == nullptr) return;
+  arrived->call.fail({Detail::Rejected,
+                      "'" + std::string(arrived->call.operation().name) +
+                          "' was not started: the server is about to end",
+                      {},
+                      {}});
+}
+
+}  // namespace
 
 void TaskQueue::push(Lane lane, Task task) {
   {
     const std::lock_guard lock(mutex_);
-    if (closed_) return;  // a call that is dropped answers for itself
-    lanes_[static_cast<std::size_t>(lane)].push_back(std::move(task));
+    if (!closed_) {
+      lanes_[static_cast<std::size_t>(lane)].push_back(std::move(task));
+      arrived_.notify_all();
+      return;
+    }
   }
-  arrived_.notify_all();
+  refuse(task);
 }
 
 std::optional<Task> TaskQueue::next(Lane lane, TimePoint until) {
@@ -31,6 +48,9 @@ void TaskQueue::close() {
     std::swap(unhandled, lanes_);
   }
   arrived_.notify_all();
+  for (auto& lane : unhandled) {
+    for (Task& task : lane) refuse(task);
+  }
 }
 
 bool TaskQueue::closed() const {
