@@ -159,3 +159,34 @@ def test_importing_the_codec_needs_neither_extension_nor_numpy() -> None:
     with running(program) as client:
         out, err = client.communicate(timeout=30)
         assert out.strip() == "", err
+
+
+WITH_FEW_DESCRIPTORS = (
+    """
+import resource
+resource.setrlimit(resource.RLIMIT_NOFILE, (64, 64))
+"""
+    + SERVING
+)
+
+
+def test_a_server_without_descriptors_tells_the_client_so_and_serves_the_others(
+    lab: gecos.Lab,
+) -> None:
+    with running(WITH_FEW_DESCRIPTORS) as server:
+        assert says(server) == "serving LAMP\n"
+        first = lab.create(Lamp, "LAMP", medium="shm")
+        guests = gecos.Lab()
+        let_in = []
+        with pytest.raises(gecos.CreateError, match=r"let us in: .*(ulimit -n|Too many open files)"):
+            for _ in range(64):
+                let_in.append(guests.create(Lamp, "LAMP", medium="shm"))
+        assert first.label().result(30) == "a lamp"
+        guests.close()
+        while True:  # the server learns of it at its own pace
+            try:
+                again = lab.create(Lamp, "LAMP", medium="shm")
+            except gecos.CreateError:
+                continue
+            break
+        assert again.label().result(30) == "a lamp"

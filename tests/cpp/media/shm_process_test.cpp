@@ -279,6 +279,27 @@ TEST_F(ShmProcess, AClientIsTurnedAwayWhenNoDescriptorIsLeft) {
   EXPECT_EQ(End(std::move(first_server)).receive(), "still served");
 }
 
+TEST_F(ShmProcess, AClientHearsThatTheDescriptorsOfTheServerEndedWhileItWasLetIn) {
+  const auto door = listen();
+  // For its socket, for what tells its death, its memory and its bell, our memory, our bell.
+  for (const rlim_t left : {0, 1, 2, 3, 4}) {
+    End client = connect();
+    rlimit before{};
+    ::getrlimit(RLIMIT_NOFILE, &before);
+    const rlimit tight{open_descriptors() - 1 + left, before.rlim_max};  // one of them was to count
+    ::setrlimit(RLIMIT_NOFILE, &tight);
+    EXPECT_EQ(door->accept(), nullptr);
+    ::setrlimit(RLIMIT_NOFILE, &before);
+    EXPECT_TRUE(client.wait([&] { return client.link->loss() != Loss::None; }));
+    const std::string why = client.link->loss_text();
+    EXPECT_TRUE(why.find("no descriptors left (ulimit -n)") != std::string::npos ||
+                why.find("Too many open files") != std::string::npos)
+        << left << ": " << why;
+  }
+  End client = connect();
+  EXPECT_NE(wait_for_client(*door), nullptr) << "later ones are let in";
+}
+
 TEST(RuntimeDirectory, IsMadeForThisUserAlone) {
   const ScratchDirectory scratch;
   const std::string path = scratch.path() + "/gecos";

@@ -11,8 +11,11 @@ namespace {
 
 using NotOpened = LinkedSession::NotOpened;
 
-NotOpened silent(const media::Link& link) {
-  return {Detail::NoServer, link.peer().description + " did not answer"};
+/// Why no welcome came: what the other end or the medium said of the loss, else nobody spoke.
+NotOpened unanswered(media::Link& link) {
+  const std::string& who = link.peer().description;
+  if (link.loss() == media::Loss::None) return {Detail::NoServer, who + " did not answer"};
+  return {Detail::NoServer, who + " did not let us in: " + link.loss_text()};
 }
 
 /// The next packet before `deadline`; nothing when there was none, or the link is lost.
@@ -41,7 +44,7 @@ tl::expected<std::shared_ptr<LinkedSession>, NotOpened> LinkedSession::open(
 
   for (int sent = 1;; ++sent) {
     if (const auto left = link->send(greeting, {}); !left) {
-      if (left.error() != media::SendProblem::Full) return tl::unexpected(silent(*link));
+      if (left.error() != media::SendProblem::Full) return tl::unexpected(unanswered(*link));
     }
     const TimePoint again =
         link->offer().reliable ? deadline : std::min(deadline, deadline_after(retry_after(sent)));
@@ -60,7 +63,7 @@ tl::expected<std::shared_ptr<LinkedSession>, NotOpened> LinkedSession::open(
     }
     const bool lost = link->loss() != media::Loss::None;
     if (lost || std::chrono::steady_clock::now() >= deadline) {
-      return tl::unexpected(silent(*link));
+      return tl::unexpected(unanswered(*link));
     }
   }
 }

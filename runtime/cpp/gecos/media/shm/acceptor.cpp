@@ -29,6 +29,7 @@ namespace {
 constexpr std::size_t most_guests = 64;  // who connect and stay silent are dropped, oldest first
 constexpr int most_at_once = 64;
 constexpr std::size_t longest_name = 32;
+constexpr std::string_view no_descriptors = "the server has no descriptors left (ulimit -n)";
 
 tl::unexpected<MediumError> error(const std::string& text) {
   return tl::unexpected(MediumError{"shm: " + text});
@@ -256,8 +257,12 @@ void ShmAcceptor::turn_away() {
   // Left in the queue the client would keep us awake for ever.
   spare_.reset();
   const Descriptor unwanted(::accept4(listener_.get(), nullptr, nullptr, SOCK_CLOEXEC));
-  if (unwanted) say_goodbye(unwanted.get(), "the server has no descriptors left (ulimit -n)");
+  if (unwanted) say_goodbye(unwanted.get(), no_descriptors);
   spare_ = Descriptor(::open("/dev/null", O_RDONLY | O_CLOEXEC));
+  log_turned_away();
+}
+
+void ShmAcceptor::log_turned_away() const {
   log_warning("shm", path_ + " turned a client away: no descriptors left, see `ulimit -n`");
 }
 
@@ -269,6 +274,9 @@ std::unique_ptr<Link> ShmAcceptor::hear(std::size_t index) {
   if (read != ControlRead::Message || hello.message.type != ControlType::Hello) {
     if (read == ControlRead::Garbage) {
       say_goodbye(guest.socket.get(), "refused: another version of gecos, or not gecos at all");
+    } else if (read == ControlRead::NoDescriptors) {
+      say_goodbye(guest.socket.get(), no_descriptors);
+      log_turned_away();
     }
     drop(index);
     return nullptr;

@@ -36,6 +36,7 @@ class ShmAcceptor final : public Acceptor {
   };
   bool let_in();
   void turn_away();
+  void log_turned_away() const;
   std::unique_ptr<Link> hear(std::size_t guest);
   void drop(std::size_t guest);
   void abandon() noexcept;

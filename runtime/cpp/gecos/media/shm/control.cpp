@@ -95,6 +95,9 @@ ControlRead receive_control(int socket, ReceivedControl& into) {
   into.descriptors = {};
   const bool fits = take_descriptors(header, into.descriptors);
   if (got == 0) return ControlRead::Ended;
+  // The kernel drops those that find no place in our table, and says only that some were dropped.
+  const bool dropped = (header.msg_flags & MSG_CTRUNC) != 0;
+  if (dropped && !into.descriptors.back()) return ControlRead::NoDescriptors;
   if (!fits || (header.msg_flags & MSG_TRUNC) != 0 ||
       got != static_cast<ssize_t>(sizeof into.message) ||
       into.message.version != ControlMessage::this_version) {

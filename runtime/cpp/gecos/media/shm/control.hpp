@@ -36,7 +36,13 @@ struct ControlMessage {
   std::string words() const;
 };
 
-enum class ControlRead : std::uint8_t { Message, Nothing, Ended, Garbage };
+enum class ControlRead : std::uint8_t {
+  Message,
+  Nothing,
+  Ended,
+  Garbage,
+  NoDescriptors,  ///< it brought some, and this process may open no more
+};
 
 struct ReceivedControl {
   ControlMessage message;

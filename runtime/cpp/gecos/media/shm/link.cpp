@@ -18,11 +18,12 @@ constexpr std::size_t most_unsent = 256;
 constexpr int most_messages_at_once = 64;  // so that a flood on the socket delays, but never holds
 
 /// Fails, with the text of the system, when there is no descriptor left for its bell.
-tl::expected<std::unique_ptr<ShmLink>, std::string> make_link(ShmLink::Role role, Descriptor socket,
+tl::expected<std::unique_ptr<ShmLink>, std::string> make_link(ShmLink::Role role,
+                                                              std::shared_ptr<PeerEnd> other,
                                                               Peer peer, Descriptor death,
                                                               SealedMemory own) {
   try {
-    return std::make_unique<ShmLink>(role, std::move(socket), std::move(peer), std::move(death),
+    return std::make_unique<ShmLink>(role, std::move(other), std::move(peer), std::move(death),
                                      std::move(own));
   } catch (const std::system_error& failed) {
     return tl::unexpected<std::string>(failed.what());
@@ -73,13 +74,14 @@ void PeerEnd::forget() {
   mapping_.forget();
 }
 
-ShmLink::ShmLink(Role role, Descriptor socket, Peer peer, Descriptor death, SealedMemory own)
+ShmLink::ShmLink(Role role, std::shared_ptr<PeerEnd> other, Peer peer, Descriptor death,
+                 SealedMemory own)
     : role_(role),
       peer_(std::move(peer)),
       own_memory_(std::move(own)),
       own_(RingMemory::at(own_memory_.mapping.data(), usual_slot_count)),
       death_(std::move(death)),
-      other_(std::make_shared<PeerEnd>(std::move(socket))),
+      other_(std::move(other)),
       writer_(own_),
       descriptors_{bell_.descriptor(), other_->socket(), death_.get()},
       fork_watch_(this, [](void* owner) noexcept { static_cast<ShmLink*>(owner)->abandon(); }) {}
@@ -88,8 +90,8 @@ tl::expected<std::unique_ptr<Link>, MediumError> ShmLink::greet(Descriptor socke
                                                                 Descriptor death) {
   auto own = make_sealed("gecos client", ring_bytes);
   if (!own) return tl::unexpected(std::move(own.error()));
-  auto made = make_link(Role::Client, std::move(socket), std::move(peer), std::move(death),
-                        std::move(*own));
+  auto made = make_link(Role::Client, std::make_shared<PeerEnd>(std::move(socket)),
+                        std::move(peer), std::move(death), std::move(*own));
   if (!made) return tl::unexpected(MediumError{"shm: " + made.error()});
   auto link = std::move(*made);
   const std::array given{link->own_memory_.memfd.get(), link->bell_.descriptor()};
@@ -103,11 +105,17 @@ tl::expected<std::unique_ptr<Link>, MediumError> ShmLink::greet(Descriptor socke
 tl::expected<std::unique_ptr<Link>, std::string> ShmLink::welcome(Descriptor socket, Peer peer,
                                                                   Descriptor death,
                                                                   ReceivedControl& hello) {
+  const auto refuse = [](int to, std::string why) {
+    ControlMessage bye{.type = ControlType::Bye};
+    bye.set_text("the server has no room for another client: " + why);
+    send_control(to, bye);
+    return tl::unexpected(std::move(why));
+  };
   auto own = make_sealed("gecos server", ring_bytes);
-  if (!own) return tl::unexpected(std::move(own.error().text));
-  auto made = make_link(Role::Server, std::move(socket), std::move(peer), std::move(death),
-                        std::move(*own));
-  if (!made) return tl::unexpected(std::move(made.error()));
+  if (!own) return refuse(socket.get(), std::move(own.error().text));
+  auto end = std::make_shared<PeerEnd>(std::move(socket));
+  auto made = make_link(Role::Server, end, std::move(peer), std::move(death), std::move(*own));
+  if (!made) return refuse(end->socket(), std::move(made.error()));
   auto link = std::move(*made);
   std::string problem;
   if (!link->know_peer(hello, problem)) return tl::unexpected(std::move(problem));
@@ -267,6 +275,8 @@ void ShmLink::read_control() {
       take_control(control);
     } else if (read == ControlRead::Ended) {
       note_loss(Loss::Died, peer_.description + " closed its socket without a word");
+    } else if (read == ControlRead::NoDescriptors) {
+      note_loss(Loss::Broken, "no descriptors are left here for what it sent (ulimit -n)");
     } else {
       note_loss(Loss::Broken, "it sent something that is no message of ours");
     }

@@ -75,7 +75,8 @@ class ShmLink final : public Link {
   void unshare(std::uint32_t id) override;
   std::unique_ptr<StreamReader> open_stream(std::uint32_t id) override;
 
-  ShmLink(Role role, Descriptor socket, Peer peer, Descriptor death, SealedMemory own);
+  ShmLink(Role role, std::shared_ptr<PeerEnd> other, Peer peer, Descriptor death,
+          SealedMemory own);
 
  private:
   struct Arrived {
