@@ -178,7 +178,9 @@ def test_a_server_without_descriptors_tells_the_client_so_and_serves_the_others(
         first = lab.create(Lamp, "LAMP", medium="shm")
         guests = gecos.Lab()
         let_in = []
-        with pytest.raises(gecos.CreateError, match=r"let us in: .*(ulimit -n|Too many open files)"):
+        with pytest.raises(
+            gecos.CreateError, match=r"let us in: .*(ulimit -n|Too many open files)"
+        ):
             for _ in range(64):
                 let_in.append(guests.create(Lamp, "LAMP", medium="shm"))
         assert first.label().result(30) == "a lamp"
