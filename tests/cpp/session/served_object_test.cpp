@@ -204,6 +204,28 @@ TEST_F(ServedObjects, PartsFromAClientThatAsksAndNeverListens) {
   EXPECT_TRUE(object_->judge_silence(session_)) << "though it gives signs of life";
 }
 
+TEST_F(ServedObjects, PacketsThatCountNoCallAreIgnored) {
+  link_->sent.clear();
+  for (const auto kind :
+       {wire::PacketKind::Query, wire::PacketKind::Cancel, wire::PacketKind::Call}) {
+    packet(kind, 0, probe::read_code);
+  }
+  EXPECT_TRUE(link_->sent.empty());
+  call(1, probe::read_code);
+  EXPECT_EQ(reply_to(1), Detail::Done);
+}
+
+TEST_F(OverALossyLine, PacketsThatCountNoCallAreIgnored) {
+  link_->sent.clear();
+  for (const auto kind :
+       {wire::PacketKind::Query, wire::PacketKind::Cancel, wire::PacketKind::Call}) {
+    packet(kind, 0, probe::read_code);
+  }
+  EXPECT_TRUE(link_->sent.empty());
+  call(1, probe::read_code);
+  EXPECT_EQ(reply_to(1), Detail::Done);
+}
+
 TEST_F(OverALossyLine, ACallWhoseAnswerWasCrowdedOutStillComesToAnEnd) {
   servant_.result.resize(40 * 1024);
   call(1, probe::read_code);

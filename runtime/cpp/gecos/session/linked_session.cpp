@@ -220,8 +220,11 @@ void LinkedSession::take_packet(ByteView bytes) {
   const auto packet = wire::decode_packet(bytes);
   if (!packet || packet->header.session != id_) return;
   switch (packet->header.kind) {
-    case wire::PacketKind::Reply: return take_reply(*packet);
-    case wire::PacketKind::Progress: return take_progress(*packet);
+    case wire::PacketKind::Reply:
+    case wire::PacketKind::Progress:
+      if (packet->header.counter == 0) return;  // counts no call: damage, or malice
+      return packet->header.kind == wire::PacketKind::Reply ? take_reply(*packet)
+                                                            : take_progress(*packet);
     case wire::PacketKind::Closed: return take_closed(packet->header.code);
     case wire::PacketKind::Goodbye:
       goodbye_heard_.store(true, std::memory_order_release);

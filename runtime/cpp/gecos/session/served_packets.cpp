@@ -48,6 +48,7 @@ void ServedObject::take(const std::shared_ptr<ServerSession>& session, ByteView 
   if (!theirs || session->departed) return say_goodbye(*session, header.session, "it is not known here");
 
   if (session->repeats()) session->replies.acknowledged(header.acknowledged);
+  if (header.counter == 0) return;  // counts no call: damage, or malice
   switch (header.kind) {
     case wire::PacketKind::Call: return arrive(session, *packet);
     case wire::PacketKind::Cancel: return cancel(*session, header.counter);
