@@ -29,6 +29,7 @@ class Answered final : public gecos::session::CommandCore {
   gecos::ByteView result() const override { return outcome_.result; }
   const gecos::Failure& failure() const override { return *outcome_.failure; }
   int descriptor() override { return -1; }
+  void when_ended(std::function<void()> then) override { then(); }
 
  private:
   Outcome outcome_;

@@ -86,7 +86,7 @@ bool ServedObject::starts_on_time(ServerCall& call) {
   if (may) return true;
   const bool lost = may.error().reason == access::Denial::Reason::LeaseEnded;
   end(call, Failure{lost ? Detail::LeaseLost : Detail::Denied,
-                    "'" + std::string(call.operation().name) + "' of " + name_ + ": " +
+                    "'" + std::string(call.operation().name) + "' of " + name_ + " " +
                         may.error().text, {}, {}});
   return false;
 }
