@@ -4,6 +4,7 @@ import asyncio
 import gc
 import queue
 import select
+import sys
 import threading
 import warnings
 
@@ -288,6 +289,18 @@ def test_a_callback_that_fails_does_not_stop_the_next(held: Lamp, servant: Plain
     burning.add_done_callback(lambda _: told.put(1))
     servant.finish.set()
     assert told.get() == 1
+
+
+def test_a_callback_that_wants_to_exit_does_not_stop_the_next(
+    held: Lamp, servant: PlainLamp, capfd: pytest.CaptureFixture[str]
+) -> None:
+    told: queue.Queue[int] = queue.Queue()
+    burning = held.burn_in()
+    burning.add_done_callback(lambda _: sys.exit("enough"))
+    burning.add_done_callback(lambda _: told.put(1))
+    servant.finish.set()
+    assert told.get(timeout=10) == 1
+    assert "SystemExit: enough" in capfd.readouterr().err
 
 
 def test_a_command_can_be_selected_on(held: Lamp, servant: PlainLamp) -> None:

@@ -62,10 +62,11 @@ class _Watch:
 
 
 def call(callback: Callable[[], object]) -> None:
-    """A callback has no caller that could be told."""
+    """A callback has no caller that could be told. Nor does sys.exit() in one end more than it:
+    the thread goes on with the callbacks of others."""
     try:
         callback()
-    except Exception:
+    except BaseException:
         _core.log_error("command", f"a callback of a command failed\n{traceback.format_exc()}")
 
 
