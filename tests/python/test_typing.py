@@ -13,6 +13,7 @@ TREE = Path(__file__).resolve().parents[2]
 
 PROGRAM = """
 import asyncio
+from dataclasses import dataclass
 import gecos
 from lamp import Glow, Lamp, PlainLamp
 
@@ -28,6 +29,13 @@ def use(lab: gecos.Lab) -> float:
         value: float = sample.value
         return value
     return plain.result()
+
+@dataclass(slots=True, eq=False)
+class Cold(gecos.DeclaredError):  # as gidl writes an exception without members
+    pass
+
+def refuse() -> None:
+    raise Cold()
 
 async def wait(lamp: Lamp) -> str:
     async for sample in lamp.level.stream():

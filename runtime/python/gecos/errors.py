@@ -93,6 +93,10 @@ class DeclaredError(CommandFailed):
 
     _gecos_name: ClassVar[str] = ""  # scoped: "robcl::OutOfReach"
 
+    if TYPE_CHECKING:
+        # What @dataclass makes for an exception without members, which mypy does not see.
+        def __init__(self) -> None: ...
+
     @property
     def text(self) -> str:
         return str(self)
