@@ -12,6 +12,7 @@ from robcl.laser_distance_sensor import (
     LaserDistanceSensorServant,
     SensorFault,
 )
+from robcl.manipulator import Manipulator
 
 
 class Lds(LaserDistanceSensorServant):
@@ -82,3 +83,11 @@ def test_a_program_for_the_base_interface_runs_on_the_derived_object(
     device = lab.create(Device, "LASER")
     assert device.base().result() == Frame()
     assert repr(device).startswith("<robcl::LaserDistanceSensor 'LASER'")
+
+
+def test_assigning_to_a_proxy_says_what_to_call(sensor: LaserDistanceSensor) -> None:
+    with pytest.raises(AttributeError, match=r"power is not set by assigning; what can be set has"):
+        sensor.power = True  # type: ignore[method-assign, assignment]
+    arm = Manipulator(sensor._gecos_session)
+    with pytest.raises(AttributeError, match=r"call set_tool_offset\(…\) for it"):
+        arm.tool_offset = Frame()  # type: ignore[method-assign, assignment]

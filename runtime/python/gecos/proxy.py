@@ -50,6 +50,16 @@ class Object:
         self._gecos_session = gecos_session
         self._gecos_deadline = 0.0
 
+    if not TYPE_CHECKING:  # type checkers know it already, and would take it as leave
+
+        def __setattr__(self, name: str, value: object) -> None:
+            if not name.startswith("_gecos"):
+                setter = "what can be set has a method set_…(…)"
+                if hasattr(self, f"set_{name}"):
+                    setter = f"call set_{name}(…) for it"
+                raise AttributeError(f"{self!r}: {name} is not set by assigning; {setter}")
+            super().__setattr__(name, value)
+
     def _gecos_call(self, method: Method[T, F], arguments: Parts) -> Command[T, F]:
         core = self._gecos_session.call(
             method.operation.code, b"".join(arguments), self._gecos_deadline
