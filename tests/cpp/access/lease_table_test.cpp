@@ -127,6 +127,16 @@ TEST_F(LeaseTableTest, WhoKnowsThePasswordJoinsUnderTheSameEpoch) {
   EXPECT_EQ(table.roster().size(), 2U);
 }
 
+TEST_F(LeaseTableTest, WhoBringsNoPasswordIsToldThatOneIsWanted) {
+  give(kAda, Status::Actor, plain_proof("sesame"));
+  const auto refused = table.acquire(kBob, bob, Status::Actor, kNoPassword, now);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().reason, LeaseRefusal::Reason::WrongPassword);
+  EXPECT_TRUE(refused.error().text.starts_with(
+      "actor status refused: it is shared by password, and none was given; actor status is held by ada"))
+      << refused.error().text;
+}
+
 TEST_F(LeaseTableTest, AWrongPasswordIsRefusedWithoutBeingRepeated) {
   give(kAda, Status::Actor, plain_proof("sesame"));
   const auto refused = table.acquire(kBob, bob, Status::Actor, plain_proof("password1"), now);

@@ -87,9 +87,10 @@ tl::expected<Grant, LeaseRefusal> LeaseTable::acquire(SessionId session, const C
           refuse(Reason::HeldByOther, status + " status refused: it is not shared", now));
     }
     if (!password_.proves_the_same_as(password)) {
-      return tl::unexpected(refuse(
-          Reason::WrongPassword,
-          status + " status refused: it is shared by password, and this is not the one", now));
+      const std::string given = password.empty() ? "none was given" : "this is not the one";
+      return tl::unexpected(refuse(Reason::WrongPassword,
+                                   status + " status refused: it is shared by password, and " + given,
+                                   now));
     }
   }
 
