@@ -1,0 +1,52 @@
+"""The pieces of code in docs/programs.md compile, each as a function of its own."""
+
+from pathlib import Path
+from textwrap import indent
+
+from blocks import blocks, check_python, compile_cpp
+
+PROGRAMS = "docs/programs.md"
+
+CPP_BEFORE = """\
+#include <iostream>
+
+#include "gecos/gecos.hpp"
+#include "oven_client.hpp"
+
+template <class Error>
+int fail(const Error& error) {
+  std::cerr << error << std::endl;
+  return 1;
+}
+using Oven = tl::expected<plant::Oven, gecos::CreateError>;
+using Robot = Oven;  // anything that can be held
+"""
+
+PYTHON_BEFORE = """\
+import time
+import gecos
+from oven import Oven, OvenServant, TooHot
+from robcl.frames import Frame
+from robcl.manipulator import Manipulator
+
+def thermocouple() -> float:
+    return 293.0
+"""
+
+
+def test_the_cpp_compiles(generated: Path, tmp_path: Path) -> None:
+    functions = [
+        f"[[maybe_unused]] int piece_{at}([[maybe_unused]] Oven& oven, "
+        f"[[maybe_unused]] Robot& robot) {{\n{block}  return 0;\n}}\n"
+        for at, block in enumerate(blocks(PROGRAMS, "cpp"))
+    ]
+    compile_cpp(CPP_BEFORE + "".join(functions), generated, tmp_path)
+
+
+def test_the_python_is_well_typed(generated: Path, tmp_path: Path) -> None:
+    functions = []
+    for at, block in enumerate(blocks(PROGRAMS, "python")):
+        kind = "OvenServant" if "gecos.Server(" in block else "Oven"
+        head = f"def piece_{at}(oven: {kind}, robot: Manipulator, goal: Frame) -> None:\n"
+        functions.append(head + indent(block, "    "))
+    check_python(PYTHON_BEFORE + "\n".join(functions), generated, tmp_path)
