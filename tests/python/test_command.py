@@ -291,13 +291,21 @@ def test_a_callback_that_fails_does_not_stop_the_next(held: Lamp, servant: Plain
     assert told.get() == 1
 
 
-def test_a_callback_that_wants_to_exit_does_not_stop_the_next(
+def test_a_callback_that_wants_to_exit_stops_no_other(
     held: Lamp, servant: PlainLamp, capfd: pytest.CaptureFixture[str]
 ) -> None:
+    called = threading.Event()
+
+    def leave(_: object) -> None:
+        called.set()
+        sys.exit("enough")
+
+    held.burn_in().add_done_callback(leave)
+    servant.finish.set()
+    called.wait()
+    servant.finish.clear()
     told: queue.Queue[int] = queue.Queue()
-    burning = held.burn_in()
-    burning.add_done_callback(lambda _: sys.exit("enough"))
-    burning.add_done_callback(lambda _: told.put(1))
+    held.burn_in().add_done_callback(lambda _: told.put(1))
     servant.finish.set()
     assert told.get(timeout=10) == 1
     assert "SystemExit: enough" in capfd.readouterr().err
