@@ -7,6 +7,7 @@ import subprocess
 import sys
 import threading
 from pathlib import Path
+from typing import Any
 
 import gecos
 import pytest
@@ -181,6 +182,30 @@ def test_an_object_that_was_refused_can_be_added_under_another_name(
             second.add("LAMP", PlainLamp())
         second.add("LAMP2", PlainLamp())
         assert lab.create(Lamp, "LAMP2").label().result() == "a lamp"
+
+
+class LabelledLamp(PlainLamp):
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.text = text
+
+    def label(self) -> str:
+        return self.text
+
+
+def test_an_object_that_could_not_be_added_answers_for_no_other(
+    lab: gecos.Lab, server: gecos.Server
+) -> None:
+    with pytest.raises(ValueError, match="no medium is called 'radio'"):
+        server.add("TORCH", LabelledLamp("a torch"), media=["radio"])
+    server.add("LANTERN", LabelledLamp("a lantern"), simulated=True)
+    assert lab.create(Lamp, "LANTERN").label().result() == "a lantern"
+
+
+@pytest.mark.parametrize("given", [PlainLamp, Lamp, None])
+def test_what_is_no_servant_is_not_served(server: gecos.Server, given: Any) -> None:
+    with pytest.raises(TypeError, match=r"^TORCH: what is served is an object of a class that you"):
+        server.add("TORCH", given)
 
 
 def test_an_object_of_this_process_is_reached_without_leaving_it(lamp: Lamp) -> None:

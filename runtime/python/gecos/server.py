@@ -38,6 +38,7 @@ class Server:
     def __init__(self, lab: Lab) -> None:
         self._core = _core.Server(lab._core)
         self._servants: list[Servant] = []
+        self._adding = threading.Lock()
         self._threads = [
             threading.Thread(target=self._work, args=(lane,), name=f"gecos-{name}", daemon=True)
             for lane, name in ((_SENSOR_LANE, "sensor"), (_FIFO_LANE, "fifo"))
@@ -61,9 +62,20 @@ class Server:
 
         Raises ServeError when no broker answers, the name is taken or nothing can be opened.
         """
+        if not isinstance(servant, Servant):
+            given = f"the class {servant.__name__}" if isinstance(servant, type) else repr(servant)
+            raise TypeError(
+                f"{name}: what is served is an object of a class that you derived from a generated "
+                f"…Servant, not {given}"
+            )
         self.await_broker()
-        self._servants.append(servant)
-        added = self._core.add(name, servant._gecos_interface, simulated, list(media))
+        with self._adding:
+            self._servants.append(servant)  # it is called by its place here
+            try:
+                added = self._core.add(name, servant._gecos_interface, simulated, list(media))
+            except BaseException:
+                self._servants.pop()
+                raise
         if isinstance(added, str):
             raise ServeError(f"{name}: {added}")
         servant._gecos_core = added
