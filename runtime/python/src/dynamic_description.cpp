@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <deque>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 namespace gecos::python {
@@ -89,6 +90,8 @@ StreamDescription stream_of(nb::handle table, OwnedDescription& owner) {
 const InterfaceDescription& description_of(nb::handle interface) {
   // Leaked on purpose: threads of the session may still look at tables while the process exits.
   static auto& kept = *new std::deque<OwnedDescription>();
+  static auto& known = *new std::unordered_map<PyObject*, const InterfaceDescription*>();
+  if (const auto found = known.find(interface.ptr()); found != known.end()) return *found->second;
   OwnedDescription made;
   for (const nb::handle base : interface.attr("bases")) made.bases.push_back(made.keep(base));
   for (const nb::handle operation : interface.attr("operations")) {
@@ -109,6 +112,8 @@ const InterfaceDescription& description_of(nb::handle interface) {
   owned.table.bases = owned.bases;
   owned.table.operations = owned.operations;
   owned.table.streams = owned.streams;
+  interface.inc_ref();  // for ever, so that no other interface gets its address
+  known.emplace(interface.ptr(), &owned.table);
   return owned.table;
 }
 

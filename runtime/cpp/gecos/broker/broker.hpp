@@ -28,7 +28,7 @@ class Broker final : public BrokerServant {
   Result<std::vector<Entry>> list() override;
 
  private:
-  std::uint64_t calling_ = 0;  ///< session of the call that is being answered
+  std::uint64_t calling_ = 0;  ///< session of the call that is being answered: handlers run one at a time
   std::mutex mutex_;           ///< sessions end on other threads than calls run on
   Directory directory_;
 };
