@@ -136,7 +136,8 @@ bool LcmClientLink::arm() {
   if (inherited()) return false;
   inbox_->set_asleep(true);
   pump();
-  if (!inbox_->has_packets() && !inbox_->closed() && !new_samples()) return true;
+  const bool news = heard_of_streams_.exchange(false);
+  if (!news && !inbox_->has_packets() && !inbox_->closed() && !new_samples()) return true;
   inbox_->set_asleep(false);
   return false;
 }
@@ -159,6 +160,7 @@ void LcmClientLink::pump() {
     } else if (notice.kind == DatagramKind::Share) {
       Arrived& arrived = arrived_[notice.stream.id];
       if (arrived.where.channel != notice.stream.channel) arrived = {notice.stream, false};
+      heard_of_streams_ = true;
       // Told again although it is open: our answer was lost.
       if (arrived.opened) say(DatagramKind::Opened, notice.stream.id);
     }
@@ -189,6 +191,7 @@ void LcmClientLink::unshare(std::uint32_t /*id*/) {}
 
 std::unique_ptr<StreamReader> LcmClientLink::open_stream(std::uint32_t id) {
   if (inherited()) return nullptr;
+  heard_of_streams_ = false;
   pump();
   const std::lock_guard lock(mutex_);
   const auto found = arrived_.find(id);
