@@ -169,7 +169,7 @@ def test_a_name_that_is_taken_is_refused(server: gecos.Server) -> None:
     with (
         gecos.Lab() as other,
         gecos.Server(other) as second,
-        pytest.raises(gecos.ServeError, match="LAMP"),
+        pytest.raises(gecos.ServeError, match="^LAMP is not served: the name LAMP is taken by a "),
     ):
         second.add("LAMP", PlainLamp())
 

@@ -77,7 +77,7 @@ class Server:
                 self._servants.pop()
                 raise
         if isinstance(added, str):
-            raise ServeError(f"{name}: {added}")
+            raise ServeError(added)  # which names it
         servant._gecos_core = added
 
     def close(self) -> None:

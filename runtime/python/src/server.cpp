@@ -74,7 +74,7 @@ class ServerHandle {
                  const std::vector<std::string>& media) {
     owner_.demand("this Server");
     const auto server = server_;  // another thread may close meanwhile
-    if (server == nullptr) return nb::str("the server is closed");
+    if (server == nullptr) return nb::str((name + " is not served: the server is closed").c_str());
     ObjectOptions options;
     options.simulated = simulated;
     options.thread_safe = true;  // dispatching only queues
