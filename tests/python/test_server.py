@@ -169,7 +169,7 @@ def test_a_name_that_is_taken_is_refused(server: gecos.Server) -> None:
     with (
         gecos.Lab() as other,
         gecos.Server(other) as second,
-        pytest.raises(gecos.ServeError, match="^LAMP is not served: the name LAMP is taken by a "),
+        pytest.raises(gecos.ServeError, match=r"^LAMP is not served: the name LAMP is taken by"),
     ):
         second.add("LAMP", PlainLamp())
 
