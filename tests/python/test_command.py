@@ -4,7 +4,6 @@ import asyncio
 import gc
 import queue
 import select
-import sys
 import threading
 import warnings
 
@@ -62,7 +61,9 @@ def test_any_other_exception_is_a_fault_with_its_text(
         held.dim(0.0).result()
     assert caught.value.detail is Detail.FAULT
     assert not isinstance(caught.value, gecos.DeclaredError)
-    assert "Traceback" in capfd.readouterr().err
+    written = capfd.readouterr().err.splitlines()
+    assert "gecos error server: Traceback (most recent call last):" in written
+    assert "gecos error server: ZeroDivisionError: dimmed by nothing" in written
 
 
 def test_a_handler_may_reject_a_command(held: Lamp) -> None:
@@ -291,16 +292,24 @@ def test_a_callback_that_fails_does_not_stop_the_next(held: Lamp, servant: Plain
     assert told.get() == 1
 
 
-def test_a_callback_that_wants_to_exit_stops_no_other(
-    held: Lamp, servant: PlainLamp, capfd: pytest.CaptureFixture[str]
+@pytest.mark.parametrize(
+    ("raised", "said"),
+    [(SystemExit("enough"), "SystemExit: enough"), (ValueError("\ud800"), r"ValueError: \ud800")],
+)
+def test_whatever_a_callback_raises_is_logged_and_stops_no_other(
+    held: Lamp,
+    servant: PlainLamp,
+    capfd: pytest.CaptureFixture[str],
+    raised: BaseException,
+    said: str,
 ) -> None:
     called = threading.Event()
 
-    def leave(_: object) -> None:
+    def fail(_: object) -> None:
         called.set()
-        sys.exit("enough")
+        raise raised
 
-    held.burn_in().add_done_callback(leave)
+    held.burn_in().add_done_callback(fail)
     servant.finish.set()
     called.wait()
     servant.finish.clear()
@@ -308,7 +317,7 @@ def test_a_callback_that_wants_to_exit_stops_no_other(
     held.burn_in().add_done_callback(lambda _: told.put(1))
     servant.finish.set()
     assert told.get(timeout=10) == 1
-    assert "SystemExit: enough" in capfd.readouterr().err
+    assert f"gecos error command: {said}" in capfd.readouterr().err.splitlines()
 
 
 def test_a_command_can_be_selected_on(held: Lamp, servant: PlainLamp) -> None:

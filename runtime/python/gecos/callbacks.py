@@ -10,7 +10,7 @@ import traceback
 from collections.abc import Callable
 from typing import NamedTuple, Protocol
 
-from gecos import _core
+from gecos import log
 
 
 class Ending(Protocol):
@@ -67,7 +67,7 @@ def call(callback: Callable[[], object]) -> None:
     try:
         callback()
     except BaseException:
-        _core.log_error("command", f"a callback of a command failed\n{traceback.format_exc()}")
+        log.error("command", f"a callback of a command failed\n{traceback.format_exc()}")
 
 
 _watch: _Watch | None = None

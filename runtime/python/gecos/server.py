@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from types import TracebackType
 from typing import Self
 
-from gecos import _core, farewell
+from gecos import _core, farewell, log
 from gecos.ending import EndingSignals
 from gecos.errors import DeclaredError, Detail, Interrupted, Rejected, ServeError
 from gecos.execution import Execution
@@ -186,7 +186,7 @@ def _raised(call: _core.IncomingCall, handler: Handler, error: BaseException) ->
 def _fault(call: _core.IncomingCall, handler: Handler, error: BaseException) -> None:
     text = ": ".join(filter(None, (handler.operation.name, type(error).__name__, _text(error))))
     trace = "".join(traceback.format_exception(error))
-    _core.log_error("server", _sendable(f"{text}\n{trace}"))
+    log.error("server", _sendable(f"{text}\n{trace}"))
     call.fail(Detail.FAULT, _sendable(text), "", b"")
 
 
@@ -208,4 +208,4 @@ def _stopped(servant: Servant) -> None:
         servant.gecos_on_stop()
     except BaseException:
         text = f"{servant._gecos_interface.name}: gecos_on_stop failed\n{traceback.format_exc()}"
-        _core.log_error("server", _sendable(text))
+        log.error("server", _sendable(text))

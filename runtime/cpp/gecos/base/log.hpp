@@ -1,7 +1,8 @@
 // One line per message on stderr: `gecos warning session: lost RX90, asking again`.
 //
 // GECOS_LOG=error|warning|info|debug chooses how much; unset means warning. Any thread may log,
-// lines never mix. It formats, locks the stream and may block: never on a real-time path.
+// lines never mix. It formats and locks, so never on a real-time path; it does not wait for who
+// reads: what a full pipe does not take is lost, and counted.
 #pragma once
 
 #include <optional>
