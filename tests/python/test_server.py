@@ -6,6 +6,7 @@ import re
 import subprocess
 import sys
 import threading
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -206,6 +207,14 @@ def test_an_object_that_could_not_be_added_answers_for_no_other(
 def test_what_is_no_servant_is_not_served(server: gecos.Server, given: Any) -> None:
     with pytest.raises(TypeError, match=r"^TORCH: what is served is an object of a class that you"):
         server.add("TORCH", given)
+
+
+def test_serve_says_that_it_belongs_to_the_main_thread() -> None:
+    with (
+        ThreadPoolExecutor(1) as other,
+        pytest.raises(RuntimeError, match=r"the main thread alone gets; in another one use"),
+    ):
+        other.submit(gecos.serve, {}).result()
 
 
 def test_an_object_of_this_process_is_reached_without_leaving_it(lamp: Lamp) -> None:

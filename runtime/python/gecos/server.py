@@ -117,6 +117,11 @@ def serve(
     media: Iterable[str] = (),
 ) -> None:
     """Serves objects under their names until SIGINT or SIGTERM. Call it from the main thread."""
+    if threading.current_thread() is not threading.main_thread():
+        raise RuntimeError(
+            "gecos.serve waits for signals, which the main thread alone gets; in another one use "
+            "`with gecos.Server(lab) as server: server.add(…)`"
+        )
     with EndingSignals() as signals, Server(lab or Lab()) as server:
         if not _broker_found(server, signals):
             return
