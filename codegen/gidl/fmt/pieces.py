@@ -10,7 +10,7 @@ from gidl.lexer import DIRECTIVE_LINE, TOKEN
 
 _KEYWORDS = frozenset(USED_BY_LOWER.values())
 _TEMPLATES = frozenset(("sequence", "map", "string", "wstring", "bitfield"))
-_NOT_CALLED = frozenset(("raises", "getraises", "setraises", "switch"))
+_NOT_CALLED = frozenset(("case", "raises", "getraises", "setraises", "switch"))
 
 
 class UnreadableError(ValueError):
@@ -139,7 +139,7 @@ class _Spacing:
         if piece.kind != "op" or piece.text not in ("+", "-", "~"):
             return False
         if before is None or before.kind != "op":
-            return before is None
+            return before is None or (before.kind == "id" and before.text == "case")
         return before.text == "(" or (before.text not in (")", "]") and not before.role)
 
     def _spaced(self, before: Piece, piece: Piece) -> bool:
