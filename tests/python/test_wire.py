@@ -116,7 +116,7 @@ def test_an_invalid_boolean_is_reported_before_the_end_that_comes_after_it() -> 
 
 def test_booleans_are_written_as_0_and_1_and_read_as_bool() -> None:
     run = Fields("??", ("a", "b"))
-    assert run.pack(0, 7) == b"\0\1"
+    assert run.pack(False, True) == b"\0\1"
     assert run.unpack(Decoder(b"\0\1")) == (False, True)
     assert all(type(value) is bool for value in run.unpack(Decoder(b"\0\1")))
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 from gecos.wire.codes import CODE_MEANING, MAX_COUNT, WRITERS, arrays
-from gecos.wire.errors import EncodeError, out_of_range
+from gecos.wire.errors import EncodeError, expect_boolean, out_of_range
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -85,6 +85,8 @@ def block(parts: Parts) -> bytes:
 
 def number(value: Any, code: str, field: str = "") -> bytes:
     """One value of a code as for `Fields`."""
+    if code == "?":
+        expect_boolean(value, field)
     try:
         return WRITERS[code].pack(value)
     except (struct.error, OverflowError, TypeError):

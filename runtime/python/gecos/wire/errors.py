@@ -68,6 +68,12 @@ def expect(value: object, kind: type, field: str) -> None:
         raise WrongTypeError(field, value, kind)
 
 
+def expect_boolean(value: object, field: str) -> None:
+    """True and False, also numpy's: what else Python takes for true or false is a mistake."""
+    if type(value) is not bool and type(value).__name__ not in ("bool_", "bool"):
+        raise WrongTypeError(field, value, bool)
+
+
 def expect_enumerator(value: Any, kind: type[IntEnum], field: str) -> None:
     """A number will do if it is that of an enumerator."""
     if type(value) is not kind and value not in kind.__members__.values():

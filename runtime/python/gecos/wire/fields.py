@@ -8,7 +8,7 @@ from typing import Any, NoReturn
 
 from gecos.wire.codes import CODE_MEANING
 from gecos.wire.decode import Decoder
-from gecos.wire.errors import DecodeError, DecodeProblem, EncodeError
+from gecos.wire.errors import DecodeError, DecodeProblem, EncodeError, expect_boolean
 
 
 class Fields:
@@ -45,12 +45,21 @@ class Fields:
         self.size = reader.size
         message = struct.Struct(">Q" + codes)
         self.pack_message, self.unpack_message = message.pack, message.unpack
+        if self._booleans:  # struct takes anything for true or false
+            self.pack_message = self._pack_with_booleans
 
     def pack(self, *values: Any) -> bytes:
+        if self._booleans and len(values) == len(self._codes):
+            for i in self._booleans:
+                if values[i] is not True and values[i] is not False:
+                    expect_boolean(values[i], self._names[i])
         try:
             return self._pack(*values)
         except (struct.error, OverflowError, TypeError):
             raise self._unfit(values) from None
+
+    def _pack_with_booleans(self, fingerprint: int, *values: Any) -> bytes:
+        return struct.pack(">Q", fingerprint) + self.pack(*values)
 
     def unpack(self, source: Decoder) -> tuple[Any, ...]:
         offset = source.offset
