@@ -5,6 +5,8 @@
 # <ROOT>/my/lamp.gidl gives "my/lamp_types.hpp", "my/lamp_client.hpp" and "my/lamp_server.hpp". What your files
 # include is looked for below ROOT, below each of IMPORTS and in our own idl/ ("robcl/device.gidl").
 #
+# <target>_json is the library of their JSON, "my/lamp_json.hpp"; it is built where something links it.
+#
 # `gidl gen` runs when CMake configures, and CMake configures again when one of the files has changed.
 
 get_filename_component(gecos_root "${CMAKE_CURRENT_LIST_DIR}/.." ABSOLUTE)
@@ -49,7 +51,14 @@ function(gidl_generate target)
   endif()
 
   file(GLOB_RECURSE sources "${out}/cpp/*.cpp")
+  set(json_sources ${sources})
+  list(FILTER sources EXCLUDE REGEX "_json\\.cpp$")
+  list(FILTER json_sources INCLUDE REGEX "_json\\.cpp$")
   add_library(${target} STATIC ${sources})
   target_include_directories(${target} PUBLIC "${out}/cpp")
   target_link_libraries(${target} PUBLIC robcl_generated gecos_session)
+  if(json_sources)
+    add_library(${target}_json STATIC EXCLUDE_FROM_ALL ${json_sources})
+    target_link_libraries(${target}_json PUBLIC ${target} robcl_json)
+  endif()
 endfunction()

@@ -16,7 +16,7 @@ CONTRACT = re.compile(r"^gecos/media/(?:(?:medium|waiting)\.[hc]pp|open\.hpp)$")
 HAND_WRITTEN = re.compile(
     r"^(?:gecos/(base|wire|qos|access|crypto|media|session|broker)|robcl/(frames|arm|motion))/"
 )
-GENERATED = re.compile(r"^(?:[\w]+/)*\w+_(types|client|server)\.[hc]pp$")
+GENERATED = re.compile(r"^(?:[\w]+/)*\w+_(types|json|client|server)\.[hc]pp$")
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,6 +115,12 @@ GUESTS = (
         "libsodium",
         "libsodium appears in gecos/crypto alone",
     ),
+    Guest(
+        re.compile(r"^nlohmann/"),
+        re.compile(r"^runtime/cpp/gecos/wire/json"),
+        "the JSON library",
+        "nlohmann's JSON appears in gecos/wire/json* alone",
+    ),
 )
 
 PURE_ROOMS = ("wire", "qos", "access", "crypto")
@@ -151,7 +157,7 @@ def room_of_header(header: str) -> str | None:
         return hand_written[1] or hand_written[2]
     generated = GENERATED.match(header)
     if generated:
-        return "generated-types" if generated[1] == "types" else "generated-stubs"
+        return "generated-stubs" if generated[1] in ("client", "server") else "generated-types"
     if header.startswith("devices/"):
         return "devices"
     return None

@@ -9,7 +9,7 @@ cd "$(dirname "$0")/.."
 packages=(
   build-essential clang-14 cmake ninja-build pkg-config omniidl
   python3 python3-venv python3-dev
-  libeigen3-dev liborocos-kdl-dev liburdfdom-dev libexpected-dev libsodium-dev
+  libeigen3-dev liborocos-kdl-dev liburdfdom-dev libexpected-dev libsodium-dev nlohmann-json3-dev
   "libglib2.0-0|libglib2.0-0t64"
   libgtest-dev libbenchmark-dev
   g++-s390x-linux-gnu qemu-user

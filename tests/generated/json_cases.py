@@ -59,6 +59,22 @@ REFUSED = [
     ("Limits", '{"few": 1, "share": 101}', "Limits.share: 101 is outside [0, 100]"),
 ]
 
+BOTH_REFUSE = [
+    ("Numbers", '{"twice": 1e999}', "not JSON: 1e999 is beyond what a number can be"),
+    ("Numbers", '{"i64": 1' + "0" * 5000 + "}", "not JSON: 1000000000000000000000000000000000000"),
+    ("Numbers", '{"single": 1e39}', "single: 1e+39 is not a number of single precision"),
+    ("Numbers", '{"i8": 1, "i8": 2}', "i8: it is there twice"),
+    ("Numbers", "\ufeff{}", "not JSON: "),
+    ("Numbers", '{"twice": NaN}', "not JSON: NaN"),
+    ("Numbers", '{"letter": "\u0100"}', "letter: one character of Latin-1 is expected"),
+    ("Words", '{"pass": "***"}', "pass: it was hidden when this was written"),
+    ("Words", '{"pass": "a\\u0000b"}', "Words.pass: "),
+    ("Sequences", '{"few": [1, 2, 3, 4]}', "Sequences.few: 4 elements, at most 3 are allowed"),
+    ("Sequences", '{"poses": [{"orientation": {"w": "nan"}}]}', "poses[0]: not a valid value of"),
+    ("Tree", '{"below": [' * 60 + "{}" + "]}" * 60, "nested deeper than 100"),
+    ("Tree", '{"below": [' * 2000 + "{}" + "]}" * 2000, "nested deeper than 100"),
+]
+
 
 def without_nan(case: Case) -> bool:
     return "nan" not in repr(case.value)

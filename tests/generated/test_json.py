@@ -12,7 +12,7 @@ from gecos import wire
 from gecos.errors import CommandFailed
 from gecos.wire.json import dumps, loads
 from gidl.model import Model
-from json_cases import REFUSED, WRITTEN, without_nan
+from json_cases import BOTH_REFUSE, REFUSED, WRITTEN, without_nan
 from type_values import Case, cases, python_struct, python_type
 
 WITHOUT_SECRETS = [case for case in cases() if "pass" not in case.value]
@@ -41,7 +41,7 @@ def test_json_is_written_as_agreed(types: Any, kind: str, text: str, written: st
     assert json.loads(dumps(loads(getattr(types, kind), text))) == json.loads(written)
 
 
-@pytest.mark.parametrize(("kind", "text", "words"), REFUSED, ids=str)
+@pytest.mark.parametrize(("kind", "text", "words"), [*REFUSED, *BOTH_REFUSE], ids=lambda x: x[:60])
 def test_what_is_wrong_is_said_with_its_place(types: Any, kind: str, text: str, words: str) -> None:
     with pytest.raises(wire.JsonError) as caught:
         loads(getattr(types, kind), text)

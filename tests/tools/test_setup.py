@@ -20,6 +20,7 @@ ii  libeigen3-dev
 ii  liborocos-kdl-dev:amd64
 ii  liburdfdom-dev:amd64
 ii  libexpected-dev
+ii  nlohmann-json3-dev
 ii  libsodium-dev:amd64
 ii  libglib2.0-0t64:amd64
 ii  libgtest-dev:amd64

@@ -38,6 +38,13 @@ TEST(GeneratedTypes, HaveTheDefaultsOfTheInterface) {
   EXPECT_EQ(GREETING, "say \"hello\"");
 }
 
+TEST(GeneratedTypes, HaveTheEnumsOwnDefaultInArraysToo) {
+  const Arrays arrays;
+  for (const auto& row : arrays.colours) {
+    for (const Colour each : row) EXPECT_EQ(each, Colour::GREEN);
+  }
+}
+
 TEST(GeneratedTypes, SayWhatMustNotBeSentByItsName) {
   robcl::Trajectory how;
   EXPECT_EQ(gecos_violation(how), "");

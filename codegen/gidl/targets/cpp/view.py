@@ -9,6 +9,7 @@ from gidl.targets.calls import refuse_objects, result_structs
 from gidl.targets.cpp.calls.file import interfaces_view
 from gidl.targets.cpp.lower import Lowering
 from gidl.targets.cpp.values.file import types_view
+from gidl.targets.cpp.values.json import json_view
 from gidl.targets.naming import OutputFile, has_output, source_stem
 from gidl.wire_layout import Layout
 
@@ -23,6 +24,10 @@ def files(model: Model, layout: Layout) -> Iterator[OutputFile]:
         types = types_view(lowering, file, result_structs(layout, file))
         for suffix in ("hpp", "cpp"):
             yield OutputFile(f"cpp/{stem}_types.{suffix}", "cpp", f"types.{suffix}.j2", types)
+        json = json_view(lowering, file)
+        yield OutputFile(f"cpp/{stem}_json.hpp", "cpp", "json.hpp.j2", json)
+        if json.shapes:
+            yield OutputFile(f"cpp/{stem}_json.cpp", "cpp", "json.cpp.j2", json)
         if not file.has_interface:
             continue
         interfaces = interfaces_view(lowering, file)

@@ -1,10 +1,12 @@
 // GeneralContents: values that encode themselves, generated or written by hand.
 #pragma once
 
+#include <array>
 #include <cassert>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 
 #include "gecos/base/bytes.hpp"
 #include "gecos/base/result.hpp"
@@ -23,6 +25,25 @@ concept GeneralContents = std::default_initializable<T> &&
   { target.decode(decoder) } -> std::same_as<bool>;
   { T::fingerprint() } -> std::same_as<std::int64_t>;
 };
+
+/// Becomes any array, also one of arrays, that has `value` everywhere.
+template <class T>
+struct Everywhere {
+  T value;
+
+  template <class Element, std::size_t size>
+  constexpr operator std::array<Element, size>() const {
+    std::array<Element, size> all{};
+    if constexpr (std::is_same_v<Element, T>) {
+      all.fill(value);
+    } else {
+      all.fill(*this);
+    }
+    return all;
+  }
+};
+template <class T>
+Everywhere(T) -> Everywhere<T>;
 
 inline constexpr std::size_t fingerprint_size = 8;
 

@@ -8,6 +8,7 @@ are exact, "nan", "inf" and "-inf" stand for themselves. Secrets are "***". C++ 
 from __future__ import annotations
 
 import json
+import math
 from typing import Any, TypeVar
 
 from gecos.wire.contents import Contents, to_bytes
@@ -17,6 +18,8 @@ from gecos.wire.shapes import JsonError, Value
 __all__ = ["JsonError", "dumps", "loads"]
 
 _ContentsT = TypeVar("_ContentsT", bound=Contents)
+MAX_DEPTH = 100
+_LONGEST_DOUBLE = 308  # digits that fit for certain
 
 
 def dumps(value: Contents, indent: int | None = None) -> str:
@@ -28,9 +31,19 @@ def loads(kind: type[_ContentsT], text: str | bytes) -> _ContentsT:
     """Raises JsonError, which names the member, also for what must not be sent: a number out of
     its range, a text too long. Members that are left out have their defaults."""
     try:
-        data = json.loads(text, parse_constant=_refuse, object_pairs_hook=_once)
-    except (json.JSONDecodeError, UnicodeDecodeError, RecursionError) as error:
+        data = json.loads(
+            text,
+            parse_constant=_refuse,
+            parse_float=_finite,
+            parse_int=_whole,
+            object_pairs_hook=_once,
+        )
+    except (json.JSONDecodeError, UnicodeDecodeError) as error:
         raise JsonError("", f"not JSON: {error}") from None
+    except RecursionError:
+        raise JsonError("", f"nested deeper than {MAX_DEPTH}") from None
+    if _is_deeper(data, MAX_DEPTH):
+        raise JsonError("", f"nested deeper than {MAX_DEPTH}")
     value: _ContentsT = Value(kind).made(data, "")
     try:
         to_bytes(value)
@@ -41,6 +54,26 @@ def loads(kind: type[_ContentsT], text: str | bytes) -> _ContentsT:
 
 def _refuse(constant: str) -> Any:
     raise JsonError("", f"not JSON: {constant}")
+
+
+def _finite(text: str) -> float:
+    number = float(text)
+    if math.isinf(number):
+        raise JsonError("", f"not JSON: {text[:40]} is beyond what a number can be")
+    return number
+
+
+def _whole(text: str) -> int:
+    if len(text) > _LONGEST_DOUBLE:
+        _finite(text)
+    return int(text)
+
+
+def _is_deeper(data: Any, levels: int) -> bool:
+    if not isinstance(data, dict | list):
+        return False
+    inside = data.values() if isinstance(data, dict) else data
+    return levels == 0 or any(_is_deeper(each, levels - 1) for each in inside)
 
 
 def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from enum import IntEnum, IntFlag
 from typing import Any, Protocol
 
-from gecos.wire.codes import CODE_MEANING, native
+from gecos.wire.codes import CODE_MEANING, WRITERS, native
 
 HIDDEN = "***"
 _WIDTHS = (8, 16, 32, 64)
@@ -84,6 +84,7 @@ class Number:
         if type(data) not in (int, float):
             raise JsonError(path, f"a number is expected, {_shown(data)} is there")
         try:
+            WRITERS[self.code].pack(data)
             return float(data)
         except OverflowError:
             raise JsonError(path, f"{data} is not {CODE_MEANING[self.code]}") from None
@@ -257,16 +258,18 @@ class Members:
 
     def made(self, data: Any, path: str) -> Any:
         _expect(dict, data, path, "an object")
-        known = {m.name: m for m in self.members}
+        known = [m.name for m in self.members]
+        for name in sorted(data.keys() - known):
+            why = f"there is no such member; there are {', '.join(known)}"
+            raise JsonError(_below(path, name), why)
         given = {}
-        for name, each in data.items():
-            at = _below(path, name)
-            if name not in known:
-                raise JsonError(at, f"there is no such member; there are {', '.join(known)}")
-            member = known[name]
+        for member in self.members:
+            if member.name not in data:
+                continue
+            at, each = _below(path, member.name), data[member.name]
             if member.secret and each == HIDDEN:
                 raise JsonError(at, "it was hidden when this was written; say it, or leave it out")
-            given[member.attribute or name] = member.shape.made(each, at)
+            given[member.attribute or member.name] = member.shape.made(each, at)
         return self.kind(**given)
 
 
@@ -289,7 +292,7 @@ class Arms:
             raise JsonError(path, "its tag is missing")
         tag = self.tag.made(data["tag"], _below(path, "tag"))
         arm = self.kind._arm(tag)
-        for name in data:
+        for name in sorted(data):
             if name != "tag" and not (arm and name == "value"):
                 raise JsonError(_below(path, name), "this tag has no such member")
         if not arm:

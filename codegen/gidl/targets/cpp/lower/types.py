@@ -134,6 +134,21 @@ class Types:
             if isinstance(declaration, EnumDeclaration):
                 enum = names.full_name(self.model, declaration.name)
                 return f" = {enum}::{escaped(declaration.initial.name, names.KEYWORDS)}"
+        if isinstance(target, ArrayType):
+            return self._initial_array(target)
+        return "{}"
+
+    def _initial_array(self, array: ArrayType) -> str:
+        """Enumerators that are not 0 do not come by themselves."""
+        element: Type = array
+        while isinstance(element, ArrayType):
+            element = self.model.target(element.element)
+        if isinstance(element, NamedType):
+            declaration = self.model.find(element.name)
+            if isinstance(declaration, EnumDeclaration) and declaration.initial.number != 0:
+                enum = names.full_name(self.model, declaration.name)
+                word = escaped(declaration.initial.name, names.KEYWORDS)
+                return f" = gecos::wire::Everywhere{{{enum}::{word}}}"
         return "{}"
 
     def limits(self, slot: Slot) -> Range | None:

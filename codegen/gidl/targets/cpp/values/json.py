@@ -1,0 +1,143 @@
+"""What the templates of `<file>_json.{hpp,cpp}` print of one file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from gidl.model import (
+    AnyDeclaration,
+    Bitmask,
+    Bitset,
+    EnumDeclaration,
+    File,
+    Member,
+    Struct,
+)
+from gidl.targets.cpp import names
+from gidl.targets.cpp.lower import Lowering
+from gidl.targets.cpp.values.structs import Structs
+from gidl.targets.cpp.values.views import StructView
+from gidl.targets.naming import escaped, has_output, source_stem
+
+
+@dataclass(frozen=True, slots=True)
+class NamesShape:
+    """An enum or a bitmask."""
+
+    kind: str  # "names"
+    type: str
+    argument: str
+    table: str
+    names: tuple[tuple[str, str], ...]  # in the interface, in C++
+    put: str  # the function of JsonWriter
+    get: str  # and that of JsonReader
+
+
+@dataclass(frozen=True, slots=True)
+class MemberView:
+    word: str  # its name in the interface
+    name: str
+    secret: bool
+
+
+@dataclass(frozen=True, slots=True)
+class MembersShape:
+    """A struct, exception or bitset."""
+
+    kind: str  # "members"
+    type: str
+    argument: str
+    members: tuple[MemberView, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class LayoutShape:
+    """A hand-written type; `layout` is the struct that the interface declares."""
+
+    kind: str  # "layout"
+    type: str
+    argument: str
+    layout: StructView
+    members: MembersShape
+
+
+JsonShape = NamesShape | MembersShape | LayoutShape
+
+
+@dataclass(frozen=True, slots=True)
+class JsonView:
+    source: str  # "robcl/geometry.gidl"
+    header: str  # "robcl/geometry_json.hpp"
+    types_header: str
+    includes: tuple[str, ...]
+    shapes: tuple[JsonShape, ...]
+
+
+def json_view(lowering: Lowering, file: File) -> JsonView:
+    stem = source_stem(file.path)
+    includes = (path for path in file.includes if has_output(lowering.model, path))
+    return JsonView(
+        file.path,
+        f"{stem}_json.hpp",
+        f"{stem}_types.hpp",
+        tuple(sorted(f"{source_stem(path)}_json.hpp" for path in includes)),
+        tuple(_Shapes(lowering).of(file)),
+    )
+
+
+class _Shapes(Structs):
+    def of(self, file: File) -> Iterator[JsonShape]:
+        for declaration in file.declarations:
+            match declaration:
+                case EnumDeclaration(enumerators=enumerators):
+                    words = [each.name for each in enumerators]
+                    yield self._names(declaration, words, "put_name", "get_name")
+                case Bitmask(flags=flags):
+                    words = [each.name for each in flags]
+                    yield self._names(declaration, words, "put_flags", "get_flags")
+                case Bitset():
+                    yield self._bitset(declaration)
+                case Struct(maps_to=maps_to) if maps_to is not None and maps_to.cpp is not None:
+                    yield self._mapped(declaration, maps_to.cpp[0])
+                case Struct():
+                    type_name = names.full_name(self._model, declaration.name)
+                    yield self._members(type_name, self._model.all_members(declaration))
+                case _:
+                    pass
+
+    def _names(
+        self, declaration: AnyDeclaration, words: list[str], put: str, get: str
+    ) -> NamesShape:
+        type_name = names.full_name(self._model, declaration.name)
+        table = f"names_of_{declaration.name.replace('::', '_')}"
+        known = tuple((word, escaped(word, names.KEYWORDS)) for word in words)
+        return NamesShape("names", type_name, type_name, table, known, put, get)
+
+    def _bitset(self, bitset: Bitset) -> MembersShape:
+        reserved = names.STRUCT_WORDS | {"bits", "set_bits"}
+        members = tuple(
+            MemberView(field.name, escaped(field.name, reserved), False)
+            for field in self._model.all_fields(bitset)
+            if field.name is not None
+        )
+        type_name = names.full_name(self._model, bitset.name)
+        return MembersShape("members", type_name, f"const {type_name}&", members)
+
+    @staticmethod
+    def _members(type_name: str, members: tuple[Member, ...]) -> MembersShape:
+        views = tuple(MemberView(m.name, names.member_name(m.name), m.secret) for m in members)
+        return MembersShape("members", type_name, f"const {type_name}&", views)
+
+    def _mapped(self, struct: Struct, type_name: str) -> LayoutShape:
+        name = f"layout_of_{struct.name.replace('::', '_')}"
+        view = self._struct(struct)
+        members = self._model.all_members(struct)
+        whole = replace(
+            view,
+            name=name,
+            fields=tuple(self._field(member) for member in members),
+            codec=replace(view.codec, check=()),
+        )
+        shape = self._members(name, members)
+        return LayoutShape("layout", type_name, f"const {type_name}&", whole, shape)

@@ -1,0 +1,295 @@
+// How each kind of value stands in JSON. Generated `<file>_json.cpp` adds the declared types; kept
+// apart from the JSON library's own header, which takes a compiler seconds to read.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "gecos/wire/contents.hpp"
+
+namespace gecos::wire {
+
+/// JSON that is not of its type: where in the value, "joints[2].speed", and why.
+struct JsonError {
+  std::string path;
+  std::string why;
+
+  std::string message() const { return path.empty() ? why : path + ": " + why; }
+  friend bool operator==(const JsonError&, const JsonError&) = default;
+};
+inline std::string describe(const JsonError& error) { return error.message(); }
+
+/// An enumerator or a flag.
+struct JsonName {
+  std::string_view name;
+  std::uint64_t number;
+};
+using JsonNames = std::span<const JsonName>;
+using MemberNames = std::span<const std::string_view>;
+
+/// How a T is written and read: `write(JsonWriter, const T&)`, `bool read(const JsonReader&, T&)`.
+template <class T>
+struct JsonShape;
+
+/// A place in JSON that becomes one value.
+class JsonWriter {
+ public:
+  explicit JsonWriter(nlohmann::ordered_json& place) : place_(&place) {}
+
+  void put(bool value) const;
+  void put(char letter) const;
+  void put(std::int64_t value) const;
+  void put(std::uint64_t value) const;
+  void put(double value) const;
+  void put(std::string_view text) const;
+  void put_null() const;
+  void put_name(JsonNames names, std::uint64_t number) const;
+  void put_flags(JsonNames flags, std::uint64_t bits) const;
+
+  void open_object() const;
+  void open_list() const;
+  /// Of an object that is open; good until the next one.
+  JsonWriter at(std::string_view name) const;
+  /// Behind the others of a list that is open; good until the next one.
+  JsonWriter item() const;
+
+  template <class T>
+  void member(std::string_view name, const T& value) const {
+    JsonShape<T>::write(at(name), value);
+  }
+  void hidden_member(std::string_view name) const;
+
+ private:
+  nlohmann::ordered_json* place_;
+};
+
+/// A value in JSON, and where it stands. Whoever reads it stops at the first `false`: the error is
+/// told. Borrows the value, the places around it and the error.
+class JsonReader {
+ public:
+  JsonReader(const nlohmann::json& data, JsonError& error) : data_(&data), error_(&error) {}
+
+  bool get(bool& value) const;
+  bool get(char& letter) const;
+  bool get(float& value) const;
+  bool get(double& value) const;
+  bool get(std::string& text) const;
+  bool get_whole(std::int64_t& value, std::size_t bytes) const;
+  bool get_whole(std::uint64_t& value, std::size_t bytes) const;
+  bool get_name(JsonNames names, std::uint64_t& number) const;
+  bool get_flags(JsonNames flags, std::uint64_t& bits) const;
+  bool is_null() const;
+
+  bool expect_list(std::size_t& count) const;
+  bool expect_items(std::size_t count) const;
+  bool expect_pair() const;
+  JsonReader item(std::size_t index) const;
+  /// The item under its list's own path: key and value of a pair.
+  JsonReader half(std::size_t index) const;
+
+  /// An object of these members at most.
+  bool expect_object(MemberNames known) const;
+  bool expect_tag() const;
+  /// A union's object has its value exactly where the tag selects one.
+  bool expect_arm(bool selected) const;
+  std::optional<JsonReader> find(std::string_view name) const;
+
+  /// True also where it is left out: `value` stays what it is.
+  template <class T>
+  bool member(std::string_view name, T& value) const {
+    const auto there = find(name);
+    return !there || JsonShape<T>::read(*there, value);
+  }
+  /// The same, and "***" is no value.
+  template <class T>
+  bool hidden_member(std::string_view name, T& value) const {
+    const auto there = find(name);
+    return !there || (there->is_shown() && JsonShape<T>::read(*there, value));
+  }
+
+  bool fail(std::string why) const;
+  JsonError& error() const { return *error_; }
+
+ private:
+  JsonReader(const nlohmann::json& data, const JsonReader& around, std::string_view name,
+             std::size_t index)
+      : data_(&data), error_(around.error_), around_(&around), name_(name), index_(index) {}
+  bool is_shown() const;
+  bool expect(bool fits, std::string_view wanted) const;
+  std::string path() const;
+
+  static constexpr std::size_t no_item = static_cast<std::size_t>(-1);
+  const nlohmann::json* data_;
+  JsonError* error_;
+  const JsonReader* around_ = nullptr;
+  std::string_view name_;
+  std::size_t index_ = no_item;
+};
+
+template <class T>
+requires(std::is_same_v<T, bool> || std::is_same_v<T, char> || std::is_same_v<T, std::string> ||
+         std::is_floating_point_v<T>) struct JsonShape<T> {
+  static void write(JsonWriter to, const T& value) {
+    if constexpr (std::is_same_v<T, float>) {
+      to.put(static_cast<double>(value));
+    } else if constexpr (std::is_same_v<T, std::string>) {
+      to.put(std::string_view(value));
+    } else {
+      to.put(value);
+    }
+  }
+  static bool read(const JsonReader& from, T& value) { return from.get(value); }
+};
+
+template <std::integral T>
+requires(!std::is_same_v<T, bool> && !std::is_same_v<T, char>) struct JsonShape<T> {
+  using Wide = std::conditional_t<std::is_signed_v<T>, std::int64_t, std::uint64_t>;
+  static void write(JsonWriter to, T value) { to.put(static_cast<Wide>(value)); }
+  static bool read(const JsonReader& from, T& value) {
+    Wide wide = 0;
+    if (!from.get_whole(wide, sizeof(T))) return false;
+    value = static_cast<T>(wide);
+    return true;
+  }
+};
+
+template <class T>
+struct JsonShape<std::optional<T>> {
+  static void write(JsonWriter to, const std::optional<T>& value) {
+    if (!value) return to.put_null();
+    JsonShape<T>::write(to, *value);
+  }
+  static bool read(const JsonReader& from, std::optional<T>& value) {
+    value.reset();
+    return from.is_null() || JsonShape<T>::read(from, value.emplace());
+  }
+};
+
+template <class T>
+struct JsonShape<std::vector<T>> {
+  static void write(JsonWriter to, const std::vector<T>& value) {
+    to.open_list();
+    for (const T& each : value) JsonShape<T>::write(to.item(), each);
+  }
+  static bool read(const JsonReader& from, std::vector<T>& value) {
+    std::size_t count = 0;
+    if (!from.expect_list(count)) return false;
+    value.clear();
+    value.reserve(count);
+    for (std::size_t i = 0; i < count; ++i) {
+      T each{};
+      if (!JsonShape<T>::read(from.item(i), each)) return false;
+      value.push_back(std::move(each));
+    }
+    return true;
+  }
+};
+
+template <class T, std::size_t size>
+struct JsonShape<std::array<T, size>> {
+  static void write(JsonWriter to, const std::array<T, size>& value) {
+    to.open_list();
+    for (const T& each : value) JsonShape<T>::write(to.item(), each);
+  }
+  static bool read(const JsonReader& from, std::array<T, size>& value) {
+    if (!from.expect_items(size)) return false;
+    for (std::size_t i = 0; i < size; ++i) {
+      if (!JsonShape<T>::read(from.item(i), value[i])) return false;
+    }
+    return true;
+  }
+};
+
+template <class Key, class T, class Order>
+struct JsonShape<std::map<Key, T, Order>> {
+  static void write(JsonWriter to, const std::map<Key, T, Order>& value) {
+    to.open_list();
+    for (const auto& [key, entry] : value) {
+      const JsonWriter pair = to.item();
+      pair.open_list();
+      JsonShape<Key>::write(pair.item(), key);
+      JsonShape<T>::write(pair.item(), entry);
+    }
+  }
+  static bool read(const JsonReader& from, std::map<Key, T, Order>& value) {
+    std::size_t count = 0;
+    if (!from.expect_list(count)) return false;
+    value.clear();
+    for (std::size_t i = 0; i < count; ++i) {
+      const JsonReader pair = from.item(i);
+      Key key{};
+      if (!pair.expect_pair() || !JsonShape<Key>::read(pair.half(0), key)) return false;
+      const auto [place, fresh] = value.try_emplace(std::move(key));
+      if (!fresh) return pair.fail("its key was there before");
+      if (!JsonShape<T>::read(pair.half(1), place->second)) return false;
+    }
+    return true;
+  }
+};
+
+/// Unions, by what each of them tells of itself.
+template <class T>
+requires requires(const T& value) {
+  typename T::Held;
+  T::gecos_arm(value.tag);
+}
+struct JsonShape<T> {
+  static void write(JsonWriter to, const T& value) {
+    to.open_object();
+    to.member("tag", value.tag);
+    std::visit(
+        [&](const auto& held) {
+          if constexpr (!std::is_same_v<decltype(held), const std::monostate&>) {
+            to.member("value", held);
+          }
+        },
+        value.value);
+  }
+  static bool read(const JsonReader& from, T& value) {
+    if (!from.expect_tag() || !from.member("tag", value.tag)) return false;
+    const std::size_t arm = T::gecos_arm(value.tag);
+    value.value = std::monostate{};
+    return from.expect_arm(arm != 0) && read_arm<1>(from, value, arm);
+  }
+
+ private:
+  template <std::size_t index>
+  static bool read_arm(const JsonReader& from, T& value, std::size_t arm) {
+    if constexpr (index == std::variant_size_v<typename T::Held>) {
+      return true;
+    } else {
+      if (arm != index) return read_arm<index + 1>(from, value, arm);
+      return from.member("value", value.value.template emplace<index>());
+    }
+  }
+};
+
+/// A hand-written type, by way of the bytes that it shares with `Layout`, the struct declared.
+template <class Layout, GeneralContents T>
+void write_json_as(JsonWriter to, const T& value) {
+  const auto layout = from_bytes<Layout>(to_bytes(value));
+  if (!layout) return to.put_null();
+  JsonShape<Layout>::write(to, *layout);
+}
+template <class Layout, GeneralContents T>
+bool read_json_as(const JsonReader& from, T& value) {
+  Layout layout;
+  if (!JsonShape<Layout>::read(from, layout)) return false;
+  auto made = from_bytes<T>(to_bytes(layout));
+  if (!made) return from.fail("not a valid value of its type");
+  value = std::move(*made);
+  return true;
+}
+
+}  // namespace gecos::wire
