@@ -192,6 +192,11 @@ def _read(place: Path, shown: str, findings: Findings) -> str | None:
                 "G0001", shown, "is a folder", f"name its files: {shown.rstrip('/')}/*.gidl"
             )
             return None
+        if place.exists() and not place.is_file():
+            findings.file_error(
+                "G0001", shown, "is a pipe or device, not a regular file", "for stdin name -"
+            )
+            return None
         with place.open("rb") as stream:
             data = stream.read(MAX_BYTES + 1)
     except (OSError, ValueError) as problem:

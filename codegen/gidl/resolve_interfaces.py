@@ -46,6 +46,7 @@ _EXCEPTION = frozenset(("exception",))
 _STRUCT = frozenset(("struct",))
 _Choice = TypeVar("_Choice", OnNew, OnLoss)
 _Number = TypeVar("_Number", int, float)
+MAX_BASES = 64
 _DURATIONS = "ns, us, ms, s, min or h"
 MEDIA = ("inproc", "shm", "lcm", "tcp", "can")
 
@@ -56,6 +57,7 @@ class InterfaceResolver(TypeResolver):
         self._interface_scopes: dict[str, Scope] = {}
         self._interface_qos: dict[str, Qos] = {}
         self._all_bases: dict[str, tuple[str, ...]] = {}
+        self._cut_off: set[str] = set()  # interfaces that were left without their bases
 
     def _interface(self, syntax: InterfaceSyntax, scope: Scope) -> None:
         marks = self._marks(syntax.extras, "interface", scope)
@@ -71,7 +73,8 @@ class InterfaceResolver(TypeResolver):
                 )
                 continue
             bases.append(found)
-            inside.bases.append(self._interface_scopes[found])
+        bases = self._few_enough(syntax, inside.name, bases)
+        inside.bases += [self._interface_scopes[base_name] for base_name in bases]
         symbol = self._names.declare(scope, syntax.name, "interface")
         if symbol is not None:
             symbol.scope = inside
@@ -99,6 +102,24 @@ class InterfaceResolver(TypeResolver):
             symbol,
             Interface(inside.name, facts, tuple(bases), all_bases, tuple(members), nested, qos),
         )
+
+    def _few_enough(self, syntax: InterfaceSyntax, name: str, bases: list[str]) -> list[str]:
+        """`bases`, or none where there are too many. What derives from that is not told again."""
+        if not self._cut_off.isdisjoint(bases):
+            self._cut_off.add(name)
+            return []
+        count = len(self._linearised(bases))
+        if count <= MAX_BASES:
+            return bases
+        self._cut_off.add(name)
+        self._findings.error(
+            "G0414",
+            syntax.name.span,
+            f"'{syntax.name.text}' has {count} bases, direct and inherited ones; at most "
+            f"{MAX_BASES} are allowed",
+            "put members of several bases into one",
+        )
+        return []
 
     @abstractmethod
     def _declaration(self, syntax: DeclarationSyntax, scope: Scope) -> None: ...

@@ -201,9 +201,11 @@ class Names:
         symbol = scope.symbols.get(part.lower())
         if symbol is not None and (symbol.kind == "module" or symbol.file in self.visible):
             return symbol
-        for base in scope.bases:
-            inherited = self._in(base, part)
-            if inherited is not None and inherited.kind not in ("operation", "attribute"):
+        for base in _bases(scope):
+            inherited = base.symbols.get(part.lower())
+            if inherited is None or inherited.file not in self.visible:
+                continue
+            if inherited.kind not in ("operation", "attribute"):
                 return inherited
         return None
 
@@ -259,6 +261,18 @@ class Names:
 
     def incomplete(self) -> Iterator[Symbol]:
         return (s for s in self._everything(self.top) if not s.complete)
+
+
+def _bases(scope: Scope) -> Iterator[Scope]:
+    """All that is inherited from, nearest first, each once however many ways lead to it."""
+    seen: set[str] = set()
+    waiting = list(reversed(scope.bases))
+    while waiting:
+        base = waiting.pop()
+        if base.name not in seen:
+            seen.add(base.name)
+            yield base
+            waiting += reversed(base.bases)
 
 
 def _file(name: Name) -> str:
