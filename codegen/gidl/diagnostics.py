@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 from enum import Enum
@@ -67,6 +67,13 @@ class Findings:
         notes: tuple[Note, ...] = (),
     ) -> None:
         self._add(code, Severity.WARNING, at, message, help_lines, notes)
+
+    def take(self, others: Findings, without: Iterable[range]) -> None:
+        """All of another's but those in some lines."""
+        for finding in others.found:
+            place = finding.location
+            if place is None or not any(place.line in lines for lines in without):
+                self._keep(finding)
 
     def file_error(self, code: str, shown: str, message: str, *help_lines: str) -> None:
         """About a file as a whole, for instance one that cannot be read."""

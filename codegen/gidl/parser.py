@@ -56,14 +56,21 @@ def parse(
     on_include: Callable[[Include], None],
 ) -> FileSyntax:
     """Reads one file. Never raises: what cannot be read is missing from the tree and reported."""
-    lexed = lex(source, findings)
+    of_tokens = Findings()
+    lexed = lex(source, of_tokens)
     done = preprocess(lexed, findings, macros, on_include)
+    findings.take(of_tokens, [_lines(source, *stretch) for stretch in done.skipped])
     parser = Parser(lexed, done.tokens, DocReader(lexed, done.skipped), findings)
     tree = parser.file()
     tree.includes = done.includes
     if done.first_directive is not None:
         tree.doc = DocReader(lexed, done.skipped).head(done.first_directive)
     return tree
+
+
+def _lines(source: Source, start: int, end: int) -> range:
+    """Lines between two preprocessor lines."""
+    return range(source.location(start).line + 1, source.location(end).line)
 
 
 class Parser(InterfaceParser):

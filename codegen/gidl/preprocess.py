@@ -90,6 +90,8 @@ class _Preprocessor:
                     skipped_from = None
             elif token.kind == "eof":
                 self._finish()
+                if skipped_from is not None:
+                    self._result.skipped.append((skipped_from, token.end))
                 out.append(token)
             elif not self._active:
                 continue
