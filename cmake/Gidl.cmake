@@ -7,7 +7,8 @@
 #
 # <target>_json is the library of their JSON, "my/lamp_json.hpp"; it is built where something links it.
 #
-# `gidl gen` runs when CMake configures, and CMake configures again when one of the files has changed.
+# `gidl gen` runs when CMake configures, and CMake configures again when one of the files, what they include or gidl
+# itself has changed.
 
 get_filename_component(gecos_root "${CMAKE_CURRENT_LIST_DIR}/.." ABSOLUTE)
 set(GECOS_ROOT "${gecos_root}" CACHE INTERNAL "The tree that holds idl/ and codegen/")
@@ -34,7 +35,6 @@ function(gidl_generate target)
     endif()
     list(APPEND inputs "${input}")
   endforeach()
-  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${inputs})
 
   set(search -I "${root}")
   foreach(directory IN LISTS arg_IMPORTS)
@@ -43,12 +43,18 @@ function(gidl_generate target)
   endforeach()
   execute_process(
     COMMAND "${CMAKE_COMMAND}" -E env "PYTHONPATH=${GECOS_ROOT}/codegen"
-            "${Python_EXECUTABLE}" -m gidl gen --lang cpp ${search} -I "${GECOS_ROOT}/idl" --out "${out}" ${inputs}
+            "${Python_EXECUTABLE}" -m gidl gen --lang cpp ${search} -I "${GECOS_ROOT}/idl" --out "${out}"
+            --depfile "${out}/inputs.d" ${inputs}
     OUTPUT_QUIET
     RESULT_VARIABLE failed)
   if(failed)
     message(FATAL_ERROR "gidl_generate(${target}): gidl gen failed; its findings are above")
   endif()
+  file(READ "${out}/inputs.d" watched)
+  string(REGEX REPLACE "^.*: \\\\\n" "" watched "${watched}")
+  string(REGEX REPLACE " *\\\\?\n *" ";" watched "${watched}")
+  string(REPLACE "\\ " " " watched "${watched}")
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${inputs} ${watched})
 
   file(GLOB_RECURSE sources "${out}/cpp/*.cpp")
   set(json_sources ${sources})

@@ -10,15 +10,21 @@ from gidl.source import Source
 
 
 def depfile_text(out: Path, outputs: Iterable[str], sources: Mapping[str, Source]) -> str:
-    """One rule: every output depends on every file that was read, included ones too."""
-    read = [_place(path, source) for path, source in sources.items() if source.shown != "-"]
+    """One rule: every output depends on every file that was read, included ones too, and on gidl
+    itself, whose next version may write something else."""
+    read = {_place(path, source) for path, source in sources.items() if source.shown != "-"}
     made = [_escaped((out / path).as_posix()) for path in sorted(outputs)]
-    needs = [_escaped(place) for place in sorted(set(read))]
+    needs = [_escaped(place) for place in sorted(read | _own_files())]
     return " \\\n".join(made) + ": \\\n  " + " \\\n  ".join(needs) + "\n"
 
 
 def _place(path: str, source: Source) -> str:
     return (PACKAGED / VOCABULARY).as_posix() if path == VOCABULARY else source.shown
+
+
+def _own_files() -> set[str]:
+    here = Path(__file__).parent
+    return {path.as_posix() for kind in ("py", "j2", "gidl") for path in here.rglob(f"*.{kind}")}
 
 
 def _escaped(path: str) -> str:

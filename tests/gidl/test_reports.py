@@ -3,6 +3,7 @@
 import json
 from pathlib import Path
 
+import gidl.depfile
 import pytest
 from gidl.cli import main
 
@@ -83,4 +84,7 @@ def test_the_depfile_names_all_that_was_read(
     made, _, needs = rule.partition(": ")
     assert made.split() == ["generated/lcm/top.lcm"]
     assert {"idl/base.gidl", "idl/top.gidl"} <= set(needs.split())
+    assert {Path(gidl.depfile.__file__).as_posix()} <= set(needs.split()), (
+        "a newer gidl writes anew"
+    )
     assert all(Path(name).is_file() for name in needs.split())
