@@ -97,8 +97,9 @@ tl::expected<media::Medium*, media::MediumError> Runtime::medium(media::Kind kin
 }
 
 const std::string& Runtime::host_identity() {
-  static const std::string identity = media::host_identity();
-  return identity;
+  const std::lock_guard lock(mutex_);
+  if (!host_identity_) host_identity_ = media::host_identity();
+  return *host_identity_;
 }
 
 Hello Runtime::introduce(const InterfaceDescription& wanted) const {
@@ -128,7 +129,7 @@ tl::expected<std::shared_ptr<LinkedSession>, std::string> Runtime::connect(
     try {
       auto link = (*opened)->connect(address);
       if (!link) return tl::unexpected(LinkedSession::NotOpened{Detail::NoServer, link.error().text});
-      return LinkedSession::open(shared_from_this(), std::move(*link), introduce(wanted), deadline)
+      return LinkedSession::open(shared_from_this(), std::move(*link), wanted, deadline)
           .map_error([&](LinkedSession::NotOpened failed) {
             failed.reason = address + ": " + failed.reason;
             return failed;

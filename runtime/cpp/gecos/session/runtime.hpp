@@ -3,6 +3,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -37,7 +38,8 @@ class Runtime : public std::enable_shared_from_this<Runtime> {
 
   /// The medium of this kind, opened at first use, or why it cannot be had here.
   tl::expected<media::Medium*, media::MediumError> medium(media::Kind kind);
-  /// Which host this is, as far as shared memory reaches; empty where it cannot be used.
+  /// Which host this is, as far as shared memory reaches: the folder that this runtime meets
+  /// others in is part of it.
   const std::string& host_identity();
   /// What this program says of itself to `interface_name`.
   Hello introduce(const InterfaceDescription& wanted) const;
@@ -55,6 +57,7 @@ class Runtime : public std::enable_shared_from_this<Runtime> {
   const Clock& clock_;
   std::mutex mutex_;
   std::map<media::Kind, tl::expected<std::unique_ptr<media::Medium>, media::MediumError>> media_;
+  std::optional<std::string> host_identity_;
   std::vector<std::weak_ptr<LinkedSession>> sessions_;
   Callbacks callbacks_;
   Housekeeping housekeeping_;  ///< last: its thread ends first
