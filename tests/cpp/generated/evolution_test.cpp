@@ -140,11 +140,18 @@ TEST_P(Evolution, SamplesOfANewServerReachAnOldClient) {
   EXPECT_EQ(sample->value, (cart_v1::Goal{cart_v1::Gear::DRIVE, {{3}}}));
 }
 
-TEST_P(Evolution, WhatHasToBeThereAndIsNotIsRefusedByName) {
-  const auto refused = connect<cart_v1::Cart>(other_).go({}, 1).get();
+TEST_P(Evolution, WhatIsNotTheSameToBothIsRefusedByNameBeforeAnythingIsSent) {
+  const auto cart = connect<cart_v1::Cart>(other_);
+  const auto refused = cart.go({}, 1).get();
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().detail, Detail::BadParameter);
-  EXPECT_NE(refused.error().text.find("why"), std::string::npos) << refused.error().text;
+  EXPECT_EQ(refused.error().detail, Detail::Refused) << refused.error();
+  EXPECT_EQ(refused.error().state(), gecos::State::ConnectionFailed) << "nothing has started";
+  EXPECT_NE(refused.error().text.find("'go' of CART"), std::string::npos) << refused.error().text;
+
+  const auto place = cart.place(gecos::stream);
+  ASSERT_FALSE(place);
+  EXPECT_NE(place.error().text.find("'place' of CART"), std::string::npos) << place.error();
+  EXPECT_TRUE(gecos::ping(cart).get()) << "what every object answers is the same to all";
 }
 
 INSTANTIATE_TEST_SUITE_P(Over, Evolution,

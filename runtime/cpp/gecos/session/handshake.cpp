@@ -7,6 +7,8 @@ namespace {
 
 constexpr std::size_t longest_name = 256;
 constexpr std::size_t most_bases = 256;
+constexpr std::size_t most_operations = 4096;
+constexpr std::size_t operation_hash_size = 4 + 8;
 
 bool get_rest(wire::Decoder& from, Bytes& into) {
   ByteView rest;
@@ -45,7 +47,8 @@ bool Welcome::is_a(const std::string& name) const {
 }
 
 std::size_t Welcome::encoded_size() const {
-  std::size_t size = wire::string_size(object) + wire::string_size(interface_name) + 4 + 8 + 8 + 4;
+  std::size_t size = wire::string_size(object) + wire::string_size(interface_name) + 4 + 8 + 8 + 4 + 4 +
+                     operations.size() * operation_hash_size;
   for (const auto& base : bases) size += wire::string_size(base);
   return size;
 }
@@ -58,6 +61,11 @@ void Welcome::encode(wire::Encoder& to) const {
   to.put(interface_hash);
   to.put(boot);
   to.put(credits);
+  to.put_count(operations.size());
+  for (const auto& operation : operations) {
+    to.put(number(operation.code));
+    to.put(operation.hash);
+  }
 }
 
 bool Welcome::decode(wire::Decoder& from) {
@@ -71,8 +79,18 @@ bool Welcome::decode(wire::Decoder& from) {
   for (auto& base : bases) {
     if (!from.get_string(base, longest_name, "bases")) return false;
   }
-  return from.get(interface_hash, "interface_hash") && from.get(boot, "boot") &&
-         from.get(credits, "credits");
+  if (!from.get(interface_hash, "interface_hash") || !from.get(boot, "boot") ||
+      !from.get(credits, "credits") ||
+      !from.get_count(count, operation_hash_size, most_operations, "operations")) {
+    return false;
+  }
+  operations.resize(count);
+  for (auto& operation : operations) {
+    std::uint32_t code = 0;
+    if (!from.get(code, "operations") || !from.get(operation.hash, "operations")) return false;
+    operation.code = FunctionCode{code};
+  }
+  return true;
 }
 
 std::size_t FailureBody::encoded_size() const {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "gecos/base/ids.hpp"
 #include "gecos/session/command.hpp"
 #include "gecos/wire/contents.hpp"
 
@@ -27,6 +28,12 @@ struct Hello {
   static std::int64_t fingerprint() { return 0; }  // travels in an envelope, never alone
 };
 
+/// What travels in the calls of one operation, in a number.
+struct OperationHash {
+  FunctionCode code{};
+  std::uint64_t hash = 0;
+};
+
 /// The session that was opened: its id is in the envelope.
 struct Welcome {
   std::string object;
@@ -35,6 +42,7 @@ struct Welcome {
   std::uint64_t interface_hash = 0;
   std::uint64_t boot = 0;
   std::uint32_t credits = 0;  ///< calls that the client may have unanswered
+  std::vector<OperationHash> operations;  ///< all, when the client's interface is not this one
 
   bool is_a(const std::string& name) const;
   std::size_t encoded_size() const;

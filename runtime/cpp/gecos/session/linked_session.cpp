@@ -13,11 +13,12 @@
 namespace gecos::session {
 
 LinkedSession::LinkedSession(std::shared_ptr<Runtime> runtime, std::unique_ptr<media::Link> link,
-                             SessionId id, Welcome welcome)
+                             SessionId id, Welcome welcome, std::vector<FunctionCode> differing)
     : runtime_(std::move(runtime)),
       link_(std::move(link)),
       id_(id),
       welcome_(std::move(welcome)),
+      differing_(std::move(differing)),
       repeats_(!link_->offer().reliable),
       spin_(system_clock()),
       watched_(runtime_->clock().now(), runtime_->options().heartbeat * 2),
@@ -33,6 +34,7 @@ std::shared_ptr<CommandCore> LinkedSession::call(const OperationDescription& ope
                                                  std::size_t size,
                                                  FunctionRef<void(wire::Encoder&)> encode,
                                                  const CallOptions& options) {
+  if (auto refused = differs(operation.code, operation.name)) return ended(std::move(*refused));
   auto command = std::make_shared<PendingCommand>(shared_from_this());
   wire::PacketHeader header;
   header.kind = wire::PacketKind::Call;
@@ -75,6 +77,16 @@ tl::expected<void, media::SendProblem> LinkedSession::send_call(
   }
   calls_.insert(header.counter, command);
   return {};
+}
+
+/// What it would read is not what was meant, so nothing is sent.
+std::optional<Failure> LinkedSession::differs(FunctionCode code, std::string_view name) const {
+  if (!std::binary_search(differing_.begin(), differing_.end(), code)) return std::nullopt;
+  return Failure{Detail::Refused,
+                 "'" + std::string(name) + "' of " + welcome_.object +
+                     " was not sent: the server's " + welcome_.interface_name +
+                     " has another one than this program; build the older of them again from the "
+                     "newer interface (`gidl breaking` tells what differs)", {}, {}};
 }
 
 Failure LinkedSession::not_sent(const OperationDescription& operation, std::size_t size,
@@ -282,6 +294,7 @@ tl::expected<std::shared_ptr<StreamCore>, Failure> LinkedSession::subscribe(
   const OperationDescription operation = reserved_operation(Reserved::Subscribe);
   const auto code = number(stream.code);
   std::shared_ptr<CommandCore> command;
+  if (auto refused = differs(stream.code, stream.name)) return tl::unexpected(std::move(*refused));
   {
     const std::lock_guard lock(subscribing_);
     ++subscriptions_[stream.code];

@@ -37,11 +37,12 @@ class LinkedSession final : public ClientSession,
   };
   /// Greets the server and waits for its answer until `deadline`.
   static tl::expected<std::shared_ptr<LinkedSession>, NotOpened> open(
-      std::shared_ptr<Runtime> runtime, std::unique_ptr<media::Link> link, const Hello& hello,
-      TimePoint deadline);
+      std::shared_ptr<Runtime> runtime, std::unique_ptr<media::Link> link,
+      const InterfaceDescription& wanted, TimePoint deadline);
 
+  /// `differing`: operations that are not to the server what they are to this program, sorted.
   LinkedSession(std::shared_ptr<Runtime> runtime, std::unique_ptr<media::Link> link, SessionId id,
-                Welcome welcome);
+                Welcome welcome, std::vector<FunctionCode> differing);
   ~LinkedSession() override;  ///< says goodbye: what was issued still runs
 
   std::shared_ptr<CommandCore> call(const OperationDescription& operation, std::size_t size,
@@ -93,6 +94,7 @@ class LinkedSession final : public ClientSession,
   tl::expected<void, media::SendProblem> send_call(wire::PacketHeader& header, std::size_t size,
                                                    FunctionRef<void(wire::Encoder&)> encode,
                                                    const std::shared_ptr<PendingCommand>& command);
+  std::optional<Failure> differs(FunctionCode code, std::string_view name) const;
   Failure not_sent(const OperationDescription& operation, std::size_t size,
                    media::SendProblem problem);
   std::unique_ptr<media::StreamReader> open_stream(std::uint32_t id);
@@ -116,6 +118,7 @@ class LinkedSession final : public ClientSession,
   const std::unique_ptr<media::Link> link_;
   const SessionId id_;
   const Welcome welcome_;
+  const std::vector<FunctionCode> differing_;
   const bool repeats_;  ///< the medium may lose packets
 
   Baton baton_;

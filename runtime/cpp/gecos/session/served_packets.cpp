@@ -90,8 +90,14 @@ void ServedObject::greet(const std::shared_ptr<ServerSession>& session,
     session->last_sign = watched_.now();
   }
   Welcome welcome{name_, std::string(interface_.name), {}, interface_.hash,
-                  number(process_boot()), static_cast<std::uint32_t>(ObjectQueue::most_of_object)};
+                  number(process_boot()), static_cast<std::uint32_t>(ObjectQueue::most_of_object),
+                  {}};
   welcome.bases.assign(interface_.bases.begin(), interface_.bases.end());
+  if (hello->interface_hash != interface_.hash) {
+    for (const auto& operation : interface_.operations) {
+      welcome.operations.push_back({operation.code, operation.hash});
+    }
+  }
   header.kind = wire::PacketKind::Welcome;
   session->send(header, wire::to_bytes(welcome));
 }

@@ -1,6 +1,7 @@
 // The greeting that opens the client side of a session.
 #include <algorithm>
 
+#include "gecos/base/log.hpp"
 #include "gecos/session/runtime.hpp"
 #include "gecos/session/linked_session.hpp"
 #include "gecos/session/packets.hpp"
@@ -16,6 +17,26 @@ NotOpened unanswered(media::Link& link) {
   const std::string& who = link.peer().description;
   if (link.loss() == media::Loss::None) return {Detail::NoServer, who + " did not answer"};
   return {Detail::NoServer, who + " did not let us in: " + link.loss_text()};
+}
+
+/// Those that both have, and that are not the same to both. Says so once, by name.
+std::vector<FunctionCode> differing_operations(const InterfaceDescription& wanted,
+                                               const Welcome& welcome) {
+  std::vector<FunctionCode> differing;
+  std::string names;
+  for (const auto& theirs : welcome.operations) {
+    const OperationDescription* const ours = wanted.find(theirs.code);
+    if (ours == nullptr || ours->hash == theirs.hash) continue;
+    differing.push_back(theirs.code);
+    names += (names.empty() ? "" : ", ") + std::string(ours->name);
+  }
+  std::ranges::sort(differing);
+  if (!differing.empty()) {
+    log_warning("session", welcome.object + ": the server's " + welcome.interface_name +
+                               " differs from this program's " + std::string(wanted.name) + " in " +
+                               names + "; these calls are refused");
+  }
+  return differing;
 }
 
 /// The next packet before `deadline`; nothing when there was none, or the link is lost.
@@ -35,12 +56,12 @@ std::optional<wire::PacketView> next_packet(media::Link& link, TimePoint deadlin
 }  // namespace
 
 tl::expected<std::shared_ptr<LinkedSession>, NotOpened> LinkedSession::open(
-    std::shared_ptr<Runtime> runtime, std::unique_ptr<media::Link> link, const Hello& hello,
-    TimePoint deadline) {
+    std::shared_ptr<Runtime> runtime, std::unique_ptr<media::Link> link,
+    const InterfaceDescription& wanted, TimePoint deadline) {
   wire::PacketHeader header;
   header.kind = wire::PacketKind::Hello;
   Bytes greeting;
-  write_packet(greeting, header, wire::to_bytes(hello));
+  write_packet(greeting, header, wire::to_bytes(runtime->introduce(wanted)));
 
   for (int sent = 1;; ++sent) {
     if (const auto left = link->send(greeting, {}); !left) {
@@ -58,8 +79,10 @@ tl::expected<std::shared_ptr<LinkedSession>, NotOpened> LinkedSession::open(
       if (!welcome || packet->header.session == SessionId{} || welcome->credits == 0) {
         return tl::unexpected(NotOpened{Detail::Refused, "its welcome does not decode"});
       }
+      auto differing = differing_operations(wanted, *welcome);
       return std::make_shared<LinkedSession>(std::move(runtime), std::move(link),
-                                             packet->header.session, std::move(*welcome));
+                                             packet->header.session, std::move(*welcome),
+                                             std::move(differing));
     }
     const bool lost = link->loss() != media::Loss::None;
     if (lost || std::chrono::steady_clock::now() >= deadline) {
