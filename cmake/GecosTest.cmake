@@ -10,5 +10,7 @@ function(gecos_test name)
   add_executable(${name} ${arg_SOURCES})
   target_link_libraries(${name} PRIVATE ${arg_LIBRARIES} GTest::gtest_main Threads::Threads)
   include(GoogleTest)
-  gtest_discover_tests(${name} TEST_PREFIX "${name}." PROPERTIES TIMEOUT 60 DISCOVERY_TIMEOUT 60)
+  gtest_discover_tests(${name} TEST_PREFIX "${name}." 
+                        PROPERTIES TIMEOUT 60 ENVIRONMENT "GECOS_KEY_DIR=${CMAKE_BINARY_DIR}/tests/keys"
+                        DISCOVERY_TIMEOUT 60)
 endfunction()

@@ -17,6 +17,15 @@ cp examples/01_read_distance/client.py "$stranger"
 cd "$stranger"
 env/bin/python -m pip install --quiet --disable-pip-version-check "$OLDPWD"/dist/*.whl </dev/null
 
+# What the extension wants of the system, and nothing else.
+extension=$(find env -name '_core*.so')
+foreign=$(readelf -d "$extension" | sed -n 's/.*(NEEDED).*\[\(.*\)\]/\1/p' \
+  | grep -vE '^(libsodium\.so\.23|libglib-2\.0\.so\.0|libstdc\+\+\.so\.6|libgcc_s\.so\.1|libm\.so\.6|libc\.so\.6|ld-linux.*)$' || true)
+if [ -n "$foreign" ]; then
+  echo "check_wheels: $extension needs libraries that nobody was told of: $foreign" >&2
+  exit 1
+fi
+
 printf 'interface Lamp { @actor void turn(in boolean on); };\n' >lamp.gidl
 env/bin/gidl gen lamp.gidl
 env/bin/gecos --help >help.txt

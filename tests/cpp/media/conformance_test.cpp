@@ -29,8 +29,7 @@ class Conformance : public testing::TestWithParam<Candidate> {
     ASSERT_NE(door_, nullptr);
     client_ = connect();
     ASSERT_NE(client_.link, nullptr);
-    client_.link->beat();  // so that the server meets it also where nobody comes without a word
-    server_ = End(wait_for_client(*door_), door_.get());
+    server_ = End(wait_for_client(*door_, *client_.link), door_.get());
     ASSERT_NE(server_.link, nullptr);
   }
 
@@ -218,7 +217,7 @@ TEST_P(Conformance, AnAcceptorHasManyLinksThatDoNotMix) {
   for (std::size_t i = 0; i < count; ++i) {
     clients.push_back(connect());
     ASSERT_TRUE(clients.back().send("I am " + std::to_string(i)));
-    auto link = wait_for_client(*door_);
+    auto link = wait_for_client(*door_, *clients.back().link);
     ASSERT_NE(link, nullptr);
     servers.emplace_back(std::move(link), door_.get());
     ASSERT_EQ(servers.back().receive(), "I am " + std::to_string(i));
@@ -304,8 +303,7 @@ TEST_P(Conformance, APublisherWakesItsSleepingReaders) {
   const auto writer = door_->make_stream(16, 8);
   ASSERT_TRUE(server_.link->share(1, *writer));
   End second = connect();
-  second.link->beat();
-  auto second_server = wait_for_client(*door_);
+  auto second_server = wait_for_client(*door_, *second.link);
   ASSERT_NE(second_server, nullptr);
   ASSERT_TRUE(second_server->share(9, *writer));
   const auto reader = client_.wait_for_stream(1);
@@ -355,8 +353,7 @@ TEST_P(Conformance, ALinkMayGoWhileAStreamIsPublished) {
   });
   for (int i = 0; i < 20; ++i) {
     End client = connect();
-    client.link->beat();
-    auto server = wait_for_client(*door_);
+    auto server = wait_for_client(*door_, *client.link);
     ASSERT_NE(server, nullptr);
     ASSERT_TRUE(server->share(1, *writer));
     ASSERT_NE(client.wait_for_stream(1), nullptr);
@@ -396,7 +393,7 @@ TEST_P(Conformance, TheWellKnownPlaceIsTakenOnce) {
   ASSERT_TRUE(client);
   End end(std::move(*client));
   ASSERT_TRUE(end.send("hello"));
-  EXPECT_NE(wait_for_client(*broker), nullptr);
+  EXPECT_NE(wait_for_client(*broker, *end.link), nullptr);
 }
 
 TEST_P(Conformance, NothingIsLeftOpen) {
@@ -405,8 +402,7 @@ TEST_P(Conformance, NothingIsLeftOpen) {
     auto link = medium_->connect(door->address());
     ASSERT_TRUE(link);
     End client(std::move(*link));
-    client.link->beat();
-    End server(wait_for_client(*door), door.get());
+    End server(wait_for_client(*door, *client.link), door.get());
     const auto writer = door->make_stream(100, 4);
     ASSERT_TRUE(server.link->share(1, *writer));
     const auto reader = client.wait_for_stream(1);
@@ -445,8 +441,7 @@ TEST_P(Conformance, AForkedChildFindsItsLinksDead) {
   EXPECT_EQ(client_.receive(), "and back");
   EXPECT_EQ(client_.link->loss(), Loss::None);
   auto another = connect();
-  another.link->beat();
-  EXPECT_NE(wait_for_client(*door_), nullptr) << "the door is still open";
+  EXPECT_NE(wait_for_client(*door_, *another.link), nullptr) << "the door is still open";
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -456,11 +451,12 @@ INSTANTIATE_TEST_SUITE_P(
                               [](const std::string& directory) {
                                 return make_shm({.directory = directory});
                               }},
-                    Candidate{"lcm", [](const std::string&) { 
+                    Candidate{"lcm", [](const std::string& directory) {
                                 // A well-known place of this process: a broker may run on this host.
                                 LcmOptions options;
                                 options.well_known_port =
                                     static_cast<std::uint16_t>(33000 + ::getpid() % 20000);
+                                options.key_directory = directory + "/keys";
                                 return make_lcm(options);
                               }}),
     [](const auto& candidate) { return candidate.param.name; });

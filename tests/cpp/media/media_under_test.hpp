@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -119,6 +120,22 @@ inline std::unique_ptr<Link> wait_for_client(Acceptor& door) {
     if (auto link = door.accept()) return link;
     if (sleep_on(door.descriptors(), too_late()) == Wake::TimedOut) return door.accept();
   }
+}
+
+/// The same where the client has to do its part, as its housekeeping would: on lcm it proves its key.
+inline std::unique_ptr<Link> wait_for_client(Acceptor& door, Link& client) {
+  const TimePoint end = too_late();
+  while (client.loss() == Loss::None) {
+    client.beat();
+    if (auto link = door.accept()) return link;
+    const TimePoint now = std::chrono::steady_clock::now();
+    if (now >= end) break;
+    std::vector<int> all(door.descriptors().begin(), door.descriptors().end());
+    all.insert(all.end(), client.descriptors().begin(), client.descriptors().end());
+    sleep_on(all, std::min<TimePoint>(end, now + std::chrono::milliseconds(20)));
+  }
+  ADD_FAILURE() << "no client came: " << client.loss_text();
+  return nullptr;
 }
 
 inline ByteView bytes_of(std::string_view text) {

@@ -1,15 +1,20 @@
 #include <lcm/lcm.h>
 
+#include <arpa/inet.h>
 #include <dirent.h>
 #include <fcntl.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <array>
+#include <cerrno>
 #include <cstdlib>
+#include <cstring>
+#include <optional>
 #include <utility>
 
-#include "gecos/base/log.hpp"
+#include "gecos/media/descriptor.hpp"
 #include "gecos/media/lcm/port.hpp"
 
 namespace gecos::media {
@@ -19,6 +24,36 @@ namespace {
 /// without any bound a program that is busy elsewhere would fill its memory.
 constexpr int queue_capacity = 4096;
 constexpr int most_at_once = 1024;
+
+/// What lcm_create and lcm_subscribe open at most. LCM crashes when descriptors run out within them.
+constexpr std::size_t descriptors_needed = 16;
+
+/// Takes as many descriptors as LCM will need and gives them back. Nothing when there are so many;
+/// else what is wrong.
+std::optional<MediumError> short_of_descriptors() {
+  std::array<Descriptor, descriptors_needed> spare;
+  for (Descriptor& one : spare) {
+    one = Descriptor(::open("/dev/null", O_RDONLY | O_CLOEXEC));
+    if (!one) {
+      return MediumError{std::string("lcm: no descriptors are left (") + std::strerror(errno) +
+                         "); `ulimit -n` shows the limit, and `ls /proc/" +
+                         std::to_string(::getpid()) + "/fd` what is open"};
+    }
+  }
+  return std::nullopt;
+}
+
+/// Nothing for a group that multicast knows.
+std::optional<MediumError> no_group(const std::string& group) {
+  in_addr address{};
+  if (::inet_pton(AF_INET, group.c_str(), &address) == 1 && IN_MULTICAST(ntohl(address.s_addr))) {
+    return std::nullopt;
+  }
+  return MediumError{"lcm: " + group +
+                     " is no multicast group; those are 224.0.0.0 to 239.255.255.255, and ours is "
+                     "usually " +
+                     LcmOptions{}.group};
+}
 
 std::string multicast_advice(const LcmOptions& options) {
   return " (no multicast route? run as root:  ip link set lo multicast on && ip route add " +
@@ -60,19 +95,21 @@ struct LcmPort::Subscription {
 
 tl::expected<std::unique_ptr<LcmPort>, MediumError> LcmPort::open(const LcmOptions& options,
                                                                   std::uint16_t port) {
+  if (auto wrong = no_group(options.group)) return tl::unexpected(std::move(*wrong));
   const std::string provider = "udpm://" + options.group + ":" + std::to_string(port) +
                                "?ttl=" + std::to_string(options.ttl) +
                                "&recv_buf_size=" + std::to_string(options.receive_buffer_bytes);
+  if (auto wrong = short_of_descriptors()) return tl::unexpected(std::move(*wrong));
   lcm_t* const lcm = ::lcm_create(provider.c_str());
   if (lcm == nullptr) {
     return tl::unexpected(
         MediumError{"lcm: cannot open " + provider + multicast_advice(options)});
   }
-  return std::unique_ptr<LcmPort>(new LcmPort(lcm, port));
+  return std::unique_ptr<LcmPort>(new LcmPort(lcm, port, multicast_advice(options)));
 }
 
-LcmPort::LcmPort(_lcm_t* lcm, std::uint16_t port)
-    : lcm_(lcm), port_(port), fork_watch_(this, [](void* owner) noexcept {
+LcmPort::LcmPort(_lcm_t* lcm, std::uint16_t port, std::string advice)
+    : lcm_(lcm), port_(port), advice_(std::move(advice)), fork_watch_(this, [](void* owner) noexcept {
         auto& self = *static_cast<LcmPort*>(owner);
         self.inherited_.store(true);
         if (self.receiving_socket_ >= 0) ::close(self.receiving_socket_);
@@ -83,14 +120,14 @@ LcmPort::~LcmPort() {
 }
 
 tl::expected<void, MediumError> LcmPort::subscribe(const std::string& channel, Take take) {
+  if (auto wrong = short_of_descriptors()) return tl::unexpected(std::move(*wrong));
   auto subscription = std::make_unique<Subscription>(Subscription{std::move(take)});
   // LCM reads a channel as a regular expression; ours are letters, digits, - and _.
   lcm_subscription_t* const made =
       ::lcm_subscribe(lcm_, channel.c_str(), &Subscription::arrived, subscription.get());
   const int descriptor = made == nullptr ? -1 : ::lcm_get_fileno(lcm_);
   if (descriptor < 0) {
-    return tl::unexpected(MediumError{"lcm: cannot receive on port " + std::to_string(port_) +
-                                      multicast_advice(LcmOptions{})});
+    return tl::unexpected(MediumError{"lcm: cannot receive on port " + std::to_string(port_) + advice_});
   }
   ::lcm_subscription_set_queue_capacity(made, queue_capacity);
   subscriptions_.push_back(std::move(subscription));

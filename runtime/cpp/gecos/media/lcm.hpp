@@ -4,14 +4,18 @@
 #include <memory>
 #include <string>
 
+#include "gecos/base/clock.hpp"
+#include "gecos/crypto/transport.hpp"
 #include "gecos/media/medium.hpp"
 
 /// UDP multicast through LCM, for programs of several hosts.
 ///
 /// Each object's calls have a UDP port of their own, and so have the answers to each client, because
 /// the kernel wakes everybody who listens on a port, whatever group or channel was meant. A stream
-/// goes out once for all its readers. Packets may be lost, repeated and overtake each other, and
-/// nobody's name is proved: what makes a line of it, and a safe one, is above.
+/// goes out once for all its readers. Nothing is in clear but who sends to whom: both ends prove their
+/// keys to each other, each has to have admitted the other's (gecos/crypto/key_directory.hpp), and what
+/// was altered, forged or played back never arrives. Packets may be lost and overtake each other: what
+/// makes a line of it is above.
 namespace gecos::media {
 
 struct LcmOptions {
@@ -21,9 +25,16 @@ struct LcmOptions {
   int ttl = 0;
   /// Asked of the kernel for each socket that receives; net.core.rmem_max may give less.
   int receive_buffer_bytes = 2 * 1024 * 1024;
+  /// Where the keys are; empty: crypto::KeyDirectory::default_path(). Opened with the first use.
+  std::string key_directory;
+  crypto::RekeyRule rekey;
+  /// For retries and rekeying; null: the system's. Must outlive the medium and its links.
+  const Clock* clock = nullptr;
+
+  TimePoint now() const { return clock != nullptr ? clock->now() : std::chrono::steady_clock::now(); }
 };
 
-/// The largest packet. With our header it stays in one datagram of LCM, since those that LCM cuts
+/// The largest packet. Sealed, with our headers, it stays in one datagram of LCM, since those that LCM cuts
 /// come out wrong when one piece is repeated. Between hosts it still is some 42 pieces of Ethernet, of
 /// which none may be lost: large things belong on shm.
 inline constexpr std::size_t largest_lcm_packet = 60 * 1024;

@@ -45,7 +45,7 @@ struct Offer {
 struct Peer {
   std::optional<std::uint32_t> uid;  ///< named by the kernel; nothing where it cannot
   std::optional<std::int32_t> pid;
-  std::string description;  ///< for people: "uid 1000, pid 4711", "239.255.76.67:20017, not authenticated"
+  std::string description;  ///< for people: "uid 1000, pid 4711", "key 3fa9c1d2, 239.255.76.67:20017"
 };
 
 enum class SendProblem : std::uint8_t {
@@ -128,7 +128,7 @@ class Link {
   /// waking up with nothing received, not for every packet. What the peer had sent before can still
   /// be received. The first loss stays.
   virtual Loss loss() = 0;
-  virtual std::string loss_text() const = 0;
+  virtual std::string loss_text() const = 0;  ///< for people; on lcm also why nobody was met yet
 
   /// Server: lets the peer read `stream` under `id` (chosen by the session).
   virtual tl::expected<void, SendProblem> share(std::uint32_t id, StreamWriter& stream) = 0;

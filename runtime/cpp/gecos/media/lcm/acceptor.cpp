@@ -5,19 +5,17 @@
 #include <cerrno>
 #include <cstddef>
 #include <cstring>
-#include <system_error>
+#include <stdexcept>
 #include <utility>
 
 #include "gecos/base/log.hpp"
 #include "gecos/media/lcm.hpp"
+#include "gecos/media/lcm/door.hpp"
 #include "gecos/media/lcm/link.hpp"
 
 namespace gecos::media {
 namespace {
 
-constexpr std::size_t most_guests = 256;   // met and not yet accepted
-constexpr std::size_t most_links = 4096;
-constexpr std::size_t most_gone = 256;
 constexpr std::size_t longest_name = 32;
 
 std::string channel_of_name(std::string_view name) {
@@ -34,7 +32,7 @@ std::string channel_of_name(std::string_view name) {
 class Claim {
  public:
   static tl::expected<std::unique_ptr<Claim>, MediumError> stake(const LcmAddress& place) {
-    const std::string name = "gecos/" + place.to_string();
+    const std::string name = "gecos/" + place.place();
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
     std::copy_n(name.begin(), std::min(name.size(), sizeof address.sun_path - 1),
@@ -45,9 +43,9 @@ class Claim {
     if (!held || ::bind(held.get(), reinterpret_cast<const sockaddr*>(&address), size) != 0) {
       return tl::unexpected(MediumError{
           errno == EADDRINUSE
-              ? place.to_string() + " is served already by another program of this host; `ss -xap | "
+              ? place.place() + " is served already by another program of this host; `ss -xap | "
                                     "grep gecos/lcm` tells by which"
-              : place.to_string() + " cannot be claimed: " + std::strerror(errno)});
+              : place.place() + " cannot be claimed: " + std::strerror(errno)});
     }
     return std::make_unique<Claim>(std::move(held));
   }
@@ -67,21 +65,21 @@ class LcmAcceptor final : public Acceptor {
       : claim_(std::move(claim)),
         door_(std::move(door)),
         address_(door_->address().to_string()),
-        descriptors_{door_->descriptor(), bell_.descriptor()} {}
+        descriptors_{door_->descriptor(), door_->bell().descriptor()} {}
   ~LcmAcceptor() override { door_->close(); }
 
   const Offer& offer() const override { return lcm_offer(); }
   const std::string& address() const override { return address_; }
 
   std::unique_ptr<Link> accept() override {
-    bell_.quiet();
-    if (door_->pump()) ring_bell(bell_.descriptor());  // for who watches edges
-    LcmDoor::Guest guest;
-    while (door_->next_guest(guest)) {
-      auto link = LcmServerLink::welcome(door_, guest);
+    door_->bell().quiet();
+    if (door_->pump()) ring_bell(door_->bell().descriptor());  // for who watches edges
+    while (auto guest = door_->next_guest()) {
+      const std::uint64_t client = guest->client;
+      auto link = LcmServerLink::welcome(door_, std::move(*guest));
       if (link) return std::move(*link);
       log_warning("lcm", "cannot answer a client: " + link.error().text);
-      door_->forget(guest.client);
+      door_->forget(client);
     }
     return nullptr;
   }
@@ -99,12 +97,11 @@ class LcmAcceptor final : public Acceptor {
     where.port = stream_port_;
     where.channel = draw_number();
     return std::make_unique<LcmStreamWriter>(
-        std::make_shared<LcmStream>(streams_, where, door_->server()));
+        std::make_shared<LcmStream>(streams_, where));
   }
 
  private:
   const std::unique_ptr<Claim> claim_;
-  Bell bell_;
   const std::shared_ptr<LcmDoor> door_;
   const std::string address_;
   const std::array<int, 2> descriptors_;
@@ -120,6 +117,8 @@ class Lcm final : public Medium {
 
   tl::expected<std::unique_ptr<Acceptor>, MediumError> listen(std::string_view name,
                                                               bool well_known) override {
+    const auto keys = this->keys();
+    if (!keys) return tl::unexpected(keys.error());
     LcmAddress address = well_known_place(name);
     std::unique_ptr<Claim> claim;
     if (well_known) {
@@ -129,10 +128,11 @@ class Lcm final : public Medium {
     } else {
       address.port = draw_port();
       address.channel = lcm_channel("GO", draw_number());
+      address.key = (*keys)->own.public_key();
     }
     auto in = LcmPort::open(options_, address.port);
     if (!in) return tl::unexpected(std::move(in.error()));
-    auto door = std::make_shared<LcmDoor>(options_, std::move(*in), address);
+    auto door = std::make_shared<LcmDoor>(options_, *keys, std::move(*in), address);
     if (auto opened = door->open(); !opened) return tl::unexpected(std::move(opened.error()));
     return std::make_unique<LcmAcceptor>(std::move(door), std::move(claim));
   }
@@ -141,9 +141,11 @@ class Lcm final : public Medium {
     const auto parsed = LcmAddress::parse(address);
     if (!parsed) {
       return tl::unexpected(MediumError{std::string(address) +
-                                        ": an address of lcm reads lcm:<group>:<port>/<channel>"});
+                                        ": an address of lcm reads lcm:<group>:<port>/<channel>#<key>"});
     }
-    return LcmClientLink::connect(options_, *parsed);
+    const auto keys = this->keys();
+    if (!keys) return tl::unexpected(keys.error());
+    return LcmClientLink::connect(options_, *keys, *parsed);
   }
 
   std::string well_known_address(std::string_view name) const override {
@@ -152,66 +154,26 @@ class Lcm final : public Medium {
 
  private:
   LcmAddress well_known_place(std::string_view name) const {
-    return {options_.group, options_.well_known_port, channel_of_name(name)};
+    return {options_.group, options_.well_known_port, channel_of_name(name), std::nullopt};
+  }
+
+  /// Opened with the first use, since most programs never need them.
+  tl::expected<std::shared_ptr<const LcmKeys>, MediumError> keys() {
+    const std::lock_guard lock(mutex_);
+    if (keys_ == nullptr) {
+      auto opened = LcmKeys::open(options_.key_directory);
+      if (!opened) return tl::unexpected(std::move(opened.error()));
+      keys_ = std::move(*opened);
+    }
+    return keys_;
   }
 
   const LcmOptions options_;
+  std::mutex mutex_;
+  std::shared_ptr<const LcmKeys> keys_;
 };
 
 }  // namespace
-
-LcmDoor::LcmDoor(LcmOptions options, std::unique_ptr<LcmPort> in, LcmAddress address)
-    : options_(std::move(options)), in_(std::move(in)), address_(std::move(address)) {}
-
-tl::expected<void, MediumError> LcmDoor::open() {
-  return in_->subscribe(address_.channel, [this](ByteView datagram) { take(datagram); });
-}
-
-void LcmDoor::take(ByteView datagram) {
-  const auto header = DatagramHeader::read(datagram);
-  if (!header) return;
-  // A client of another server at this place, or of an earlier life of this one.
-  if (header->server != 0 && header->server != server_) return;
-  std::shared_ptr<LcmInbox> inbox;
-  {
-    const std::lock_guard lock(mutex_);
-    const auto found = inboxes_.find(header->client);
-    if (found != inboxes_.end()) {
-      inbox = found->second;
-    } else {
-      // Any first word of a client opens a link, since its Hello may be lost.
-      if (closed_.load() || header->server != 0 || header->reply_port == 0 ||
-          header->kind == DatagramKind::Bye || guests_.size() == most_guests ||
-          inboxes_.size() == most_links || std::ranges::find(gone_, header->client) != gone_.end()) {
-        return;
-      }
-      try {
-        inbox = std::make_shared<LcmInbox>();
-      } catch (const std::system_error& failed) {  // nothing may pass through LCM's own C
-        log_warning("lcm", std::string("cannot let a client in: ") + failed.what());
-        return;  // it says Hello again
-      }
-      inboxes_.emplace(header->client, inbox);
-      guests_.push_back({header->client, header->reply_port, inbox});
-    }
-  }
-  inbox->take(*header, datagram.subspan(DatagramHeader::bytes));
-}
-
-bool LcmDoor::next_guest(Guest& into) {
-  const std::lock_guard lock(mutex_);
-  if (guests_.empty()) return false;
-  into = std::move(guests_.front());
-  guests_.pop_front();
-  return true;
-}
-
-void LcmDoor::forget(std::uint64_t client) {
-  const std::lock_guard lock(mutex_);
-  if (inboxes_.erase(client) == 0) return;
-  if (gone_.size() == most_gone) gone_.pop_front();
-  gone_.push_back(client);
-}
 
 std::unique_ptr<Medium> make_lcm(LcmOptions options) {
   return std::make_unique<Lcm>(std::move(options));

@@ -7,7 +7,8 @@ namespace gecos::media {
 namespace {
 
 constexpr std::uint16_t magic = 0x6763;
-constexpr std::uint8_t version = 1;
+constexpr std::uint8_t version = 2;
+constexpr std::string_view context_name = "gecos lcm 2";
 constexpr std::size_t longest_channel = 63;
 constexpr std::size_t longest_group = 45;  // of any Internet address
 
@@ -35,9 +36,7 @@ void DatagramHeader::write(std::span<std::byte, bytes> to) const {
   to[3] = static_cast<std::byte>(kind);
   put<std::uint16_t>(&to[4], reply_port);
   put<std::uint16_t>(&to[6], 0);
-  put<std::uint64_t>(&to[8], server);
-  put<std::uint64_t>(&to[16], client);
-  put<std::uint64_t>(&to[24], number);
+  put<std::uint64_t>(&to[8], client);
 }
 
 std::optional<DatagramHeader> DatagramHeader::read(ByteView from) {
@@ -45,18 +44,28 @@ std::optional<DatagramHeader> DatagramHeader::read(ByteView from) {
       from[2] != std::byte{version}) {
     return std::nullopt;
   }
-  DatagramHeader header;
   const auto kind = std::to_integer<std::uint8_t>(from[3]);
-  if (kind < static_cast<std::uint8_t>(DatagramKind::Hello) ||
+  if (kind < static_cast<std::uint8_t>(DatagramKind::Ask) ||
       kind > static_cast<std::uint8_t>(DatagramKind::Sample)) {
     return std::nullopt;
   }
-  header.kind = static_cast<DatagramKind>(kind);
-  header.reply_port = get<std::uint16_t>(&from[4]);
-  header.server = get<std::uint64_t>(&from[8]);
-  header.client = get<std::uint64_t>(&from[16]);
-  header.number = get<std::uint64_t>(&from[24]);
-  return header;
+  return DatagramHeader{static_cast<DatagramKind>(kind), get<std::uint16_t>(&from[4]),
+                        get<std::uint64_t>(&from[8])};
+}
+
+void InnerHeader::write(std::span<std::byte, bytes> to) const {
+  to[0] = static_cast<std::byte>(kind);
+  put<std::uint64_t>(&to[1], number);
+}
+
+std::optional<InnerHeader> InnerHeader::read(ByteView from) {
+  if (from.size() < bytes) return std::nullopt;
+  const auto kind = std::to_integer<std::uint8_t>(from[0]);
+  if (kind < static_cast<std::uint8_t>(InnerKind::Packet) ||
+      kind > static_cast<std::uint8_t>(InnerKind::Unshare)) {
+    return std::nullopt;
+  }
+  return InnerHeader{static_cast<InnerKind>(kind), get<std::uint64_t>(&from[1])};
 }
 
 void SharedStream::write(std::span<std::byte, bytes> to) const {
@@ -65,6 +74,7 @@ void SharedStream::write(std::span<std::byte, bytes> to) const {
   put<std::uint16_t>(&to[8], depth);
   put<std::uint16_t>(&to[10], port);
   put<std::uint64_t>(&to[12], channel);
+  key.write(to.last<crypto::StreamKey::bytes>());
 }
 
 std::optional<SharedStream> SharedStream::read(ByteView from) {
@@ -75,6 +85,7 @@ std::optional<SharedStream> SharedStream::read(ByteView from) {
   stream.depth = get<std::uint16_t>(&from[8]);
   stream.port = get<std::uint16_t>(&from[10]);
   stream.channel = get<std::uint64_t>(&from[12]);
+  stream.key = crypto::StreamKey::read(from.last<crypto::StreamKey::bytes>());
   if (stream.depth == 0 || stream.port == 0) return std::nullopt;
   return stream;
 }
@@ -85,8 +96,12 @@ void write_stamp(std::span<std::byte, 8> to, std::int64_t stamp_ns) {
 
 std::int64_t read_stamp(ByteView from) { return get<std::int64_t>(from.data()); }
 
-std::string LcmAddress::to_string() const {
+std::string LcmAddress::place() const {
   return "lcm:" + group + ":" + std::to_string(port) + "/" + channel;
+}
+
+std::string LcmAddress::to_string() const {
+  return key ? place() + "#" + key->to_string() : place();
 }
 
 std::optional<LcmAddress> LcmAddress::parse(std::string_view text) {
@@ -99,7 +114,13 @@ std::optional<LcmAddress> LcmAddress::parse(std::string_view text) {
   if (colon == std::string_view::npos) return std::nullopt;
   LcmAddress address;
   address.group = text.substr(0, colon);
-  address.channel = text.substr(slash + 1);
+  const std::string_view end_of_place = text.substr(slash + 1);
+  const std::size_t hash = end_of_place.find('#');
+  address.channel = end_of_place.substr(0, hash);
+  if (hash != std::string_view::npos) {
+    address.key = crypto::PublicKey::parse(end_of_place.substr(hash + 1));
+    if (!address.key) return std::nullopt;
+  }
   // It becomes part of a provider's name of LCM: nothing but an address may get there.
   const bool plain = std::ranges::all_of(
       address.group, [](char c) { return (c >= '0' && c <= '9') || c == '.'; });
@@ -112,6 +133,16 @@ std::optional<LcmAddress> LcmAddress::parse(std::string_view text) {
     return std::nullopt;
   }
   return address;
+}
+
+Bytes handshake_context(const LcmAddress& address, ByteView first_header) {
+  Bytes context;
+  const std::string place = address.place();
+  for (const ByteView part : {std::as_bytes(std::span(context_name)),
+                              std::as_bytes(std::span(place)), first_header}) {
+    context.insert(context.end(), part.begin(), part.end());
+  }
+  return context;
 }
 
 }  // namespace gecos::media

@@ -8,44 +8,63 @@
 #include <string>
 
 #include "gecos/base/bytes.hpp"
+#include "gecos/crypto/keys.hpp"
+#include "gecos/crypto/stream_seal.hpp"
 
-/// What is in a datagram of the lcm medium: a header of 32 bytes, big-endian, then the packet.
-/// Pure: bytes in, bytes out.
+/// What is in a datagram of the lcm medium: a header of 16 bytes in clear, then one frame that the
+/// header is bound to. docs/protocol.md, sections "Datagrams" to "Streams", is normative; integers are
+/// big-endian. Pure: bytes in, bytes out.
 namespace gecos::media {
 
 enum class DatagramKind : std::uint8_t {
-  Hello = 1,  ///< client: I am here
-  Welcome,    ///< server: so am I
-  Packet,
-  Beat,
-  Bye,
-  Share,    ///< server: a SharedStream, until it was opened
-  Opened,   ///< client: stream `number` is being read
-  Unshare,  ///< server: stream `number` ends for you
-  Sample,   ///< on a stream's own channel: stamp (8 bytes), then the sample `number`
+  Ask = 1,  ///< client, at a well-known place: whose is it?
+  Key,      ///< server: mine. A public key, which proves nothing yet
+  First,    ///< client: the handshake's first message
+  Second,   ///< server: its second
+  Sealed,   ///< both: a sealed packet, see PacketKind
+  Sample,   ///< on a stream's own channel: a sealed sample
 };
 
 struct DatagramHeader {
-  static constexpr std::size_t bytes = 32;
-  DatagramKind kind = DatagramKind::Beat;
-  std::uint16_t reply_port = 0;  ///< where the client listens
-  std::uint64_t server = 0;      ///< which life of the server; 0: the client has heard none yet
-  std::uint64_t client = 0;
-  std::uint64_t number = 0;
+  static constexpr std::size_t bytes = 16;
+  DatagramKind kind = DatagramKind::Sealed;
+  std::uint16_t reply_port = 0;  ///< where the client listens; 0 from a server
+  std::uint64_t client = 0;      ///< drawn for each connection; 0 of a sample
 
   void write(std::span<std::byte, bytes> to) const;
   /// Nothing for bytes that are no datagram of ours.
   static std::optional<DatagramHeader> read(ByteView from);
 };
 
-/// Where a shared stream is to be heard.
+/// What is sealed in a channel.
+enum class InnerKind : std::uint8_t {
+  Packet = 1,
+  Beat,
+  Bye,
+  Share,    ///< server: a SharedStream, until it was opened
+  Opened,   ///< client: stream `number` is being read
+  Unshare,  ///< server: stream `number` ends for you
+};
+
+/// Stands in front of what is sealed.
+struct InnerHeader {
+  static constexpr std::size_t bytes = 9;
+  InnerKind kind = InnerKind::Beat;
+  std::uint64_t number = 0;
+
+  void write(std::span<std::byte, bytes> to) const;
+  static std::optional<InnerHeader> read(ByteView from);
+};
+
+/// Where a shared stream is to be heard, and what opens it. Travels sealed.
 struct SharedStream {
-  static constexpr std::size_t bytes = 20;
+  static constexpr std::size_t bytes = 20 + crypto::StreamKey::bytes;
   std::uint32_t id = 0;
   std::uint32_t largest = 0;
   std::uint16_t depth = 0;
   std::uint16_t port = 0;
   std::uint64_t channel = 0;
+  crypto::StreamKey key;
 
   void write(std::span<std::byte, bytes> to) const;
   static std::optional<SharedStream> read(ByteView from);
@@ -55,14 +74,22 @@ void write_stamp(std::span<std::byte, 8> to, std::int64_t stamp_ns);
 /// @pre `from` has 8 bytes.
 std::int64_t read_stamp(ByteView from);
 
-/// An address of this medium: "lcm:239.255.76.67:20017/GO0123456789abcdef".
+/// An address of this medium: "lcm:239.255.76.67:20017/GO0123456789abcdef#" and 64 hex digits, the
+/// server's key; a well-known place has none.
 struct LcmAddress {
   std::string group;
   std::uint16_t port = 0;
   std::string channel;  ///< at most 63 characters, as LCM has it
+  std::optional<crypto::PublicKey> key;
 
+  /// Without the key.
+  std::string place() const;
   std::string to_string() const;
   static std::optional<LcmAddress> parse(std::string_view text);
 };
+
+/// What both sides know of a handshake without saying it: version, place, and the header in clear of
+/// its first message.
+Bytes handshake_context(const LcmAddress& address, ByteView first_header);
 
 }  // namespace gecos::media

@@ -7,41 +7,60 @@ namespace {
 
 constexpr std::size_t most_notices = 1024;
 
+/// What was sealed, in a frame that was opened in place.
+ByteView text_in(const Bytes& frame) {
+  return ByteView(frame).subspan(crypto::Sealer::text_at, frame.size() - crypto::Sealer::overhead);
+}
+
 }  // namespace
 
-void LcmInbox::take(const DatagramHeader& header, ByteView body) {
+ByteView LcmInbox::packet_in(const Bytes& frame) {
+  return text_in(frame).subspan(InnerHeader::bytes);
+}
+
+void LcmInbox::open(const crypto::Opener& opener) {
+  const std::lock_guard lock(mutex_);
+  opener_ = opener;
+}
+
+void LcmInbox::take(ByteView header, ByteView frame) {
+  Bytes opened(frame.begin(), frame.end());
+  const std::lock_guard lock(mutex_);
+  if (opener_ && opener_->open(header, opened)) put_locked(std::move(opened));
+}
+
+void LcmInbox::put(Bytes frame) {
+  const std::lock_guard lock(mutex_);
+  put_locked(std::move(frame));
+}
+
+void LcmInbox::put_locked(Bytes frame) {
+  const auto header = InnerHeader::read(text_in(frame));
+  if (!header) return;
   beats_.fetch_add(1, std::memory_order_relaxed);
-  std::uint64_t unknown = 0;
-  server_.compare_exchange_strong(unknown, header.server, std::memory_order_relaxed);
-  switch (header.kind) {
-    case DatagramKind::Hello:
-    case DatagramKind::Welcome:
-    case DatagramKind::Beat:
-    case DatagramKind::Sample:
+  switch (header->kind) {
+    case InnerKind::Beat:
       return;
-    case DatagramKind::Bye:
+    case InnerKind::Bye:
       closed_.store(true, std::memory_order_release);
       break;
-    case DatagramKind::Packet: {
-      const std::lock_guard lock(mutex_);
-      if (packets_.size() == most_packets || bytes_ + body.size() > most_bytes) {
+    case InnerKind::Packet:
+      if (packets_.size() == most_packets || bytes_ + frame.size() > most_bytes) {
         dropped_.fetch_add(1, std::memory_order_relaxed);
         return;
       }
-      bytes_ += body.size();
-      packets_.emplace_back(body.begin(), body.end());
+      bytes_ += frame.size();
+      packets_.push_back(std::move(frame));
       break;
-    }
-    case DatagramKind::Share:
-    case DatagramKind::Opened:
-    case DatagramKind::Unshare: {
-      Notice notice{header.kind, header.number, {}};
-      if (header.kind == DatagramKind::Share) {
-        const auto stream = SharedStream::read(body);
+    case InnerKind::Share:
+    case InnerKind::Opened:
+    case InnerKind::Unshare: {
+      Notice notice{header->kind, header->number, {}};
+      if (header->kind == InnerKind::Share) {
+        const auto stream = SharedStream::read(packet_in(frame));
         if (!stream) return;
         notice.stream = *stream;
       }
-      const std::lock_guard lock(mutex_);
       if (notices_.size() == most_notices) return;
       notices_.push_back(notice);
       break;
@@ -50,12 +69,12 @@ void LcmInbox::take(const DatagramHeader& header, ByteView body) {
   wake_if_asleep();
 }
 
-bool LcmInbox::pop(Bytes& into) {
+bool LcmInbox::pop(Bytes& frame) {
   const std::lock_guard lock(mutex_);
   if (packets_.empty()) return false;
-  into = std::move(packets_.front());
+  frame = std::move(packets_.front());
   packets_.pop_front();
-  bytes_ -= into.size();
+  bytes_ -= frame.size();
   return true;
 }
 
@@ -67,6 +86,11 @@ bool LcmInbox::has_packets() {
 std::vector<LcmInbox::Notice> LcmInbox::notices() {
   const std::lock_guard lock(mutex_);
   return std::exchange(notices_, {});
+}
+
+void LcmInbox::tend(TimePoint now) {
+  const std::lock_guard lock(mutex_);
+  if (opener_) opener_->tend(now);
 }
 
 }  // namespace gecos::media

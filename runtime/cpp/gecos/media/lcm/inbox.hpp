@@ -4,38 +4,52 @@
 #include <cstdint>
 #include <deque>
 #include <mutex>
+#include <optional>
 #include <vector>
 
+#include "gecos/crypto/transport.hpp"
 #include "gecos/media/bell.hpp"
 #include "gecos/media/lcm/datagram.hpp"
 #include "gecos/media/stream_ring.hpp"
 
 namespace gecos::media {
 
-/// What has arrived for one end of a link, put in by whoever pumps the port. Thread-safe.
+/// What has arrived for one end of a link, put in by whoever pumps the port: opened first, so that
+/// nothing counts which is not the peer's. Thread-safe.
 class LcmInbox final : public Sleeper {
  public:
   /// More is dropped, as a network drops: whoever sends is told by the missing answer.
   static constexpr std::size_t most_bytes = 8 * 1024 * 1024;
   static constexpr std::size_t most_packets = 16 * 1024;
 
-  /// Everything from the peer; `body` is what follows the header.
-  void take(const DatagramHeader& header, ByteView body);
-  /// The next packet, swapped into `into`.
-  bool pop(Bytes& into);
+  /// Throws std::system_error when no descriptor is left.
+  LcmInbox() = default;
+  explicit LcmInbox(const crypto::Opener& opener) : opener_(opener) {}
+
+  /// From now on what arrives can be opened; before, it is dropped. Once.
+  void open(const crypto::Opener& opener);
+  /// A sealed datagram of the peer: its header, and the frame behind it.
+  void take(ByteView header, ByteView frame);
+  /// A frame that was opened in place.
+  void put(Bytes frame);
+  /// The next packet's frame, opened; packet_in() says where in it the packet is.
+  bool pop(Bytes& frame);
+  static ByteView packet_in(const Bytes& frame);
   bool has_packets();
 
   struct Notice {  // anything but a packet or a beat
-    DatagramKind kind{};
+    InnerKind kind{};
     std::uint64_t number = 0;
     SharedStream stream;
   };
   std::vector<Notice> notices();
+  /// With every beat: keys that were replaced go.
+  void tend(TimePoint now);
 
+  /// Something was opened: the peer has the channel's keys.
+  bool heard() const { return beats() != 0; }
   std::uint64_t beats() const { return beats_.load(std::memory_order_relaxed); }
   bool closed() const { return closed_.load(std::memory_order_acquire); }
-  /// Which life of the server this client has heard; 0 before.
-  std::uint64_t server() const { return server_.load(std::memory_order_relaxed); }
   std::uint64_t dropped() const { return dropped_.load(std::memory_order_relaxed); }
 
   void set_asleep(bool asleep) { asleep_.store(asleep, std::memory_order_seq_cst); }
@@ -45,13 +59,15 @@ class LcmInbox final : public Sleeper {
   Bell& bell() { return bell_; }
 
  private:
+  void put_locked(Bytes frame);
+
   Bell bell_;
   std::atomic<bool> asleep_{false};  // tells whoever pumps to ring
   std::atomic<bool> closed_{false};  // the peer said goodbye
   std::atomic<std::uint64_t> beats_{0};
-  std::atomic<std::uint64_t> server_{0};
   std::atomic<std::uint64_t> dropped_{0};
   std::mutex mutex_;
+  std::optional<crypto::Opener> opener_;
   std::deque<Bytes> packets_;
   std::size_t bytes_ = 0;
   std::vector<Notice> notices_;

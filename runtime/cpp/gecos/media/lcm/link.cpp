@@ -6,13 +6,10 @@
 #include <utility>
 
 namespace gecos::media {
-namespace {
-
-std::string peer_text(const LcmOptions& options, std::uint16_t port) {
-  return options.group + ":" + std::to_string(port) + ", not authenticated";
+std::string lcm_peer_text(const std::optional<crypto::PublicKey>& key, const std::string& group,
+                          std::uint16_t port) {
+  return (key ? "key " + key->short_name() + ", " : "") + group + ":" + std::to_string(port);
 }
-
-}  // namespace
 
 const Offer& lcm_offer() {
   static constexpr Offer offer{.kind = Kind::Lcm,
@@ -21,42 +18,35 @@ const Offer& lcm_offer() {
                                .reliable = false,
                                .real_time = false,
                                .reports_death = false,
-                               .authenticated = false,
+                               .authenticated = true,
                                .largest_packet = largest_lcm_packet};
   return offer;
 }
 
-LcmLink::LcmLink(std::shared_ptr<LcmInbox> inbox, std::unique_ptr<LcmPort> out,
-                 std::string out_channel, std::uint64_t client, std::uint16_t reply_port, Peer peer)
+LcmLink::LcmLink(std::shared_ptr<LcmInbox> inbox, std::shared_ptr<LcmOutlet> outlet,
+                 const LcmOptions& options, Peer peer)
     : inbox_(std::move(inbox)),
-      out_(std::move(out)),
-      out_channel_(std::move(out_channel)),
-      client_(client),
-      reply_port_(reply_port),
+      options_(options),
+      outlet_(std::move(outlet)),
       peer_(std::move(peer)),
       fork_watch_(this, [](void* owner) noexcept {
         static_cast<LcmLink*>(owner)->inherited_.store(true);
       }) {}
 
-void LcmLink::say(DatagramKind kind, std::uint64_t number, ByteView body) {
-  constexpr std::size_t most = DatagramHeader::bytes + SharedStream::bytes;
-  std::array<std::byte, most> datagram;
-  const DatagramHeader header{kind, reply_port_, server(), client_, number};
-  header.write(std::span(datagram).first<DatagramHeader::bytes>());
-  std::ranges::copy(body, datagram.begin() + DatagramHeader::bytes);
-  out_->publish(out_channel_, ByteView(datagram).first(DatagramHeader::bytes + body.size()));
+void LcmLink::say(InnerKind kind, std::uint64_t number, ByteView body) {
+  if (inherited()) return;  // sealed here it would go out under the parent's counter
+  Bytes memory;
+  outlet_->send({kind, number}, {}, body, memory);
 }
 
 tl::expected<std::uint64_t, SendProblem> LcmLink::send(ByteView head, ByteView body) {
-  const std::size_t size = head.size() + body.size();
-  if (size > largest_lcm_packet) return tl::unexpected(SendProblem::TooLarge);
+  if (head.size() + body.size() > largest_lcm_packet) {
+    return tl::unexpected(SendProblem::TooLarge);
+  }
   if (inherited() || inbox_->closed()) return tl::unexpected(SendProblem::Lost);
-  const DatagramHeader header{DatagramKind::Packet, reply_port_, server(), client_, sent_ + 1};
-  outgoing_.resize(DatagramHeader::bytes + size);
-  header.write(std::span(outgoing_).first<DatagramHeader::bytes>());
-  const auto rest = std::ranges::copy(head, outgoing_.begin() + DatagramHeader::bytes).out;
-  std::ranges::copy(body, rest);
-  if (!out_->publish(out_channel_, outgoing_)) return tl::unexpected(SendProblem::Full);
+  if (!outlet_->send({InnerKind::Packet, sent_ + 1}, head, body, outgoing_)) {
+    return tl::unexpected(SendProblem::Full);
+  }
   return ++sent_;
 }
 
@@ -66,11 +56,15 @@ std::optional<ByteView> LcmLink::receive() {
     pump();
     if (!inbox_->pop(current_)) return std::nullopt;
   }
-  return ByteView(current_);
+  return LcmInbox::packet_in(current_);
 }
 
 void LcmLink::beat() {
-  if (!inherited() && !inbox_->closed()) say(DatagramKind::Beat);
+  if (inherited() || inbox_->closed()) return;
+  const TimePoint now = options_.now();
+  outlet_->tend(now);
+  inbox_->tend(now);
+  say(InnerKind::Beat);
 }
 
 std::uint64_t LcmLink::beats_seen() {
@@ -91,8 +85,12 @@ std::string LcmLink::loss_text() const {
   return inbox_->closed() ? "the other end closed" : "";
 }
 
-tl::expected<std::unique_ptr<Link>, MediumError> LcmClientLink::connect(const LcmOptions& options,
-                                                                        const LcmAddress& address) {
+tl::expected<std::unique_ptr<Link>, MediumError> LcmClientLink::connect(
+    const LcmOptions& options, std::shared_ptr<const LcmKeys> keys, const LcmAddress& address) {
+  if (address.key && !keys->admits(*address.key)) {
+    return tl::unexpected(
+        MediumError{"lcm: refused " + address.place() + ": " + keys->not_admitted(*address.key)});
+  }
   LcmOptions here = options;
   here.group = address.group;
   const std::uint64_t client = draw_number();
@@ -101,35 +99,48 @@ tl::expected<std::unique_ptr<Link>, MediumError> LcmClientLink::connect(const Lc
   if (!in) return tl::unexpected(std::move(in.error()));
   auto out = LcmPort::open(here, address.port);
   if (!out) return tl::unexpected(std::move(out.error()));
+  auto outlet =
+      std::make_shared<LcmOutlet>(std::move(*out), address.channel, client, reply_port);
   auto inbox = std::make_shared<LcmInbox>();
-  const auto subscribed =
-      (*in)->subscribe(lcm_channel("GC", client), [inbox](ByteView datagram) {
+  auto opening = std::make_shared<LcmOpening>(std::move(keys), here, address, outlet, inbox);
+  const auto subscribed = (*in)->subscribe(
+      lcm_channel("GC", client), [inbox, opening](ByteView datagram) {
         const auto header = DatagramHeader::read(datagram);
         if (!header) return;
-        // The first server that answers is ours; another one at the same place is not.
-        if (inbox->server() != 0 && header->server != inbox->server()) return;
-        inbox->take(*header, datagram.subspan(DatagramHeader::bytes));
+        const ByteView frame = datagram.subspan(DatagramHeader::bytes);
+        if (header->kind != DatagramKind::Sealed) return opening->take(*header, frame);
+        inbox->take(datagram.first(DatagramHeader::bytes), frame);
       });
   if (!subscribed) return tl::unexpected(subscribed.error());
-  auto link = std::make_unique<LcmClientLink>(here, std::move(inbox), std::move(*in),
-                                              std::move(*out), address, client, reply_port);
-  link->say(DatagramKind::Hello);
+  auto link = std::make_unique<LcmClientLink>(here, std::move(inbox), std::move(outlet),
+                                              std::move(*in), std::move(opening), address);
+  link->opening_->advance();
   return link;
 }
 
 LcmClientLink::LcmClientLink(const LcmOptions& options, std::shared_ptr<LcmInbox> inbox,
-                             std::unique_ptr<LcmPort> in, std::unique_ptr<LcmPort> out,
-                             const LcmAddress& address, std::uint64_t client,
-                             std::uint16_t reply_port)
-    : LcmLink(std::move(inbox), std::move(out), address.channel, client, reply_port,
-              Peer{std::nullopt, std::nullopt, peer_text(options, address.port)}),
-      options_(options),
+                             std::shared_ptr<LcmOutlet> outlet, std::unique_ptr<LcmPort> in,
+                             std::shared_ptr<LcmOpening> opening, const LcmAddress& address)
+    : LcmLink(std::move(inbox), std::move(outlet), options,
+              Peer{std::nullopt, std::nullopt,
+                   lcm_peer_text(address.key, address.group, address.port)}),
       in_(std::move(in)),
+      opening_(std::move(opening)),
       streams_(::epoll_create1(EPOLL_CLOEXEC)),
       descriptors_{in_->descriptor(), inbox_->bell().descriptor(), streams_.get()} {}
 
 LcmClientLink::~LcmClientLink() {
-  if (!inherited() && !inbox_->closed()) say(DatagramKind::Bye);
+  if (!inherited() && !inbox_->closed()) say(InnerKind::Bye);
+}
+
+void LcmClientLink::beat() {
+  LcmLink::beat();
+  if (!inherited()) opening_->advance();
+}
+
+std::string LcmClientLink::loss_text() const {
+  auto text = LcmLink::loss_text();
+  return text.empty() ? opening_->trouble() : text;
 }
 
 bool LcmClientLink::arm() {
@@ -153,16 +164,17 @@ void LcmClientLink::disarm() {
 void LcmClientLink::pump() {
   // What is left over keeps LCM's descriptor readable; an edge-triggered watcher needs the bell.
   if (in_->pump()) ring_bell(inbox_->bell().descriptor());
+  opening_->advance();
   for (const auto& notice : inbox_->notices()) {
     const std::lock_guard lock(mutex_);
-    if (notice.kind == DatagramKind::Unshare) {
+    if (notice.kind == InnerKind::Unshare) {
       arrived_.erase(static_cast<std::uint32_t>(notice.number));
-    } else if (notice.kind == DatagramKind::Share) {
+    } else if (notice.kind == InnerKind::Share) {
       Arrived& arrived = arrived_[notice.stream.id];
       if (arrived.where.channel != notice.stream.channel) arrived = {notice.stream, false};
       heard_of_streams_ = true;
       // Told again although it is open: our answer was lost.
-      if (arrived.opened) say(DatagramKind::Opened, notice.stream.id);
+      if (arrived.opened) say(InnerKind::Opened, notice.stream.id);
     }
   }
 }
@@ -200,7 +212,7 @@ std::unique_ptr<StreamReader> LcmClientLink::open_stream(std::uint32_t id) {
   auto opened = LcmPort::open(options_, where.port);
   if (!opened) return nullptr;
   const std::shared_ptr<LcmPort> port = std::move(*opened);
-  auto inbox = std::make_shared<LcmStreamInbox>(port, where.depth, inbox_);
+  auto inbox = std::make_shared<LcmStreamInbox>(port, where, inbox_);
   // The port keeps the callback, and the inbox the port: a weak one back, or none would ever go.
   const auto subscribed =
       port->subscribe(lcm_channel("GS", where.channel),
@@ -214,30 +226,34 @@ std::unique_ptr<StreamReader> LcmClientLink::open_stream(std::uint32_t id) {
   }
   reading_.push_back(inbox);
   found->second.opened = true;
-  say(DatagramKind::Opened, id);
+  say(InnerKind::Opened, id);
   return std::make_unique<LcmStreamReader>(std::move(inbox));
 }
 
 LcmServerLink::LcmServerLink(std::shared_ptr<LcmDoor> door, const LcmDoor::Guest& guest,
-                             std::unique_ptr<LcmPort> out)
-    : LcmLink(guest.inbox, std::move(out), lcm_channel("GC", guest.client), guest.client, 0,
-              Peer{std::nullopt, std::nullopt, peer_text(door->options(), guest.reply_port)}),
+                             std::shared_ptr<LcmOutlet> outlet)
+    : LcmLink(guest.inbox, std::move(outlet), door->options(),
+              Peer{std::nullopt, std::nullopt,
+                   lcm_peer_text(guest.key, door->options().group, guest.reply_port)}),
       door_(std::move(door)),
       client_(guest.client),
       descriptors_{inbox_->bell().descriptor()} {}
 
 tl::expected<std::unique_ptr<Link>, MediumError> LcmServerLink::welcome(
-    std::shared_ptr<LcmDoor> door, const LcmDoor::Guest& guest) {
+    std::shared_ptr<LcmDoor> door, LcmDoor::Guest guest) {
   auto out = LcmPort::open(door->options(), guest.reply_port);
   if (!out) return tl::unexpected(std::move(out.error()));
-  auto link = std::make_unique<LcmServerLink>(std::move(door), guest, std::move(*out));
-  link->say(DatagramKind::Welcome);
+  auto outlet = std::make_shared<LcmOutlet>(std::move(*out), lcm_channel("GC", guest.client),
+                                            guest.client, std::uint16_t{0});
+  outlet->open(std::move(guest.sealer));
+  auto link = std::make_unique<LcmServerLink>(std::move(door), guest, std::move(outlet));
+  link->say(InnerKind::Beat);  // the client waits to hear us
   return link;
 }
 
 LcmServerLink::~LcmServerLink() {
   if (inherited()) return;
-  if (!inbox_->closed()) say(DatagramKind::Bye);
+  if (!inbox_->closed()) say(InnerKind::Bye);
   door_->forget(client_);
 }
 
@@ -259,7 +275,7 @@ void LcmServerLink::disarm() {
 void LcmServerLink::pump() {
   door_->pump();
   for (const auto& notice : inbox_->notices()) {
-    if (notice.kind != DatagramKind::Opened) continue;
+    if (notice.kind != InnerKind::Opened) continue;
     std::shared_ptr<LcmStream> stream;
     {
       const std::lock_guard lock(mutex_);
@@ -287,7 +303,7 @@ void LcmServerLink::tell(std::uint32_t id, const LcmStream& stream) {
   where.id = id;
   std::array<std::byte, SharedStream::bytes> body;
   where.write(body);
-  say(DatagramKind::Share, id, body);
+  say(InnerKind::Share, id, body);
 }
 
 tl::expected<void, SendProblem> LcmServerLink::share(std::uint32_t id, StreamWriter& stream) {
@@ -302,7 +318,7 @@ tl::expected<void, SendProblem> LcmServerLink::share(std::uint32_t id, StreamWri
 void LcmServerLink::unshare(std::uint32_t id) {
   if (inherited()) return;
   const std::lock_guard lock(mutex_);
-  if (shared_.erase(id) != 0) say(DatagramKind::Unshare, id);
+  if (shared_.erase(id) != 0) say(InnerKind::Unshare, id);
 }
 
 std::unique_ptr<StreamReader> LcmServerLink::open_stream(std::uint32_t /*id*/) {

@@ -37,11 +37,12 @@ class LcmPort {
 
  private:
   struct Subscription;
-  LcmPort(_lcm_t* lcm, std::uint16_t port);
+  LcmPort(_lcm_t* lcm, std::uint16_t port, std::string advice);
   void close_on_exec();
 
   _lcm_t* const lcm_;
   const std::uint16_t port_;
+  const std::string advice_;  // when it cannot receive
   int descriptor_ = -1;
   int receiving_socket_ = -1;          // LCM's own
   std::mutex mutex_;                   // lcm_handle runs once at a time

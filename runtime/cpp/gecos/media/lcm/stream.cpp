@@ -4,56 +4,76 @@
 #include <random>
 #include <utility>
 
+#include "gecos/crypto/big_endian.hpp"
+
 namespace gecos::media {
 namespace {
 
-constexpr std::size_t sample_at = DatagramHeader::bytes + 8;
+constexpr std::size_t stamp_at = DatagramHeader::bytes + crypto::StreamSealer::text_at;
+constexpr std::size_t stamp_bytes = 8;
+constexpr std::size_t sample_overhead =
+    DatagramHeader::bytes + crypto::StreamSealer::overhead + stamp_bytes;
+
+SharedStream with_key(SharedStream where, const crypto::StreamKey& key) {
+  where.key = key;
+  return where;
+}
 
 }  // namespace
 
-LcmStream::LcmStream(std::shared_ptr<LcmPort> port, SharedStream where, std::uint64_t server)
+LcmStream::LcmStream(std::shared_ptr<LcmPort> port, SharedStream where)
     : port_(std::move(port)),
-      where_(where),
-      server_(server),
+      where_(with_key(where, sealer_.key())),
       channel_(lcm_channel("GS", where.channel)) {}
 
 tl::expected<void, SendProblem> LcmStream::publish(ByteView sample, std::int64_t stamp_ns) {
   if (sample.size() > where_.largest) return tl::unexpected(SendProblem::TooLarge);
   const std::lock_guard lock(mutex_);
-  last_.resize(sample_at + sample.size());
-  const DatagramHeader header{
-      .kind = DatagramKind::Sample, .server = server_, .number = ++sequence_};
-  header.write(std::span(last_).first<DatagramHeader::bytes>());
-  write_stamp(std::span(last_).subspan<DatagramHeader::bytes, 8>(), stamp_ns);
-  std::ranges::copy(sample, last_.begin() + sample_at);
+  last_.resize(sample_overhead + sample.size());
+  const std::span<std::byte> all(last_);
+  const auto header = all.first<DatagramHeader::bytes>();
+  DatagramHeader{.kind = DatagramKind::Sample}.write(header);
+  write_stamp(all.subspan<stamp_at, stamp_bytes>(), stamp_ns);
+  std::ranges::copy(sample, last_.begin() + stamp_at + stamp_bytes);
+  sealer_.seal(header, all.subspan(DatagramHeader::bytes));
   port_->publish(channel_, last_);
   return {};
 }
 
 void LcmStream::repeat_last() {
   const std::lock_guard lock(mutex_);
-  if (sequence_ != 0) port_->publish(channel_, last_);
+  if (!last_.empty()) port_->publish(channel_, last_);
 }
 
-LcmStreamInbox::LcmStreamInbox(std::shared_ptr<LcmPort> port, std::size_t depth,
+LcmStreamInbox::LcmStreamInbox(std::shared_ptr<LcmPort> port, const SharedStream& where,
                                std::weak_ptr<Sleeper> sleeper)
-    : port_(std::move(port)), depth_(depth), sleeper_(std::move(sleeper)) {}
+    : port_(std::move(port)),
+      depth_(where.depth),
+      sleeper_(std::move(sleeper)),
+      opener_(where.key) {}
 
 void LcmStreamInbox::take(ByteView datagram) {
   const auto header = DatagramHeader::read(datagram);
-  if (!header || header->kind != DatagramKind::Sample || datagram.size() < sample_at) return;
+  if (!header || header->kind != DatagramKind::Sample || datagram.size() < sample_overhead) return;
   {
     const std::lock_guard lock(mutex_);
+    const ByteView sealed = datagram.subspan(DatagramHeader::bytes);
+    // The first sample of a stream has number 1, and counter 0.
+    const std::uint64_t sequence =
+        crypto::read_u64(sealed.first<crypto::StreamSealer::text_at>()) + 1;
     // Repeated, or overtaken by a newer one: a stream never goes back.
-    if (!samples_.empty() && header->number <= samples_.back().sequence) return;
+    if (!samples_.empty() && sequence <= samples_.back().sequence) return;
+    frame_.assign(sealed.begin(), sealed.end());
+    const auto text = opener_.open(datagram.first(DatagramHeader::bytes), frame_);
+    if (!text) return;
     StreamSample sample;
     if (samples_.size() == depth_) {
       sample = std::move(samples_.front());  // its memory is used again
       samples_.pop_front();
     }
-    const ByteView bytes = datagram.subspan(sample_at);
-    sample.sequence = header->number;
-    sample.stamp_ns = read_stamp(datagram.subspan(DatagramHeader::bytes, 8));
+    const ByteView bytes = text->subspan(stamp_bytes);
+    sample.sequence = sequence;
+    sample.stamp_ns = read_stamp(text->first(stamp_bytes));
     sample.bytes.assign(bytes.begin(), bytes.end());
     samples_.push_back(std::move(sample));
   }

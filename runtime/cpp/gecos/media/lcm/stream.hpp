@@ -6,16 +6,17 @@
 #include <mutex>
 #include <string>
 
+#include "gecos/crypto/stream_seal.hpp"
 #include "gecos/media/lcm/datagram.hpp"
 #include "gecos/media/lcm/port.hpp"
 #include "gecos/media/stream_ring.hpp"
 
 namespace gecos::media {
 
-/// Sends a stream once for all its readers, on a channel of its own.
+/// Sends a stream once for all its readers, on a channel of its own and under a key of its own.
 class LcmStream {
  public:
-  LcmStream(std::shared_ptr<LcmPort> port, SharedStream where, std::uint64_t server);
+  LcmStream(std::shared_ptr<LcmPort> port, SharedStream where);
 
   const SharedStream& where() const { return where_; }
   tl::expected<void, SendProblem> publish(ByteView sample, std::int64_t stamp_ns);
@@ -24,12 +25,11 @@ class LcmStream {
 
  private:
   const std::shared_ptr<LcmPort> port_;
+  crypto::StreamSealer sealer_;
   const SharedStream where_;
-  const std::uint64_t server_;
   const std::string channel_;
   std::mutex mutex_;
-  std::uint64_t sequence_ = 0;
-  Bytes last_;
+  Bytes last_;  // as it was sent
 };
 
 class LcmStreamWriter final : public StreamWriter {
@@ -48,7 +48,8 @@ class LcmStreamWriter final : public StreamWriter {
 class LcmStreamInbox {
  public:
   /// `sleeper` is woken with every new sample.
-  LcmStreamInbox(std::shared_ptr<LcmPort> port, std::size_t depth, std::weak_ptr<Sleeper> sleeper);
+  LcmStreamInbox(std::shared_ptr<LcmPort> port, const SharedStream& where,
+                 std::weak_ptr<Sleeper> sleeper);
 
   void take(ByteView datagram);
   bool read(std::uint64_t after, bool newest, StreamSample& into);
@@ -60,6 +61,8 @@ class LcmStreamInbox {
   const std::size_t depth_;
   const std::weak_ptr<Sleeper> sleeper_;
   std::mutex mutex_;
+  crypto::StreamOpener opener_;
+  Bytes frame_;
   std::deque<StreamSample> samples_;
   std::uint64_t seen_ = 0;
 };

@@ -1,0 +1,24 @@
+#include "gecos/media/lcm/keys.hpp"
+
+#include <utility>
+
+namespace gecos::media {
+
+tl::expected<std::shared_ptr<const LcmKeys>, MediumError> LcmKeys::open(const std::string& path) {
+  const auto failed = [](const crypto::KeyError& error) {
+    return tl::unexpected(MediumError{"lcm needs a key: " + error.text});
+  };
+  auto directory =
+      crypto::KeyDirectory::open(path.empty() ? crypto::KeyDirectory::default_path() : path);
+  if (!directory) return failed(directory.error());
+  auto own = directory->identity();
+  if (!own) return failed(own.error());
+  return std::make_shared<const LcmKeys>(LcmKeys{std::move(*directory), std::move(*own)});
+}
+
+std::string LcmKeys::not_admitted(const crypto::PublicKey& key) const {
+  return "its key " + key.short_name() + " is not admitted here: if it is to be, copy the file " +
+         key.to_string() + ".public from its key directory into " + directory.path();
+}
+
+}  // namespace gecos::media

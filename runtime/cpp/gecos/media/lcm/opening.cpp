@@ -1,0 +1,108 @@
+#include "gecos/media/lcm/opening.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace gecos::media {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// 20, 40, 80, then 160 ms.
+Duration repeated_after(int said) { return 20ms * (1 << std::min(said - 1, 3)); }
+
+}  // namespace
+
+LcmOpening::LcmOpening(std::shared_ptr<const LcmKeys> keys, const LcmOptions& options,
+                       LcmAddress address, std::shared_ptr<LcmOutlet> outlet,
+                       std::shared_ptr<LcmInbox> inbox)
+    : keys_(std::move(keys)),
+      options_(options),
+      address_(std::move(address)),
+      outlet_(std::move(outlet)),
+      inbox_(std::move(inbox)) {
+  begin(options_.now());
+}
+
+void LcmOpening::begin(TimePoint now) {
+  began_ = next_ = now;
+  said_ = 0;
+  handshake_.reset();
+  if (address_.key) begin_with(*address_.key);
+}
+
+void LcmOpening::begin_with(const crypto::PublicKey& key) {
+  const auto header = outlet_->header(DatagramKind::First);
+  auto begun =
+      crypto::Opening::begin(keys_->own, key, handshake_context(address_, header), ByteView{});
+  if (begun) handshake_.emplace(std::move(*begun));  // else no honest program has that key
+}
+
+void LcmOpening::advance() {
+  if (over_.load(std::memory_order_relaxed)) return;
+  const TimePoint now = options_.now();
+  const std::lock_guard lock(mutex_);
+  if (open_ && inbox_->heard()) {
+    over_.store(true, std::memory_order_relaxed);
+    return;
+  }
+  if (!open_ && now - began_ >= begins_anew_after) begin(now);
+  if (now >= next_) speak(now);
+}
+
+void LcmOpening::speak(TimePoint now) {
+  if (open_) {
+    Bytes memory;
+    outlet_->send({InnerKind::Beat}, {}, {}, memory);
+  } else if (handshake_) {
+    outlet_->send_bare(DatagramKind::First, handshake_->first());
+  } else if (!address_.key) {
+    outlet_->send_bare(DatagramKind::Ask, {});
+  }
+  next_ = now + repeated_after(++said_);
+}
+
+void LcmOpening::take(const DatagramHeader& header, ByteView frame) {
+  if (over_.load(std::memory_order_relaxed)) return;
+  const TimePoint now = options_.now();
+  const std::lock_guard lock(mutex_);
+  if (open_) return;
+  if (header.kind == DatagramKind::Key) take_key(frame, now);
+  if (header.kind == DatagramKind::Second) take_second(frame, now);
+}
+
+void LcmOpening::take_key(ByteView frame, TimePoint now) {
+  if (address_.key || handshake_ || frame.size() != crypto::key_bytes) return;
+  const auto key = crypto::PublicKey::of(frame);
+  if (key == not_admitted_) return;
+  if (!keys_->admits(key)) {  // another server may answer yet
+    not_admitted_ = key;
+    return;
+  }
+  begin_with(key);
+  said_ = 0;
+  if (handshake_) speak(now);
+}
+
+void LcmOpening::take_second(ByteView frame, TimePoint now) {
+  if (!handshake_) return;
+  auto finished = handshake_->finish(frame, now, options_.rekey);
+  if (!finished) return;
+  inbox_->open(finished->channel.in);
+  outlet_->open(std::move(finished->channel.out));
+  handshake_.reset();
+  open_ = true;
+  said_ = 0;
+  speak(now);  // the server takes nobody in before it has heard something sealed
+}
+
+std::string LcmOpening::trouble() const {
+  const std::lock_guard lock(mutex_);
+  if (open_) return inbox_->heard() ? "" : "the server has let us in and was not heard since";
+  if (!handshake_ && not_admitted_) return "who answered there was refused: " + keys_->not_admitted(*not_admitted_);
+  return "nobody is there, or our key " + keys_->own.public_key().short_name() +
+         " is not admitted there: then its user needs a copy of " + keys_->directory.path() + "/" +
+         keys_->own.public_key().to_string() + ".public";
+}
+
+}  // namespace gecos::media
