@@ -15,8 +15,10 @@ using NotOpened = LinkedSession::NotOpened;
 /// Why no welcome came: what the other end or the medium said of the loss, else nobody spoke.
 NotOpened unanswered(media::Link& link) {
   const std::string& who = link.peer().description;
-  if (link.loss() == media::Loss::None) return {Detail::NoServer, who + " did not answer"};
-  return {Detail::NoServer, who + " did not let us in: " + link.loss_text()};
+  const bool lost = link.loss() != media::Loss::None;
+  const std::string why = link.loss_text();
+  if (lost) return {Detail::NoServer, who + " did not let us in: " + why};
+  return {Detail::NoServer, who + " did not answer" + (why.empty() ? "" : ": " + why)};
 }
 
 /// Those that both have, and that are not the same to both. Says so once, by name.
