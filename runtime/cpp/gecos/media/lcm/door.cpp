@@ -49,7 +49,7 @@ void LcmDoor::take(ByteView datagram) {
     if (header->kind == DatagramKind::Ask && !address_.key) {
       answer(*header, DatagramKind::Key, keys_->own.public_key().bytes, now);
     }
-  } catch (const std::system_error& failed) {  // nothing may pass through LCM's own C
+  } catch (const std::system_error& failed) {  // who polls serves the others
     log_warning("lcm", std::string("cannot let a client in: ") + failed.what());
   }
 }
