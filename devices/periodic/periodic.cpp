@@ -1,17 +1,11 @@
 #include "periodic/periodic.hpp"
 
-#include <pthread.h>
-#include <signal.h>
-
 #include <chrono>
 #include <utility>
 
 namespace devices {
 
 Periodic::Periodic(gecos::Duration period, std::function<void(double)> work) {
-  sigset_t all, before;
-  sigfillset(&all);
-  pthread_sigmask(SIG_SETMASK, &all, &before);  // inherited by the thread
   thread_ = std::jthread([period, work = std::move(work)](const std::stop_token& stop) {
     gecos::TimePoint last = std::chrono::steady_clock::now();
     while (!stop.stop_requested()) {
@@ -23,7 +17,6 @@ Periodic::Periodic(gecos::Duration period, std::function<void(double)> work) {
       last = next;
     }
   });
-  pthread_sigmask(SIG_SETMASK, &before, nullptr);
 }
 
 }  // namespace devices

@@ -1,6 +1,5 @@
 #include "gecos/session/server.hpp"
 
-#include <signal.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -11,7 +10,7 @@
 #include "gecos/session/lab_core.hpp"
 #include "gecos/session/registrar.hpp"
 #include "gecos/session/served_object.hpp"
-#include "gecos/session/signal_descriptor.hpp"
+#include "gecos/session/termination.hpp"
 
 namespace gecos {
 
@@ -152,18 +151,10 @@ tl::expected<void, ServeError> Server::Core::add(std::string name, Servant& serv
 }
 
 void Server::Core::run() {
-  sigset_t asked;
-  sigemptyset(&asked);
-  sigaddset(&asked, SIGINT);
-  sigaddset(&asked, SIGTERM);
-  sigset_t before;
-  pthread_sigmask(SIG_BLOCK, &asked, &before);
-  const session::SignalDescriptor signals(asked);
-  const int descriptors[] = {signals.descriptor(), ended_.descriptor()};
+  const session::Termination asked;
+  const int descriptors[] = {asked.descriptor(), ended_.descriptor()};
   while (media::sleep_on(descriptors, TimePoint::max()) == media::Wake::Interrupted) {
   }
-  signals.take();
-  pthread_sigmask(SIG_SETMASK, &before, nullptr);
 }
 
 void Server::Core::shut_down() { ended_.ring(); }

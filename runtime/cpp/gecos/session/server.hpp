@@ -41,7 +41,7 @@ class Server {
   tl::expected<void, ServeError> await_broker(Duration patience);
   /// Serves `servant` under `name` from now on. The servant must outlive the server.
   tl::expected<void, ServeError> add(std::string name, Servant& servant, ObjectOptions options = {});
-  /// Waits until SIGINT or SIGTERM (both must be unblocked in no other thread), or `shut_down()`.
+  /// Waits until SIGINT or SIGTERM, whichever thread gets it, or `shut_down()`.
   void run();
   /// Ends `run()`. Any thread.
   void shut_down();

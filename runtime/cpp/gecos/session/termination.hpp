@@ -1,0 +1,19 @@
+#pragma once
+
+namespace gecos::session {
+
+/// While one lives, SIGINT and SIGTERM make a descriptor readable instead of ending the process,
+/// whichever thread they are delivered to. Handlers that were there before come back afterwards; a
+/// signal that the process ignores (SIGINT under `nohup … &`) stays ignored. In a forked child the
+/// signals do again what they do by default.
+class Termination {
+ public:
+  Termination();  ///< throws std::system_error when the process has no descriptor left
+  ~Termination();
+  Termination(const Termination&) = delete;
+  Termination& operator=(const Termination&) = delete;
+
+  int descriptor() const;  ///< readable once a signal has come; the same for all that live
+};
+
+}  // namespace gecos::session
