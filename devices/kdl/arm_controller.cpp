@@ -8,16 +8,31 @@ namespace {
 
 constexpr int cycles_at_goal = 3;
 
+std::size_t at(Eigen::Index axis) { return static_cast<std::size_t>(axis); }
+
+std::int64_t unix_ns() {
+  const auto since = std::chrono::system_clock::now().time_since_epoch();
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(since).count();
+}
+
 }  // namespace
 
 ArmController::ArmController(const robcl::arm::ArmModel& model, const Settings& settings,
                              JointDriver& driver)
     : settings_(settings),
+      axes_(model.axes()),
       driver_(driver),
       forward_(model),
       command_(driver.measured()),
       reading_(Reading{}) {
   publish(command_);
+}
+
+JointValues ArmController::standing_at() const {
+  const Reading now = reading_.read();
+  JointValues command(axes_);
+  for (Eigen::Index i = 0; i < command.size(); ++i) command[i] = now.commanded[at(i)];
+  return command;
 }
 
 void ArmController::start(robcl::motion::Plan plan) {
@@ -43,8 +58,16 @@ void ArmController::step(double seconds) {
     end = Outcome{End::Fault, 0, 0, std::move(measured.error())};
   }
   if (end) phase_ = Phase::Standing;
-  // Without an answer from the driver the last one stays what is known; `cycle` says how old it is.
-  if (measured) publish(*measured);
+  // Without an answer from the driver the last one stays what is known, and its stamp says how old it
+  // is. Where it stands when the driver is back, it shall stay.
+  if (measured) {
+    if (std::exchange(silent_, false)) command_ = *measured;
+    publish(*measured);
+  } else {
+    silent_ = true;
+    for (Eigen::Index i = 0; i < command_.size(); ++i) command_[i] = last_.joints[at(i)];
+    last_.commanded = last_.joints;
+  }
   if (!end) return;
   last_.moving = false;
   reading_.write(last_);
@@ -79,8 +102,10 @@ std::optional<ArmController::Outcome> ArmController::settle(const JointValues& m
 
 void ArmController::publish(const JointValues& measured) {
   for (Eigen::Index i = 0; i < measured.size(); ++i) {
-    last_.joints[static_cast<std::size_t>(i)] = measured[i];
+    last_.joints[at(i)] = measured[i];
+    last_.commanded[at(i)] = command_[i];
   }
+  last_.measured_at_ns = unix_ns();
   const robcl::Frame flange = forward_.base_from_flange(measured);
   const auto [w, x, y, z] = flange.quaternion();
   last_.base_from_flange = {flange.x(), flange.y(), flange.z(), w, x, y, z};

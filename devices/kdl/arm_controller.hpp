@@ -28,10 +28,12 @@ class ArmController {
   /// What was measured, all of it in one cycle.
   struct Reading {
     std::array<double, robcl::arm::max_axes> joints{};
+    std::array<double, robcl::arm::max_axes> commanded{};  // where they are told to be meanwhile
     std::array<double, 7> base_from_flange{};  // x, y, z, then w, x, y, z
     double fraction = 0;
     double remaining = 0;
-    std::uint64_t cycle = 0;
+    std::uint64_t cycle = 0;          // counts what was measured
+    std::int64_t measured_at_ns = 0;  // of the Unix clock
     bool moving = false;
   };
 
@@ -56,8 +58,9 @@ class ArmController {
   /// Whether the motion ended within `patience`; if so, the next may be started.
   std::optional<Outcome> wait(gecos::Duration patience);
 
-  /// Where the joints are commanded to be while nothing moves.
-  JointValues standing_at() const { return command_; }
+  /// Where the joints are commanded to be while nothing moves: where the last motion ended, or, after a
+  /// fault of the driver, where they were measured.
+  JointValues standing_at() const;
   Reading now() const { return reading_.read(); }
 
  private:
@@ -68,20 +71,22 @@ class ArmController {
   void publish(const JointValues& measured);
 
   const Settings settings_;
+  const Eigen::Index axes_;
   JointDriver& driver_;
   robcl::arm::Kinematics forward_;
 
   // Between start() and the end of the motion the loop owns these, otherwise the mover does.
   std::optional<robcl::motion::Playback> playback_;
-  JointValues command_;
   Outcome outcome_;
 
   std::atomic<bool> started_{false};  // publishes playback_ to the loop
   std::atomic<bool> stop_{false};
-  std::counting_semaphore<> ended_{0};  // publishes outcome_ and command_ to the mover
+  std::counting_semaphore<> ended_{0};  // publishes outcome_ to the mover
 
   // The loop's own.
   Phase phase_ = Phase::Standing;
+  JointValues command_;
+  bool silent_ = false;  // the driver did not answer in the last cycle
   double settling_ = 0;
   int arrived_ = 0;
   Reading last_;

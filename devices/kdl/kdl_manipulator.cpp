@@ -58,21 +58,29 @@ Frame KdlManipulator::tool_offset() const {
   return flange_from_tool_;
 }
 
-Frame KdlManipulator::flange() const {
-  const auto [x, y, z, qw, qx, qy, qz] = controller_.now().base_from_flange;
-  return base() * Frame::from_quaternion(x, y, z, qw, qx, qy, qz);
-}
-
-Frame KdlManipulator::tool() const { return flange() * tool_offset(); }
-
-JointValues KdlManipulator::joints() const {
+KdlManipulator::Sample KdlManipulator::sample() const {
   const ArmController::Reading now = controller_.now();
-  JointValues joints(model_.axes());
-  for (Eigen::Index i = 0; i < joints.size(); ++i) {
-    joints[i] = now.joints[static_cast<std::size_t>(i)];
+  Sample sample;
+  const auto [x, y, z, qw, qx, qy, qz] = now.base_from_flange;
+  {
+    const std::lock_guard lock(reading_);
+    sample.flange = world_from_base_ * Frame::from_quaternion(x, y, z, qw, qx, qy, qz);
+    sample.tool = sample.flange * flange_from_tool_;
   }
-  return joints;
+  sample.joints.resize(model_.axes());
+  for (Eigen::Index i = 0; i < sample.joints.size(); ++i) {
+    sample.joints[i] = now.joints[static_cast<std::size_t>(i)];
+  }
+  sample.cycle = now.cycle;
+  sample.measured_at_ns = now.measured_at_ns;
+  return sample;
 }
+
+Frame KdlManipulator::flange() const { return sample().flange; }
+
+Frame KdlManipulator::tool() const { return sample().tool; }
+
+JointValues KdlManipulator::joints() const { return sample().joints; }
 
 robcl::arm::Configuration KdlManipulator::configuration() const {
   const JointValues now = joints();

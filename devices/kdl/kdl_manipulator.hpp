@@ -52,6 +52,16 @@ class KdlManipulator {
   /// One cycle of the control loop.
   void step(double seconds) { controller_.step(seconds); }
 
+  /// What was measured in one cycle of the control loop.
+  struct Sample {
+    Frame flange;  ///< in the world
+    Frame tool;    ///< in the world
+    JointValues joints;
+    std::uint64_t cycle = 0;          ///< counts what was measured
+    std::int64_t measured_at_ns = 0;  ///< of the Unix clock
+  };
+  Sample sample() const;
+
   Frame base() const;
   Frame flange() const;       ///< in the world, as measured
   Frame tool() const;         ///< in the world, as measured

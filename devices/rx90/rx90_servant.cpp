@@ -50,6 +50,14 @@ robcl::motion::Pace pace_of(const robcl::Trajectory& how) {
   return {how.speed, how.acceleration, how.tool_speed, how.turn_speed};
 }
 
+robcl::Joints on_wire(const JointValues& known) {
+  robcl::Joints joints;
+  for (std::size_t i = 0; i < joints.position.size(); ++i) {
+    joints.position[i] = known[static_cast<Eigen::Index>(i)];
+  }
+  return joints;
+}
+
 template <typename Wire, typename Known>
 Wire on_wire(const std::optional<Known>& known) {
   return known ? static_cast<Wire>(*known) : Wire{};
@@ -62,10 +70,12 @@ static_assert(static_cast<int>(robcl::arm::Wrist::Flip) == static_cast<int>(robc
 }  // namespace
 
 void Rx90Servant::publish() {
-  const std::int64_t stamp = gecos::unix_now_ns();
-  publish_flange(arm_.flange(), stamp);
-  publish_tool(arm_.tool(), stamp);
-  if (const auto now = joints()) publish_joints(*now, stamp);
+  const KdlSixAxis::Sample now = arm_.sample();
+  if (now.cycle == published_) return;
+  published_ = now.cycle;
+  publish_flange(now.flange, now.measured_at_ns);
+  publish_tool(now.tool, now.measured_at_ns);
+  publish_joints(on_wire(now.joints), now.measured_at_ns);
 }
 
 gecos::Result<void> Rx90Servant::mount(const std::string& carrier, const Frame& offset) {
@@ -95,14 +105,7 @@ gecos::Result<void> Rx90Servant::move(const Frame& goal, const std::optional<rob
   return answer(arm_.move(goal, path, pace_of(trajectory), watcher));
 }
 
-gecos::Result<robcl::Joints> Rx90Servant::joints() {
-  robcl::Joints joints;
-  const JointValues now = arm_.joints();
-  for (std::size_t i = 0; i < joints.position.size(); ++i) {
-    joints.position[i] = now[static_cast<Eigen::Index>(i)];
-  }
-  return joints;
-}
+gecos::Result<robcl::Joints> Rx90Servant::joints() { return on_wire(arm_.joints()); }
 
 gecos::Result<void> Rx90Servant::move_joints(const robcl::Joints& target,
                                              const std::optional<robcl::Trajectory>& how,

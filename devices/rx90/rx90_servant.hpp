@@ -10,7 +10,7 @@ class Rx90Servant final : public robcl::Rx90Servant {
  public:
   explicit Rx90Servant(KdlSixAxis& arm) : arm_(arm) {}
 
-  /// Sends a sample of every stream. One thread at a time.
+  /// Sends a sample of every stream if something was measured since the last. One thread at a time.
   void publish();
 
  private:
@@ -32,6 +32,7 @@ class Rx90Servant final : public robcl::Rx90Servant {
   gecos::Result<robcl::Configuration> posture() override;
 
   KdlSixAxis& arm_;
+  std::uint64_t published_ = 0;  // the cycle
 };
 
 }  // namespace devices

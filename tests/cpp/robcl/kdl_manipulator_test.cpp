@@ -187,8 +187,9 @@ class BrokenDriver : public JointDriver {
   JointValues measured() override { return ready; }
   tl::expected<JointValues, DriverFault> exchange(const JointValues&, double) override {
     if (broken) return tl::unexpected(DriverFault{"no answer from the drives"});
-    return ready;
+    return stands;
   }
+  JointValues stands = ready;
   bool broken = false;
 };
 
@@ -224,6 +225,31 @@ TEST(BrokenArm, WhoseDriverFailsEndsTheMotionWithItsWords) {
   EXPECT_EQ(outcome->end, ArmController::End::Fault);
   EXPECT_EQ(outcome->fault.text, "no answer from the drives");
   EXPECT_FALSE(controller.now().moving);
+}
+
+TEST(BrokenArm, StaysWhereItStandsWhenItsDriverIsBack) {
+  const auto model = rx90();
+  BrokenDriver driver;
+  ArmController controller(model, {}, driver);
+  driver.broken = true;
+  controller.step(cycle);
+  EXPECT_EQ(controller.standing_at(), ready) << "as measured last";
+  driver.stands[1] += 0.2;  // it sank into its brakes
+  driver.broken = false;
+  controller.step(cycle);
+  EXPECT_EQ(controller.standing_at(), driver.stands);
+}
+
+TEST(BrokenArm, WhoseDriverIsSilentKeepsTheStampOfWhatItSaidLast) {
+  const auto model = rx90();
+  BrokenDriver driver;
+  ArmController controller(model, {}, driver);
+  controller.step(cycle);
+  const auto last = controller.now();
+  driver.broken = true;
+  for (int i = 0; i < 10; ++i) controller.step(cycle);
+  EXPECT_EQ(controller.now().measured_at_ns, last.measured_at_ns);
+  EXPECT_EQ(controller.now().cycle, last.cycle);
 }
 
 TEST(SimulatedDriver, LagsBehindItsCommandAndComesToIt) {
