@@ -112,7 +112,7 @@ TEST_P(Leases, StopWhatRunsWhenReleasedAtOnce) {
 
 TEST_P(Leases, DrainWhenTheProgramEndsInOrderWithoutWaiting) {
   {
-    gecos::Lab lab;
+    gecos::Lab lab(probe::patient());
     const auto robot = connect(lab);
     const auto lease = gecos::actor(robot);
     ASSERT_TRUE(lease) << lease.error();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <stdexcept>
 
 namespace probe {
 namespace {
@@ -140,9 +141,16 @@ void ProbeServant::on_read(std::function<void(gecos::IncomingCall)> handler) {
   on_read_ = std::move(handler);
 }
 
-void ProbeServant::await_moves(int count) {
+void ProbeServant::await(const std::string& what, const std::function<bool()>& come) {
   std::unique_lock lock(mutex_);
-  changed_.wait(lock, [&] { return moves_ >= count; });
+  if (changed_.wait_for(lock, std::chrono::seconds(30), come)) return;
+  std::string text = what + " did not come; what came:";
+  for (const auto& event : events_) text += " '" + event + "'";
+  throw std::runtime_error(text);
+}
+
+void ProbeServant::await_moves(int count) {
+  await("the start of move " + std::to_string(count), [&] { return moves_ >= count; });
 }
 
 void ProbeServant::open_gate() {
@@ -169,8 +177,8 @@ std::vector<std::string> ProbeServant::events() const {
 }
 
 void ProbeServant::await_event(const std::string& event) {
-  std::unique_lock lock(mutex_);
-  changed_.wait(lock, [&] { return std::count(events_.begin(), events_.end(), event) > 0; });
+  await("'" + event + "'",
+        [&] { return std::count(events_.begin(), events_.end(), event) > 0; });
 }
 
 }  // namespace probe

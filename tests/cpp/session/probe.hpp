@@ -87,6 +87,9 @@ class ProbeServant : public gecos::Servant {
   void on_read(std::function<void(gecos::IncomingCall)> handler);
 
  private:
+  /// Throws, and says what came instead, when it does not come within half a minute.
+  void await(const std::string& what, const std::function<bool()>& come);
+
   void move(gecos::IncomingCall call, std::int32_t goal);
   void note(const std::string& event);
 
