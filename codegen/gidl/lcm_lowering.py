@@ -45,6 +45,7 @@ LCM_PRIMITIVES = frozenset(
 LCM_WORDS = LCM_PRIMITIVES | CPP | PYTHON | {"package", "encode", "decode"}
 
 OBJECT_REF = "gecos.ObjectRef"
+OBJECT_REF_DECLARED = "gecos::ObjectRef"  # in idl/gecos/object_ref.gidl
 
 _SCALARS = {
     Primitive.BOOLEAN: "boolean", Primitive.OCTET: "byte", Primitive.CHAR: "int8_t",
@@ -132,7 +133,8 @@ class Lowering:
         for declaration in self._model.declarations():
             if isinstance(declaration, Struct | Union | EnumDeclaration | Bitmask | Bitset):
                 wanted = self._dotted(declaration.name)
-                self._full_names[declaration.name] = self._free(wanted)
+                ours = declaration.name == OBJECT_REF_DECLARED
+                self._full_names[declaration.name] = wanted if ours else self._free(wanted)
 
     def _dotted(self, scoped_name: str) -> str:
         """Modules become the package; an interface around a type becomes a prefix of its name."""

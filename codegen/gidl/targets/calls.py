@@ -105,35 +105,32 @@ def short_name(call: CallLayout) -> str:
     return call.name.rpartition("::")[2]
 
 
-def refuse_objects(model: Model, file: File) -> None:
-    """Raises UnsupportedError where an object is used as a value: no output passes proxies yet."""
-    for declaration in file.declarations:
-        for place, used in _used_types(declaration):
-            for name in named_types(used):
-                if isinstance(model.find(name), Interface):
-                    raise UnsupportedError(
-                        place.location,
-                        f"objects as values are not generated yet: {name};"
-                        " pass the object's name as a string and create it by that name",
-                    )
+def passes_objects(model: Model, file: File) -> bool:
+    """Whether a type or a call of the file holds objects, which travel as gecos::ObjectRef."""
+    return any(
+        isinstance(model.find(name), Interface)
+        for declaration in file.declarations
+        for used in _used_types(declaration)
+        for name in named_types(used)
+    )
 
 
-def _used_types(declaration: AnyDeclaration) -> Iterator[tuple[Facts, Type]]:
+def _used_types(declaration: AnyDeclaration) -> Iterator[Type]:
     match declaration:
         case Struct():
-            yield from ((m.facts, m.type) for m in declaration.members)
+            yield from (m.type for m in declaration.members)
         case Union():
-            yield from ((case.member.facts, case.member.type) for case in declaration.cases)
+            yield from (case.member.type for case in declaration.cases)
         case Typedef():
-            yield declaration.facts, declaration.type
+            yield declaration.type
         case Interface():
             for member in declaration.members:
                 if isinstance(member, Attribute):
-                    yield member.facts, member.type
+                    yield member.type
                     continue
-                yield from ((p.facts, p.type) for p in member.parameters)
+                yield from (p.type for p in member.parameters)
                 if member.result is not None:
-                    yield member.facts, member.result
+                    yield member.result
 
 
 def refuse_unsupported(interface: Interface) -> None:

@@ -3,7 +3,8 @@
 #pragma once
 
 #include <memory>
-#include <optional>
+#include <string>
+#include <vector>
 
 #include "gecos/session/object.hpp"
 #include "gecos/broker_types.hpp"

@@ -3,7 +3,8 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
+#include <string>
+#include <vector>
 
 #include "gecos/session/servant.hpp"
 #include "gecos/broker_types.hpp"

@@ -2,8 +2,11 @@
 // Change the interface and run `gidl gen`.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "gecos/session/object.hpp"
 #include "gecos/object_types.hpp"

@@ -4,6 +4,8 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "gecos/session/servant.hpp"
 #include "gecos/object_types.hpp"

@@ -3,7 +3,7 @@
 #pragma once
 
 #include <memory>
-#include <optional>
+#include <string>
 
 #include "gecos/session/object.hpp"
 #include "robcl/device_types.hpp"

@@ -3,7 +3,7 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
+#include <string>
 
 #include "gecos/session/servant.hpp"
 #include "robcl/device_types.hpp"

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 
 #include "gecos/session/object.hpp"
 #include "robcl/gripper_types.hpp"

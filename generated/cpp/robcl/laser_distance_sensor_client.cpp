@@ -2,6 +2,7 @@
 // Change the interface and run `gidl gen`.
 #include "robcl/laser_distance_sensor_client.hpp"
 
+#include <string>
 #include <utility>
 
 #include "gecos/wire/check.hpp"

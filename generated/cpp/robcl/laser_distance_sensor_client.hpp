@@ -3,7 +3,6 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 
 #include "gecos/session/object.hpp"
 #include "robcl/laser_distance_sensor_types.hpp"

@@ -2,6 +2,7 @@
 // Change the interface and run `gidl gen`.
 #include "robcl/rx90_client.hpp"
 
+#include <string>
 #include <utility>
 
 #include "gecos/wire/check.hpp"

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 
 #include "gecos/session/servant.hpp"
 #include "robcl/rx90_types.hpp"

@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from gecos.lease import master as master
     from gecos.proxy import Object as Object
     from gecos.proxy import StreamAttribute as StreamAttribute
+    from gecos.proxy import reference as reference
     from gecos.proxy import with_deadline as with_deadline
     from gecos.reserved import describe as describe
     from gecos.reserved import holders as holders
@@ -58,7 +59,7 @@ _NAMES = {
     "execution": "Caller Execution",
     "lab": "Lab",
     "lease": "Lease actor master",
-    "proxy": "Object StreamAttribute with_deadline",
+    "proxy": "Object StreamAttribute reference with_deadline",
     "reserved": "describe holders ping stop",
     "servant": "Servant",
     "server": "Server serve",

@@ -7,7 +7,12 @@ from gecos.interface import Interface
 class Lab:
     def __init__(self, broker: str, program: str) -> None: ...
     def create(
-        self, interface: Interface, names: Sequence[str], medium: str | None, patience: float
+        self,
+        interface: Interface,
+        names: Sequence[str],
+        medium: str | None,
+        patience: float,
+        boot: int,
     ) -> Session | list[tuple[str, int, str]]:
         """A session, or name, detail and reason of each attempt."""
     def broker(self, interface: Interface, patience: float) -> Session | str:
@@ -21,6 +26,8 @@ class Session:
     def interface_name(self) -> str: ...
     @property
     def medium(self) -> str: ...
+    def reference(self) -> tuple[str, int, int, str]:
+        """The members of an ObjectRef."""
     def call(self, code: int, arguments: bytes, deadline: float) -> Command: ...
     def subscribe(self, code: int) -> Stream | tuple[int, str]: ...
     def reserved(self, code: int) -> Command: ...

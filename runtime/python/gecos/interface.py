@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from enum import IntEnum
+from enum import IntEnum, IntFlag
 from typing import Any, Generic, TypeVar
 
 from gecos.errors import DeclaredError
@@ -49,6 +49,20 @@ class QualityClass(IntEnum):
     HARD_REALTIME = 2
 
 
+class Media(IntFlag):
+    """Media that a line may take. One process is as good as its shared memory: INPROC is allowed
+    where SHM is."""
+
+    INPROC = 1
+    SHM = 2
+    LCM = 4
+    TCP = 8
+    CAN = 16
+
+
+ANY_MEDIUM = Media(0)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Quality:
     """What a line is asked to be. A duration of zero means: not asked."""
@@ -60,7 +74,7 @@ class Quality:
     latency_ns: int = 0
     lifespan_ns: int = 0
     depth: int = 0
-    shm_only_media: bool = False
+    media: Media = ANY_MEDIUM
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from types import TracebackType
-from typing import Self, TypeVar
+from typing import TYPE_CHECKING, Self, TypeVar
 
 from gecos import _core, farewell
 from gecos.errors import Attempt, CreateError, Detail
 from gecos.interface import Interface
 from gecos.program import program_name
 from gecos.proxy import Object
+
+if TYPE_CHECKING:
+    from gecos_idl.object_ref_types import ObjectRef
 
 P = TypeVar("P", bound=Object)
 
@@ -27,7 +30,7 @@ class Lab:
     def create(
         self,
         interface: type[P],
-        names: str | Sequence[str],
+        names: str | Sequence[str] | ObjectRef,
         *,
         medium: str | None = None,
         patience: float = 2.0,
@@ -37,9 +40,19 @@ class Lab:
         `medium` names the one to use ("inproc", "shm", "lcm"); without it the best one that meets
         the interface's quality is taken. `patience` in s bounds the wait for the broker and for
         each server. Raises CreateError with a reason for each name.
+
+        A reference takes the place of names (`lab.create(Tool, changer.current().result())`). It
+        is good as long as the process that it speaks of serves the object: one that was started
+        since may have another state. A nil one is refused.
         """
-        wanted = [names] if isinstance(names, str) else list(names)
-        created = self._core.create(_table_of(interface), wanted, medium, patience)
+        table, boot = _table_of(interface), 0
+        if isinstance(names, str):
+            wanted = [names]
+        elif isinstance(names, Sequence):
+            wanted = list(names)
+        else:
+            wanted, boot = [names.name], names.boot
+        created = self._core.create(table, wanted, medium, patience, boot)
         if isinstance(created, list):
             raise CreateError([Attempt(name, Detail(d), reason) for name, d, reason in created])
         return interface(created)

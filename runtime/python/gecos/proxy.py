@@ -34,6 +34,8 @@ from gecos.stream import Stream
 from gecos.wire import Parts
 
 if TYPE_CHECKING:
+    from gecos_idl.object_ref_types import ObjectRef
+
     from gecos import _core
 
 T = TypeVar("T")
@@ -96,6 +98,14 @@ class StreamAttribute(Generic[T]):
                 raise ConnectionFailed(detail, text)
             raise CommandFailed(detail, text)
         return Stream(opened, self._method.result, name)
+
+
+def reference(proxy: Object) -> ObjectRef:
+    """The object as a value: what operations take and give where an interface is the type of a
+    parameter or result. `lab.create` makes a proxy of it again, in any process."""
+    from gecos_idl.object_ref_types import ObjectRef
+
+    return ObjectRef(*proxy._gecos_session.reference())
 
 
 def with_deadline(proxy: P, seconds: float) -> P:

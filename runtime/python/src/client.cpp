@@ -31,8 +31,9 @@ nb::tuple as_tuple(const Failure& failure) {
 // Lab --------------------------------------------------------------------------------------------
 
 nb::object create(LabHandle& self, nb::handle interface, const std::vector<std::string>& names,
-                  const std::optional<std::string>& medium, double patience) {
+                  const std::optional<std::string>& medium, double patience, std::uint64_t boot) {
   CreateOptions options;
+  options.boot = boot;
   options.patience = patience_of(patience);
   if (medium) {
     options.medium = media::kind_from(*medium);
@@ -79,6 +80,11 @@ CommandHandle call(SessionHandle& self, std::uint32_t code, nb::bytes arguments,
   return CommandHandle(self.get()->call(
       *operation, body.size(), [&](wire::Encoder& to) { to.put_bytes(body); },
       CallOptions{patience_of(deadline)}));
+}
+
+nb::tuple reference(const SessionHandle& self) {
+  const ObjectRef about = self.about().reference();
+  return nb::make_tuple(about.name, about.interface_hash, about.boot, about.where);
 }
 
 CommandHandle reserved(SessionHandle& self, int code) {
@@ -167,7 +173,7 @@ void bind_client(nb::module_& module) {
           },
           nb::arg("broker"), nb::arg("program"))
       .def("create", &create, nb::arg("interface"), nb::arg("names"), nb::arg("medium").none(),
-           nb::arg("patience"))
+           nb::arg("patience"), nb::arg("boot"))
       .def("broker", &broker, nb::arg("interface"), nb::arg("patience"))
       .def("close", &LabHandle::close);
 
@@ -179,6 +185,7 @@ void bind_client(nb::module_& module) {
                    [](const SessionHandle& s) {
                      return std::string(media::to_string(s.about().offer().kind));
                    })
+      .def("reference", &reference)
       .def("call", &call, nb::arg("code"), nb::arg("arguments"), nb::arg("deadline"))
       .def("subscribe", &subscribe, nb::arg("code"))
       .def("reserved", &reserved, nb::arg("code"))

@@ -51,7 +51,7 @@ qos::Quality quality_of(nb::handle table) {
   quality.latency = duration(table, "latency_ns");
   quality.lifespan = duration(table, "lifespan_ns");
   quality.depth = field<std::uint32_t>(table, "depth");
-  quality.shm_only_media = field<bool>(table, "shm_only_media");
+  quality.media = static_cast<qos::Media>(field<std::uint8_t>(table, "media"));
   return quality;
 }
 

@@ -43,11 +43,31 @@ TEST(Match, ReliableNeedsSomebodyWhoRepeats) {
   EXPECT_TRUE(violations({.reliability = Reliability::BestEffort}, bare).empty());
 }
 
-TEST(Match, MediaOfOneHostRuleOutThoseBetweenHosts) {
-  const Quality asked{.shm_only_media = true};
+TEST(Match, MediaThatAreNotNamedAreRuledOut) {
+  const Quality asked{.media = Media::Shm | Media::Can};
   EXPECT_TRUE(violations(asked, shm).empty());
   ASSERT_EQ(violations(asked, lcm).size(), 1U);
-  EXPECT_EQ(violations(asked, lcm)[0].term, "media");
+  EXPECT_EQ(violations(asked, lcm)[0].term, "media=shm|can");
+  EXPECT_EQ(violations(asked, lcm)[0].why, "lcm is not among them");
+}
+
+TEST(Match, LcmMayBeTheOnlyOneNamed) {
+  const Quality asked{.media = Media::Lcm};
+  EXPECT_TRUE(violations(asked, lcm).empty());
+  EXPECT_EQ(violations(asked, shm).size(), 1U);
+}
+
+TEST(Match, OneProcessIsAsGoodAsItsSharedMemory) {
+  const LineOffer inproc{.name = "inproc"};
+  EXPECT_TRUE(violations({.media = Media::Shm}, inproc).empty());
+  EXPECT_TRUE(violations({.media = Media::Inproc}, inproc).empty());
+  EXPECT_EQ(violations({.media = Media::Lcm | Media::Tcp}, inproc).size(), 1U);
+  EXPECT_EQ(violations({.media = Media::Inproc}, shm).size(), 1U);
+}
+
+TEST(Match, AMediumNobodyHasANameForIsNotAllowed) {
+  EXPECT_EQ(violations({.media = Media::Shm}, {.name = "pigeon"}).size(), 1U);
+  EXPECT_TRUE(violations({}, {.name = "pigeon"}).empty());
 }
 
 TEST(Match, MeasuredLatencyIsHeldAgainstASoftRealtimeLine) {
@@ -68,7 +88,7 @@ TEST(Match, LatencyDoesNotBindATimeIndependentLine) {
 }
 
 TEST(Match, AllViolatedTermsAreFound) {
-  const Quality asked{.line = Class::HardRealtime, .latency = 1ms, .shm_only_media = true};
+  const Quality asked{.line = Class::HardRealtime, .latency = 1ms, .media = Media::Shm};
   EXPECT_EQ(violations(asked, measured(lcm, 2ms)).size(), 3U);
 }
 

@@ -95,6 +95,33 @@ TEST_F(Create, RefusesHardRealtimeOnAMediumThatCannotUnlessSimulated) {
   EXPECT_TRUE(gecos::session::select(*lab_.core().runtime(), entry, hard, std::nullopt));
 }
 
+TEST_F(Create, TakesOnlyMediaThatTheInterfaceNames) {
+  using gecos::qos::Media;
+  gecos::ObjectOptions everything;
+  everything.simulated = true;
+  ASSERT_TRUE(server_->add("PROBE", servant_, everything));
+  gecos::InterfaceDescription wanted = probe::description();
+  const auto over = [&](Media media) {
+    wanted.quality.media = media;
+    return gecos::session::create(lab_.core(), wanted, {"PROBE"}, {});
+  };
+  const auto kind = [](const auto& created) { return created->session->offer().kind; };
+
+  auto lcm = over(Media::Lcm);
+  ASSERT_TRUE(lcm) << lcm.error();
+  EXPECT_EQ(kind(lcm), Kind::Lcm);
+  auto either = over(Media::Lcm | Media::Shm);  // inproc is shared memory, and better
+  ASSERT_TRUE(either) << either.error();
+  EXPECT_EQ(kind(either), Kind::Inproc);
+  const auto none = over(Media::Tcp | Media::Can);
+  ASSERT_FALSE(none);
+  EXPECT_EQ(none.error().attempts[0].detail, Detail::QosUnavailable);
+  for (const char* medium : {"inproc", "shm", "lcm"}) {
+    const std::string term = std::string("media=tcp|can: ") + medium + " is not among them";
+    EXPECT_NE(none.error().to_string().find(term), std::string::npos) << none.error();
+  }
+}
+
 TEST_F(Create, PrefersTheMediumThatPromisesMost) {
   gecos::ObjectOptions everything;
   everything.simulated = true;

@@ -9,6 +9,10 @@ from gidl.targets.naming import escaped
 KEYWORDS = CPP | {"std", "tl", "NULL", "TRUE", "FALSE", "DOMAIN", "EOF"}
 """Keywords, the namespaces that generated code names, and the macros that headers bring along."""
 
+OBJECT_REF = "gecos::ObjectRef"
+"""What a value of an interface's type is, and where that is declared."""
+OBJECT_REF_STEM = "gecos/object_ref"
+
 # Members that every generated struct has besides its own.
 STRUCT_WORDS = KEYWORDS | {"encoded_size", "encode", "decode", "fingerprint", "type_name"}
 
@@ -29,10 +33,13 @@ def simple_name(model: Model, scoped_name: str) -> str:
 
 
 def full_name(model: Model, scoped_name: str) -> str:
-    """As C++ writes it from anywhere; a hand-written type where the struct maps to one."""
+    """As C++ writes it from anywhere; a hand-written type where the struct maps to one,
+    a reference where an interface is used as a type."""
     declaration = model.find(scoped_name)
     if isinstance(declaration, Struct) and declaration.maps_to and declaration.maps_to.cpp:
         return declaration.maps_to.cpp[0]
+    if isinstance(declaration, Interface):
+        return OBJECT_REF
     return full_name_of(model, scoped_name)
 
 

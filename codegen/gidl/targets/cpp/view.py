@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from gidl.model import Model
-from gidl.targets.calls import refuse_objects, result_structs
+from gidl.targets.calls import result_structs
 from gidl.targets.cpp.calls.file import interfaces_view
 from gidl.targets.cpp.lower import Lowering
 from gidl.targets.cpp.values.file import types_view
@@ -19,7 +19,6 @@ def files(model: Model, layout: Layout) -> Iterator[OutputFile]:
     for file in model.files:
         if not (file.asked_for and has_output(model, file.path)):
             continue
-        refuse_objects(model, file)
         stem = source_stem(file.path)
         types = types_view(lowering, file, result_structs(layout, file))
         for suffix in ("hpp", "cpp"):

@@ -17,6 +17,10 @@ ENUM_WORDS = KEYWORDS | {"mro", "name", "value"}
 # Types that hints are written with: a declaration of that name gets an underscore.
 BUILTINS = frozenset(("bool", "int", "float", "str", "bytes", "list", "dict", "tuple", "type"))
 
+# What a value of an interface's type is, and where that is declared.
+OBJECT_REF = "gecos::ObjectRef"
+OBJECT_REF_FILE = "gecos/object_ref.gidl"
+
 
 def module_stem(path: str) -> str:
     """ "gecos/object.gidl" -> "gecos_idl/object": the name gecos is the runtime's own."""
@@ -37,6 +41,19 @@ def type_name(model: Model, scoped_name: str) -> str:
     while modules and model.has("::".join(parts[:modules])):
         modules -= 1
     return escaped("_".join(parts[modules:]), KEYWORDS | BUILTINS)
+
+
+def value_name(model: Model, scoped_name: str) -> str:
+    """The class of a value of that type: of an interface's, a reference to an object."""
+    if model.has(scoped_name) and isinstance(model.find(scoped_name), Interface):
+        scoped_name = OBJECT_REF
+    return type_name(model, scoped_name)
+
+
+def types_module(model: Model, scoped_name: str) -> str:
+    """The module that has the class of a value of that type."""
+    home = OBJECT_REF_FILE if scoped_name == OBJECT_REF else model.file_of(scoped_name)
+    return f"{module_of(home)}_types"
 
 
 def mapped(struct: Struct) -> tuple[str, str] | None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from gidl.model import Model
-from gidl.targets.calls import refuse_objects, result_structs
+from gidl.targets.calls import result_structs
 from gidl.targets.naming import OutputFile, has_output
 from gidl.targets.python import names
 from gidl.targets.python.calls.file import interfaces_view
@@ -19,7 +19,6 @@ def files(model: Model, layout: Layout) -> Iterator[OutputFile]:
     for file in model.files:
         if not (file.asked_for and has_output(model, file.path)):
             continue
-        refuse_objects(model, file)
         stem = names.module_stem(file.path)
         types = types_view(lowering, file, result_structs(layout, file))
         yield OutputFile(f"python/{stem}_types.py", "python", "types.py.j2", types)

@@ -26,8 +26,8 @@ std::vector<Violation> violations(const Quality& asked, const LineOffer& offer) 
     found.push_back({"reliability=" + std::string(to_string(asked.reliability)),
                      offer.name + " may lose packets and nobody repeats them"});
   }
-  if (asked.shm_only_media && offer.between_hosts) {
-    found.push_back({"media", offer.name + " is not among the media that the interface allows"});
+  if (!allows(asked.media, offer.name)) {
+    found.push_back({"media=" + to_string(asked.media), offer.name + " is not among them"});
   }
   const bool latency_binds = asked.line != Class::TimeIndependent && asked.latency > Duration{};
   if (latency_binds && offer.latency && *offer.latency > asked.latency) {

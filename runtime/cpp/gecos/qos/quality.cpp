@@ -1,6 +1,22 @@
 #include "gecos/qos/quality.hpp"
 
+#include <array>
+#include <utility>
+
 namespace gecos::qos {
+namespace {
+
+constexpr std::array<std::pair<Media, std::string_view>, 5> names{{{Media::Inproc, "inproc"},
+                                                                  {Media::Shm, "shm"},
+                                                                  {Media::Lcm, "lcm"},
+                                                                  {Media::Tcp, "tcp"},
+                                                                  {Media::Can, "can"}}};
+
+constexpr bool has(Media media, Media one) {
+  return (static_cast<std::uint8_t>(media) & static_cast<std::uint8_t>(one)) != 0;
+}
+
+}  // namespace
 
 std::string_view to_string(Class line) {
   switch (line) {
@@ -16,6 +32,23 @@ std::string_view to_string(Class line) {
 
 std::string_view to_string(Reliability reliability) {
   return reliability == Reliability::Reliable ? "RELIABLE" : "BEST_EFFORT";
+}
+
+std::string to_string(Media media) {
+  std::string text;
+  for (const auto& [one, name] : names) {
+    if (has(media, one)) text += (text.empty() ? "" : "|") + std::string(name);
+  }
+  return text.empty() ? "any" : text;
+}
+
+bool allows(Media media, std::string_view name) {
+  if (media == Media::Any) return true;
+  if (name == "inproc" && has(media, Media::Shm)) return true;
+  for (const auto& [one, its_name] : names) {
+    if (name == its_name) return has(media, one);
+  }
+  return false;
 }
 
 }  // namespace gecos::qos

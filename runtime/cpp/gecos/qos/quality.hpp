@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <string_view>
 
 #include "gecos/base/clock.hpp"
@@ -13,6 +14,16 @@ enum class Reliability : std::uint8_t { Reliable, BestEffort };
 std::string_view to_string(Class line);  ///< "HARD_REALTIME", as in the interface
 std::string_view to_string(Reliability reliability);
 
+/// The media that a line may take: `media="shm|can"` is `Media::Shm | Media::Can`.
+enum class Media : std::uint8_t { Any = 0, Inproc = 1, Shm = 2, Lcm = 4, Tcp = 8, Can = 16 };
+constexpr Media operator|(Media left, Media right) {
+  return static_cast<Media>(static_cast<std::uint8_t>(left) | static_cast<std::uint8_t>(right));
+}
+std::string to_string(Media media);  ///< "shm|can", as in the interface; "any"
+/// Whether the medium called `name` is among them. One process is as good as its shared memory:
+/// "inproc" is allowed where shm is.
+bool allows(Media media, std::string_view name);
+
 /// A duration of zero means: not asked.
 struct Quality {
   Class line = Class::TimeIndependent;
@@ -22,7 +33,7 @@ struct Quality {
   Duration latency{};
   Duration lifespan{};
   std::uint32_t depth = 0;
-  bool shm_only_media = false;  ///< `media` names no medium between hosts ("shm", "shm|can")
+  Media media = Media::Any;
 };
 
 }  // namespace gecos::qos

@@ -44,6 +44,9 @@ tl::expected<std::shared_ptr<LinkedSession>, Attempt> create_one(LabCore& lab,
                                                                  const InterfaceDescription& wanted,
                                                                  const std::string& name,
                                                                  const CreateOptions& options) {
+  if (name.empty()) {
+    return tl::unexpected(Attempt{"(nil)", Detail::NoServer, "an empty name is no object"});
+  }
   const TimePoint deadline = deadline_after(options.patience);
   const auto entry = look_up(lab, name, deadline);
   if (!entry) return tl::unexpected(Attempt{name, Detail::NoServer, entry.error()});
@@ -51,6 +54,12 @@ tl::expected<std::shared_ptr<LinkedSession>, Attempt> create_one(LabCore& lab,
     return tl::unexpected(Attempt{name, Detail::Refused,
                                   name + " is a " + entry->interface_name + ", not a " +
                                       std::string(wanted.name)});
+  }
+  if (options.boot != 0 && options.boot != entry->boot) {
+    return tl::unexpected(Attempt{name, Detail::Refused,
+                                  name + " is served by another process than the reference speaks "
+                                         "of: it was started anew; ask for a new reference, or "
+                                         "create it by its name"});
   }
   const auto addresses = select(*lab.runtime(), *entry, wanted.quality, options.medium);
   if (!addresses) {

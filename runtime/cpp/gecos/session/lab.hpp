@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <initializer_list>
 #include <iosfwd>
 #include <memory>
@@ -29,6 +30,8 @@ struct CreateOptions {
   std::optional<media::Kind> medium{};
   /// How long to wait for the broker and the server to answer.
   Duration patience = std::chrono::seconds(2);
+  /// Life of the server process that is meant, as in an ObjectRef; 0: whichever it has now.
+  std::uint64_t boot = 0;
 };
 
 /// Why `create` gave nothing: a reason per name that was tried.
@@ -82,6 +85,13 @@ class Lab {
   template <class Proxy>
   tl::expected<Proxy, CreateError> create(std::string name, CreateOptions options = {}) {
     return create<Proxy>(std::vector<std::string>{std::move(name)}, options);
+  }
+  /// The object that is meant, as long as it is served by the process that the reference speaks of:
+  /// one that was started since may have another state. A nil reference is refused.
+  template <class Proxy>
+  tl::expected<Proxy, CreateError> create(const ObjectRef& reference, CreateOptions options = {}) {
+    if (reference.boot != 0) options.boot = reference.boot;
+    return create<Proxy>(std::vector<std::string>{reference.name}, std::move(options));
   }
 
   session::LabCore& core() { return *core_; }

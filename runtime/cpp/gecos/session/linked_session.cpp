@@ -24,6 +24,11 @@ LinkedSession::LinkedSession(std::shared_ptr<Runtime> runtime, std::unique_ptr<m
       watched_(runtime_->clock().now(), runtime_->options().heartbeat * 2),
       last_sign_(watched_.now()) {}
 
+ObjectRef LinkedSession::reference() const {
+  return {welcome_.object, welcome_.interface_hash, welcome_.boot,
+          std::string(media::to_string(link_->offer().kind)) + ": " + link_->peer().description};
+}
+
 LinkedSession::~LinkedSession() {
   close(runtime_->housekeeping().on_this_thread() ? Duration{} : runtime_->options().heartbeat * 2);
 }

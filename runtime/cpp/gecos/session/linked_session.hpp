@@ -53,6 +53,7 @@ class LinkedSession final : public ClientSession,
   const std::string& interface_name() const override { return welcome_.interface_name; }
   const std::string& object_name() const override { return welcome_.object; }
   const media::Offer& offer() const override { return link_->offer(); }
+  ObjectRef reference() const override;
   std::uint64_t hold(std::uint64_t epoch) override;
   void let_go(std::uint64_t held) override;
 

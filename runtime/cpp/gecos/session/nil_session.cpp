@@ -11,7 +11,8 @@ class NilSession final : public ClientSession {
       : reason_(std::move(reason)),
         interface_name_(was.interface_name()),
         object_name_(was.object_name()),
-        offer_(was.offer()) {}
+        offer_(was.offer()),
+        reference_(was.reference()) {}
 
   std::shared_ptr<CommandCore> call(const OperationDescription& operation, std::size_t /*size*/,
                                     FunctionRef<void(wire::Encoder&)> /*encode*/,
@@ -26,6 +27,7 @@ class NilSession final : public ClientSession {
   const std::string& interface_name() const override { return interface_name_; }
   const std::string& object_name() const override { return object_name_; }
   const media::Offer& offer() const override { return offer_; }
+  ObjectRef reference() const override { return reference_; }
   std::uint64_t hold(std::uint64_t /*epoch*/) override { return 0; }
   void let_go(std::uint64_t /*held*/) override {}
 
@@ -39,6 +41,7 @@ class NilSession final : public ClientSession {
   const std::string interface_name_;
   const std::string object_name_;
   const media::Offer offer_;
+  const ObjectRef reference_;
 };
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "gecos/base/clock.hpp"
 #include "gecos/base/function_ref.hpp"
+#include "gecos/object_ref_types.hpp"  // generated from idl/gecos/object_ref.gidl
 #include "gecos/session/command.hpp"
 #include "gecos/session/description.hpp"
 #include "gecos/session/stream.hpp"
@@ -38,6 +39,8 @@ class ClientSession {
   virtual const std::string& interface_name() const = 0;
   virtual const std::string& object_name() const = 0;
   virtual const media::Offer& offer() const = 0;
+  /// What others find the object by; nil for a proxy that was never created.
+  virtual ObjectRef reference() const = 0;
   /// A lease was acquired: commands are issued under its epoch from now on. Gives what `let_go`
   /// wants.
   virtual std::uint64_t hold(std::uint64_t epoch) = 0;
@@ -79,6 +82,10 @@ class Object {
 inline const std::shared_ptr<session::ClientSession>& session_of(const Object& object) {
   return object.gecos_session_;
 }
+
+/// The object as a value: what operations take and give where an interface is the type of a
+/// parameter or result. `Lab::create` makes a proxy of it again, in any process of the laboratory.
+inline ObjectRef reference(const Object& object) { return session_of(object)->reference(); }
 
 /// The same object, called with other options: `gecos::with(robot, {.deadline = 2s}).move(goal)`.
 template <class Proxy>

@@ -13,11 +13,15 @@ from gecos.wire.errors import DecodeError, DecodeProblem, expect
 from gecos.wire.fields import Fields
 
 
-class Contents(Protocol):
-    """GeneralContents: a value that encodes itself, generated or written by hand."""
+class Encodes(Protocol):
+    """What can stand inside another value."""
 
     def encode(self, out: Parts, /) -> None:
         """Appends the fields."""
+
+
+class Contents(Encodes, Protocol):
+    """GeneralContents: a value that encodes itself, generated or written by hand."""
 
     @classmethod
     def decode(cls, source: Decoder, /) -> Self:
@@ -101,13 +105,13 @@ def _fingerprint_bytes(kind: type[Contents]) -> bytes:
     return (kind.fingerprint() & 0xFFFF_FFFF_FFFF_FFFF).to_bytes(8, "big")
 
 
-def put(value: Contents, kind: type, out: Parts, field: str) -> None:
+def put(value: Encodes, kind: type, out: Parts, field: str) -> None:
     """A value inside another, of the type that `field` has."""
     expect(value, kind, field)
     value.encode(out)
 
 
-def put_block(value: Contents, kind: type, out: Parts, field: str) -> None:
+def put_block(value: Encodes, kind: type, out: Parts, field: str) -> None:
     """The same of an appendable one, in its block."""
     expect(value, kind, field)
     parts: Parts = []

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 from gidl.model import (
@@ -28,6 +29,7 @@ from gidl.targets.cpp.calls.views import (
     InterfaceView,
     MethodView,
 )
+from gidl.targets.cpp.includes import system_headers
 from gidl.targets.cpp.lower import Lowering
 from gidl.targets.naming import (
     doc_lines,
@@ -50,11 +52,14 @@ def interfaces_view(lowering: Lowering, file: File) -> InterfacesView:
             spaces[-1] = replace(spaces[-1], interfaces=(*spaces[-1].interfaces, view))
         else:
             spaces.append(InterfacesNamespace(scope, (view,)))
+    views = [view for space in spaces for view in space.interfaces]
     return InterfacesView(
         file.path,
         f"{stem}_types.hpp",
         f"{stem}_client.hpp",
         f"{stem}_server.hpp",
+        tuple(sorted({"memory"} | system_headers(t for v in views for t in _client_text(v)))),
+        tuple(sorted({"cstdint"} | system_headers(t for v in views for t in _server_text(v)))),
         tuple(sorted(f"{source_stem(path)}_client.hpp" for path in others)),
         tuple(sorted(f"{source_stem(path)}_server.hpp" for path in others)),
         tuple(spaces),
@@ -63,6 +68,18 @@ def interfaces_view(lowering: Lowering, file: File) -> InterfacesView:
 
 def _has_interface(model: Model, path: str) -> bool:
     return any(file.path == path and file.has_interface for file in model.files)
+
+
+def _client_text(view: InterfaceView) -> Iterator[str]:
+    for method in view.methods:
+        yield f"{method.returns} {method.declared}"
+
+
+def _server_text(view: InterfaceView) -> Iterator[str]:
+    for handler in view.handlers:
+        yield f"{handler.returns} {handler.parameters}"
+    for publisher in view.publishers:
+        yield publisher.parameter
 
 
 class _Interface(Tables, Client, ServerSide):
@@ -83,7 +100,7 @@ class _Interface(Tables, Client, ServerSide):
             ):
                 methods.append(self._subscribing(member, streams.index(member)))
         own = [s for s in streams if s.interface == interface.name]
-        bases = [names.full_name(self._model, base) for base in interface.bases]
+        bases = [names.full_name_of(self._model, base) for base in interface.bases]
         return InterfaceView(
             names.simple_name(self._model, interface.name),
             interface.name,

@@ -17,8 +17,6 @@ from gidl.targets.cpp.calls.views import (
 )
 from gidl.wire_layout import CallKind, CallLayout
 
-LARGEST_ON_SHM = frozenset(("shm", "can"))
-
 
 class Tables(CallFacts):
     def _row(self, call: CallLayout) -> OperationRow:
@@ -70,8 +68,9 @@ def quality(qos: Qos) -> str:
             terms.append(f".{name} = gecos::Duration{{{value}}}")
     if qos.depth is not None:
         terms.append(f".depth = {qos.depth}")
-    if qos.media is not None and set(qos.media) <= LARGEST_ON_SHM:
-        terms.append(".shm_only_media = true")
+    if qos.media is not None:
+        named = " | ".join(f"gecos::qos::Media::{medium.capitalize()}" for medium in qos.media)
+        terms.append(f".media = {named}")
     return "{" + ", ".join(terms) + "}"
 
 

@@ -109,6 +109,8 @@ class InterfacesView:
     types_header: str
     client_header: str
     server_header: str
+    client_system: tuple[str, ...]
+    server_system: tuple[str, ...]
     client_includes: tuple[str, ...]
     server_includes: tuple[str, ...]
     namespaces: tuple[InterfacesNamespace, ...]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from gidl.model import (
     ArrayType,
     Bitset,
+    Interface,
     MapType,
     Model,
     NamedType,
@@ -43,7 +44,7 @@ class Checks(Types):
                     found = False
                 case Struct() as struct:
                     found = self.struct_has_checks(struct)
-                case Union() | Bitset():
+                case Union() | Bitset() | Interface():
                     found = True
                 case Typedef(type=target, range=limits):
                     found = self._slot_has_checks(target, limits)

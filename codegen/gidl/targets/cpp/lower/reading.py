@@ -28,6 +28,7 @@ from gidl.wire_nodes import (
     EnumNode,
     MapNode,
     Node,
+    ObjectNode,
     OptionalNode,
     ScalarNode,
     SequenceNode,
@@ -76,7 +77,7 @@ class Reading(Types):
                 return [f"{prefix}decode_enum({source}, {x}, {field})"]
             case StringNode(bound):
                 return [f"{source}.get_string({x}, {_bound(bound)}, {field})"]
-            case StructNode() | UnionNode(appendable=False):
+            case StructNode() | ObjectNode() | UnionNode(appendable=False):
                 return [call(x, f"decode({source})")]
             case AppendableNode() | UnionNode():
                 return [f"gecos::wire::get_block({source}, {x}, {field})"]

@@ -16,6 +16,7 @@ from gidl.wire_nodes import (
     EnumNode,
     MapNode,
     Node,
+    ObjectNode,
     OptionalNode,
     ScalarNode,
     SequenceNode,
@@ -44,7 +45,7 @@ class Sizes(Types):
                 return 0, [f"{total} += {call(x, 'encoded_size()')};"]
             case AppendableNode() | UnionNode(appendable=True):
                 return 4, [f"{total} += {call(x, 'encoded_size()')};"]
-            case UnionNode():
+            case UnionNode() | ObjectNode():
                 return 0, [f"{total} += {call(x, 'encoded_size()')};"]
             case ArrayNode(element, dimensions):
                 item = local.fresh("item")

@@ -20,6 +20,7 @@ from gidl.wire_nodes import (
     EnumNode,
     MapNode,
     Node,
+    ObjectNode,
     OptionalNode,
     ScalarNode,
     SequenceNode,
@@ -44,7 +45,7 @@ class Writing(Types):
                 return [f"{to}.put(static_cast<{PRIMITIVES[wire]}>({x}));"]
             case StringNode():
                 return [f"{to}.put_string({x});"]
-            case StructNode() | UnionNode(appendable=False):
+            case StructNode() | ObjectNode() | UnionNode(appendable=False):
                 return [f"{call(x, f'encode({to})')};"]
             case AppendableNode() | UnionNode():
                 size = call(x, "encoded_size()")

@@ -14,11 +14,12 @@ from gidl.model import (
     Interface,
     StringType,
     Struct,
-    Type,
     Typedef,
     Union,
 )
+from gidl.targets.calls import passes_objects
 from gidl.targets.cpp import names
+from gidl.targets.cpp.includes import system_headers
 from gidl.targets.cpp.lower import Lowering
 from gidl.targets.cpp.values.enums import Enums
 from gidl.targets.cpp.values.structs import Structs
@@ -50,6 +51,8 @@ def types_view(lowering: Lowering, file: File, extra: tuple[Struct, ...]) -> Typ
         for path in file.includes
         if has_output(lowering.model, path)
     }
+    if passes_objects(lowering.model, file):
+        includes.add(f"{names.OBJECT_REF_STEM}_types.hpp")
     for declaration in declarations:
         if isinstance(declaration, Struct) and declaration.maps_to and declaration.maps_to.cpp:
             includes.add(declaration.maps_to.cpp[1])
@@ -65,41 +68,25 @@ def types_view(lowering: Lowering, file: File, extra: tuple[Struct, ...]) -> Typ
 def _system_includes(
     lowering: Lowering, declarations: tuple[AnyDeclaration, ...]
 ) -> tuple[str, ...]:
-    found = {"cstddef", "cstdint", "iosfwd", "string", "string_view"}
+    always = {"cstddef", "cstdint", "iosfwd", "string", "string_view"}
+    return tuple(sorted(always | system_headers(_declared(lowering, declarations))))
 
-    def visit(used: Type, optional: bool = False) -> None:
-        text = lowering.type(used, optional)
-        for word, header in (("array", "array"), ("vector", "vector"), ("map", "map")):
-            if f"std::{word}<" in text:
-                found.add(header)
-        if optional:
-            found.add("optional")
 
+def _declared(lowering: Lowering, declarations: tuple[AnyDeclaration, ...]) -> Iterator[str]:
+    """Types and initial values as they are written."""
     for declaration in declarations:
         match declaration:
             case Struct():
                 for member in declaration.members:
-                    visit(member.type, member.optional)
+                    yield lowering.type(member.type, member.optional)
+                    yield lowering.initial(member)
             case Union():
-                found.add("variant")
-                for case in declaration.cases:
-                    visit(case.member.type)
+                yield "std::variant"
+                yield from (lowering.type(case.member.type) for case in declaration.cases)
             case Typedef(type=target):
-                visit(target)
-            case _:
-                pass
-    if "numeric_limits" in "".join(_literals(lowering, declarations)):
-        found.add("limits")
-    return tuple(sorted(found))
-
-
-def _literals(lowering: Lowering, declarations: tuple[AnyDeclaration, ...]) -> Iterator[str]:
-    for declaration in declarations:
-        if isinstance(declaration, Constant):
-            yield lowering.literal(declaration.value, declaration.type)
-        elif isinstance(declaration, Struct):
-            for member in declaration.members:
-                yield lowering.initial(member)
+                yield lowering.type(target)
+            case Constant(type=used, value=value):
+                yield lowering.literal(value, used)
 
 
 class _Types(Enums, Structs, Unions):

@@ -14,6 +14,7 @@ from gidl.model import (
     Member,
     Struct,
 )
+from gidl.targets.calls import passes_objects
 from gidl.targets.cpp import names
 from gidl.targets.cpp.lower import Lowering
 from gidl.targets.cpp.values.structs import Structs
@@ -76,12 +77,14 @@ class JsonView:
 
 def json_view(lowering: Lowering, file: File) -> JsonView:
     stem = source_stem(file.path)
-    includes = (path for path in file.includes if has_output(lowering.model, path))
+    stems = {source_stem(path) for path in file.includes if has_output(lowering.model, path)}
+    if passes_objects(lowering.model, file):
+        stems.add(names.OBJECT_REF_STEM)
     return JsonView(
         file.path,
         f"{stem}_json.hpp",
         f"{stem}_types.hpp",
-        tuple(sorted(f"{source_stem(path)}_json.hpp" for path in includes)),
+        tuple(sorted(f"{each}_json.hpp" for each in stems)),
         tuple(_Shapes(lowering).of(file)),
     )
 

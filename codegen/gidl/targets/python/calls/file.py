@@ -77,8 +77,9 @@ _RUNTIME = (
     (
         "gecos.interface",
         (
-            "Access", "Handler", "Interface", "Kind", "Method", "OnLoss", "OnNew", "Operation",
-            "OutwardStream", "Quality", "QualityClass", "no_arguments", "no_result", "nothing",
+            "Access", "Handler", "Interface", "Kind", "Media", "Method", "OnLoss", "OnNew",
+            "Operation", "OutwardStream", "Quality", "QualityClass", "no_arguments", "no_result",
+            "nothing",
         ),
     ),
     ("gecos.proxy", ("Object", "StreamAttribute")),
@@ -93,9 +94,10 @@ def _imports(lowering: Lowering, file: File, builders: list[_Interface]) -> dict
     modules: dict[str, set[str]] = {}
     for builder in builders:
         for name in builder.used_types:
-            home = model.file_of(name) if model.has(name) else file.path
-            if home != file.path:
-                module = f"{names.module_of(home)}_types"
+            if not model.has(name) and name != names.OBJECT_REF:
+                continue  # what this file makes of several results
+            module = names.types_module(model, name)
+            if module != f"{names.module_of(file.path)}_types":
                 modules.setdefault(module, set()).add(names.type_name(model, name))
         for base in builder.interface.bases:
             if model.file_of(base) != file.path:

@@ -88,6 +88,6 @@ def quality(qos: Qos) -> str:
         value = getattr(qos, name)
         if value is not None:
             terms.append(f"{name}={value}")
-    if qos.media is not None and set(qos.media) <= {"shm", "can"}:
-        terms.append("shm_only_media=True")
+    if qos.media is not None:
+        terms.append("media=" + " | ".join(f"Media.{medium.upper()}" for medium in qos.media))
     return f"Quality({', '.join(terms)})"

@@ -28,6 +28,7 @@ from gidl.wire_nodes import (
     EnumNode,
     MapNode,
     Node,
+    ObjectNode,
     ScalarNode,
     SequenceNode,
     StringNode,
@@ -69,8 +70,8 @@ class Reading(Runs):
                 return self._enumerator(name, number, label, wire.size)
             case StringNode(bound):
                 return f'source.string({most(bound, "count")}, "{label}")'
-            case StructNode(name) | UnionNode(name, False):
-                return f"{names.type_name(self.model, name)}.decode(source)"
+            case StructNode(name) | ObjectNode(name) | UnionNode(name, False):
+                return f"{names.value_name(self.model, name)}.decode(source)"
             case AppendableNode(name) | UnionNode(name):
                 return f'{names.type_name(self.model, name)}.decode(source.block("{label}"))'
             case SequenceNode(element, bound):

@@ -9,6 +9,7 @@ from gidl.model import (
     Bitmask,
     Bitset,
     EnumDeclaration,
+    Interface,
     MapType,
     NamedType,
     Primitive,
@@ -18,7 +19,6 @@ from gidl.model import (
     Struct,
     Type,
     Typedef,
-    Union,
 )
 from gidl.targets.naming import range_text
 from gidl.targets.python import names
@@ -199,9 +199,7 @@ class Runs(Types):
                         for m in self.model.all_members(declaration):
                             inner |= self.imports(m.type)
                     return inner
-                if isinstance(declaration, Union):
-                    return {name}
-                return {name}
+                return {names.OBJECT_REF if isinstance(declaration, Interface) else name}
             case SequenceType(element) | ArrayType(element):
                 return self.imports(element)
             case MapType(key, value):

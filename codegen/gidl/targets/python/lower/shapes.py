@@ -60,7 +60,7 @@ class Shapes(Types):
 
     def _named(self, name: str) -> str:
         declaration = self.model.find(name)
-        mine = names.type_name(self.model, name)
+        mine = names.value_name(self.model, name)
         if not isinstance(declaration, EnumDeclaration | Bitmask):
             return f"shapes.Value({mine})"
         if isinstance(declaration, EnumDeclaration):

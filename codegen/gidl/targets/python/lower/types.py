@@ -87,7 +87,7 @@ class Types:
                 declaration = self.model.find(name)
                 if isinstance(declaration, Typedef):
                     return self.hint(declaration.type)
-                return names.type_name(self.model, name)
+                return names.value_name(self.model, name)
         raise AssertionError(used)
 
     def holds_array(self, used: Type) -> bool:
@@ -136,7 +136,7 @@ class Types:
                 return self._zero_array(element, dimensions)
             case NamedType(name):
                 declaration = self.model.find(name)
-                mine = names.type_name(self.model, name)
+                mine = names.value_name(self.model, name)
                 if isinstance(declaration, EnumDeclaration):
                     return f"{mine}.{names.enumerator(declaration.initial.name)}", False
                 if isinstance(declaration, Bitmask):

@@ -29,6 +29,7 @@ from gidl.wire_nodes import (
     EnumNode,
     MapNode,
     Node,
+    ObjectNode,
     ScalarNode,
     SequenceNode,
     StringNode,
@@ -87,8 +88,8 @@ class Writing(Runs):
                 ]
             case StringNode(bound):
                 return [f'out.append(wire.string({x}, {most(bound, "string")}, "{label}"))']
-            case StructNode(name) | UnionNode(name, False):
-                kind = names.type_name(self.model, name)
+            case StructNode(name) | ObjectNode(name) | UnionNode(name, False):
+                kind = names.value_name(self.model, name)
                 return [f'wire.put({x}, {kind}, out, "{label}")']
             case AppendableNode(name) | UnionNode(name):
                 kind = names.type_name(self.model, name)

@@ -132,9 +132,8 @@ def _imports(
     for module, name in mapped:
         modules.setdefault(module, set()).add(name)
     for name in used:
-        home = model.file_of(name)
-        if home != file.path:
-            module = f"{names.module_of(home)}_types"
+        module = names.types_module(model, name)
+        if module != f"{names.module_of(file.path)}_types":
             modules.setdefault(module, set()).add(names.type_name(model, name))
     return import_lines(modules)
 

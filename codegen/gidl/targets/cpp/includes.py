@@ -1,0 +1,20 @@
+"""Which headers of the standard library the text of a declaration needs."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+
+_HEADERS = {
+    "array": "array", "int8_t": "cstdint", "int16_t": "cstdint", "int32_t": "cstdint",
+    "int64_t": "cstdint", "map": "map", "numeric_limits": "limits", "optional": "optional",
+    "string": "string", "string_view": "string_view", "uint8_t": "cstdint", "uint16_t": "cstdint",
+    "uint32_t": "cstdint", "uint64_t": "cstdint", "variant": "variant", "vector": "vector",
+}  # fmt: skip
+
+
+def system_headers(texts: Iterable[str]) -> set[str]:
+    """Every header of ours includes what it names itself; whether another one brings it along
+    is nothing that its readers should have to know."""
+    used = {word for text in texts for word in re.findall(r"\bstd::(\w+)", text)}
+    return {_HEADERS[word] for word in used if word in _HEADERS}
