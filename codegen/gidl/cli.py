@@ -11,7 +11,7 @@ import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from gidl import cli_breaking, cli_fmt, cli_lint
+from gidl import cli_breaking, cli_fmt, cli_lint, cli_new
 from gidl.cli_shared import (
     FAILED,
     FINDINGS,
@@ -98,10 +98,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     dump.set_defaults(command=_dump)
 
-    new = verbs.add_parser("new", help="start a device: interface, server and client")
-    new.add_argument("name", help="of the device, like thermometer")
-    new.add_argument("--into", type=Path, help="folder to make; the name by default")
-    new.set_defaults(command=_new)
+    cli_new.add_verb(verbs)
 
     explain = verbs.add_parser("explain", help="the page of a finding's code")
     explain.add_argument("code", nargs="?", help="like G0102; all of them when left out")
@@ -204,17 +201,6 @@ def _dump_omg(chosen: argparse.Namespace, compiled: Compiled) -> int:
         show(chosen, findings.in_order(order), compiled.sources)
         return FINDINGS
     sys.stdout.write(text)
-    return FINE
-
-
-def _new(chosen: argparse.Namespace) -> int:
-    from gidl.scaffold import ScaffoldRefusal, write_device
-
-    try:
-        print(write_device(chosen.name, chosen.into))
-    except ScaffoldRefusal as refusal:
-        print(f"gidl: {refusal}", file=sys.stderr)
-        return USAGE
     return FINE
 
 

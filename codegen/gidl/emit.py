@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 
 import jinja2
 
-from gidl.model import Model
+from gidl.model import Interface, Model
+from gidl.targets.cpp import mock as cpp_mock
 from gidl.targets.cpp import view as cpp
+from gidl.targets.cpp.lower import Lowering as CppLowering
 from gidl.targets.layout import laid_out
 from gidl.targets.lcm import view as lcm
 from gidl.targets.naming import OutputFile, UnsupportedError
+from gidl.targets.python import mock as python_mock
 from gidl.targets.python import view as python
+from gidl.targets.python.lower import Lowering as PythonLowering
 from gidl.wire_layout import Layout
 
-__all__ = ["LANGUAGES", "UnsupportedError", "render"]
+__all__ = ["LANGUAGES", "UnsupportedError", "render", "render_mock"]
 
 _TARGETS: Mapping[str, Callable[[Model, Layout], Iterator[OutputFile]]] = {
     "cpp": cpp.files,
@@ -38,6 +42,21 @@ def render(model: Model, layout: Layout, languages: Collection[str] = LANGUAGES)
             template = _environment(output.language).get_template(output.template)
             texts[output.path] = laid_out(template.render(view=output.view), language)
     return texts
+
+
+def render_mock(
+    model: Model, layout: Layout, language: str, interfaces: Sequence[Interface]
+) -> str:
+    """A server that stands in for objects of these interfaces, all of one file."""
+    path = model.file_of(interfaces[0].name)
+    view: object
+    if language == "cpp":
+        view = cpp_mock.mocks_view(CppLowering(model, layout), path, interfaces)
+    else:
+        view = python_mock.mocks_view(PythonLowering(model, layout), path, interfaces)
+    suffix = {"cpp": "cpp", "python": "py"}[language]
+    template = _environment(language).get_template(f"mock.{suffix}.j2")
+    return laid_out(template.render(view=view), language)
 
 
 @cache

@@ -1,4 +1,4 @@
-"""`gidl new`: a device from nothing. The files are complete: they generate, build and run."""
+"""`gidl new`: a device from nothing, or a mock. The files are complete: they build and run."""
 
 from __future__ import annotations
 
@@ -8,7 +8,9 @@ import tempfile
 from pathlib import Path
 from string import Template
 
-from gidl.compile import compile_files
+from gidl import wire_layout
+from gidl.compile import Compiled, compile_files
+from gidl.model import Interface
 
 _STARTING_POINT = Path(__file__).parent / "starting_point"
 _FILES = {
@@ -32,9 +34,7 @@ def write_device(wanted: str, into: Path | None) -> str:
         raise ScaffoldRefusal(
             f"'{wanted}' is no name: write letters, digits and _, like thermometer"
         )
-    folder = into if into is not None else Path(name)
-    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-        raise ScaffoldRefusal(f"{folder} is there already; --into names another folder")
+    folder = _new_folder(into if into is not None else Path(name))
     words = {
         "name": name,
         "Name": "".join(part.capitalize() for part in name.split("_")),
@@ -48,14 +48,64 @@ def write_device(wanted: str, into: Path | None) -> str:
     interface = f"lab/{name}.gidl"
     if keyword.iskeyword(name) or not _is_accepted(name, texts[interface]):
         raise ScaffoldRefusal(f"'{name}' has a meaning already; call it something else")
-    for path, text in texts.items():
-        place = folder / path
-        place.parent.mkdir(parents=True, exist_ok=True)
-        place.write_text(text, encoding="utf-8", newline="\n")
+    _write(folder, texts)
     return (
         f"gidl: {folder}/ has an interface, a Python server and a C++ client\n"
         f"gidl: {folder}/README.md says how to run them"
     )
+
+
+def write_mock(
+    compiled: Compiled, language: str, wanted: str | None, into: Path | None, search: list[str]
+) -> str:
+    """Writes a server that stands in for objects of the file's interfaces, or of the one `wanted`,
+    and says what to do next. Raises UnsupportedError for what cannot be generated."""
+    from gidl.emit import render, render_mock
+
+    (file,) = (f for f in compiled.model.files if f.asked_for)
+    there = [d for d in file.declarations if isinstance(d, Interface)]
+    chosen = [i for i in there if wanted in (None, i.name, i.simple_name)]
+    if not chosen:
+        known = ", ".join(i.name for i in there) or "none at all"
+        asked = f"no interface {wanted}" if wanted else "no interface to mock"
+        raise ScaffoldRefusal(f"{file.path} declares {asked}; there is {known}")
+    layout = wire_layout.build(compiled.model)
+    render(compiled.model, layout, [language])  # what cannot be generated cannot be mocked
+    stem = Path(file.path).stem
+    folder = _new_folder(into if into is not None else Path(f"{stem}_mock"))
+    source = "server.py" if language == "python" else "server.cpp"
+    texts = {source: render_mock(compiled.model, layout, language, chosen)}
+    place = Path(compiled.sources[file.path].shown).absolute()
+    root = place.parents[len(Path(file.path).parts) - 1]
+    if language == "cpp":
+        words = {
+            "stem": stem,
+            "file": place.as_posix(),
+            "root": root.as_posix(),
+            "imports": "".join(f' "{Path(each).absolute().as_posix()}"' for each in search),
+        }
+        pattern = Template((_STARTING_POINT / "mock.txt.tmpl").read_text(encoding="utf-8"))
+        texts["CMakeLists.txt"] = pattern.substitute(words)
+    _write(folder, texts)
+    served = ", ".join(i.name for i in chosen)
+    if language == "python":
+        run = f"PYTHONPATH=<its generated Python> python {folder}/{source}"
+    else:
+        run = f"cmake -B build -S {folder} -Drobcl_DIR=<build folder of robcl>; build/server"
+    return f"gidl: {folder}/{source} stands in for {served}\ngidl: after `gecos broker`: {run}"
+
+
+def _new_folder(folder: Path) -> Path:
+    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        raise ScaffoldRefusal(f"{folder} is there already; --into names another folder")
+    return folder
+
+
+def _write(folder: Path, texts: dict[str, str]) -> None:
+    for path, text in texts.items():
+        place = folder / path
+        place.parent.mkdir(parents=True, exist_ok=True)
+        place.write_text(text, encoding="utf-8", newline="\n")
 
 
 def _is_accepted(name: str, interface: str) -> bool:

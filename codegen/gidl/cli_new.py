@@ -1,0 +1,56 @@
+"""`gidl new`: a device from nothing, or with --mock a server that stands in for one."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from gidl.cli_shared import FINDINGS, FINE, USAGE, compiled_from, show
+from gidl.diagnostics import Findings
+from gidl.scaffold import ScaffoldRefusal, write_device, write_mock
+
+
+def add_verb(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    new = verbs.add_parser(
+        "new", help="start a device: interface, server and client; or a mock of one"
+    )
+    new.add_argument("name", nargs="?", help="of the device, like thermometer")
+    new.add_argument("--into", type=Path, help="folder to make; the name by default")
+    new.add_argument("--mock", metavar="FILE", help="instead: a server that answers as FILE allows")
+    new.add_argument("--lang", choices=("cpp", "python"), default="python", help="of the mock")
+    new.add_argument("--interface", metavar="NAME", help="mock this one; all of FILE by default")
+    new.add_argument(
+        "-I", dest="search", action="append", default=[], metavar="DIR", help="where includes begin"
+    )
+    new.set_defaults(command=_new, error_format="text")
+
+
+def _new(chosen: argparse.Namespace) -> int:
+    if (chosen.name is None) == (chosen.mock is None) or chosen.mock == "-":
+        print("gidl: new takes a name like thermometer, or --mock and a file", file=sys.stderr)
+        return USAGE
+    try:
+        if chosen.mock is not None:
+            return _mock(chosen)
+        print(write_device(chosen.name, chosen.into))
+    except ScaffoldRefusal as refusal:
+        print(f"gidl: {refusal}", file=sys.stderr)
+        return USAGE
+    return FINE
+
+
+def _mock(chosen: argparse.Namespace) -> int:
+    from gidl.emit import UnsupportedError
+
+    compiled = compiled_from(chosen, [chosen.mock])
+    if compiled.has_errors:
+        return FINDINGS
+    try:
+        print(write_mock(compiled, chosen.lang, chosen.interface, chosen.into, chosen.search))
+    except UnsupportedError as problem:
+        findings = Findings()
+        findings.error("G0801", problem.location, problem.text)
+        show(chosen, findings.found, compiled.sources)
+        return FINDINGS
+    return FINE

@@ -1,0 +1,80 @@
+"""Which value a mock answers with, the same in every language."""
+
+from __future__ import annotations
+
+import math
+
+from gidl.model import (
+    ArrayType,
+    EnumDeclaration,
+    Model,
+    NamedType,
+    Primitive,
+    PrimitiveType,
+    Range,
+    Struct,
+    Type,
+    Typedef,
+    Union,
+    UnionCase,
+)
+from gidl.targets.naming import within
+
+
+def limits_of(model: Model, used: Type, limits: Range | None) -> Range | None:
+    """Bounds of a number, those of its typedefs included."""
+    while isinstance(used, NamedType):
+        declaration = model.find(used.name)
+        if not isinstance(declaration, Typedef):
+            break
+        limits, used = within(limits, declaration.range), declaration.type
+    return limits
+
+
+def number(kind: Primitive, limits: Range | None) -> int | float:
+    """The middle of the range; where one side is open, 0 or what is nearest to it."""
+    if limits is None:
+        return 0 if kind.is_integer else 0.0
+    low, high = limits.minimum, limits.maximum
+    if low is not None and high is not None:
+        if kind.is_integer:
+            return (math.ceil(low) + math.floor(high)) // 2
+        return float(low) / 2 + float(high) / 2
+    nearest = max(0, low) if low is not None else min(0, high if high is not None else 0)
+    return int(nearest) if kind.is_integer else float(nearest)
+
+
+def is_made_by_default(model: Model, used: Type, limits: Range | None, alone: bool) -> bool:
+    """Whether the value that a member has when nobody sets it is the one to answer with. A value
+    that stands `alone` has no initial value of its own: enumerators are 0 there."""
+    target = model.target(used)
+    match target:
+        case PrimitiveType(kind):
+            return not kind.is_number or number(kind, limits_of(model, used, limits)) == 0
+        case ArrayType(element):
+            return is_made_by_default(model, element, None, alone)
+        case NamedType(name):
+            declaration = model.find(name)
+            match declaration:
+                case EnumDeclaration():
+                    return not alone or declaration.initial.number == 0
+                case Struct(maps_to=None):
+                    return all(
+                        m.optional
+                        or m.default is not None
+                        or is_made_by_default(model, m.type, m.range, alone=False)
+                        for m in model.all_members(declaration)
+                    )
+                case Union():
+                    return False
+    return True
+
+
+def arm_of(union: Union) -> UnionCase:
+    """The first that a label selects, else the default one."""
+    return next((case for case in union.cases if case.labels), union.cases[0])
+
+
+def nanoseconds(rate_hz: float | None) -> int:
+    """Between two samples of a stream; a second where no rate is declared."""
+    return round(1e9 / rate_hz) if rate_hz else 1_000_000_000
