@@ -11,6 +11,7 @@ from gidl.model import ArrayType, MapType, Model, NamedType, SequenceType, Strin
 from gidl.model import Union as UnionDeclaration
 from gidl.targets.cpp.lower import Lowering
 from gidl.wire_layout import min_size_of, node_of
+from type_values import value_type
 
 MAX_DEPTH = 16
 MAX_ZERO_WIDTH = 65_536
@@ -54,6 +55,7 @@ class MemoryFactors:
         return f"double({size}) / {least}"
 
     def _named(self, name: str) -> str:
+        name = value_type(self._model, name)
         declaration = self._model.find(name)
         if isinstance(declaration, Struct):
             members = [member.type for member in self._model.all_members(declaration)]

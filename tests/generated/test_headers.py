@@ -34,7 +34,8 @@ module alone {
 
 
 def generate(out: Path, *files: Path) -> None:
-    search = ["-I", str(TREE / "tests" / "idl"), "-I", str(TREE / "idl"), "-I", str(out.parent)]
+    roots = (out.parent, TREE / "tests/idl/workshop", TREE / "tests/idl", TREE / "idl")
+    search = [word for root in roots for word in ("-I", str(root))]
     command = [sys.executable, "-m", "gidl", "gen", "--lang", "cpp", *search, "--out", str(out)]
     subprocess.run([*command, *map(str, files)], check=True, stdout=subprocess.DEVNULL)
 
@@ -43,7 +44,8 @@ def generate(out: Path, *files: Path) -> None:
 def generated(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
     """Folders of C++: that of idl/, that of the tests' interfaces, one that is hard."""
     out = tmp_path_factory.mktemp("headers")
-    generate(out / "tests", *(TREE / "tests" / "idl").glob("*.gidl"))
+    own = TREE / "tests" / "idl"
+    generate(out / "tests", own / "everything.gidl", own / "workshop" / "workshop.gidl")
     (out / "alone.gidl").write_text(CALLS_ALONE)
     generate(out / "alone", out / "alone.gidl")
     return [TREE / "generated" / "cpp", out / "tests" / "cpp", out / "alone" / "cpp"]

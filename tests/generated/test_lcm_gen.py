@@ -40,7 +40,8 @@ def layout(model: Model) -> Layout:
 @pytest.fixture(scope="session")
 def lcm_files(everything: Path) -> list[str]:
     folders = (TREE / "generated" / "lcm", everything / "lcm")
-    return [str(path) for folder in folders for path in sorted(folder.rglob("*.lcm"))]
+    found = {p.relative_to(each): str(p) for each in folders for p in sorted(each.rglob("*.lcm"))}
+    return list(found.values())  # each once: whatever passes objects brings gecos/object_ref.lcm
 
 
 def full_name(layout: Layout, case: Case) -> str:

@@ -30,6 +30,7 @@ from gidl.model import (
     Bitset,
     EnumDeclaration,
     EnumValue,
+    Interface,
     MapType,
     Member,
     Model,
@@ -136,7 +137,13 @@ def _array(model: Model, element: Type, dimensions: tuple[int, ...], value: Any)
     return b"".join(_array(model, element, dimensions[1:], item) for item in value)
 
 
+def value_type(model: Model, name: str) -> str:
+    """What a value is where the type is called `name`: of an interface, a reference."""
+    return "gecos::ObjectRef" if isinstance(model.find(name), Interface) else name
+
+
 def _named(model: Model, name: str, value: Any) -> bytes:
+    name = value_type(model, name)
     declaration = model.find(name)
     match declaration:
         case EnumDeclaration():
@@ -267,6 +274,7 @@ def _python_list(model: Model, element: Type, value: Any) -> Any:
 
 
 def python_struct(model: Model, name: str, value: Any) -> Any:
+    name = value_type(model, name)
     declaration = model.find(name)
     kind = python_type(model, name)
     match declaration:
@@ -352,6 +360,7 @@ class CppWriter:
         return f"{name}{{{items}}}"
 
     def named(self, scoped: str, value: Any) -> str:
+        scoped = value_type(self._model, scoped)
         declaration = self._model.find(scoped)
         name = full_name(self._model, scoped)
         self._made += 1

@@ -20,12 +20,13 @@ from robcl.rx90 import Configuration, Rx90
 from robcl.six_axis_types import Joints
 
 TREE = Path(__file__).resolve().parents[2]
-SEARCH = ["-I", str(TREE / "tests" / "idl"), "-I", str(TREE / "idl")]
+ROOTS = ("tests/idl/workshop", "tests/idl", "idl")
+SEARCH = [word for root in ROOTS for word in ("-I", str(TREE / root))]
 FILES = {
     "laser": "idl/robcl/laser_distance_sensor.gidl",
     "rx90": "idl/robcl/rx90.gidl",
     "everything": "tests/idl/everything.gidl",
-    "workshop": "tests/idl/workshop.gidl",
+    "workshop": "tests/idl/workshop/workshop.gidl",
 }
 
 Mock = Callable[[str], Program]

@@ -41,6 +41,10 @@ CASES: list[tuple[str, str, Any]] = [
     ("gecos::Entry", "with places", {
         "name": "RX90", "bases": ["robcl::SixAxis", "robcl::Device"], "boot": 2**63,
         "addresses": ["shm:/run/gecos/1f3a.sock", "lcm:239.255.76.67:20017/RX90"]}),
+    ("gecos::ObjectRef", "nil", {}),
+    ("gecos::ObjectRef", "an arm", {
+        "name": "RX90", "interface_hash": 2**64 - 1, "boot": 2**63 + 1,
+        "where": "shm: uid 1000, pid 4711"}),
     ("gecos::UnknownName", "nobody", {"name": "RX91", "known": ["RX90", "St\u00e4ubli"]}),
     ("gecos::NameTaken", "taken", {"name": "RX90", "by": "ada@lab, pid 4711"}),
     ("robcl::Vector", "a point", {"x": 1.5, "y": -0.0, "z": 1e-300}),
@@ -120,6 +124,11 @@ CASES: list[tuple[str, str, Any]] = [
     ("everything::Base", "alone", {"below": -7}),
     ("everything::Derived", "base first", {"below": 7, "above": "a"}),
     ("everything::Nothing", "nothing", {}),
+    ("everything::Objects", "as made", {"pair": [{}, {}]}),
+    ("everything::Objects", "some", {
+        "one": {"name": "A", "boot": 1}, "perhaps": {"name": "B", "where": "here"},
+        "many": [{"name": "C"}, {}], "named": [["left", {"name": "D"}], ["right", {}]],
+        "pair": [{"name": "E", "interface_hash": 2**64 - 2}, {}]}),
     ("everything::Words", "all", {
         "class": 1, "def": 2, "encode": 3, "size": 4, "to": 5, "pass": "secret", "value": 6.5}),
     ("everything::Refused", "turned", {"reason": "too far", "angle": 3.5}),

@@ -1,4 +1,4 @@
-// Objects as values: tests/idl/workshop.gidl passes tools, over every medium.
+// Objects as values: tests/idl/workshop passes tools, over every medium.
 #include <gtest/gtest.h>
 
 #include <sstream>
