@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import difflib
+import shlex
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -55,18 +56,21 @@ def run(chosen: argparse.Namespace) -> int:
             elif laid is not None and laid.after != laid.before:
                 replace_text(Path(laid.shown), laid.after)
     if files != ["-"]:
-        _summary(chosen.check, len(files), len(changed))
+        mend = shlex.join(["gidl", "fmt", *(one.shown for one in changed if chosen.files)])
+        _summary(chosen.check, len(done), len(changed), done.count(None), mend)
     return FINDINGS if findings.has_errors or (chosen.check and changed) else FINE
 
 
-def _summary(check: bool, files: int, changed: int) -> None:
+def _summary(check: bool, files: int, changed: int, unread: int, mend: str) -> None:
     sys.stdout.flush()
+    left = f", {unread} with errors left alone" if unread else ""
     if not check:
-        print(f"gidl: {count(files, 'file')}, {changed} laid out anew")
+        print(f"gidl: {count(files, 'file')}, {changed} laid out anew{left}")
     elif changed:
-        print(f"gidl: {changed} of {count(files, 'file')} not laid out; this mends it: gidl fmt")
-    else:
-        print(f"gidl: {count(files, 'file')} as gidl fmt lays them out")
+        told = f"{changed} of {count(files, 'file')} not laid out{left}"
+        print(f"gidl: {told}; this mends it: {mend}")
+    elif files > unread:
+        print(f"gidl: {count(files - unread, 'file')} as gidl fmt lays them out{left}")
 
 
 def _formatted(shown: str, findings: Findings, sources: dict[str, Source]) -> _Formatted | None:

@@ -11,6 +11,7 @@ from pathlib import Path
 from gidl.diagnostics import Finding, Findings
 from gidl.function_codes import codes_of
 from gidl.loader import Loader, default_search
+from gidl.missing_include import point_at_includes
 from gidl.model import Model
 from gidl.resolve import resolve
 from gidl.rules import check_all
@@ -39,6 +40,7 @@ def _compile(wanted: list[str], search: list[str]) -> Compiled:
     loader.load_all(wanted)
     model = resolve(loader.files.values(), vocabulary, findings)
     check_all(model, findings, codes_of)
+    point_at_includes(findings, folders)
     order = list(loader.files)
     return Compiled(model, tuple(findings.in_order(order)), loader.sources, findings.has_errors)
 

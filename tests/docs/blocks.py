@@ -36,6 +36,7 @@ def compile_cpp(program: str, generated: Path, folder: Path) -> None:
     run(
         *("c++", "-std=c++20", "-fsyntax-only", "-Wall", "-Wextra", "-Werror"),
         *(f"-I{root}" for root in roots),
+        "-isystem/usr/include/eigen3",
         source,
     )
 

@@ -192,3 +192,21 @@ class TestGen:
         assert main(["gen"]) == 100
         assert "e.gidl:1:34: error[G0801]: E::hit: events" in capsys.readouterr().err
         assert not (here / "generated").exists()
+
+
+def test_an_unknown_type_of_a_file_that_is_not_included_says_which(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "lab").mkdir()
+    (tmp_path / "lab" / "shapes.gidl").write_text(
+        "module lab {\n  // struct Cube\n  struct Ball { double r; };\n"
+        "  typedef double Row[3];\n};\n"
+    )
+    (tmp_path / "a.gidl").write_text("struct A { lab::Ball b; Row r; Cube c; };\n")
+    assert main(["check", "-I", str(tmp_path), str(tmp_path / "a.gidl")]) == 100
+    said = capsys.readouterr().err
+    for name in ("Ball", "Row"):
+        assert (
+            f"help: '{name}' is declared in lab/shapes.gidl: #include \"lab/shapes.gidl\"" in said
+        )
+    assert "Cube' is declared" not in said

@@ -168,6 +168,12 @@ class TestCommand:
         assert out.endswith("gidl: 1 of 2 files not laid out; this mends it: gidl fmt\n")
         assert (here / "idl" / "a.gidl").read_text() == "struct  A { long x; };\n"
 
+    def test_check_names_the_files_that_were_named(
+        self, here: Path, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        assert main(["fmt", "--check", "idl/b.gidl", "idl/a.gidl"]) == 100
+        assert capsys.readouterr().out.endswith("this mends it: gidl fmt idl/a.gidl\n")
+
     def test_writes_what_differs_and_nothing_else(
         self, here: Path, capsys: pytest.CaptureFixture[str]
     ) -> None:
@@ -190,7 +196,9 @@ class TestCommand:
     ) -> None:
         (here / "idl" / "wrong.gidl").write_text("struct  { long x; };\n")
         assert main(["fmt"]) == 100
-        assert "idl/wrong.gidl:1:9: error[G0100]" in capsys.readouterr().err
+        said = capsys.readouterr()
+        assert "idl/wrong.gidl:1:9: error[G0100]" in said.err
+        assert said.out == "gidl: 3 files, 1 laid out anew, 1 with errors left alone\n"
         assert (here / "idl" / "wrong.gidl").read_text() == "struct  { long x; };\n"
         assert (here / "idl" / "a.gidl").read_text() == "struct A { long x; };\n"
 

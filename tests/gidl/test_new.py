@@ -70,3 +70,72 @@ def test_a_folder_with_something_in_it_is_left_alone(
     assert main(["new", "lamp"]) == 2
     assert "is there already" in capsys.readouterr().err
     assert [p.name for p in (here / "lamp").iterdir()] == ["mine"]
+
+
+WELL = """\
+module lab {
+  interface Pump {
+    @sensor @stream(rate="20Hz") @range(min=2, max=4) readonly attribute double flow;
+  };
+  interface Valve { @actor void open(in boolean wide); };
+};
+"""
+
+
+@pytest.fixture
+def well(here: Path) -> Path:
+    (here / "lab").mkdir()
+    (here / "lab" / "well.gidl").write_text(WELL)
+    return here / "lab" / "well.gidl"
+
+
+def classes_of(server: Path) -> set[str]:
+    tree = ast.parse(server.read_text())
+    return {node.name for node in ast.walk(tree) if isinstance(node, ast.ClassDef)}
+
+
+def test_a_mock_stands_in_for_every_interface_of_a_file(here: Path, well: Path) -> None:
+    assert main(["new", "--mock", "lab/well.gidl", "-I", "."]) == 0
+    assert classes_of(here / "well_mock" / "server.py") == {"Beat", "MockPump", "MockValve"}
+    text = (here / "well_mock" / "server.py").read_text()
+    assert "self._held_flow: float = 3.0" in text
+    assert "Beat(50000000, " in text
+
+
+@pytest.mark.parametrize("wanted", ["Valve", "lab::Valve"])
+def test_or_for_the_one_that_is_named(here: Path, well: Path, wanted: str) -> None:
+    words = ["--lang", "cpp", "--into", "valve", "--interface", wanted]
+    assert main(["new", "--mock", "lab/well.gidl", "-I", ".", *words]) == 0
+    text = (here / "valve" / "server.cpp").read_text()
+    assert "class MockValve" in text and "class MockPump" not in text
+    assert "Publishing" not in text
+    cmake = (here / "valve" / "CMakeLists.txt").read_text()
+    assert f'gidl_generate(well_interface "{well}" ROOT "{here}"' in cmake
+
+
+@pytest.mark.parametrize(
+    ("words", "status", "said"),
+    [
+        (["--mock", "lab/well.gidl", "--interface", "Tap"], 2, "there is lab::Pump, lab::Valve"),
+        (["--mock", "lab/none.gidl"], 100, "cannot be read"),
+        (["--mock", "-"], 2, "takes a name like thermometer, or --mock and a file"),
+        (["tap", "--mock", "lab/well.gidl"], 2, "takes a name like thermometer, or --mock"),
+        ([], 2, "takes a name like thermometer, or --mock"),
+        (["--mock", "event.gidl"], 100, "error[G0801]: Bell::rung: events"),
+        (["--mock", "types.gidl"], 2, "declares no interface to mock"),
+        (["--mock", "lab/well.gidl", "--into", "lab"], 2, "is there already"),
+    ],
+)
+def test_what_cannot_be_mocked_is_refused(
+    here: Path,
+    well: Path,
+    words: list[str],
+    status: int,
+    said: str,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    (here / "event.gidl").write_text("interface Bell { @event oneway void rung(); };\n")
+    (here / "types.gidl").write_text("struct S { long x; };\n")
+    assert main(["new", *words]) == status
+    assert said in capsys.readouterr().err
+    assert {p.name for p in here.iterdir()} == {"lab", "event.gidl", "types.gidl"}
