@@ -11,28 +11,26 @@ from gidl.diagnostics import Finding, Findings
 
 _MOST_FILES = 500
 _MOST_BYTES = 1_000_000
+_LONGEST_LINE = 500
 _UNKNOWN = re.compile(r"unknown \w+ '(?:\w+::)*(\w+)'$")
+_DECLARED = re.compile(
+    r"^[^/]*\b(?:struct|union|enum|interface|exception|bitmask|bitset)\s+(\w+)\b(?!\s*;)"
+    r"|^[^/]*\btypedef\b[^;/]*\b(\w+)\s*(?:\[[^;]*)?;"
+)
 
 
 def point_at_includes(findings: Findings, folders: Sequence[Path]) -> None:
     """Adds to findings of unknown names, where there is no other help, which file to include."""
-    texts: dict[str, str] | None = None
+    homes: dict[str, str] | None = None
     for index, finding in enumerate(findings.found):
         wanted = _wanted(finding)
         if wanted is None:
             continue
-        if texts is None:
-            texts = _texts(folders)
-        declares = re.compile(
-            rf"^[^/\n]*\b(?:struct|union|enum|interface|exception|bitmask|bitset)\s+{wanted}\b"
-            rf"(?!\s*;)|^[^/\n]*\btypedef\b[^;]*\b{wanted}\b\s*[;\[]",
-            re.MULTILINE,
-        )
-        for path, text in texts.items():
-            if declares.search(text):
-                hint = f"'{wanted}' is declared in {path}: #include \"{path}\""
-                findings.found[index] = replace(finding, help=(hint,))
-                break
+        if homes is None:
+            homes = _homes(folders)
+        if wanted in homes:
+            hint = f"'{wanted}' is declared in {homes[wanted]}: #include \"{homes[wanted]}\""
+            findings.found[index] = replace(finding, help=(hint,))
 
 
 def _wanted(finding: Finding) -> str | None:
@@ -42,15 +40,19 @@ def _wanted(finding: Finding) -> str | None:
     return found[1] if found else None
 
 
-def _texts(folders: Sequence[Path]) -> dict[str, str]:
-    """Path as others include it -> text, of what can be read."""
-    texts: dict[str, str] = {}
+def _homes(folders: Sequence[Path]) -> dict[str, str]:
+    """Name -> the first file that declares it, as others include it."""
+    homes: dict[str, str] = {}
     for folder in folders:
         for place in sorted(folder.rglob("*.gidl"))[:_MOST_FILES]:
             try:
-                if place.is_file() and place.stat().st_size <= _MOST_BYTES:
-                    text = place.read_text(encoding="utf-8", errors="replace")
-                    texts.setdefault(place.relative_to(folder).as_posix(), text)
+                if not place.is_file() or place.stat().st_size > _MOST_BYTES:
+                    continue
+                text = place.read_text(encoding="utf-8", errors="replace")
             except OSError:
-                continue
-    return texts
+                continue  # whoever includes it is told
+            path = place.relative_to(folder).as_posix()
+            for line in text.splitlines():
+                for of_its_own, alias in _DECLARED.findall(line[:_LONGEST_LINE]):
+                    homes.setdefault(of_its_own or alias, path)
+    return homes

@@ -36,6 +36,11 @@ def test_bad_file_is_reported_as_in_its_golden(file: Path, monkeypatch: pytest.M
     assert said
 
 
+def test_the_corpus_is_large_enough_to_mean_something() -> None:
+    assert len(GOOD) >= 60
+    assert len(BAD) >= 120
+
+
 def test_every_golden_has_its_file() -> None:
     assert {p.stem for p in (HERE / "bad").glob("*.txt")} == {p.stem for p in BAD}
 
