@@ -37,3 +37,27 @@ def test_generated_python_and_mocks_are_well_typed(tmp_path: Path) -> None:
         text=True,
     )  # fmt: skip
     assert judged.returncode == 0, judged.stdout + judged.stderr
+
+
+PROGRAM = """\
+import gecos
+from gecos_idl.object_types import Holder
+from robcl.rx90 import Rx90
+
+arm: Rx90 = gecos.Lab().create(Rx90, "RX90")
+holders: list[Holder] = gecos.holders(arm).result()
+"""
+
+
+def test_programs_that_import_the_installed_ones_are_checked(tmp_path: Path) -> None:
+    """Without the markers of PEP 561 mypy would take all that is imported for Any, and say so."""
+    (tmp_path / "program.py").write_text(PROGRAM)
+    judged = subprocess.run(
+        [sys.executable, "-m", "mypy", "--strict", "--config-file", os.devnull,
+         "--cache-dir", str(tmp_path / "cache"), str(tmp_path / "program.py")],
+        cwd=tmp_path,
+        env={name: value for name, value in os.environ.items() if name != "MYPYPATH"},
+        capture_output=True,
+        text=True,
+    )  # fmt: skip
+    assert judged.returncode == 0, judged.stdout + judged.stderr

@@ -16,11 +16,15 @@ from gidl.wire_layout import Layout
 
 def files(model: Model, layout: Layout) -> Iterator[OutputFile]:
     lowering = Lowering(model, layout)
+    packages: set[str] = set()
     for file in model.files:
         if not (file.asked_for and has_output(model, file.path)):
             continue
         stem = names.module_stem(file.path)
+        packages.update(stem.split("/")[:-1][:1])
         types = types_view(lowering, file, result_structs(layout, file))
         yield OutputFile(f"python/{stem}_types.py", "python", "types.py.j2", types)
         interfaces = interfaces_view(lowering, file, types.exported)
         yield OutputFile(f"python/{stem}.py", "python", "interfaces.py.j2", interfaces)
+    for package in sorted(packages):
+        yield OutputFile(f"python/{package}/py.typed", "python", "py.typed.j2", package)
