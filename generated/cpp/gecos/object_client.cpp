@@ -125,12 +125,26 @@ constexpr gecos::OperationDescription gecos_object_operations[] = {
      .on_loss = gecos::OnLoss::Stop,
      .quality = {},
      .hash = 0x48017b544af97223U},
+    {.code = gecos::FunctionCode{0x00000009},
+     .name = "outcome",
+     .kind = gecos::OperationKind::Operation,
+     .status = gecos::access::Status::Sensor,
+     .safety = false,
+     .presence = false,
+     .idempotent = true,
+     .cancelable = false,
+     .parallel = false,
+     .ordered = false,
+     .on_new = gecos::OnNew::Queue,
+     .on_loss = gecos::OnLoss::Stop,
+     .quality = {},
+     .hash = 0xf1db02cd55068515U},
 };
 
 constexpr gecos::InterfaceDescription gecos_object_description{
     .name = "gecos::GecosObject",
     .version = "1.0",
-    .hash = 0xab009a22ef7cfe8dU,
+    .hash = 0x51a9de7d739e3db8U,
     .bases = {},
     .operations = gecos_object_operations,
     .streams = {},
@@ -235,6 +249,22 @@ gecos::Command<void> GecosObject::unsubscribe(std::uint32_t code) const {
       [&](gecos::wire::Encoder& to) {
         to.put(code);
       }, gecos_options_));
+}
+
+gecos::Command<gecos::OutcomeRecord> GecosObject::outcome(
+    std::uint64_t boot,
+    std::uint64_t session,
+    std::uint64_t counter) const {
+  return gecos::Command<gecos::OutcomeRecord>(gecos_session_->call(
+      gecos_object_operations[8], 24,
+      [&](gecos::wire::Encoder& to) {
+        to.put(boot);
+        to.put(session);
+        to.put(counter);
+      }, gecos_options_),
+        [](
+            gecos::wire::Decoder& from,
+            gecos::OutcomeRecord& value) { return gecos::wire::get_block(from, value, "outcome"); });
 }
 
 }  // namespace gecos

@@ -50,6 +50,14 @@ class GecosObject : public virtual gecos::Object {
 
   /// Closes the outward stream of attribute `code` for this session.
   gecos::Command<void> unsubscribe(std::uint32_t code) const;
+
+  /// What became of an actor command that its caller lost: it was given `counter` in
+  /// `session`,
+  /// by the process that `boot` stands for. One that has not arrived never starts afterwards.
+  gecos::Command<gecos::OutcomeRecord> outcome(
+      std::uint64_t boot,
+      std::uint64_t session,
+      std::uint64_t counter) const;
 };
 
 }  // namespace gecos

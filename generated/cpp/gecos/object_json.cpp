@@ -138,4 +138,20 @@ bool JsonShape<gecos::Grant>::read(const JsonReader& from, gecos::Grant& value) 
          from.member("epoch", value.epoch);
 }
 
+void JsonShape<gecos::OutcomeRecord>::write(JsonWriter to, const gecos::OutcomeRecord& value) {
+  to.open_object();
+  to.member("detail", value.detail);
+  to.member("text", value.text);
+}
+
+bool JsonShape<gecos::OutcomeRecord>::read(const JsonReader& from, gecos::OutcomeRecord& value) {
+  static constexpr std::array<std::string_view, 2> names{
+      "detail",
+      "text",
+  };
+  return from.expect_object(names) &&
+         from.member("detail", value.detail) &&
+         from.member("text", value.text);
+}
+
 }  // namespace gecos::wire

@@ -37,4 +37,10 @@ struct JsonShape<gecos::Grant> {
   static bool read(const JsonReader& from, gecos::Grant& value);
 };
 
+template <>
+struct JsonShape<gecos::OutcomeRecord> {
+  static void write(JsonWriter to, const gecos::OutcomeRecord& value);
+  static bool read(const JsonReader& from, gecos::OutcomeRecord& value);
+};
+
 }  // namespace gecos::wire

@@ -36,6 +36,8 @@ void GecosObjectServant::gecos_dispatch(gecos::IncomingCall call) {
         return gecos_call_subscribe(call);
       case 0x00000008:  // unsubscribe
         return gecos_call_unsubscribe(call);
+      case 0x00000009:  // outcome
+        return gecos_call_outcome(call);
       default:
         return call.fail(
             {gecos::Detail::UnknownOperation, "gecos::GecosObject has no such operation", {}, {}});
@@ -165,6 +167,36 @@ void GecosObjectServant::gecos_call_unsubscribe(gecos::IncomingCall& call) {
   const auto result = this->unsubscribe(code);
   if (!result) return call.fail(result.error().failure());
   call.finish(0, [](gecos::wire::Encoder&) {});
+}
+
+void GecosObjectServant::gecos_call_outcome(gecos::IncomingCall& call) {
+  gecos::wire::Decoder from(call.arguments());
+  std::uint64_t boot{};
+  std::uint64_t session{};
+  std::uint64_t counter{};
+  const bool read = from.get(boot, "outcome.boot") &&
+         from.get(session, "outcome.session") &&
+         from.get(counter, "outcome.counter");
+  if (!read) {
+    return call.fail({gecos::Detail::BadParameter, from.error().message(), {}, {}});
+  }
+  const auto result = this->outcome(boot, session, counter);
+  if (!result) return call.fail(result.error().failure());
+  const auto& value = *result;
+  const std::string wrong = [&]() -> std::string {
+    if (auto why = gecos_violation(value); !why.empty()) return why;
+    return {};
+  }();
+  if (!wrong.empty()) {
+    return call.fail(
+        {gecos::Detail::Fault, "the handler of gecos::GecosObject::outcome gave " + wrong, {}, {}});
+  }
+  std::size_t size = 4;
+  size += value.encoded_size();
+  call.finish(size, [&](gecos::wire::Encoder& to) {
+    to.put_count(value.encoded_size());
+    value.encode(to);
+  });
 }
 
 }  // namespace gecos

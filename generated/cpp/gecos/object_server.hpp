@@ -46,6 +46,14 @@ class GecosObjectServant : public virtual gecos::Servant {
   /// Closes the outward stream of attribute `code` for this session.
   virtual gecos::Result<void> unsubscribe(std::uint32_t code) = 0;
 
+  /// What became of an actor command that its caller lost: it was given `counter` in
+  /// `session`,
+  /// by the process that `boot` stands for. One that has not arrived never starts afterwards.
+  virtual gecos::Result<gecos::OutcomeRecord> outcome(
+      std::uint64_t boot,
+      std::uint64_t session,
+      std::uint64_t counter) = 0;
+
   void gecos_call_holders(gecos::IncomingCall& call);
   void gecos_call_stop(gecos::IncomingCall& call);
   void gecos_call_ping(gecos::IncomingCall& call);
@@ -54,6 +62,7 @@ class GecosObjectServant : public virtual gecos::Servant {
   void gecos_call_release(gecos::IncomingCall& call);
   void gecos_call_subscribe(gecos::IncomingCall& call);
   void gecos_call_unsubscribe(gecos::IncomingCall& call);
+  void gecos_call_outcome(gecos::IncomingCall& call);
 };
 
 }  // namespace gecos

@@ -252,4 +252,35 @@ std::ostream& operator<<(std::ostream& out, [[maybe_unused]] const Grant& value)
   return out << '}';
 }
 
+std::size_t OutcomeRecord::encoded_size() const {
+  std::size_t size = 6;
+  size += text.size();
+  return size;
+}
+
+void OutcomeRecord::encode(gecos::wire::Encoder& to) const {
+  to.put(detail);
+  to.put_string(text);
+}
+
+bool OutcomeRecord::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  return from.get(detail, "OutcomeRecord.detail") &&
+         from.get_string(text, gecos::wire::npos, "OutcomeRecord.text") &&
+         gecos::wire::skip_rest(from);
+}
+
+std::string gecos_violation(const OutcomeRecord& value) {
+  if (!gecos::wire::valid_text(value.text)) return gecos::wire::bad_text("OutcomeRecord.text");
+  return {};
+}
+
+std::ostream& operator<<(std::ostream& out, [[maybe_unused]] const OutcomeRecord& value) {
+  out << "OutcomeRecord{";
+  out << "detail=";
+  gecos::wire::print(out, value.detail);
+  out << ", text=";
+  gecos::wire::print(out, value.text);
+  return out << '}';
+}
+
 }  // namespace gecos

@@ -124,4 +124,25 @@ struct Grant {
 };
 std::ostream& operator<<(std::ostream& out, const Grant& value);
 
+/// What became of a command, or where it stands.
+struct OutcomeRecord {
+  /// as in the flags of a reply
+  std::uint8_t detail = 0;
+  /// why, when it is not DONE
+  std::string text{};
+
+  static constexpr std::string_view type_name() { return "gecos::OutcomeRecord"; }
+  static constexpr std::int64_t fingerprint() {
+    return static_cast<std::int64_t>(0x5fde1f5af18cf320U);
+  }
+  std::size_t encoded_size() const;
+  void encode(gecos::wire::Encoder& to) const;
+  [[nodiscard]] bool decode(gecos::wire::Decoder& from);
+
+  friend bool operator==(const OutcomeRecord&, const OutcomeRecord&) = default;
+};
+std::ostream& operator<<(std::ostream& out, const OutcomeRecord& value);
+/// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
+std::string gecos_violation(const OutcomeRecord& value);
+
 }  // namespace gecos

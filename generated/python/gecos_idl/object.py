@@ -24,7 +24,7 @@ from gecos.interface import (
 from gecos.proxy import Object
 from gecos.servant import Servant
 from gecos.wire import Decoder, Parts
-from gecos_idl.object_types import Description, Grant, Holder, Status, StatusRefused
+from gecos_idl.object_types import Description, Grant, Holder, OutcomeRecord, Status, StatusRefused
 
 __all__ = [
     "Description",
@@ -32,6 +32,7 @@ __all__ = [
     "GecosObjectServant",
     "Grant",
     "Holder",
+    "OutcomeRecord",
     "Status",
     "StatusRefused",
 ]
@@ -122,6 +123,23 @@ def _gecos_object_unsubscribe_arguments(source: Decoder) -> tuple[int]:
     return (code,)
 
 
+def _gecos_object_outcome_reply(source: Decoder) -> OutcomeRecord:
+    return OutcomeRecord.decode(source.block("outcome"))
+
+
+def _gecos_object_outcome_arguments(source: Decoder) -> tuple[int, int, int]:
+    boot: int = source.number("Q", "outcome.boot")
+    session: int = source.number("Q", "outcome.session")
+    counter: int = source.number("Q", "outcome.counter")
+    return boot, session, counter
+
+
+def _gecos_object_outcome_result(value: OutcomeRecord) -> Parts:
+    out: Parts = []
+    wire.put_block(value, OutcomeRecord, out, "outcome")
+    return out
+
+
 _GECOS_OBJECT_HOLDERS: Method[list[Holder], None] = Method(
     Operation(
         code=0x00000001,
@@ -207,10 +225,21 @@ _GECOS_OBJECT_UNSUBSCRIBE: Method[None, None] = Method(
     ),
     nothing,
 )
+_GECOS_OBJECT_OUTCOME: Method[OutcomeRecord, None] = Method(
+    Operation(
+        code=0x00000009,
+        name="outcome",
+        access=Access.SENSOR,
+        presence=False,
+        idempotent=True,
+        hash=0xF1DB02CD55068515,
+    ),
+    _gecos_object_outcome_reply,
+)
 _GECOS_OBJECT = Interface(
     name="gecos::GecosObject",
     version="1.0",
-    hash=0xAB009A22EF7CFE8D,
+    hash=0x51A9DE7D739E3DB8,
     bases=(
     ),
     operations=(
@@ -222,6 +251,7 @@ _GECOS_OBJECT = Interface(
         _GECOS_OBJECT_RELEASE.operation,
         _GECOS_OBJECT_SUBSCRIBE.operation,
         _GECOS_OBJECT_UNSUBSCRIBE.operation,
+        _GECOS_OBJECT_OUTCOME.operation,
     ),
     streams=(
     ),
@@ -286,6 +316,18 @@ class GecosObject(Object):
         out.append(wire.number(code, "I", "unsubscribe.code"))
         return self._gecos_call(_GECOS_OBJECT_UNSUBSCRIBE, out)
 
+    def outcome(self, boot: int, session: int, counter: int) -> Command[OutcomeRecord]:
+        """What became of an actor command that its caller lost: it was given `counter` in
+        `session`,
+        by the process that `boot` stands for. One that has not arrived never starts
+        afterwards.
+        """
+        out: Parts = []
+        out.append(wire.number(boot, "Q", "outcome.boot"))
+        out.append(wire.number(session, "Q", "outcome.session"))
+        out.append(wire.number(counter, "Q", "outcome.counter"))
+        return self._gecos_call(_GECOS_OBJECT_OUTCOME, out)
+
 
 class GecosObjectServant(Servant):
     """What every object answers."""
@@ -340,6 +382,12 @@ class GecosObjectServant(Servant):
             _gecos_object_unsubscribe_arguments,
             no_result,
         ),
+        0x00000009: Handler(
+            _GECOS_OBJECT_OUTCOME.operation,
+            "outcome",
+            _gecos_object_outcome_arguments,
+            _gecos_object_outcome_result,
+        ),
     }
 
     @abstractmethod
@@ -378,3 +426,11 @@ class GecosObjectServant(Servant):
     @abstractmethod
     def unsubscribe(self, code: int) -> None:
         """Closes the outward stream of attribute `code` for this session."""
+
+    @abstractmethod
+    def outcome(self, boot: int, session: int, counter: int) -> OutcomeRecord:
+        """What became of an actor command that its caller lost: it was given `counter` in
+        `session`,
+        by the process that `boot` stands for. One that has not arrived never starts
+        afterwards.
+        """

@@ -17,6 +17,7 @@ __all__ = [
     "Description",
     "Grant",
     "Holder",
+    "OutcomeRecord",
     "Status",
     "StatusRefused",
 ]
@@ -287,5 +288,48 @@ class Grant:
             (
                 shapes.Member("status", shapes.Enumerators(Status)),
                 shapes.Member("epoch", shapes.Number("Q")),
+            ),
+        )
+
+
+_OUTCOME_RECORD_LAYOUT = wire.Fields(
+    "B",
+    (
+        "OutcomeRecord.detail",
+    ),
+)
+
+
+@dataclass(slots=True)
+class OutcomeRecord:
+    """What became of a command, or where it stands."""
+
+    detail: int = 0
+    """as in the flags of a reply"""
+    text: str = ""
+    """why, when it is not DONE"""
+
+    def encode(self, out: wire.Parts, /) -> None:
+        out.append(_OUTCOME_RECORD_LAYOUT.pack(self.detail))
+        out.append(wire.string(self.text, wire.MAX_TEXT, "OutcomeRecord.text"))
+
+    @classmethod
+    def decode(cls, source: wire.Decoder, /) -> Self:
+        (detail,) = _OUTCOME_RECORD_LAYOUT.unpack(source)
+        text = source.string(wire.MAX_COUNT, "OutcomeRecord.text")
+        source.offset = source.end  # what a newer writer added is skipped
+        return cls(detail, text)
+
+    @staticmethod
+    def fingerprint() -> int:
+        return 0x5FDE1F5AF18CF320
+
+    @staticmethod
+    def _gecos_shape() -> shapes.Shape:
+        return shapes.Members(
+            OutcomeRecord,
+            (
+                shapes.Member("detail", shapes.Number("B")),
+                shapes.Member("text", shapes.Text()),
             ),
         )

@@ -41,8 +41,10 @@ if TYPE_CHECKING:
     from gecos.proxy import StreamAttribute as StreamAttribute
     from gecos.proxy import reference as reference
     from gecos.proxy import with_deadline as with_deadline
+    from gecos.reserved import Outcome as Outcome
     from gecos.reserved import describe as describe
     from gecos.reserved import holders as holders
+    from gecos.reserved import outcome as outcome
     from gecos.reserved import ping as ping
     from gecos.reserved import stop as stop
     from gecos.servant import Servant as Servant
@@ -60,7 +62,7 @@ _NAMES = {
     "lab": "Lab",
     "lease": "Lease actor master",
     "proxy": "Object StreamAttribute reference with_deadline",
-    "reserved": "describe holders ping stop",
+    "reserved": "Outcome describe holders outcome ping stop",
     "servant": "Servant",
     "server": "Server serve",
     "stream": "Sample Stream",

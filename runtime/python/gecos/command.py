@@ -66,6 +66,14 @@ class Command(Generic[T, F]):
         """RUNNING, or the one of the other three that it has reached."""
         return self.progress().detail.state
 
+    @property
+    def id(self) -> str:
+        """For `gecos.outcome`, when the connection was lost: three hexadecimal numbers.
+
+        Who knows it may ask what became of the command, also from another program.
+        """
+        return self._core.id()
+
     def progress(self) -> Progress:
         self._observed = True
         detail, position, fraction = self._core.progress()

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeVar
 
 from gecos.command import Command
+from gecos.errors import Detail, State
 from gecos.interface import Access, Method, Operation, nothing
 from gecos.proxy import Object
 from gecos.wire import Decoder
@@ -38,9 +40,41 @@ def holders(robot: Object) -> Command[list[Holder]]:
     return _call(robot, 1, "holders", _holders)
 
 
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What became of a command, or where it stands."""
+
+    detail: Detail
+    text: str  # why, when it is not DONE
+
+    @property
+    def state(self) -> State:
+        return self.detail.state
+
+
+def outcome(robot: Object, command: str) -> Command[Outcome]:
+    """What became of the actor command with this id, whose own outcome is OUTCOME_UNKNOWN.
+
+    Asked through a new proxy; the state of the command itself never changes. NOT_STARTED is a
+    promise: what has not arrived by now never starts. OUTCOME_UNKNOWN: the server was started anew
+    since, or keeps it no more (it keeps the last 1024 of each object). Raises ValueError for what
+    is no id.
+    """
+    operation = Operation(code=9, name="outcome", access=Access.SENSOR)
+    core = robot._gecos_session.outcome(command)
+    return Command(core, Method[Outcome, None](operation, _outcome))
+
+
 def _call(robot: Object, code: int, name: str, result: Callable[[Decoder], T]) -> Command[T]:
     operation = Operation(code=code, name=name, access=Access.SENSOR)
     return Command(robot._gecos_session.reserved(code), Method[T, None](operation, result))
+
+
+def _outcome(source: Decoder) -> Outcome:
+    from gecos_idl.object_types import OutcomeRecord
+
+    record = OutcomeRecord.decode(source.block("outcome"))
+    return Outcome(Detail(record.detail), record.text)
 
 
 def _holders(source: Decoder) -> list[Holder]:

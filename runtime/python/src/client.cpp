@@ -103,6 +103,15 @@ CommandHandle reserved(SessionHandle& self, int code) {
   }
 }
 
+CommandHandle outcome(SessionHandle& self, const std::string& command) {
+  const auto id = command_id_from(command);
+  if (!id) {
+    throw nb::value_error(("'" + command + "' is not the id of a command: three hexadecimal numbers "
+                           "with - between them, as command.id gives it").c_str());
+  }
+  return CommandHandle(gecos::outcome(AnyObject(self.get()), *id).core());
+}
+
 nb::object subscribe(SessionHandle& self, std::uint32_t code) {
   const StreamDescription* const stream = self.table().find_stream(FunctionCode{code});
   if (stream == nullptr) {
@@ -189,10 +198,12 @@ void bind_client(nb::module_& module) {
       .def("call", &call, nb::arg("code"), nb::arg("arguments"), nb::arg("deadline"))
       .def("subscribe", &subscribe, nb::arg("code"))
       .def("reserved", &reserved, nb::arg("code"))
+      .def("outcome", &outcome, nb::arg("command"))
       .def("acquire", &acquire, nb::arg("status"), nb::arg("password"))
       .def("close", &SessionHandle::close);
 
   nb::class_<CommandHandle>(module, "Command")
+      .def("id", [](const CommandHandle& c) { return to_string(c.core().id()); })
       .def("progress", &progress)
       .def("feedback", [](const CommandHandle& c) { return to_python(c.core().feedback()); })
       .def("wait", &wait, nb::arg("timeout").none())

@@ -20,6 +20,7 @@ struct Outcome {
 class Answered final : public gecos::session::CommandCore {
  public:
   explicit Answered(Outcome outcome) : outcome_(std::move(outcome)) {}
+  gecos::CommandId id() const override { return {}; }
   gecos::Progress progress() const override {
     return {outcome_.failure ? outcome_.failure->detail : Detail::Done, 0, 1};
   }

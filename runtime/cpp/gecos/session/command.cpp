@@ -1,7 +1,9 @@
 #include "gecos/session/command.hpp"
 
 #include <array>
+#include <charconv>
 #include <ostream>
+#include <sstream>
 
 namespace gecos {
 namespace {
@@ -42,6 +44,28 @@ std::optional<Detail> detail_from(std::uint8_t number) {
   return static_cast<Detail>(number);
 }
 
+std::string to_string(const CommandId& id) {
+  std::ostringstream text;
+  text << std::hex << id.boot << '-' << id.session << '-' << id.counter;
+  return text.str();
+}
+
+std::optional<CommandId> command_id_from(std::string_view text) {
+  CommandId id;
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  for (std::uint64_t* part : {&id.boot, &id.session, &id.counter}) {
+    const auto [next, problem] = std::from_chars(at, end, *part, 16);
+    const bool last = part == &id.counter;
+    if (problem != std::errc() || (last ? next != end : next == end || *next != '-')) {
+      return std::nullopt;
+    }
+    at = last ? next : next + 1;
+  }
+  return id;
+}
+
+std::ostream& operator<<(std::ostream& out, const CommandId& id) { return out << to_string(id); }
 std::ostream& operator<<(std::ostream& out, State state) { return out << to_string(state); }
 std::ostream& operator<<(std::ostream& out, Detail detail) { return out << to_string(detail); }
 

@@ -62,6 +62,19 @@ struct Failure {
 };
 std::ostream& operator<<(std::ostream& out, const Failure& failure);
 
+/// Which command it is, to ask for its outcome later, also from another program. All zero: it was
+/// never sent.
+struct CommandId {
+  std::uint64_t boot = 0;     ///< the server's process
+  std::uint64_t session = 0;  ///< random: who knows it may ask
+  std::uint64_t counter = 0;  ///< in that session
+
+  friend bool operator==(const CommandId&, const CommandId&) = default;
+};
+std::string to_string(const CommandId& id);  ///< three hexadecimal numbers, "0123-4567-1"
+std::optional<CommandId> command_id_from(std::string_view text);
+std::ostream& operator<<(std::ostream& out, const CommandId& id);
+
 /// Where a command stands, all read at one instant.
 struct Progress {
   Detail detail = Detail::Sent;
@@ -76,6 +89,7 @@ namespace session {
 class CommandCore {
  public:
   virtual ~CommandCore() = default;
+  virtual CommandId id() const = 0;
   virtual Progress progress() const = 0;
   /// Latest feedback, encoded; empty when none has come.
   virtual Bytes feedback() const = 0;
@@ -127,6 +141,8 @@ class [[nodiscard]] Command {
   Command(std::shared_ptr<session::CommandCore> core, Decode decode)
       : core_(std::move(core)), decode_(decode) {}
 
+  /// For `gecos::outcome`, when the connection was lost.
+  CommandId id() const { return core_->id(); }
   State state() const& { return project(core_->progress().detail); }
   State state() && = delete;
   Progress progress() const& { return core_->progress(); }
@@ -188,6 +204,8 @@ class [[nodiscard]] Command<void, Feedback> {
  public:
   explicit Command(std::shared_ptr<session::CommandCore> core) : core_(std::move(core)) {}
 
+  /// For `gecos::outcome`, when the connection was lost.
+  CommandId id() const { return core_->id(); }
   State state() const& { return project(core_->progress().detail); }
   State state() && = delete;
   Progress progress() const& { return core_->progress(); }

@@ -20,6 +20,8 @@ class DuplicateWindow {
   };
   /// Notes that `counter` arrived.
   Verdict arrived(std::uint64_t counter);
+  /// Likewise, over a medium that neither loses nor repeats: all before it arrived too.
+  void arrived_in_order(std::uint64_t counter) { all_up_to_ = counter; }
   bool seen(std::uint64_t counter) const;
   /// Highest counter up to which all arrived.
   std::uint64_t all_up_to() const { return all_up_to_; }

@@ -25,6 +25,7 @@ enum class Reserved : std::uint32_t {
   Release = 6,
   Subscribe = 7,
   Unsubscribe = 8,
+  Outcome = 9,
 };
 inline constexpr std::uint32_t last_reserved_code = 255;
 

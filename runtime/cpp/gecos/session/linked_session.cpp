@@ -75,6 +75,8 @@ tl::expected<void, media::SendProblem> LinkedSession::send_call(
   }
   ++next_counter_;
   command->counter = header.counter;
+  command->session_id = number(id_);
+  command->boot = welcome_.boot;
   command->sent_as = sent.value_or(0);
   if (repeats_) {
     command->retry.packet = packet_;

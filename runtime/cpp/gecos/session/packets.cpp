@@ -59,7 +59,8 @@ const Clock& system_clock() {
 const OperationDescription* find_reserved(FunctionCode code) {
   static const auto table = [] {
     constexpr std::array names = {"holders", "stop",    "ping",      "describe",
-                                  "acquire", "release", "subscribe", "unsubscribe"};
+                                  "acquire", "release", "subscribe", "unsubscribe", "outcome"};
+    static_assert(names.size() == static_cast<std::size_t>(Reserved::Outcome));
     std::array<OperationDescription, names.size()> operations;
     for (std::uint32_t at = 0; at < names.size(); ++at) {
       operations[at].code = FunctionCode{at + 1};

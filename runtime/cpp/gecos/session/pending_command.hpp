@@ -21,6 +21,7 @@ class PendingCommand final : public CommandCore {
   /// One that ended before it was sent.
   explicit PendingCommand(Failure failure);
 
+  CommandId id() const override { return {boot, session_id, counter}; }
   Progress progress() const override;
   Bytes feedback() const override;
   bool wait_until(TimePoint deadline) override;
@@ -36,7 +37,9 @@ class PendingCommand final : public CommandCore {
   void report(Detail detail, const ProgressBody& body);
   void finish(ByteView result);
   void fail(Failure failure);
-  std::uint64_t counter = 0;      ///< written before the command is shared
+  std::uint64_t counter = 0;      ///< written before the command is shared, as the two below
+  std::uint64_t session_id = 0;
+  std::uint64_t boot = 0;
   std::uint64_t sent_as = 0;      ///< the packet's number on the link; written before it is shared
 
   /// What a medium that loses packets needs; guarded by the session's mutex.

@@ -110,4 +110,32 @@ Command<std::vector<Holder>> holders(const Object& object) {
                                       });
 }
 
+std::ostream& operator<<(std::ostream& out, const Outcome& outcome) {
+  return out << outcome.detail << (outcome.text.empty() ? "" : ": ") << outcome.text;
+}
+
+Command<Outcome> outcome(const Object& object, const CommandId& id) {
+  const auto decode = [](wire::Decoder& from, Outcome& value) {
+    OutcomeRecord record;
+    if (!wire::get_block(from, record, "outcome")) return false;
+    const auto detail = detail_from(record.detail);
+    if (!detail) return from.fail(wire::DecodeProblem::UnknownEnumerator, "detail");
+    value = {*detail, std::move(record.text)};
+    return true;
+  };
+  if (id == CommandId{}) {
+    return {session::ended({Detail::BadParameter, "a command that was never sent has no outcome"
+                                                  " but its own", {}, {}}),
+            decode};
+  }
+  return {session_of(object)->call(session::reserved_operation(Reserved::Outcome), 3 * 8,
+                                   [&](wire::Encoder& to) {
+                                     to.put(id.boot);
+                                     to.put(id.session);
+                                     to.put(id.counter);
+                                   },
+                                   {}),
+          decode};
+}
+
 }  // namespace gecos

@@ -56,4 +56,18 @@ Command<void> ping(const Object& object);
 Command<Description> describe(const Object& object);
 Command<std::vector<Holder>> holders(const Object& object);
 
+/// What became of a command, or where it stands.
+struct Outcome {
+  Detail detail = Detail::OutcomeUnknown;
+  std::string text;  ///< why, when it is not Done
+  State state() const { return project(detail); }
+};
+std::ostream& operator<<(std::ostream& out, const Outcome& outcome);
+
+/// What became of an actor command whose own outcome is OUTCOME_UNKNOWN, through a new proxy. The
+/// command's state stays what it is. NotStarted is a promise: what has not arrived by now never
+/// starts. OutcomeUnknown: the server was started anew since, or keeps it no more (it keeps the last
+/// 1024 of each object).
+Command<Outcome> outcome(const Object& object, const CommandId& id);
+
 }  // namespace gecos

@@ -124,21 +124,22 @@ void ServedObject::answered(ServerCall& call, Failure failure) {
 }
 
 void ServedObject::end(ServerCall& call, ByteView result) {
-  settle(call);
+  settle(call, Detail::Done, {});
   call.session->reply(call, result);
 }
 
 void ServedObject::end(ServerCall& call, const Failure& failure) {
-  settle(call);
+  settle(call, failure.detail, failure.text);
   call.session->reply(call.counter, failure);
 }
 
 /// Before its caller is told: whoever has seen the last command of a released status end finds the
 /// status free. What the next holder commands still waits for the handler to return.
-void ServedObject::settle(ServerCall& call) {
+void ServedObject::settle(ServerCall& call, Detail detail, const std::string& text) {
   call.terminal = true;
   call.session->calls.take(call.counter);
   if (call.lane != Ticket::Place::Actor) return;
+  history_.ended({call.client, call.counter, detail, text});
   if (--call.session->commands == 0) leases_.drained(call.client);
 }
 
@@ -273,6 +274,7 @@ void ServedObject::depart(const std::shared_ptr<ServerSession>& session, Departu
                                      std::to_string(session->caller().pid) + ") is gone");
     }
     session->subscriptions.clear();
+    if (session->greeted()) history_.departed(session->id(), session->window);
     calls_are_over = session->unreturned == 0;
   }
   if (session->greeted() && calls_are_over) servant_.gecos_session_ended(number(session->id()));

@@ -7,7 +7,9 @@
 #include <vector>
 
 #include "gecos/access/lease_table.hpp"
+#include "gecos/object_types.hpp"  // generated from idl/gecos/object.gidl
 #include "gecos/session/handshake.hpp"
+#include "gecos/session/history.hpp"
 #include "gecos/session/runtime.hpp"
 #include "gecos/session/object_queue.hpp"
 #include "gecos/session/object_streams.hpp"
@@ -87,13 +89,15 @@ class ServedObject final : public Publisher, public std::enable_shared_from_this
   void subscribe(ServerSession& session, std::uint64_t counter, wire::Decoder& from);
   void unsubscribe(ServerSession& session, std::uint64_t counter, wire::Decoder& from);
   void stop(ServerSession& by, std::uint64_t counter);
+  void outcome(ServerSession& session, std::uint64_t counter, wire::Decoder& from);
+  OutcomeRecord outcome_of(SessionId session, std::uint64_t counter);
 
   // Life of calls; with the mutex.
   std::shared_ptr<ServerCall> start_next(Starter starter);
   bool starts_on_time(ServerCall& call);
   void end(ServerCall& call, const Failure& failure);
   void end(ServerCall& call, ByteView result);
-  void settle(ServerCall& call);
+  void settle(ServerCall& call, Detail detail, const std::string& text);
   void list(ServerCall& call);
   void finished(ServerCall& call);
   void preempt(const ServerCall& by);
@@ -121,6 +125,7 @@ class ServedObject final : public Publisher, public std::enable_shared_from_this
   std::mutex mutex_;
   access::LeaseTable leases_;
   ObjectQueue queue_;
+  History history_;
   std::vector<std::shared_ptr<ServerCall>> open_;  ///< actor commands, and what may take long
   WatchedTime watched_;                            ///< leases and silence are judged by it
   bool closed_ = false;

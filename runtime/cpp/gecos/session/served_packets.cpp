@@ -88,6 +88,7 @@ void ServedObject::greet(const std::shared_ptr<ServerSession>& session,
     caller.session = number(id);
     session->greet(id, std::move(caller));
     session->last_sign = watched_.now();
+    history_.opened(id, session);
   }
   Welcome welcome{name_, std::string(interface_.name), {}, interface_.hash,
                   number(process_boot()), static_cast<std::uint32_t>(ObjectQueue::most_of_object),
@@ -125,6 +126,8 @@ void ServedObject::arrive(const std::shared_ptr<ServerSession>& session,
         return session->reply(counter, Failure{Detail::Rejected,
                                                "too many calls are missing before this one", {}, {}});
     }
+  } else {
+    session->window.arrived_in_order(counter);
   }
   const FunctionCode code = packet.header.code;
   if (number(code) <= last_reserved_code) return answer_reserved(session, packet);
@@ -148,9 +151,12 @@ void ServedObject::arrive(const std::shared_ptr<ServerSession>& session,
 void ServedObject::admit(const std::shared_ptr<ServerSession>& session,
                          const wire::PacketView& packet, const OperationDescription& operation) {
   const auto refuse = [&](Detail detail, const std::string& why) {
-    session->reply(packet.header.counter,
-                   Failure{detail, "'" + std::string(operation.name) + "' of " + name_ + " " + why,
-                           {}, {}});
+    const Failure failure{detail, "'" + std::string(operation.name) + "' of " + name_ + " " + why,
+                          {}, {}};
+    if (operation.status != access::Status::Sensor) {
+      history_.ended({session->id(), packet.header.counter, detail, failure.text});
+    }
+    session->reply(packet.header.counter, failure);
   };
   if (closed_) return refuse(Detail::Rejected, "was not started: the server is about to end");
   if (!operation.safety) {
@@ -211,10 +217,7 @@ void ServedObject::answer_again(ServerSession& session, std::uint64_t counter) {
                                           " any more: too many later ones were unacknowledged", {}, {}});
   }
   const ServerCall& call = **found;
-  const Detail detail = call.canceling ? Detail::Canceling
-                        : call.started ? Detail::Executing
-                                       : Detail::Queued;
-  session.report(call, detail, queue_.position(call).value_or(0));
+  session.report(call, call.running_detail(), queue_.position(call).value_or(0));
 }
 
 void ServedObject::cancel(ServerSession& session, std::uint64_t counter) {

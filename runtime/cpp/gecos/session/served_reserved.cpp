@@ -42,6 +42,8 @@ Failure undecodable(const wire::Decoder& from) {
   return {Detail::BadParameter, from.error().message(), {}, {}};
 }
 
+std::uint8_t number_of(Detail detail) { return static_cast<std::uint8_t>(detail); }
+
 std::string who(const Caller& caller) {
   return caller.user + " on " + caller.host + " (" + caller.program + ", pid " +
          std::to_string(caller.pid) + ")";
@@ -62,6 +64,7 @@ void ServedObject::answer_reserved(const std::shared_ptr<ServerSession>& session
     case Reserved::Release: return release(*session, counter, from);
     case Reserved::Subscribe: return subscribe(*session, counter, from);
     case Reserved::Unsubscribe: return unsubscribe(*session, counter, from);
+    case Reserved::Outcome: return outcome(*session, counter, from);
   }
   session->reply(counter, Failure{Detail::UnknownOperation,
                                   "reserved code " + std::to_string(number(packet.header.code)) +
@@ -150,6 +153,47 @@ void ServedObject::stop(ServerSession& by, std::uint64_t counter) {
                Failure{Detail::Stopped, "stopped by " + who(by.caller()), {}, {}});
   if (options_.on_stop) tell_user(options_.on_stop);
   by.reply(counter, ByteView{}, still_holds ? leases_.epoch() : Epoch{});
+}
+
+void ServedObject::outcome(ServerSession& session, std::uint64_t counter, wire::Decoder& from) {
+  std::uint64_t boot = 0;
+  std::uint64_t asked = 0;
+  std::uint64_t which = 0;
+  if (!from.get(boot, "boot") || !from.get(asked, "session") || !from.get(which, "counter")) {
+    return session.reply(counter, undecodable(from));
+  }
+  OutcomeRecord record;
+  if (boot != number(process_boot())) {
+    record = {number_of(Detail::OutcomeUnknown),
+              "the server of " + name_ + " was started anew since; what came before it does not know"};
+  } else {
+    record = outcome_of(SessionId{asked}, which);
+  }
+  session.reply(counter, block_bytes(record));
+}
+
+OutcomeRecord ServedObject::outcome_of(SessionId asked, std::uint64_t counter) {
+  if (const auto* entry = history_.find(asked, counter)) {
+    return {number_of(entry->detail), entry->text};
+  }
+  const OutcomeRecord never{number_of(Detail::NotStarted),
+                            "it has not arrived, and does not start if it still arrives"};
+  if (const auto session = history_.open(asked)) {
+    if (const auto* call = session->calls.find(counter)) {
+      return {number_of((*call)->running_detail()), {}};
+    }
+    if (!session->window.seen(counter)) {
+      if (!session->repeats()) return {number_of(Detail::Sent), "it is on its way"};
+      session->window.arrived(counter);
+      session->reply(counter, Failure{Detail::NotStarted, never.text, {}, {}});
+      return never;
+    }
+  } else if (history_.had_arrived(asked, counter) == std::optional(false)) {
+    return never;
+  }
+  return {number_of(Detail::OutcomeUnknown),
+          "it is not known, or not any more: the last outcomes of actor commands are kept, and none "
+          "of sensor operations"};
 }
 
 void ServedObject::subscribe(ServerSession& session, std::uint64_t counter, wire::Decoder& from) {

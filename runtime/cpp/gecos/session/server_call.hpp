@@ -32,6 +32,10 @@ class ServerCall final : public CallCore,
   void fail(Failure failure) override;
 
   void interrupt();
+  /// Where it stands until it is terminal; with the object's mutex.
+  Detail running_detail() const {
+    return canceling ? Detail::Canceling : started ? Detail::Executing : Detail::Queued;
+  }
 
   const std::shared_ptr<ServedObject> object;
   const std::shared_ptr<ServerSession> session;
