@@ -131,7 +131,7 @@ TEST_P(Commands, AreFaultWhenTheirHandlerDropsThem) {
 TEST_P(Commands, TellTheirEndOnADescriptorThoughNobodyWaits) {
   const auto move = probe_.move(1);
   servant_.await_moves(1);
-  pollfd waits{move.core()->descriptor(), POLLIN, 0};
+  pollfd waits{move.descriptor(), POLLIN, 0};
   EXPECT_EQ(poll(&waits, 1, 0), 0);
   servant_.open_gate();
   EXPECT_EQ(poll(&waits, 1, 10'000), 1);

@@ -128,19 +128,12 @@ class CommandAwaiter {
 
 }  // namespace session
 
-/// A call that was issued. T is its result, Feedback what it reports while it runs.
-///
-/// The call is on its way when you have this; nothing waits until you ask. Dropping it lets it run.
-/// `while (robot.move(x).state() == State::Running)` does not compile: each turn would issue a new
-/// command. Keep the command: `auto move = robot.move(x); while (move.state() == State::Running)`.
-template <class T, class Feedback = void>
-class [[nodiscard]] Command {
+namespace session {
+
+/// What every command has, whatever its result.
+template <class Feedback>
+class AnyCommand {
  public:
-  using Decode = bool (*)(wire::Decoder&, T&);
-
-  Command(std::shared_ptr<session::CommandCore> core, Decode decode)
-      : core_(std::move(core)), decode_(decode) {}
-
   /// For `gecos::outcome`, when the connection was lost.
   CommandId id() const { return core_->id(); }
   State state() const& { return project(core_->progress().detail); }
@@ -159,20 +152,58 @@ class [[nodiscard]] Command {
   }
 
   /// Waits until the command is terminal.
-  State wait() const {
-    core_->wait_until(TimePoint::max());
-    return project(core_->progress().detail);
-  }
+  State wait() const { return wait_until(TimePoint::max()); }
   /// Waits at most `patience`; Running when that was not enough.
-  State wait_for(Duration patience) const {
-    core_->wait_until(deadline_after(patience));
+  State wait_for(Duration patience) const { return wait_until(deadline_after(patience)); }
+  /// Asks the server to stop it. The state tells whether that came in time.
+  void cancel() const { core_->cancel(); }
+
+  /// Readable once the command is terminal, for poll and its like. The command owns it.
+  int descriptor() const { return core_->descriptor(); }
+  const std::shared_ptr<CommandCore>& core() const { return core_; }
+
+ protected:
+  explicit AnyCommand(std::shared_ptr<CommandCore> core) : core_(std::move(core)) {}
+  /// Waits; why there is no result, if there is none.
+  tl::expected<void, Failure> ended() const {
+    if (wait() != State::Finished) return tl::unexpected(core_->failure());
+    return {};
+  }
+  template <class Command, class Callback>
+  static void call_once_ended(const Command& command, Callback callback) {
+    command.core()->when_ended([command, callback = std::move(callback)]() mutable {
+      callback(command.get());
+    });
+  }
+
+ private:
+  State wait_until(TimePoint deadline) const {
+    core_->wait_until(deadline);
     return project(core_->progress().detail);
   }
+
+  std::shared_ptr<CommandCore> core_;
+};
+
+}  // namespace session
+
+/// A call that was issued. T is its result, Feedback what it reports while it runs.
+///
+/// The call is on its way when you have this; nothing waits until you ask. Dropping it lets it run.
+/// `while (robot.move(x).state() == State::Running)` does not compile: each turn would issue a new
+/// command. Keep the command: `auto move = robot.move(x); while (move.state() == State::Running)`.
+template <class T, class Feedback = void>
+class [[nodiscard]] Command : public session::AnyCommand<Feedback> {
+ public:
+  using Decode = bool (*)(wire::Decoder&, T&);
+
+  Command(std::shared_ptr<session::CommandCore> core, Decode decode)
+      : session::AnyCommand<Feedback>(std::move(core)), decode_(decode) {}
+
   /// Waits, then gives the result or why there is none.
   tl::expected<T, Failure> get() const {
-    core_->wait_until(TimePoint::max());
-    if (core_->progress().detail != Detail::Done) return tl::unexpected(core_->failure());
-    wire::Decoder from(core_->result());
+    if (auto ended = this->ended(); !ended) return tl::unexpected(std::move(ended.error()));
+    wire::Decoder from(this->core()->result());
     T value{};
     if (!decode_(from, value)) {
       return tl::unexpected(Failure{
@@ -180,74 +211,32 @@ class [[nodiscard]] Command {
     }
     return value;
   }
-  void cancel() const { core_->cancel(); }
 
   /// Calls `callback` with what `get()` gives, once the command is terminal: at once when it is,
   /// else on the lab's thread of callbacks, one after another. It may block, and issue commands.
   template <class Callback>
   void then(Callback callback) const {
-    core_->when_ended([command = *this, callback = std::move(callback)]() mutable {
-      callback(command.get());
-    });
+    this->call_once_ended(*this, std::move(callback));
   }
   auto operator co_await() const { return session::CommandAwaiter<Command>(*this); }
-  const std::shared_ptr<session::CommandCore>& core() const { return core_; }
 
  private:
-  std::shared_ptr<session::CommandCore> core_;
   Decode decode_;
 };
 
 /// A call without result. The same promises.
 template <class Feedback>
-class [[nodiscard]] Command<void, Feedback> {
+class [[nodiscard]] Command<void, Feedback> : public session::AnyCommand<Feedback> {
  public:
-  explicit Command(std::shared_ptr<session::CommandCore> core) : core_(std::move(core)) {}
+  explicit Command(std::shared_ptr<session::CommandCore> core)
+      : session::AnyCommand<Feedback>(std::move(core)) {}
 
-  /// For `gecos::outcome`, when the connection was lost.
-  CommandId id() const { return core_->id(); }
-  State state() const& { return project(core_->progress().detail); }
-  State state() && = delete;
-  Progress progress() const& { return core_->progress(); }
-  Progress progress() && = delete;
-
-  std::optional<Feedback> feedback() const
-    requires(!std::is_void_v<Feedback>)
-  {
-    const Bytes bytes = core_->feedback();
-    if (bytes.empty()) return std::nullopt;
-    auto decoded = wire::from_bytes<Feedback>(bytes);
-    return decoded ? std::optional<Feedback>(std::move(*decoded)) : std::nullopt;
-  }
-
-  State wait() const {
-    core_->wait_until(TimePoint::max());
-    return project(core_->progress().detail);
-  }
-  State wait_for(Duration patience) const {
-    core_->wait_until(deadline_after(patience));
-    return project(core_->progress().detail);
-  }
-  tl::expected<void, Failure> get() const {
-    core_->wait_until(TimePoint::max());
-    if (core_->progress().detail != Detail::Done) return tl::unexpected(core_->failure());
-    return {};
-  }
-  void cancel() const { core_->cancel(); }
-
-  /// Calls `callback` with what `get()` gives, once the command is terminal: at once when it is,
-  /// else on the lab's thread of callbacks, one after another. It may block, and issue commands.
+  tl::expected<void, Failure> get() const { return this->ended(); }
   template <class Callback>
   void then(Callback callback) const {
-    core_->when_ended([command = *this, callback = std::move(callback)]() mutable {
-      callback(command.get());
-    });
+    this->call_once_ended(*this, std::move(callback));
   }
   auto operator co_await() const { return session::CommandAwaiter<Command>(*this); }
-  const std::shared_ptr<session::CommandCore>& core() const { return core_; }
-
- private:
-  std::shared_ptr<session::CommandCore> core_;
 };
 
 }  // namespace gecos
