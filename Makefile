@@ -61,6 +61,12 @@ fuzz: build  ## input that nobody would write: parser, decoders, both alike; our
 	  echo "──── $$run" && FUZZ_SECONDS=$(FUZZ_SECONDS) BUILD=$(BUILD) JOBS=$(JOBS) tools/fuzz.sh $$run || failed="$$failed $$run"; \
 	done; test -z "$$failed" || { echo "fuzz: FAILED:$$failed"; exit 1; }
 
+# SOAK says how much of what: SOAK="--kills 500 --calls 100000 --seed 7".
+SOAK ?=
+.PHONY: soak
+soak: build  ## programs killed 10,000 times, bad lines, cut lines, stopped programs: does every command end?
+	@$(PYTHON) tests/stress/soak.py --build $(BUILD) $(SOAK)
+
 .PHONY: wheels
 wheels: setup  ## both wheels into dist/, tried where the tree is not known
 	@tools/check_wheels.sh

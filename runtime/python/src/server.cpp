@@ -134,6 +134,8 @@ class ServerHandle {
       served_->tasks.close();
       server.reset();
     });
+    // Who keeps this object keeps the servants, which must not keep the lab and its thread.
+    for (const auto& servant : served_->servants) servant->gecos_attach(nullptr);
     let_go(lab_, owner_);
   }
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <thread>
 
+#include "gecos/media/checked.hpp"
 #include "gecos/media/inproc.hpp"
 #include "gecos/media/lcm.hpp"
 #include "gecos/media/shm/shm.hpp"
@@ -447,6 +448,7 @@ TEST_P(Conformance, AForkedChildFindsItsLinksDead) {
 INSTANTIATE_TEST_SUITE_P(
     Media, Conformance,
     testing::Values(Candidate{"inproc", [](const std::string&) { return make_inproc(); }},
+                    Candidate{"checked", [](const std::string&) { return make_checked(make_inproc()); }},
                     Candidate{"shm",
                               [](const std::string& directory) {
                                 return make_shm({.directory = directory});

@@ -142,6 +142,7 @@ TEST_P(Commands, EndWhenTheirServerEndsInOrder) {
   const auto move = probe_.move(1);
   const auto set = probe_.set(2);
   servant_.await_moves(1);
+  probe::await_queued(set);
   server_.reset();
   EXPECT_EQ(move.get().error().detail, Detail::Stopped);
   EXPECT_EQ(set.get().error().detail, Detail::Stopped);

@@ -257,5 +257,48 @@ TEST_F(OverALossyLine, AReleaseThatOvertakesACommandWaitsForIt) {
   EXPECT_EQ(reply_to(3), Detail::Done);
 }
 
+TEST_F(OverALossyLine, ACommandThatOvertakesAnotherWaitsForIt) {
+  acquire(1);
+  const Epoch epoch = granted();
+  link_->sent.clear();
+  call(4, probe::set_code, {}, epoch);
+  call(3, probe::set_code, {}, epoch);
+  call(3, probe::set_code, {}, epoch);
+  packet(wire::PacketKind::Query, 3);
+  EXPECT_TRUE(link_->sent.empty()) << "as far as its caller knows it has not arrived";
+  call(2, probe::set_code, {}, epoch);
+  std::vector<std::uint64_t> answered;
+  for (const Bytes& sent : link_->sent) {
+    const auto packet = wire::decode_packet(sent);
+    if (packet->header.kind == wire::PacketKind::Reply) answered.push_back(packet->header.counter);
+  }
+  EXPECT_EQ(answered, (std::vector<std::uint64_t>{2, 3, 4}));
+}
+
+TEST_F(OverALossyLine, AReadingWaitsForNothing) {
+  call(2, probe::read_code);
+  EXPECT_EQ(reply_to(2), Detail::Done);
+}
+
+TEST_F(OverALossyLine, ACommandThatCameTooEarlyCanBeCanceled) {
+  acquire(1);
+  const Epoch epoch = granted();
+  call(3, probe::set_code, {}, epoch);
+  packet(wire::PacketKind::Cancel, 3);
+  EXPECT_EQ(reply_to(3), Detail::Canceled);
+  servant_.keep = true;
+  call(2, probe::set_code, {}, epoch);
+  EXPECT_EQ(servant_.kept.size(), 1u) << "the canceled one never starts";
+}
+
+TEST_F(OverALossyLine, ACommandThatCameTooEarlyGoesWithItsSession) {
+  acquire(1);
+  call(3, probe::set_code, {}, granted());
+  object_->depart(session_, ServedObject::Departure::Lost);
+  EXPECT_EQ(reply_to(3), Detail::Rejected) << "should anybody still hear it";
+  EXPECT_TRUE(session_->early.empty());
+  EXPECT_EQ(servant_.sessions_ended, 1);
+}
+
 }  // namespace
 }  // namespace gecos::session

@@ -35,6 +35,7 @@ struct Offer {
   bool same_host_only = true;
   bool ordered = true;
   bool reliable = true;          ///< nothing is lost or repeated while both ends live
+  bool intact = true;            ///< what arrives is what was sent; else wrap it (checked.hpp)
   bool real_time = true;         ///< no shared queue, no loss: fit for HARD_REALTIME
   bool reports_death = true;     ///< the kernel says when the peer has died
   bool authenticated = true;     ///< the peer's user is proved

@@ -1,18 +1,48 @@
 #include "gecos/media/open.hpp"
 
+#include <charconv>
+#include <cstdlib>
+#include <string_view>
+#include <utility>
+
+#include "gecos/media/checked.hpp"
 #include "gecos/media/inproc.hpp"
 #include "gecos/media/lcm.hpp"
 #include "gecos/media/shm/shm.hpp"
 
 namespace gecos::media {
+namespace {
 
-tl::expected<std::unique_ptr<Medium>, MediumError> open(Kind kind) {
+tl::expected<std::unique_ptr<Medium>, MediumError> open_lcm() {
+  LcmOptions options;
+  if (const char* const set = std::getenv("GECOS_LCM_TTL"); set != nullptr && *set != '\0') {
+    const std::string_view text(set);
+    const auto [end, failed] = std::from_chars(text.begin(), text.end(), options.ttl);
+    if (failed != std::errc{} || end != text.end() || options.ttl < 0 || options.ttl > 255) {
+      return tl::unexpected(MediumError{
+          "lcm: GECOS_LCM_TTL is '" + std::string(text) +
+          "'; it says how many routers a packet may pass, 0 (this host alone) to 255"});
+    }
+  }
+  return make_lcm(options);
+}
+
+tl::expected<std::unique_ptr<Medium>, MediumError> open_itself(Kind kind) {
   switch (kind) {
     case Kind::Inproc: return make_inproc();
     case Kind::Shm: return make_shm();
-    case Kind::Lcm: return make_lcm();
+    case Kind::Lcm: return open_lcm();
   }
   return tl::unexpected(MediumError{"this program does not know the medium"});
+}
+
+}  // namespace
+
+tl::expected<std::unique_ptr<Medium>, MediumError> open(Kind kind, const WrapMedium& wrap) {
+  auto opened = open_itself(kind);
+  if (opened && wrap) opened = wrap(std::move(*opened));
+  if (opened && !(*opened)->offer().intact) opened = make_checked(std::move(*opened));
+  return opened;
 }
 
 std::string host_identity() {

@@ -313,12 +313,22 @@ void IoLoop::end() {
   main_.join();
   standby_.join();
   const Polling polling(polling_);
+  for (const auto& door : doors_) {
+    while (door && door->acceptor->accept()) {  // who comes now sees a link that closes
+    }
+  }
   for (const auto& [key, session] : sessions_) {
+    // Over a medium that cannot tell what was taken, only an answer says that a call did not start.
+    while (session->repeats() && !session->gone.load()) {
+      const auto packet = session->link().receive();
+      if (!packet) break;
+      session->object()->take(session, *packet);
+    }
+    session->object()->depart(session, ServedObject::Departure::InOrder);
     session->flush();
     wire::PacketHeader header;
     header.kind = wire::PacketKind::Goodbye;
     session->send(header, {});
-    session->object()->depart(session, ServedObject::Departure::InOrder);
   }
   hot_.clear();
   const std::lock_guard list(list_mutex_);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <initializer_list>
 #include <iosfwd>
 #include <memory>
@@ -23,6 +24,9 @@ struct LabOptions {
   Duration grace = std::chrono::seconds(1);          ///< how long a lost peer may stay UNREACHABLE
   Duration lease_ttl = std::chrono::milliseconds(500);  ///< silence that ends a session
   Duration heartbeat = std::chrono::milliseconds(100);
+  /// What is used in place of a medium when it is opened; null: the medium itself. A double that loses
+  /// packets (gecos/media/faulty.hpp), say.
+  std::function<std::unique_ptr<media::Medium>(std::unique_ptr<media::Medium>)> wrap_medium{};
 };
 
 struct CreateOptions {

@@ -21,7 +21,9 @@ LinkedSession::LinkedSession(std::shared_ptr<Runtime> runtime, std::unique_ptr<m
       differing_(std::move(differing)),
       repeats_(!link_->offer().reliable),
       spin_(system_clock()),
-      watched_(runtime_->clock().now(), runtime_->options().heartbeat * 2),
+      // All that has arrived is read before it is judged, so a judge who was kept from running for as long
+      // as this still judges rightly, and on a busy machine not later than promised.
+      watched_(runtime_->clock().now(), runtime_->options().lease_ttl),
       last_sign_(watched_.now()) {}
 
 ObjectRef LinkedSession::reference() const {

@@ -91,7 +91,9 @@ std::shared_ptr<Runtime> Runtime::make(LabOptions options, const Clock& clock) {
 tl::expected<media::Medium*, media::MediumError> Runtime::medium(media::Kind kind) {
   const std::lock_guard lock(mutex_);
   auto found = media_.find(kind);
-  if (found == media_.end()) found = media_.emplace(kind, media::open(kind)).first;
+  if (found == media_.end()) {
+    found = media_.emplace(kind, media::open(kind, options_.wrap_medium)).first;
+  }
   if (!found->second) return tl::unexpected(found->second.error());
   return found->second->get();
 }

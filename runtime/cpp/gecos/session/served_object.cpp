@@ -273,6 +273,11 @@ void ServedObject::depart(const std::shared_ptr<ServerSession>& session, Departu
       lose_status(session->id(), "its holder (" + session->caller().program + ", pid " +
                                      std::to_string(session->caller().pid) + ") is gone");
     }
+    // What was missing before them does not come any more.
+    while (!session->early.empty()) {
+      end_early(*session, session->early.begin()->first, Detail::Rejected,
+                "it was not started: the session ended before what was issued before it arrived");
+    }
     session->subscriptions.clear();
     if (session->greeted()) history_.departed(session->id(), session->window);
     calls_are_over = session->unreturned == 0;

@@ -73,8 +73,13 @@ class ServedObject final : public Publisher, public std::enable_shared_from_this
   // Packets; with the mutex.
   void greet(const std::shared_ptr<ServerSession>& session, const wire::PacketView& packet);
   void arrive(const std::shared_ptr<ServerSession>& session, const wire::PacketView& packet);
+  void take_call(const std::shared_ptr<ServerSession>& session, const wire::PacketView& packet);
   void admit(const std::shared_ptr<ServerSession>& session, const wire::PacketView& packet,
              const OperationDescription& operation);
+  bool too_early(ServerSession& session, const wire::PacketView& packet,
+                 const OperationDescription& operation);
+  void take_early(const std::shared_ptr<ServerSession>& session);
+  void end_early(ServerSession& session, std::uint64_t counter, Detail how, const std::string& why);
   void answer_again(ServerSession& session, std::uint64_t counter);
   void cancel(ServerSession& session, std::uint64_t counter);
   void say_goodbye(ServerSession& session, SessionId to, const std::string& why);

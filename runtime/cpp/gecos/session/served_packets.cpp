@@ -2,6 +2,8 @@
 #include <pwd.h>
 #include <sys/random.h>
 
+#include <algorithm>
+
 #include "gecos/session/function_code.hpp"
 #include "gecos/session/packets.hpp"
 #include "gecos/session/served_object.hpp"
@@ -129,6 +131,13 @@ void ServedObject::arrive(const std::shared_ptr<ServerSession>& session,
   } else {
     session->window.arrived_in_order(counter);
   }
+  take_call(session, packet);
+  take_early(session);
+}
+
+void ServedObject::take_call(const std::shared_ptr<ServerSession>& session,
+                             const wire::PacketView& packet) {
+  const std::uint64_t counter = packet.header.counter;
   const FunctionCode code = packet.header.code;
   if (number(code) <= last_reserved_code) return answer_reserved(session, packet);
   const OperationDescription* operation = interface_.find(code);
@@ -141,11 +150,46 @@ void ServedObject::arrive(const std::shared_ptr<ServerSession>& session,
                                       std::to_string(number(code)) +
                                       "; its server is older than this client's interface", {}, {}});
   }
-  if (session->calls.size() >= ObjectQueue::most_of_object) {  // which no client of ours does
+  if (session->calls.size() + session->early.size() >= ObjectQueue::most_of_object) {  // which no client of ours does
     return session->reply(counter, Failure{Detail::QueueFull,
                                            "more calls are unanswered than were granted", {}, {}});
   }
-  admit(session, packet, *operation);
+  if (!too_early(*session, packet, *operation)) admit(session, packet, *operation);
+}
+
+/// Over a medium that loses packets a command may arrive before one that was issued before it; it waits
+/// for that one, or an arm would move to its second goal first. True: it was put aside.
+bool ServedObject::too_early(ServerSession& session, const wire::PacketView& packet,
+                             const OperationDescription& operation) {
+  const bool keeps_place = operation.status != access::Status::Sensor || operation.ordered;
+  if (!session.repeats() || operation.safety || !keeps_place ||
+      packet.header.counter <= session.window.all_up_to()) {
+    return false;
+  }
+  session.early.emplace(packet.header.counter,
+                        EarlyCall{packet.header, Bytes(packet.body.begin(), packet.body.end()),
+                                  runtime_->clock().now()});
+  return true;
+}
+
+void ServedObject::end_early(ServerSession& session, std::uint64_t counter, Detail how,
+                             const std::string& why) {
+  session.early.erase(counter);
+  history_.ended({session.id(), counter, how, why});
+  session.reply(counter, Failure{how, why, {}, {}});
+}
+
+/// Those that nothing is missing before any more.
+void ServedObject::take_early(const std::shared_ptr<ServerSession>& session) {
+  auto& early = session->early;
+  while (!early.empty() && early.begin()->first <= session->window.all_up_to()) {
+    EarlyCall call = std::move(early.extract(early.begin()).mapped());
+    if (call.header.deadline > Duration{}) {
+      const Duration waited = runtime_->clock().now() - call.arrived;
+      call.header.deadline = std::max(call.header.deadline - waited, Duration{1});
+    }
+    take_call(session, {call.header, call.body, {}});
+  }
 }
 
 void ServedObject::admit(const std::shared_ptr<ServerSession>& session,
@@ -210,7 +254,9 @@ void ServedObject::answer_again(ServerSession& session, std::uint64_t counter) {
   if (const Bytes* kept = session.replies.find(counter)) return session.send_again(*kept);
   const auto* found = session.calls.find(counter);
   if (found == nullptr) {
-    // Never seen: its call is on the way again. Acknowledged: a packet that was late.
+    // Never seen: its call is on the way again. Acknowledged: a packet that was late. Early: it has
+    // not arrived yet as far as its caller shall know.
+    if (session.early.contains(counter)) return;
     if (!session.window.seen(counter) || !session.replies.awaited(counter)) return;
     return session.reply(counter, Failure{Detail::OutcomeUnknown,
                                           "it came to an end, but its answer was lost and is not kept"
@@ -221,6 +267,9 @@ void ServedObject::answer_again(ServerSession& session, std::uint64_t counter) {
 }
 
 void ServedObject::cancel(ServerSession& session, std::uint64_t counter) {
+  if (session.early.contains(counter)) {
+    return end_early(session, counter, Detail::Canceled, "canceled before it started");
+  }
   const auto* found = session.calls.find(counter);
   if (found == nullptr) return;
   const std::shared_ptr<ServerCall> call = *found;
@@ -234,6 +283,10 @@ void ServedObject::cancel(ServerSession& session, std::uint64_t counter) {
           return other.client == call->client && !other.started && other.counter > call->counter;
         },
         Failure{Detail::Canceled, "canceled with the command before it", {}, {}});
+    for (auto at = session.early.upper_bound(counter); at != session.early.end();
+         at = session.early.upper_bound(counter)) {
+      end_early(session, at->first, Detail::Canceled, "canceled with the command before it");
+    }
   } else if (!call->started && queue_.remove(*call)) {
     end(*call, Failure{Detail::Canceled, "canceled before it started", {}, {}});
     call->answered = call->returned = true;

@@ -182,10 +182,14 @@ OutcomeRecord ServedObject::outcome_of(SessionId asked, std::uint64_t counter) {
     if (const auto* call = session->calls.find(counter)) {
       return {number_of((*call)->running_detail()), {}};
     }
+    if (session->early.contains(counter)) {
+      return {number_of(Detail::Queued), "it waits for what was issued before it"};
+    }
     if (!session->window.seen(counter)) {
       if (!session->repeats()) return {number_of(Detail::Sent), "it is on its way"};
       session->window.arrived(counter);
       session->reply(counter, Failure{Detail::NotStarted, never.text, {}, {}});
+      take_early(session);
       return never;
     }
   } else if (history_.had_arrived(asked, counter) == std::optional(false)) {

@@ -16,6 +16,13 @@
 
 namespace gecos::session {
 
+/// A call that has to keep its place and arrived before one that was issued before it.
+struct EarlyCall {
+  wire::PacketHeader header;
+  Bytes body;
+  TimePoint arrived{};
+};
+
 /// Server side of one client's session with one object.
 ///
 /// Receiving belongs to whoever polls the server's links; sending takes a mutex of its own. What
@@ -63,6 +70,7 @@ class ServerSession {
   CallTable<ServerCall> calls;
   DuplicateWindow window;
   ReplyCache replies;
+  std::map<std::uint64_t, EarlyCall> early;  ///< by counter: calls that overtook one before them
   std::map<FunctionCode, std::uint32_t> subscriptions;  ///< stream and the id it is shared under
   std::map<std::uint64_t, std::uint64_t> renewed;       ///< epochs that a stop of its own replaced
   std::size_t commands = 0;    ///< actor commands that have not reached their end

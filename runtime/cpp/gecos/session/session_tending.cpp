@@ -1,10 +1,21 @@
 // What housekeeping does for the client side of a session.
+#include <algorithm>
+
 #include "gecos/session/runtime.hpp"
 #include "gecos/session/linked_session.hpp"
 #include "gecos/session/packets.hpp"
 #include "gecos/session/retry.hpp"
 
 namespace gecos::session {
+namespace {
+
+/// Silence after which a server counts as UNREACHABLE: earlier than it ends our status for our silence,
+/// so that its commands have ended `grace` + `lease_ttl` after its death, with time to notice it.
+Duration unreachable_after(const LabOptions& options) {
+  return std::max(options.lease_ttl - 2 * options.heartbeat, 2 * options.heartbeat);
+}
+
+}  // namespace
 
 void LinkedSession::house_wake() { runtime_->housekeeping().wake(); }
 
@@ -35,9 +46,10 @@ void LinkedSession::judge_silence(TimePoint now) {
     return;
   }
   const Duration silent = now - last_sign_;
-  if (silent < runtime_->options().lease_ttl) return;
+  const Duration patience = unreachable_after(runtime_->options());
+  if (silent < patience) return;
   unreachable_.store(true, std::memory_order_relaxed);
-  if (silent < runtime_->options().lease_ttl + runtime_->options().grace) return;
+  if (silent < patience + runtime_->options().grace) return;
   const auto milliseconds = std::chrono::duration_cast<std::chrono::milliseconds>(silent).count();
   lose(Ending::Silent, "the server of " + welcome_.object + " (" + link_->peer().description +
                            ") has been silent for " + std::to_string(milliseconds) + " ms");

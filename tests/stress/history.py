@@ -1,0 +1,282 @@
+"""Judges what programs noted while they were killed: did every command end, once, as answered?
+
+A record is a text file, a line per event, written by one program. Each begins with a time, ns of a
+clock that all programs share. Of a client:
+
+    issue <command> <operation> <session> <wanted>   before it is sent; `wanted` is the right answer
+    open <session> <pid>                             a session with the server of that pid
+    see <command> <STATE> <DETAIL>                   looked at
+    end <command> <STATE> <DETAIL> <result>          waited for; "-": no result
+    done                                             it ended in order, all its commands had
+
+Of a server:
+
+    serve <pid>
+    start <command> <operation>                      its handler begins; in the order of lines
+    finish <command> <operation> <result>            it returns; "-": it was interrupted
+    done
+
+And of who kills: `kill <pid>`, once the process is gone, and `cut <end>`, when the line between all
+clients and all servers was cut, and until when. A command is named by the number of its client
+(upper half) and its own (lower half); both rise.
+"""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+BOUND_S = 1.5
+"""grace + 0.5 s: when commands of a killed server have ended at the latest."""
+
+ACTOR = frozenset({"tap", "file"})
+IN_ORDER = ACTOR | {"gauge"}
+NOT_STARTED = frozenset({"REJECTED", "DENIED", "QUEUE_FULL", "EXPIRED"})
+"""Details of COMMAND_FAILED that say: it was not carried out."""
+
+
+@dataclass(slots=True)
+class Call:
+    """What its client noted of one command."""
+
+    command: int
+    operation: str
+    session: int
+    wanted: str
+    issued: int
+    seen: list[tuple[int, str, str]] = field(default_factory=list)
+    ended: int | None = None
+    result: str = "-"
+    waited_out: bool = False
+
+    def terminal(self) -> set[tuple[str, str]]:
+        return {(state, detail) for _, state, detail in self.seen if state != "RUNNING"}
+
+    def state(self) -> str:
+        return next((state for _, state, _ in self.seen if state != "RUNNING"), "RUNNING")
+
+    def detail(self) -> str:
+        return next((detail for _, state, detail in self.seen if state != "RUNNING"), "")
+
+
+@dataclass(slots=True)
+class Client:
+    name: str
+    calls: dict[int, Call] = field(default_factory=dict)
+    servers: dict[int, int] = field(default_factory=dict)
+    done: bool = False
+
+
+@dataclass(slots=True)
+class Server:
+    name: str
+    events: list[tuple[str, int, str, str]] = field(default_factory=list)
+    """Event, command, operation and result, in the order in which they happened."""
+
+
+@dataclass(slots=True)
+class History:
+    clients: list[Client] = field(default_factory=list)
+    servers: list[Server] = field(default_factory=list)
+    kills: dict[int, int] = field(default_factory=dict)
+    """When the process of that pid was gone."""
+    cuts: list[tuple[int, int]] = field(default_factory=list)
+
+    def summary(self) -> str:
+        calls = [call for client in self.clients for call in client.calls.values()]
+        outcomes = Counter(call.detail() or "client killed" for call in calls)
+        told = ", ".join(f"{count} {what}" for what, count in outcomes.most_common())
+        return f"{len(self.kills)} kills, {len(self.cuts)} cuts, {len(calls)} commands ({told})"
+
+
+def lines_of(path: Path) -> Iterator[list[str]]:
+    """A line that was cut off by its writer's death is none."""
+    for line in path.read_text().splitlines(keepends=True):
+        if line.endswith("\n"):
+            yield line.split()
+
+
+def read_client(name: str, lines: Iterable[list[str]]) -> Client:
+    client = Client(name)
+    for time, event, *rest in lines:
+        match event, rest:
+            case "issue", [command, operation, session, wanted]:
+                number = int(command)
+                client.calls[number] = Call(number, operation, int(session), wanted, int(time))
+            case "open", [session, pid]:
+                client.servers[int(session)] = int(pid)
+            case "see", [command, state, detail]:
+                client.calls[int(command)].seen.append((int(time), state, detail))
+            case "end", [command, state, detail, result]:
+                call = client.calls[int(command)]
+                call.seen.append((int(time), state, detail))
+                call.ended, call.result = int(time), result
+                call.waited_out = state != "RUNNING"
+            case "done", []:
+                client.done = True
+            case _:
+                raise ValueError(f"{name}: no line of a client: {event} {rest}")
+    return client
+
+
+def read_server(name: str, lines: Iterable[list[str]]) -> Server:
+    server = Server(name)
+    for _, event, *rest in lines:
+        match event, rest:
+            case "start", [command, operation]:
+                server.events.append(("start", int(command), operation, ""))
+            case "finish", [command, operation, result]:
+                server.events.append(("finish", int(command), operation, result))
+            case ("serve", [_]) | ("done", []):
+                pass
+            case _:
+                raise ValueError(f"{name}: no line of a server: {event} {rest}")
+    return server
+
+
+def read(directory: Path) -> History:
+    """client.*.log, server.*.log and kills.log of one run."""
+    history = History()
+    for path in sorted(directory.glob("client.*.log")):
+        history.clients.append(read_client(path.name, lines_of(path)))
+    for path in sorted(directory.glob("server.*.log")):
+        history.servers.append(read_server(path.name, lines_of(path)))
+    kills = directory / "kills.log"
+    for time, event, what in lines_of(kills) if kills.exists() else ():
+        if event == "kill":
+            history.kills[int(what)] = int(time)
+        else:
+            history.cuts.append((int(time), int(what)))
+    return history
+
+
+def check(history: History, bound_s: float = BOUND_S) -> list[str]:
+    """What is wrong with it, a sentence each; nothing when it is right."""
+    calls = {number: call for client in history.clients for number, call in client.calls.items()}
+    return [
+        *executed_at_most_once(history),
+        *ended_once(history),
+        *nothing_lost(history, bound_s),
+        *nothing_invented(history, calls),
+        *in_order(history, calls),
+        *one_at_a_time(history),
+    ]
+
+
+def executed_at_most_once(history: History) -> Iterator[str]:
+    for event in "start", "finish":
+        times = Counter(
+            command
+            for server in history.servers
+            for what, command, _, _ in server.events
+            if what == event
+        )
+        for command, count in times.items():
+            if count > 1:
+                yield f"command {command}: {count} times '{event}'"
+
+
+def ended_once(history: History) -> Iterator[str]:
+    for client in history.clients:
+        for call in client.calls.values():
+            over = False
+            for _, state, _detail in call.seen:
+                if over and state == "RUNNING":
+                    yield f"command {call.command} of {client.name} runs again after its end"
+                over = over or state != "RUNNING"
+            if len(call.terminal()) > 1:
+                ends = ", ".join(f"{state}/{detail}" for state, detail in sorted(call.terminal()))
+                yield f"command {call.command} of {client.name} ended as {ends}"
+
+
+def nothing_lost(history: History, bound_s: float) -> Iterator[str]:
+    for client in history.clients:
+        for call in client.calls.values():
+            if call.ended is None:
+                if client.done:
+                    yield f"command {call.command} of {client.name} has no end"
+                continue
+            if not call.waited_out:
+                yield f"command {call.command} of {client.name} was waited for and still runs"
+            for lost, what in losses(history, client, call, bound_s):
+                took = (call.ended - max(lost, call.issued)) * 1e-9
+                if took > bound_s:
+                    yield (
+                        f"command {call.command} of {client.name} ended as {call.detail()}"
+                        f" {took:.3f} s after its {what}; promised are {bound_s} s"
+                    )
+
+
+def losses(
+    history: History, client: Client, call: Call, bound_s: float
+) -> Iterator[tuple[int, str]]:
+    """What, and when, must have ended `call` if nothing had before."""
+    killed = history.kills.get(client.servers.get(call.session, 0))
+    if killed is not None:
+        yield killed, "server was killed"
+    for begin, end in history.cuts:
+        lasts = (end - begin) * 1e-9 > bound_s
+        if lasts and call.issued < end and (call.ended is None or call.ended > begin):
+            yield begin, "line was cut"
+
+
+def nothing_invented(history: History, calls: dict[int, Call]) -> Iterator[str]:
+    started: set[int] = set()
+    finished: dict[int, str] = {}
+    for server in history.servers:
+        for event, command, operation, result in server.events:
+            call = calls.get(command)
+            if call is None:
+                yield f"{server.name}: command {command} was never issued"
+                continue
+            if call.operation != operation:
+                yield f"{server.name}: command {command} was {call.operation}, not {operation}"
+            if event == "start":
+                started.add(command)
+            elif command not in started:
+                yield f"{server.name}: command {command} finished and had not started"
+            else:
+                finished[command] = result
+    for call in calls.values():
+        state, detail = call.state(), call.detail()
+        if state == "FINISHED":
+            if finished.get(call.command, "-") == "-":
+                yield f"command {call.command} is FINISHED, its handler did not finish"
+            elif call.ended is not None and call.result != call.wanted:
+                yield f"command {call.command} was given {call.result} in place of {call.wanted}"
+        elif call.result != "-":
+            yield f"command {call.command} is {state}/{detail} and has a result"
+        elif (state == "CONNECTION_FAILED" or detail in NOT_STARTED) and call.command in started:
+            yield f"command {call.command} is {state}/{detail}, and was started"
+        if finished.get(call.command, "-") not in ("-", call.wanted):
+            yield f"command {call.command} reached its handler with other arguments"
+
+
+def in_order(history: History, calls: dict[int, Call]) -> Iterator[str]:
+    """What one session issues for an object's queue starts in that order, and no reading that keeps
+    its place starts before a command that was issued before it."""
+    for server in history.servers:
+        last: dict[tuple[int, int], int] = defaultdict(int)
+        for event, command, operation, _ in server.events:
+            if event != "start" or operation not in IN_ORDER or command not in calls:
+                continue
+            session = (command >> 32, calls[command].session)
+            if operation in ACTOR and command < last[session]:
+                yield f"{server.name}: command {command} started after {last[session]}"
+            last[session] = max(last[session], command)
+
+
+def one_at_a_time(history: History) -> Iterator[str]:
+    for server in history.servers:
+        running: int | None = None
+        for event, command, operation, _ in server.events:
+            if operation not in ACTOR:
+                continue
+            if event == "start":
+                if running is not None:
+                    yield f"{server.name}: command {command} started while {running} ran"
+                running = command
+            elif running == command:
+                running = None

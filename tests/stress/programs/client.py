@@ -1,0 +1,115 @@
+"""Commands a Workbench without pause, whatever dies: stress_client.cpp in Python."""
+
+from __future__ import annotations
+
+import contextlib
+import random
+import signal
+import time
+from collections import deque
+from collections.abc import Callable
+
+import gecos
+from record import Balance, Record, answer, answer_salt, settings
+from stress.workbench import Workbench
+
+MOST_OPEN = 16
+
+told_to_end = False
+
+
+class Client:
+    def __init__(self, setting: dict[str, str]) -> None:
+        self._medium = setting["medium"]
+        self._record = Record(setting["record"])
+        self._random = random.Random(int(setting["seed"]))
+        self._number = int(setting["number"]) << 32
+        self._session = 0
+        self._lease: gecos.Lease | None = None
+        self._open: deque[tuple[int, gecos.Command, Callable[[object], int]]] = deque()
+
+    def run(self, lab: gecos.Lab) -> None:
+        bench = None
+        while not told_to_end:
+            bench = bench or self._connect(lab)
+            if bench is None:
+                time.sleep(0.01)  # a pause between tries, nothing is awaited
+            elif not self._turn(bench):
+                bench = None
+        while self._open:
+            self._finish()
+        self._lease = None
+        self._record.note("done")
+
+    def _connect(self, lab: gecos.Lab) -> Workbench | None:
+        try:
+            bench = lab.create(Workbench, "BENCH", medium=self._medium, patience=0.5)
+            pid = gecos.describe(bench).result().pid
+        except (gecos.CreateError, gecos.CommandFailed, gecos.ConnectionFailed):
+            return None
+        self._session += 1
+        self._record.note(f"open {self._session} {pid}")
+        return bench if self._acquire(bench) else None
+
+    def _acquire(self, bench: Workbench) -> bool:
+        try:
+            self._lease = gecos.actor(bench, "stress")
+        except gecos.LeaseRefused:
+            return False
+        return True
+
+    def _turn(self, bench: Workbench) -> bool:
+        """False: the session, or the status, is lost."""
+        while len(self._open) < MOST_OPEN:
+            self._issue(bench)
+        if self._random.random() < 0.05:
+            self._random.choice(self._open)[1].cancel()
+        return self._finish()
+
+    def _issue(self, bench: Workbench) -> None:
+        self._number += 1
+        number, salt = self._number, self._random.getrandbits(63) - (1 << 62)
+        which = self._random.choice(["tap", "file", "gauge", "weigh"])
+        load = self._random.randbytes(self._random.randrange(200))
+        wanted = answer(number, load) if which == "weigh" else answer_salt(number, salt)
+        self._record.note(f"issue {number} {which} {self._session} {wanted}")
+        command: gecos.Command
+        if which == "weigh":
+            command = bench.weigh(number, load)
+        elif which == "file":
+            command = bench.file(number, salt, self._random.random() * 5e-3)
+        else:
+            command = getattr(bench, which)(number, salt)
+
+        def shown(result: object) -> int:
+            return answer(number, result) if isinstance(result, bytes) else int(str(result))
+
+        self._open.append((number, command, shown))
+
+    def _finish(self) -> bool:
+        number, command, shown = self._open.popleft()
+        result = "-"
+        with contextlib.suppress(gecos.CommandFailed, gecos.ConnectionFailed):
+            result = str(shown(command.result()))
+        detail = command.progress().detail
+        self._record.note(f"end {number} {command.state.name} {detail.name} {result}")
+        return detail in (gecos.Detail.DONE, gecos.Detail.CANCELED, gecos.Detail.QUEUE_FULL)
+
+
+def end(_number: int, _frame: object) -> None:
+    global told_to_end
+    told_to_end = True
+
+
+def main() -> None:
+    signal.signal(signal.SIGTERM, end)
+    client = Client(settings())
+    balance = Balance()
+    print("ready", flush=True)
+    with gecos.Lab() as lab:
+        client.run(lab)
+    balance.close()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,60 @@
+"""Serves a Workbench until it is ended or killed: stress_server.cpp in Python."""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+
+import gecos
+from record import Balance, Record, answer, answer_salt, settings
+from stress.workbench import WorkbenchServant
+
+
+class Workbench(WorkbenchServant):
+    def __init__(self, record: Record) -> None:
+        super().__init__()
+        self._record = record
+
+    def tap(self, command: int, salt: int) -> int:
+        self._record.note(f"start {command} tap")
+        return self._finish(command, "tap", answer_salt(command, salt))
+
+    def file(self, command: int, salt: int, seconds: float, run: gecos.Execution[None]) -> int:
+        self._record.note(f"start {command} file")
+        if run.wait_interrupted(seconds):
+            self._record.note(f"finish {command} file -")
+            raise gecos.Interrupted
+        return self._finish(command, "file", answer_salt(command, salt))
+
+    def weigh(self, command: int, load: bytes) -> bytes:
+        self._record.note(f"start {command} weigh")
+        self._finish(command, "weigh", answer(command, load))
+        return load
+
+    def gauge(self, command: int, salt: int) -> int:
+        self._record.note(f"start {command} gauge")
+        return self._finish(command, "gauge", answer_salt(command, salt))
+
+    def _finish(self, command: int, operation: str, result: int) -> int:
+        self._record.note(f"finish {command} {operation} {result}")
+        return result
+
+
+def main() -> None:
+    setting = settings()
+    record = Record(setting["record"])
+    end = threading.Event()
+    signal.signal(signal.SIGTERM, lambda _number, _frame: end.set())
+    balance = Balance()
+    with gecos.Lab() as lab, gecos.Server(lab) as server:
+        server.add("BENCH", Workbench(record), simulated=True, media=[setting["medium"]])
+        record.note(f"serve {os.getpid()}")
+        print("ready", flush=True)
+        end.wait()
+    balance.close()
+    record.note("done")
+
+
+if __name__ == "__main__":
+    main()

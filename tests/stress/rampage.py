@@ -1,0 +1,347 @@
+"""A laboratory whose programs are killed at random instants, and what must hold of it then."""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import history
+from hosts import Hosts
+
+HERE = Path(__file__).resolve().parent
+PATIENCE_S = 30.0
+"""How long somebody may take to end in order who has no reason to wait: a miss is a defect."""
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """What is done to a laboratory."""
+
+    medium: str
+    seed: int
+    kills: int = 0
+    victims: Mapping[str, int] = field(default_factory=dict)
+    """Role to weight, of those that are killed; all others live to the end."""
+    pause_s: float = 0.05
+    """Between two kills, on average."""
+    freezes: int = 0
+    """How often a program is stopped for a while and continued, SIGSTOP and SIGCONT."""
+    longest_freeze_s: float = 2.0
+    clients: int = 3
+    waiters: int = 0
+    """Clients in C++, and as many in Python, that are blocked in wait() without time-out."""
+    children: bool = False
+    """Each server has forked a child that outlives it, with all its descriptors."""
+    python_clients: int = 0
+    python_server: bool = False
+    cuts: int = 0
+    """How often the line between the host of the server and that of all clients is cut."""
+    longest_cut_s: float = 2.0
+    faults: str = ""
+    preload: Path | None = None
+
+
+class Role:
+    """One place in the laboratory, and the program that fills it now."""
+
+    def __init__(
+        self, name: str, command: Callable[[], Sequence[str]], env: Mapping[str, str], output: Path
+    ) -> None:
+        self.name = name
+        self._command = command
+        self._env = dict(env)
+        self._output = output
+        self.start()
+
+    def start(self) -> None:
+        self.words = list(self._command())
+        with self._output.open("w") as output:
+            self.process = subprocess.Popen(
+                self.words,
+                env=self._env,
+                stdin=subprocess.DEVNULL,
+                stdout=output,
+                stderr=subprocess.STDOUT,
+            )
+
+    def said(self) -> str:
+        return self._output.read_text()
+
+    def wait_ready(self) -> None:
+        give_up = time.monotonic() + PATIENCE_S
+        while "ready" not in self.said():
+            assert self.process.poll() is None, f"{self} ended before it was ready"
+            assert time.monotonic() < give_up, f"{self} is not ready"
+            time.sleep(0.005)
+
+    def kill(self) -> int:
+        """Gives the time in ns when it was gone."""
+        assert self.process.poll() is None, f"{self} ended by itself"
+        self.process.kill()
+        self.process.wait()
+        return time.monotonic_ns()
+
+    def end(self) -> str:
+        """In order; gives what it said."""
+        self.process.terminate()
+        return self.finish()
+
+    def finish(self) -> str:
+        """Was told to end; gives what it said."""
+        try:
+            status = self.process.wait(PATIENCE_S)
+        except subprocess.TimeoutExpired:
+            raise AssertionError(f"{self} does not end") from None
+        assert status == 0, f"{self} ended with {status}"
+        return self.said()
+
+    def __str__(self) -> str:
+        return f"{' '.join(self.words)}\n--- its output ---\n{self.said()}\n---"
+
+
+class Rampage:
+    """Starts a laboratory, does what the plan says, and ends it in order."""
+
+    def __init__(
+        self,
+        plan: Plan,
+        build: Path,
+        records: Path,
+        env: Mapping[str, str],
+        hosts: Hosts | None = None,
+    ) -> None:
+        self.plan = plan
+        self.records = records
+        self._hosts = hosts
+        self.roles: list[Role] = []
+        self._random = random.Random(plan.seed)
+        self._programs = build / "tests" / "stress"
+        self._broker = build / "runtime" / "cpp" / "gecos" / "broker" / "gecos-broker"
+        # Its name in the kernel is at most 107 characters long, so not below `records`.
+        self.place = Path(tempfile.mkdtemp(prefix="gecos-"))
+        self._env = {**os.environ, **env, "GECOS_RUNTIME_DIR": str(self.place)}
+        self._env.pop("GECOS_BROKER", None)
+        if plan.preload is not None:
+            self._env["LD_PRELOAD"] = str(plan.preload)
+        self._children: list[int] = []
+        self._clients = 0
+        self._servers = 0
+
+    # What the roles are played by
+
+    def _client(self, program: Sequence[str]) -> list[str]:
+        self._clients += 1
+        return [
+            *program,
+            f"number={self._clients}",
+            f"record={self.records / f'client.{self._clients}.log'}",
+            f"medium={self.plan.medium}",
+            f"faults={self.plan.faults}",
+            f"seed={self._random.randrange(1 << 30)}",
+        ]
+
+    def _server(self) -> list[str]:
+        self._servers += 1
+        in_python = [sys.executable, str(HERE / "programs" / "server.py")]
+        return [
+            *(in_python if self.plan.python_server else [str(self._programs / "stress_server")]),
+            f"record={self.records / f'server.{self._servers}.log'}",
+            f"medium={self.plan.medium}",
+            f"faults={self.plan.faults}",
+            *(["child=yes"] if self.plan.children else []),
+        ]
+
+    def add(self, name: str, command: Callable[[], Sequence[str]]) -> Role:
+        output = self.records / f"output.{len(self.roles)}.txt"
+        env = self._env
+        if self._hosts is not None:
+            host = 0 if name in ("broker", "server") else 1
+            before = self._hosts.on(host)
+            on_this_host, command = command, lambda: [*before, *on_this_host()]
+            place = self.place / str(host)
+            place.mkdir(exist_ok=True, mode=0o700)
+            env = {**env, "GECOS_RUNTIME_DIR": str(place), "GECOS_LCM_TTL": "1"}
+            env["GECOS_BROKER"] = "lcm"
+        role = Role(name, command, env, output)
+        self.roles.append(role)
+        return role
+
+    def add_broker(self) -> None:
+        self.add("broker", lambda: [str(self._broker)]).wait_ready()
+
+    def start(self) -> None:
+        cpp = [str(self._programs / "stress_client")]
+        python = [sys.executable, str(HERE / "programs" / "client.py")]
+        self.add_broker()
+        self.add("server", self._server).wait_ready()
+        if not self.plan.waiters:
+            self.add("witness", lambda: self._client(cpp)).wait_ready()
+        for _ in range(self.plan.clients):
+            self.add("client", lambda: self._client(cpp))
+        for _ in range(self.plan.python_clients):
+            self.add("client", lambda: self._client(python))
+        waiting = [sys.executable, str(HERE / "programs" / "waiter.py")]
+        for _ in range(self.plan.waiters):
+            self.add("waiter", lambda: self._client([str(self._programs / "stress_waiter")]))
+            self.add("waiter", lambda: self._client(waiting))
+        if self.plan.waiters:
+            self._await_ready("waiter")
+
+    # What is done to them
+
+    def _pause(self) -> None:
+        time.sleep(self._random.expovariate(1 / self.plan.pause_s))
+
+    def _victim(self) -> Role:
+        weights = [
+            self.plan.victims.get(role.name, 0) / self._count(role.name) for role in self.roles
+        ]
+        return self._random.choices(self.roles, weights)[0]
+
+    def _count(self, name: str) -> int:
+        return sum(role.name == name for role in self.roles)
+
+    def kill(self) -> None:
+        for _ in range(self.plan.kills):
+            self._pause()
+            self._kill(self._victim())
+
+    def _kill(self, victim: Role) -> None:
+        pid = victim.process.pid
+        with (self.records / "kills.log").open("a") as kills:
+            kills.write(f"{victim.kill()} kill {pid}\n")
+        self._children += [
+            int(line.split()[1]) for line in victim.said().splitlines() if line.startswith("child ")
+        ]
+        victim.start()
+
+    def _await_ready(self, name: str) -> None:
+        for role in self.roles:
+            if role.name == name:
+                role.wait_ready()
+
+    def freeze(self) -> None:
+        for _ in range(self.plan.freezes):
+            self._pause()
+            victim = self._victim()
+            victim.process.send_signal(signal.SIGSTOP)
+            time.sleep(self._random.uniform(0.0, self.plan.longest_freeze_s))
+            victim.process.send_signal(signal.SIGCONT)
+
+    def cut(self) -> None:
+        for _ in range(self.plan.cuts if self._hosts is not None else 0):
+            assert self._hosts is not None
+            self._pause()
+            begin = self._hosts.cut()
+            time.sleep(self._random.uniform(0.05, self.plan.longest_cut_s))
+            with (self.records / "kills.log").open("a") as cuts:
+                cuts.write(f"{begin} cut {self._hosts.mend()}\n")
+
+    # How it ends
+
+    def end(self) -> None:
+        """All programs, in order; nothing may be left of them or in them."""
+        self._end_children()
+        self._end_waiters()
+        for name in "client", "witness", "server", "broker":
+            self._await_ready(name)
+            for role in self.roles:
+                if role.name == name:
+                    leftover(role, role.end())
+        left = [str(path) for path in self.place.rglob("*") if not path.is_dir()]
+        assert not left, f"left behind: {left}"
+
+    def _end_children(self) -> None:
+        """A server that is started afterwards clears away what they held."""
+        for child in self._children:
+            os.kill(child, signal.SIGKILL)
+        if self._children:
+            self._children = []
+            self.plan = dataclasses.replace(self.plan, children=False)
+            for role in self.roles:
+                if role.name == "server":
+                    self._kill(role)
+
+    def _end_waiters(self) -> None:
+        """They end with what they wait for, so their server goes first."""
+        waiters = [role for role in self.roles if role.name == "waiter"]
+        for role in waiters:
+            role.process.terminate()
+        for server in self.roles:
+            if waiters and server.name == "server":
+                server.wait_ready()
+                self._kill(server)
+        for role in waiters:
+            leftover(role, role.finish())
+
+    def give_up(self) -> None:
+        """Leaves nothing running, whatever happened."""
+        for child in self._children:
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(child, signal.SIGKILL)
+        for role in self.roles:
+            if role.process.poll() is None:
+                role.process.kill()
+                role.process.wait()
+        shutil.rmtree(self.place, ignore_errors=True)
+
+
+def leftover(role: Role, said: str) -> None:
+    """Compares what a program had open at its beginning with what it has open at its end."""
+    census = {
+        line.split()[0]: [int(count) for count in line.split()[1:]]
+        for line in said.splitlines()
+        if line.startswith(("before ", "after "))
+    }
+    if role.name == "broker":
+        return
+    before, after = census["before"], census["after"]
+    for what, had, has in zip(("descriptors", "threads", "memfds"), before, after, strict=True):
+        assert has <= had, f"{role.name} began with {had} {what} and ends with {has}:\n{said}"
+
+
+@contextlib.contextmanager
+def rampage(plan: Plan, build: Path, records: Path, env: Mapping[str, str]) -> Iterator[Rampage]:
+    with contextlib.ExitStack() as stack:
+        hosts = stack.enter_context(Hosts()) if plan.cuts else None
+        lab = Rampage(plan, build, records, env, hosts)
+        stack.callback(lab.give_up)
+        lab.start()
+        yield lab
+        lab.end()
+
+
+def run(plan: Plan, build: Path, records: Path, env: Mapping[str, str]) -> history.History:
+    """Carries out the plan; gives the history, which has been checked."""
+    with rampage(plan, build, records, env) as lab:
+        lab.kill()
+        lab.freeze()
+        lab.cut()
+    told = history.read(records)
+    findings = history.check(told)
+    assert not findings, "\n".join([f"{plan}: {told.summary()}", *findings[:20]])
+    kinds = Counter(call.state() for client in told.clients for call in client.calls.values())
+    assert plan.waiters or kinds["FINISHED"] > 0, f"nothing was carried out: {told.summary()}"
+    return told
+
+
+def generate_python(out: Path) -> None:
+    """Makes the Python of the workbench importable by programs that are started."""
+    words = ["-m", "gidl", "gen", "--lang", "python", "-I", HERE / "idl", "--out", out]
+    subprocess.run(
+        [sys.executable, *words, HERE / "idl" / "stress" / "workbench.gidl"],
+        check=True,
+        stdout=subprocess.DEVNULL,
+    )

@@ -1,0 +1,162 @@
+"""`make soak`: the stress tests for hours. Says at the end what was done, and how it ended.
+
+Every round is a laboratory of its own, with a seed of its own that its line shows; its history is
+judged when it ends, and its records are kept when something was wrong.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import random
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from itertools import cycle
+from pathlib import Path
+
+import rampage
+from rampage import Plan
+
+EVERYBODY = {"client": 6, "server": 3, "broker": 1}
+ROUND = 200
+"""Kills of one laboratory."""
+
+
+@dataclass(slots=True)
+class Figures:
+    kills: int = 0
+    waits: int = 0
+    freezes: int = 0
+    cuts: int = 0
+    outcomes: Counter[str] = field(default_factory=Counter)
+    failed: list[str] = field(default_factory=list)
+
+
+def killing(kills: int, seeds: random.Random, clock: Path) -> Iterator[Plan]:
+    """Rounds of all kinds in turn until so many have been killed."""
+    kinds = cycle(["shm", "lcm", "shm clients", "lcm clients", "faults", "clock", "python"])
+    while kills > 0:
+        seed, some = seeds.randrange(1 << 30), min(kills, ROUND)
+        match next(kinds).split():
+            case [("shm" | "lcm") as medium]:
+                yield Plan(medium, seed, some, EVERYBODY)
+            case [("shm" | "lcm") as medium, "clients"]:
+                yield Plan(medium, seed, some, {"client": 1})
+            case ["faults"]:
+                yield Plan("lcm", seed, some, EVERYBODY, faults=f"0.1,0.1,0.3,0.01,{seed}")
+            case ["clock"]:
+                yield Plan("shm", seed, some, EVERYBODY, preload=clock)
+            case _:
+                some = min(some, 40)
+                yield Plan(
+                    seeds.choice(["shm", "lcm"]),
+                    seed,
+                    some,
+                    {"client": 3, "server": 1},
+                    pause_s=0.4,
+                    clients=1,
+                    python_clients=2,
+                    python_server=True,
+                )
+        kills -= some
+
+
+def waiting(instants: int, seeds: random.Random) -> Iterator[Plan]:
+    """Servers die while somebody is blocked in wait(), every other with a child that holds all."""
+    at = 0
+    for children in cycle([False, True]):
+        if at >= instants:
+            return
+        some = min(100, instants - at)
+        at += some
+        seed = seeds.randrange(1 << 30)
+        yield Plan(
+            "shm", seed, some, {"server": 1}, pause_s=0.1, clients=0, waiters=1, children=children
+        )
+    seed = seeds.randrange(1 << 30)
+    yield Plan("lcm", seed, 20, {"server": 1}, pause_s=0.5, clients=0, waiters=1)
+
+
+def disturbing(times: int, seeds: random.Random) -> Iterator[Plan]:
+    victims = {"server": 2, "client": 2, "broker": 1}
+    for medium in "shm", "lcm":
+        yield Plan(medium, seeds.randrange(1 << 30), freezes=times, victims=victims, pause_s=0.1)
+    yield Plan("lcm", seeds.randrange(1 << 30), cuts=times, longest_cut_s=10.0, pause_s=0.3)
+
+
+def carry_out(plan: Plan, build: Path, env: Mapping[str, str], figures: Figures) -> None:
+    records = Path(tempfile.mkdtemp(prefix="soak-"))
+    began = time.monotonic()
+    try:
+        told = rampage.run(plan, build, records, env)
+    except AssertionError as wrong:
+        figures.failed.append(f"{plan}\nrecords: {records}\n{wrong}")
+        print(f"WRONG {figures.failed[-1]}", flush=True)
+        return
+    figures.kills += len(told.kills)
+    figures.freezes += plan.freezes
+    figures.cuts += len(told.cuts)
+    calls = [call for client in told.clients for call in client.calls.values()]
+    figures.waits += len(calls) if plan.waiters else 0
+    figures.outcomes.update(call.detail() or "client killed" for call in calls)
+    print(f"right in {time.monotonic() - began:.0f} s, {plan}: {told.summary()}", flush=True)
+    shutil.rmtree(records)
+
+
+def call_over_a_faulty_line(calls: int, seed: int, build: Path, figures: Figures) -> None:
+    env = {**os.environ, "STRESS_CALLS": str(calls), "STRESS_SEED": str(seed)}
+    done = subprocess.run([build / "tests" / "stress" / "faulty_line_test"], env=env)
+    if done.returncode != 0:
+        figures.failed.append(f"faulty_line_test with STRESS_CALLS={calls} STRESS_SEED={seed}")
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description="The stress tests for hours.")
+    parser.add_argument("--build", type=Path, default=Path("build"))
+    parser.add_argument("--seed", type=int, default=random.randrange(1 << 30))
+    parser.add_argument("--kills", type=int, default=10_000)
+    parser.add_argument("--waits", type=int, default=1_000)
+    parser.add_argument("--disturbances", type=int, default=50)
+    parser.add_argument("--calls", type=int, default=1_000_000, help="over each faulty line")
+    asked = parser.parse_args()
+    print(f"soak: seed {asked.seed}", flush=True)
+
+    build, seeds, figures = asked.build.resolve(), random.Random(asked.seed), Figures()
+    clock = build / "tests" / "stress" / "libwild_clock.so"
+    began = time.monotonic()
+    with tempfile.TemporaryDirectory(prefix="workbench-") as made:
+        rampage.generate_python(Path(made))
+        paths = [f"{made}/python", *filter(None, [os.environ.get("PYTHONPATH")])]
+        env = {"PYTHONPATH": os.pathsep.join(paths), "GECOS_KEY_DIR": f"{made}/keys"}
+        os.environ["GECOS_KEY_DIR"] = env["GECOS_KEY_DIR"]
+        call_over_a_faulty_line(asked.calls, asked.seed, build, figures)
+        for plans in (
+            disturbing(asked.disturbances, seeds),
+            waiting(asked.waits, seeds),
+            killing(asked.kills, seeds, clock),
+        ):
+            for plan in plans:
+                carry_out(plan, build, env, figures)
+
+    told = ", ".join(f"{count} {what}" for what, count in figures.outcomes.most_common())
+    print(
+        f"\nsoak: seed {asked.seed}, {(time.monotonic() - began) / 60:.0f} min:"
+        f" {figures.kills} kills, {figures.waits} waits without time-out,"
+        f" {figures.freezes} freezes, {figures.cuts} cuts,"
+        f" {asked.calls} calls over each of two faulty lines,"
+        f" {figures.outcomes.total()} commands ({told})"
+    )
+    for wrong in figures.failed:
+        print(f"soak: WRONG {wrong}")
+    print("soak: FAILED" if figures.failed else "soak: all right")
+    return 1 if figures.failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,259 @@
+// Commands a Workbench without pause, whatever dies, and notes each command's issue, its states and
+// its end. SIGTERM: issues no more, waits for what is open, looks at all again, ends.
+
+#include <unistd.h>
+
+#include <atomic>
+#include <condition_variable>
+#include <csignal>
+#include <cstdio>
+#include <deque>
+#include <functional>
+#include <mutex>
+#include <random>
+#include <thread>
+
+#include "gecos/gecos.hpp"
+#include "record.hpp"
+#include "setting.hpp"
+#include "stress/workbench_client.hpp"
+
+namespace {
+
+using namespace std::chrono_literals;
+
+std::atomic<bool> told_to_end{false};
+
+/// A command whatever it gives.
+struct Issued {
+  std::uint64_t number = 0;
+  std::shared_ptr<gecos::session::CommandCore> core;
+  std::function<std::string()> result;  ///< waits; "-" when there is none
+};
+
+std::string seen(const gecos::session::CommandCore& core) {
+  const gecos::Detail detail = core.progress().detail;
+  return std::string(to_string(gecos::project(detail))) + " " + std::string(to_string(detail));
+}
+
+class Client {
+ public:
+  explicit Client(const stress::Setting& setting)
+      : setting_(setting),
+        record_(setting.text("record")),
+        random_(static_cast<std::uint64_t>(setting.number("seed"))),
+        next_number_((static_cast<std::uint64_t>(setting.number("number")) << 32) + 1),
+        lab_(setting.lab()) {
+    for (int at = 0; at < 2; ++at) waiters_.emplace_back([this] { follow(); });
+  }
+
+  void run() {
+    while (!told_to_end) {
+      if (!connected_ && !connect()) continue;
+      act();
+      rest();
+    }
+  }
+
+  /// Waits until all have ended; then none may have changed.
+  void end() {
+    {
+      std::unique_lock lock(mutex_);
+      room_.wait(lock, [this] { return open_ == 0; });
+      over_ = true;
+      work_.notify_all();
+    }
+    for (auto& waiter : waiters_) waiter.join();
+    look_again();
+    record_.note("done");
+  }
+
+ private:
+  bool happens(double rate) { return std::uniform_real_distribution<>(0, 1)(random_) < rate; }
+
+  bool connect() {
+    lease_.reset();
+    bench_ = {};
+    auto created = lab_.create<stress::Workbench>(
+        "BENCH", {.medium = setting_.medium(), .patience = 500ms});
+    if (!created) {
+      std::this_thread::sleep_for(5ms);  // a pause between tries, nothing is awaited
+      return false;
+    }
+    const auto about = gecos::describe(*created).get();
+    if (!about) return false;
+    bench_ = *created;
+    connected_ = true;
+    ++session_;
+    record_.note("open " + std::to_string(session_) + " " + std::to_string(about->pid));
+    return acquire();
+  }
+
+  bool acquire() {
+    lease_.reset();
+    auto lease = gecos::actor(bench_, "stress");
+    if (lease) {
+      lease_.emplace(std::move(*lease));
+    } else if (lease.error().failure.state() == gecos::State::ConnectionFailed) {
+      connected_ = false;
+    }
+    return connected_;
+  }
+
+  void act() {
+    const bool burst = happens(0.01);  // beyond what one client may queue
+    for (int left = burst ? 100 : 1 + static_cast<int>(random_() % 8); left > 0; --left) issue();
+    if (happens(0.05)) cancel_one();
+    if (happens(0.01)) {
+      static_cast<void>(gecos::stop(bench_));
+      acquire();
+    } else if (status_lost_.exchange(false) || happens(0.01)) {
+      acquire();
+    }
+    if (session_lost_.exchange(false)) connected_ = false;
+  }
+
+  void issue() {
+    const std::uint64_t number = next_number_++;
+    const auto salt = static_cast<std::int64_t>(random_());
+    const double which = std::uniform_real_distribution<>(0, 1)(random_);
+    if (which < 0.45) {
+      note_issue(number, "tap", stress::answer(number, salt));
+      follow(number, bench_.tap(number, salt));
+    } else if (which < 0.6) {
+      note_issue(number, "file", stress::answer(number, salt));
+      follow(number, bench_.file(number, salt, 1e-3 * static_cast<double>(random_() % 5)));
+    } else if (which < 0.75) {
+      note_issue(number, "gauge", stress::answer(number, salt));
+      follow(number, bench_.gauge(number, salt));
+    } else {
+      std::vector<std::uint8_t> load(happens(0.1) ? random_() % 40'000 : random_() % 200);
+      for (auto& byte : load) byte = static_cast<std::uint8_t>(random_());
+      note_issue(number, "weigh", stress::answer(number, load));
+      follow(number, bench_.weigh(number, load));
+    }
+  }
+
+  void note_issue(std::uint64_t number, const char* operation, std::int64_t wanted) {
+    record_.note("issue " + std::to_string(number) + " " + operation + " " +
+                 std::to_string(session_) + " " + std::to_string(wanted));
+  }
+
+  static std::string shown(std::uint64_t /*number*/, std::int64_t result) {
+    return std::to_string(result);
+  }
+  static std::string shown(std::uint64_t number, const std::vector<std::uint8_t>& result) {
+    return std::to_string(stress::answer(number, result));
+  }
+
+  template <class T>
+  void follow(std::uint64_t number, gecos::Command<T> command) {
+    Issued issued{number, command.core(), [number, command] {
+                    const auto result = command.get();
+                    return result ? shown(number, *result) : std::string("-");
+                  }};
+    const std::lock_guard lock(mutex_);
+    ++open_;
+    followed_.push_back(std::move(issued));
+    work_.notify_one();
+  }
+
+  /// On a thread of its own: waits without time-out for one after another.
+  void follow() {
+    for (;;) {
+      Issued issued;
+      {
+        std::unique_lock lock(mutex_);
+        work_.wait(lock, [this] { return over_ || !followed_.empty(); });
+        if (followed_.empty()) return;
+        issued = std::move(followed_.front());
+        followed_.pop_front();
+      }
+      if (issued.number % 16 == 0) record_.note(about("see ", issued));
+      const std::string result = issued.result();
+      record_.note(about("end ", issued) + " " + result);
+      learn(*issued.core);
+      const std::lock_guard lock(mutex_);
+      ended_.push_back(std::move(issued));
+      if (ended_.size() > 256) ended_.pop_front();
+      --open_;
+      room_.notify_one();
+    }
+  }
+
+  static std::string about(const char* what, const Issued& issued) {
+    return what + std::to_string(issued.number) + " " + seen(*issued.core);
+  }
+
+  void learn(const gecos::session::CommandCore& core) {
+    switch (core.progress().detail) {
+      case gecos::Detail::LeaseLost:
+      case gecos::Detail::Denied:
+      case gecos::Detail::Stopped: status_lost_ = true; break;
+      case gecos::Detail::NoServer:
+      case gecos::Detail::NotStarted:
+      case gecos::Detail::ServerCrashed:
+      case gecos::Detail::OutcomeUnknown: session_lost_ = true; break;
+      default: break;
+    }
+  }
+
+  void cancel_one() {
+    const std::lock_guard lock(mutex_);
+    if (!followed_.empty()) followed_[random_() % followed_.size()].core->cancel();
+  }
+
+  void look_again() {
+    const std::lock_guard lock(mutex_);
+    for (const auto& issued : ended_) record_.note(about("see ", issued));
+  }
+
+  /// Until there is room for more, and a moment longer.
+  void rest() {
+    {
+      std::unique_lock lock(mutex_);
+      room_.wait(lock, [this] { return open_ < 48; });
+    }
+    if (happens(0.5)) std::this_thread::sleep_for(std::chrono::microseconds(random_() % 10'000));
+    if (happens(0.1)) look_again();
+  }
+
+  const stress::Setting& setting_;
+  const stress::Record record_;
+  std::mt19937_64 random_;
+  std::uint64_t next_number_;
+  gecos::Lab lab_;
+  stress::Workbench bench_;
+  std::optional<gecos::Lease> lease_;
+  bool connected_ = false;
+  int session_ = 0;
+  std::atomic<bool> status_lost_{false};   // publishes nothing but itself
+  std::atomic<bool> session_lost_{false};  // publishes nothing but itself
+
+  std::mutex mutex_;  // guards what follows
+  std::condition_variable work_;
+  std::condition_variable room_;
+  std::deque<Issued> followed_;
+  std::deque<Issued> ended_;
+  int open_ = 0;
+  bool over_ = false;
+  std::vector<std::thread> waiters_;
+};
+
+}  // namespace
+
+int main(int count, char** words) {
+  const stress::Setting setting(
+      count, words,
+      {{"number", "1"}, {"record", ""}, {"medium", "shm"}, {"faults", ""}, {"seed", "1"}});
+  std::signal(SIGTERM, [](int) { told_to_end = true; });
+  const stress::Balance balance;
+  std::puts("ready");
+  std::fflush(stdout);
+  {
+    Client client(setting);
+    client.run();
+    client.end();
+  }
+  balance.close();
+}

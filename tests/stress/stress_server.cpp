@@ -1,0 +1,114 @@
+// Serves a Workbench until it is ended or killed, and notes when a command starts and finishes.
+
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+
+#include "gecos/gecos.hpp"
+#include "record.hpp"
+#include "setting.hpp"
+#include "stress/workbench_server.hpp"
+
+namespace {
+
+class Workbench : public stress::WorkbenchServant {
+ public:
+  explicit Workbench(const stress::Record& record) : record_(record) {}
+
+ private:
+  gecos::Result<std::int64_t> tap(std::uint64_t command, std::int64_t salt) override {
+    start(command, "tap");
+    return finish(command, "tap", stress::answer(command, salt));
+  }
+  gecos::Result<std::int64_t> file(std::uint64_t command, std::int64_t salt, double seconds,
+                                   gecos::Execution<>& run) override {
+    start(command, "file");
+    run.progress(0.5);
+    if (run.wait_interrupted(std::chrono::duration_cast<gecos::Duration>(
+            std::chrono::duration<double>(seconds)))) {
+      record_.note("finish " + std::to_string(command) + " file -");
+      return tl::unexpected(gecos::Fault::interrupted());
+    }
+    return finish(command, "file", stress::answer(command, salt));
+  }
+  gecos::Result<std::vector<std::uint8_t>> weigh(std::uint64_t command,
+                                                 const std::vector<std::uint8_t>& load) override {
+    start(command, "weigh");
+    finish(command, "weigh", stress::answer(command, load));
+    return load;
+  }
+  gecos::Result<std::int64_t> gauge(std::uint64_t command, std::int64_t salt) override {
+    start(command, "gauge");
+    return finish(command, "gauge", stress::answer(command, salt));
+  }
+
+  void start(std::uint64_t command, const char* operation) const {
+    record_.note("start " + std::to_string(command) + " " + operation);
+  }
+  std::int64_t finish(std::uint64_t command, const char* operation, std::int64_t result) const {
+    record_.note("finish " + std::to_string(command) + " " + operation + " " +
+                 std::to_string(result));
+    return result;
+  }
+
+  const stress::Record& record_;
+};
+
+/// What the first server of a process makes for all that follow: how SIGTERM reaches them.
+void make_what_stays() {
+  gecos::Lab lab;
+  gecos::Server server(lab);
+  server.shut_down();
+  server.run();
+}
+
+/// A copy of this process that outlives it and has all its descriptors: made behind the back of
+/// pthread_atfork, as a library might.
+void leave_a_child() {
+  const long child = syscall(SYS_clone, SIGCHLD, nullptr, nullptr, nullptr, nullptr);
+  if (child == 0) {
+    alarm(60);  // it is killed before, unless the test itself was
+    for (;;) pause();
+  }
+  std::printf("child %ld\n", child);
+}
+
+}  // namespace
+
+int main(int count, char** words) {
+  const stress::Setting setting(
+      count, words,
+      {{"name", "BENCH"}, {"record", ""}, {"medium", "shm"}, {"faults", ""}, {"child", "no"}});
+  const stress::Record record(setting.text("record"));
+  make_what_stays();
+  const stress::Balance balance;
+  {
+    gecos::Lab lab(setting.lab());
+    Workbench workbench(record);
+    gecos::Server server(lab);
+    gecos::ObjectOptions options;
+    options.simulated = true;
+    options.thread_safe = true;
+    options.media = {setting.medium()};
+    // The broker may be killed while it enlists us.
+    const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    auto added = server.add(setting.text("name"), workbench, options);
+    while (!added && std::chrono::steady_clock::now() < give_up) {
+      added = server.add(setting.text("name"), workbench, options);
+    }
+    if (!added) {
+      std::fprintf(stderr, "%s\n", added.error().text.c_str());
+      return 1;
+    }
+    if (setting.text("child") == "yes") leave_a_child();
+    record.note("serve " + std::to_string(getpid()));
+    std::puts("ready");
+    std::fflush(stdout);
+    server.run();
+  }
+  balance.close();
+  record.note("done");
+}

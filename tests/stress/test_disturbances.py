@@ -1,0 +1,57 @@
+"""What is done to programs short of killing them: stopped, cut off, misled about the time."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import rampage
+from rampage import Plan
+
+
+@pytest.mark.parametrize("medium", ["shm", "lcm"])
+def test_programs_that_stand_still_for_a_while_leave_no_command_open(
+    medium: str, build: Path, tmp_path: Path, env: dict[str, str], seed: int
+) -> None:
+    plan = Plan(
+        medium, seed, freezes=6, victims={"server": 2, "client": 2, "broker": 1}, pause_s=0.1
+    )
+    told = rampage.run(plan, build, tmp_path, env)
+    print(f"\n{plan}\n{told.summary()}")
+
+
+def test_two_hosts_that_are_cut_off_from_each_other_leave_no_command_open(
+    build: Path, tmp_path: Path, env: dict[str, str], seed: int
+) -> None:
+    plan = Plan("lcm", seed, cuts=6, clients=2, pause_s=0.3)
+    told = rampage.run(plan, build, tmp_path, env)
+    assert len(told.cuts) == plan.cuts
+    print(f"\n{plan}\n{told.summary()}")
+
+
+def test_the_wild_clock_is_wild(build: Path) -> None:
+    """Else the next test would show nothing."""
+    look = "import time; print(abs(time.time() - time.time()))"
+    preloaded = {**os.environ, "LD_PRELOAD": str(build / "tests" / "stress" / "libwild_clock.so")}
+    said = subprocess.run(
+        [sys.executable, "-c", look], env=preloaded, check=True, stdout=subprocess.PIPE
+    )
+    assert float(said.stdout) > 3600
+
+
+@pytest.mark.parametrize("medium", ["shm", "lcm"])
+def test_jumps_of_the_wall_clock_change_nothing(
+    medium: str, build: Path, tmp_path: Path, env: dict[str, str], seed: int
+) -> None:
+    plan = Plan(
+        medium,
+        seed,
+        kills=12,
+        victims={"client": 3, "server": 1, "broker": 1},
+        preload=build / "tests" / "stress" / "libwild_clock.so",
+    )
+    told = rampage.run(plan, build, tmp_path, env)
+    print(f"\n{plan}\n{told.summary()}")

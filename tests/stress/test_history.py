@@ -1,0 +1,186 @@
+"""The checker accepts a right history, and rejects each kind of wrong one by name."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import history
+import pytest
+
+SECOND = 1_000_000_000
+ONE = (1 << 32) + 1
+TWO = (1 << 32) + 2
+
+CLIENT = f"""
+1 open 1 4711
+2 issue {ONE} tap 1 77
+3 issue {TWO} file 1 88
+4 see {ONE} RUNNING QUEUED
+9 end {ONE} FINISHED DONE 77
+10 end {TWO} COMMAND_FAILED SERVER_CRASHED -
+11 see {ONE} FINISHED DONE
+12 done
+"""
+SERVER = f"""
+0 serve 4711
+5 start {ONE} tap
+6 finish {ONE} tap 77
+7 start {TWO} file
+"""
+KILLS = """
+8 kill 4711
+"""
+
+
+def judged(
+    directory: Path, client: str = CLIENT, server: str = SERVER, *more: str, kills: str = KILLS
+) -> list[str]:
+    (directory / "client.1.log").write_text(client.lstrip())
+    for number, text in enumerate((server, *more)):
+        (directory / f"server.{number}.log").write_text(text.lstrip())
+    (directory / "kills.log").write_text(kills.lstrip())
+    return history.check(history.read(directory))
+
+
+def test_a_right_history_is_accepted_and_summed_up(tmp_path: Path) -> None:
+    assert judged(tmp_path) == []
+    summary = history.read(tmp_path).summary()
+    assert summary == "1 kills, 0 cuts, 2 commands (1 DONE, 1 SERVER_CRASHED)"
+
+
+def test_what_a_killed_client_had_open_may_lack_an_end(tmp_path: Path) -> None:
+    cut_off = CLIENT.replace(f"10 end {TWO} COMMAND_FAILED SERVER_CRASHED -\n", "")
+    assert judged(tmp_path, cut_off.replace("12 done\n", "12 do")) == []
+    assert judged(tmp_path, cut_off) == [f"command {TWO} of client.1.log has no end"]
+
+
+WRONG_CLIENTS = {
+    "a state that changed after the end": (
+        f"11 see {ONE} FINISHED DONE",
+        f"11 see {ONE} COMMAND_FAILED FAULT",
+        f"command {ONE} of client.1.log ended as COMMAND_FAILED/FAULT, FINISHED/DONE",
+    ),
+    "one that runs again": (
+        f"11 see {ONE} FINISHED DONE",
+        f"11 see {ONE} RUNNING EXECUTING",
+        f"command {ONE} of client.1.log runs again after its end",
+    ),
+    "one that was waited for and runs": (
+        f"10 end {TWO} COMMAND_FAILED SERVER_CRASHED -",
+        f"10 end {TWO} RUNNING SENT -",
+        f"command {TWO} of client.1.log was waited for and still runs",
+    ),
+    "an end after the bound": (
+        f"10 end {TWO}",
+        f"{2 * SECOND} end {TWO}",
+        f"command {TWO} of client.1.log ended as SERVER_CRASHED 2.000 s after its server was"
+        " killed; promised are 1.5 s",
+    ),
+    "a result of another call": (
+        f"9 end {ONE} FINISHED DONE 77",
+        f"9 end {ONE} FINISHED DONE 88",
+        f"command {ONE} was given 88 in place of 77",
+    ),
+    "a success that nobody carried out": (
+        f"10 end {TWO} COMMAND_FAILED SERVER_CRASHED -",
+        f"10 end {TWO} FINISHED DONE 88",
+        f"command {TWO} is FINISHED, its handler did not finish",
+    ),
+    "a failure with a result": (
+        f"10 end {TWO} COMMAND_FAILED SERVER_CRASHED -",
+        f"10 end {TWO} COMMAND_FAILED SERVER_CRASHED 88",
+        f"command {TWO} is COMMAND_FAILED/SERVER_CRASHED and has a result",
+    ),
+    "a false proof that it did not start": (
+        f"10 end {TWO} COMMAND_FAILED SERVER_CRASHED -",
+        f"10 end {TWO} CONNECTION_FAILED NOT_STARTED -",
+        f"command {TWO} is CONNECTION_FAILED/NOT_STARTED, and was started",
+    ),
+    "a refusal of what was carried out": (
+        f"10 end {TWO} COMMAND_FAILED SERVER_CRASHED -",
+        f"10 end {TWO} COMMAND_FAILED QUEUE_FULL -",
+        f"command {TWO} is COMMAND_FAILED/QUEUE_FULL, and was started",
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", WRONG_CLIENTS)
+def test_rejected_of_clients_is(kind: str, tmp_path: Path) -> None:
+    right, wrong, finding = WRONG_CLIENTS[kind]
+    assert right in CLIENT
+    assert judged(tmp_path, CLIENT.replace(right, wrong)) == [finding]
+
+
+WRONG_SERVERS = {
+    "a command that ran twice": (
+        f"7 start {TWO} file",
+        f"7 start {TWO} file\n8 finish {TWO} file -\n9 start {TWO} file",
+        f"command {TWO}: 2 times 'start'",
+    ),
+    "a command of nobody": (
+        f"7 start {TWO} file",
+        f"7 start {TWO + 1} file",
+        f"server.0.log: command {TWO + 1} was never issued",
+    ),
+    "another operation than was called": (
+        f"7 start {TWO} file",
+        f"7 start {TWO} tap",
+        f"server.0.log: command {TWO} was file, not tap",
+    ),
+    "an end without a beginning": (
+        f"7 start {TWO} file",
+        f"7 finish {TWO} file 88",
+        f"server.0.log: command {TWO} finished and had not started",
+    ),
+    "other arguments than were sent": (
+        f"7 start {TWO} file",
+        f"7 start {TWO} file\n8 finish {TWO} file 99",
+        f"command {TWO} reached its handler with other arguments",
+    ),
+    "a command beside another": (
+        f"6 finish {ONE} tap 77\n7 start {TWO} file",
+        f"6 start {TWO} file\n7 finish {ONE} tap 77",
+        f"server.0.log: command {TWO} started while {ONE} ran",
+    ),
+    "a command before the one that was issued before it": (
+        f"5 start {ONE} tap\n6 finish {ONE} tap 77\n7 start {TWO} file",
+        f"4 start {TWO} file\n5 finish {TWO} file -\n6 start {ONE} tap\n7 finish {ONE} tap 77",
+        f"server.0.log: command {ONE} started after {TWO}",
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", WRONG_SERVERS)
+def test_rejected_of_servers_is(kind: str, tmp_path: Path) -> None:
+    right, wrong, finding = WRONG_SERVERS[kind]
+    assert right in SERVER
+    assert judged(tmp_path, CLIENT, SERVER.replace(right, wrong)) == [finding]
+
+
+def test_rejected_is_an_end_long_after_the_line_was_cut(tmp_path: Path) -> None:
+    late = CLIENT.replace(f"10 end {TWO}", f"{2 * SECOND} end {TWO}")
+    cut = f"8 cut {3 * SECOND}\n"
+    assert judged(tmp_path, late, kills=cut) == [
+        f"command {TWO} of client.1.log ended as SERVER_CRASHED 2.000 s after its line was cut;"
+        " promised are 1.5 s"
+    ]
+    short = f"8 cut {SECOND}\n"
+    assert judged(tmp_path, late, kills=short) == [], "it was mended, the command went on"
+
+
+def test_rejected_is_a_reading_that_did_not_keep_its_place(tmp_path: Path) -> None:
+    client = CLIENT.replace(f"issue {TWO} file", f"issue {TWO} gauge")
+    server = (
+        f"3 start {TWO} gauge\n4 finish {TWO} gauge 88\n5 start {ONE} tap\n6 finish {ONE} tap 77\n"
+    )
+    assert judged(tmp_path, client, server) == [f"server.0.log: command {ONE} started after {TWO}"]
+
+
+def test_rejected_is_a_command_that_ran_on_two_servers(tmp_path: Path) -> None:
+    second = f"8 start {TWO} file\n"
+    assert judged(tmp_path, CLIENT, SERVER, second) == [f"command {TWO}: 2 times 'start'"]
+
+
+def test_a_line_that_nobody_writes_is_no_history(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=r"client\.1\.log: no line of a client: sleep"):
+        judged(tmp_path, CLIENT.replace("1 open 1 4711", "1 sleep 1"))
