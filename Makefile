@@ -53,6 +53,12 @@ bench: build  ## speeds, shown and never asserted
 	@for program in $$(find $(BUILD)/benchmarks -maxdepth 1 -type f -executable | sort); do \
 	  echo "──── $$program" && $$program || exit 1; done
 
+# What the peers need is this target's alone. BENCH="--quick", "--without NAME", "--only TITLE": bench_peers.py --help
+.PHONY: bench-peers
+bench-peers: build  ## ours beside omniORB, Ice, Cap'n Proto, iceoryx, iceoryx2 and LCM, in one run
+	@benchmarks/peers/setup.sh $(BUILD)
+	@$(PYTHON) benchmarks/peers/bench_peers.py --build $(BUILD) $(BENCH)
+
 # Each run says what it found; all of them run, whatever the others said. FUZZ_SECONDS=60 for shorter ones.
 FUZZ_SECONDS ?= 600
 .PHONY: fuzz

@@ -7,40 +7,20 @@
 #include <unistd.h>
 
 #include <array>
-#include <atomic>
 #include <cstdint>
 #include <new>
 #include <stdexcept>
+
+#include "benchmarks/raw_ring.hpp"
 
 namespace gecos::benchmarks {
 namespace {
 
 using Packet = std::array<char, 64>;
 
-/// Slots with a sequence number each, as small as a ring can be.
-struct Ring {
-  struct alignas(64) Slot {
-    std::atomic<std::uint64_t> sequence{0};
-    Packet packet{};
-  };
-  std::array<Slot, 64> slots;
-
-  void put(std::uint64_t number, const Packet& packet) {
-    Slot& slot = slots[number % slots.size()];
-    slot.packet = packet;
-    slot.sequence.store(number, std::memory_order_release);
-  }
-  template <class Wait>
-  void get(std::uint64_t number, Packet& packet, Wait wait) {
-    Slot& slot = slots[number % slots.size()];
-    while (slot.sequence.load(std::memory_order_acquire) != number) wait();
-    packet = slot.packet;
-  }
-};
-
 struct TwoRings {
-  Ring there;
-  Ring back;
+  RawRing<Packet> there;
+  RawRing<Packet> back;
 };
 
 template <auto wait>

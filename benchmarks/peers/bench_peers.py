@@ -1,0 +1,125 @@
+"""Round trips of ours beside those of other libraries and of what nobody can beat, in one run.
+
+Prints what is promised, met or missed, and a table of each setting. A peer whose
+programs are not there is named, the rest is measured, and the exit status is 3 unless --without
+named it too. A missed bar is no failure of the run: speeds are shown, not asserted.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import os
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import report
+from candidates import candidates
+from measure import Pace, Rounds, Verdict, judge, run
+from settings import Line, Setting, settings
+
+TREE = Path(__file__).resolve().parents[2]
+FULL = Pace(rounds=9, seconds=0.25, rests=5)
+QUICK = Pace(rounds=3, seconds=0.15, rests=2)
+SMOKE = Pace(rounds=1, seconds=0.02, rests=1)
+MISSING = 3
+
+
+@contextlib.contextmanager
+def own_laboratory(build: Path) -> Iterator[dict[str, str]]:
+    """The environment of programs that meet nobody else's, and find what was built."""
+    # Not below a long path: the name of a Unix socket has at most 107 characters.
+    with tempfile.TemporaryDirectory(prefix="bench-peers-") as room:
+        env = {name: value for name, value in os.environ.items() if name != "GECOS_BROKER"}
+        env["GECOS_RUNTIME_DIR"] = env["GECOS_KEY_DIR"] = room
+        python = build / "benchmarks" / "peers" / "python"
+        env["PYTHONPATH"] = os.pathsep.join(filter(None, [str(python), env.get("PYTHONPATH")]))
+        yield env
+
+
+def words() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--build", type=Path, default=TREE / "build", help="folder of the build")
+    parser.add_argument("--rounds", type=int, help=f"default {FULL.rounds}")
+    pace = parser.add_mutually_exclusive_group()
+    pace.add_argument("--quick", action="store_true", help="a look, not a result: few rounds")
+    pace.add_argument("--smoke", action="store_true", help="does everything answer? No figures")
+    parser.add_argument("--only", default="", help="settings whose title contains this")
+    parser.add_argument(
+        "--without", action="append", default=[], metavar="PEER",
+        help="leave it out and do not complain; all: measure ours and the limits",
+    )  # fmt: skip
+    given = parser.parse_args()
+    if given.rounds is not None and given.rounds < 1:
+        parser.error("--rounds: at least one")
+    return given
+
+
+def missing_of(wanted: list[Setting]) -> set[str]:
+    """The peers in these settings whose programs are not there."""
+    asked = [line.candidate for setting in wanted for line in setting.lines]
+    return {one.peer for one in asked if not all(program.exists() for program in one.programs())}
+
+
+def there_of(setting: Setting, left_out: set[str]) -> tuple[Line, ...]:
+    return tuple(line for line in setting.lines if line.candidate.peer not in left_out)
+
+
+def complain(missing: set[str]) -> None:
+    print(
+        f"\nbench-peers: NOT MEASURED, not there or broken: {', '.join(sorted(missing))}.\n"
+        "bench-peers: above is why; or leave them out: "
+        f'make bench-peers BENCH="{" ".join(f"--without {peer}" for peer in sorted(missing))}"',
+        file=sys.stderr,
+        flush=True,
+    )
+
+
+def main() -> int:
+    given = words()
+    pace = SMOKE if given.smoke else QUICK if given.quick else FULL
+    if given.rounds is not None:
+        pace = Pace(given.rounds, pace.seconds, pace.rests)
+    if len(os.sched_getaffinity(0)) < 2:
+        sys.exit("bench-peers: needs two cores; this program may use one")
+    everybody = candidates(given.build.resolve())
+    known = {peer.peer for peer in everybody.peers()}
+    unknown = set(given.without) - known - {"all"}
+    if unknown:
+        sys.exit(f"bench-peers: {unknown.pop()} is no peer: all, {', '.join(sorted(known))}")
+    without = known if "all" in given.without else set(given.without)
+    wanted = [setting for setting in settings(everybody) if given.only in setting.title]
+    if not wanted:
+        sys.exit(f"bench-peers: no setting's title contains {given.only!r}")
+    missing = missing_of(wanted) - without
+    if "" in missing:
+        sys.exit(f"bench-peers: {given.build} has no programs of ours: make build")
+    if missing:
+        complain(missing)
+
+    about = report.machine(pace)
+    judged: list[tuple[Setting, Verdict]] = []
+    tables: list[tuple[Setting, Rounds]] = []
+    with own_laboratory(given.build.resolve()) as env:
+        for setting in wanted:
+            there = there_of(setting, without | missing)
+            measured = run(setting, there, pace, env)
+            missing |= {line.candidate.peer for line in there if line.label not in measured}
+            tables.append((setting, measured))
+            judged += [(setting, judge(setting, bar, measured)) for bar in setting.bars]
+    print(about, report.bars(judged), sep="\n\n")
+    for setting, measured in tables:
+        print("\n" + report.table(setting, measured))
+    sys.stdout.flush()
+    if missing:
+        complain(missing)
+        return MISSING
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

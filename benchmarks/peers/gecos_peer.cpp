@@ -1,0 +1,89 @@
+// Ours: an operation that moves the device, so with a lease that is checked, the object's queue,
+// and a typed reply; waiting as it comes. The broker lives in the server, in GECOS_RUNTIME_DIR.
+//   shm, lcm   the medium; over lcm all is encrypted
+
+#include <deque>
+#include <sstream>
+#include <stdexcept>
+
+#include "exchange_client.hpp"
+#include "exchange_server.hpp"
+#include "gecos/broker/broker.hpp"
+#include "gecos/gecos.hpp"
+#include "speaker.hpp"
+
+namespace peers {
+namespace {
+
+/// Lets the clients of one benchmark share actor status.
+constexpr const char* password = "all clients of one benchmark";
+
+gecos::media::Kind medium(const std::string& how) {
+  if (const auto kind = gecos::media::kind_from(how)) return *kind;
+  throw std::invalid_argument("no medium is called " + how);
+}
+
+template <class T, class E>
+T must(tl::expected<T, E> result) {
+  if (result) return std::move(*result);
+  std::ostringstream why;
+  why << result.error();
+  throw std::runtime_error(why.str());
+}
+
+class Echo final : public bench::ExchangeServant {
+  gecos::Result<bench::Sample> echo(const bench::Sample& given) override { return given; }
+};
+
+void serve(const std::string& how) {
+  gecos::broker::Broker broker;
+  Echo echo;
+  gecos::Lab lab;
+  gecos::Server server(lab);
+  auto served = broker.serve(server, {gecos::media::Kind::Shm});
+  if (served) served = server.add("EXCHANGE", echo, {.simulated = true, .media = {medium(how)}});
+  if (!served) throw std::runtime_error(served.error().text);
+  say_ready("EXCHANGE");
+  server.run();
+}
+
+class GecosClient final : public PipeliningClient {
+ public:
+  GecosClient(const std::string& how, const std::string& name)
+      : object_(must(lab_.create<bench::Exchange>(name, {.medium = medium(how)}))),
+        lease_(must(gecos::actor(object_, password))) {}
+
+  Sample call(const Sample& sample) override { return answer(object_.echo(typed(sample))); }
+
+ protected:
+  void issue(const Sample& sample) override { issued_.push_back(object_.echo(typed(sample))); }
+  Sample collect() override {
+    const Sample sample = answer(issued_.front());
+    issued_.pop_front();
+    return sample;
+  }
+
+ private:
+  static bench::Sample typed(const Sample& sample) {
+    return {.stamp = sample.stamp, .axis = sample.axis};
+  }
+  static Sample answer(const gecos::Command<bench::Sample>& command) {
+    const auto result = must(command.get());
+    return {.stamp = result.stamp, .axis = result.axis};
+  }
+
+  gecos::Lab lab_;
+  bench::Exchange object_;
+  gecos::Lease lease_;
+  std::deque<gecos::Command<bench::Sample>> issued_;
+};
+
+}  // namespace
+}  // namespace peers
+
+int main(int argc, char** argv) {
+  return peers::speak(argc, argv, peers::serve,
+                      [](const std::string& how, const std::string& name) {
+                        return std::make_unique<peers::GecosClient>(how, name);
+                      });
+}

@@ -1,0 +1,140 @@
+"""A server and its clients as processes, spoken to line by line as speaker.hpp says."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import select
+import signal
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import IO
+
+PATIENCE_S = 60.0
+"""How long a program may stay silent: far more than any of them needs."""
+
+
+class Broken(RuntimeError):
+    """A program ended, or said nothing; with what it wrote to its standard error."""
+
+
+@dataclass(frozen=True, slots=True)
+class Candidate:
+    """What is measured. `peer` is whose programs it needs, "" for ours and the limits."""
+
+    name: str
+    peer: str
+    server: tuple[str | Path, ...]
+    client: tuple[str | Path, ...]
+
+    def programs(self) -> list[Path]:
+        """Files that must be there for it to run."""
+        return [part for part in (*self.server, *self.client) if isinstance(part, Path)]
+
+
+class Process:
+    """One program, on the given cores; says that it is ready before the constructor returns."""
+
+    def __init__(
+        self, command: Sequence[str | Path], cores: Sequence[int], env: dict[str, str]
+    ) -> None:
+        self._command = [str(part) for part in command]
+        self._errors: IO[str] = tempfile.TemporaryFile("w+")  # noqa: SIM115  closed by end()
+        self._buffer = b""
+        self._process = subprocess.Popen(
+            self._command,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=self._errors,
+            env=env,
+            preexec_fn=lambda: os.sched_setaffinity(0, cores),
+        )
+        try:
+            # Libraries may write lines of their own before.
+            while not (line := self.line()).startswith("ready "):
+                pass
+        except Broken:
+            self.end()
+            raise
+        self.address = line.removeprefix("ready ").strip() or "-"
+
+    def line(self) -> str:
+        assert self._process.stdout is not None
+        file = self._process.stdout.fileno()
+        while b"\n" not in self._buffer:
+            readable, _, _ = select.select([file], [], [], PATIENCE_S)
+            fresh = os.read(file, 65536) if readable else b""
+            if not fresh:
+                what = "ended" if readable else f"said nothing for {PATIENCE_S:.0f} s"
+                raise Broken(f"{' '.join(self._command)} {what}:\n{self._said_of_errors()}")
+            self._buffer += fresh
+        line, self._buffer = self._buffer.split(b"\n", 1)
+        return line.decode()
+
+    def say(self, question: str) -> None:
+        assert self._process.stdin is not None
+        with contextlib.suppress(BrokenPipeError):  # who reads the answer learns why it ended
+            self._process.stdin.write(question.encode() + b"\n")
+            self._process.stdin.flush()
+
+    def _said_of_errors(self) -> str:
+        self._errors.seek(0)
+        return self._errors.read()[-2000:]
+
+    def close_input(self) -> None:
+        """A client ends by itself at the end of its input."""
+        assert self._process.stdin is not None
+        self._process.stdin.close()
+
+    def end(self) -> None:
+        """Asks it to end, by SIGTERM; kills what does not."""
+        for how in (signal.SIGTERM, signal.SIGKILL):
+            self._process.send_signal(how)
+            try:
+                self._process.wait(10.0)
+                break
+            except subprocess.TimeoutExpired:
+                print(f"bench-peers: {self._command[0]} does not end", file=sys.stderr)
+        for pipe in (self._process.stdin, self._process.stdout, self._errors):
+            if pipe is not None:
+                pipe.close()
+
+    def wait(self) -> None:
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            self._process.wait(10.0)
+        self.end()
+
+
+class Pair:
+    """A server, and clients of it. What began last ends first."""
+
+    def __init__(self, candidate: Candidate, core: int, env: dict[str, str]) -> None:
+        self._candidate = candidate
+        self._env = env
+        self._clients: list[Process] = []
+        self._server = Process(candidate.server, [core], env)
+
+    def client(self, cores: Sequence[int]) -> Process:
+        client = Process((*self._candidate.client, self._server.address), cores, self._env)
+        self._clients.append(client)
+        return client
+
+    def __enter__(self) -> Pair:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        for client in reversed(self._clients):
+            client.close_input()
+        for client in reversed(self._clients):
+            client.wait()
+        self._server.end()

@@ -1,0 +1,64 @@
+// What every program of `make bench-peers` says, so that one runner can drive all of them:
+//   PROGRAM serve HOW           prints "ready ADDRESS" once it can be called, and serves until it
+//   is killed PROGRAM call HOW ADDRESS    prints "ready", then answers each line of standard input
+//   with a line:
+//     trips SECONDS                one call after the other      -> COUNT P50 P99, the last two in
+//     ns silent SECONDS COUNT         each after that long a rest   -> COUNT P50 P99 outstanding
+//     NUMBER SECONDS   so many calls at a time       -> CALLS_PER_SECOND
+// What reading the clock takes is taken off P50 and P99. Needs nothing but the standard library,
+// since the peers are built without ours.
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+namespace peers {
+
+using Clock = std::chrono::steady_clock;
+using Seconds = std::chrono::duration<double>;
+
+/// What all of them carry there and back: 64 bytes.
+struct Sample {
+  double stamp = 0;
+  std::array<double, 7> axis{};
+};
+static_assert(sizeof(Sample) == 64);
+
+/// A client that is connected. Throws when a call fails: a benchmark of failures is worth nothing.
+class Client {
+ public:
+  virtual ~Client() = default;
+  virtual Sample call(const Sample& sample) = 0;
+  /// Keeps `outstanding` calls on their way until `end`; how many were answered.
+  virtual std::uint64_t calls_until(Clock::time_point end, unsigned outstanding) = 0;
+};
+
+/// A client that can issue a call without waiting for it, and take the answers in the order of the
+/// calls.
+class PipeliningClient : public Client {
+ public:
+  std::uint64_t calls_until(Clock::time_point end, unsigned outstanding) final;
+
+ protected:
+  virtual void issue(const Sample& sample) = 0;
+  virtual Sample collect() = 0;
+};
+
+/// For peers whose calls can only wait: as many threads as calls outstanding.
+std::uint64_t calls_of_threads(Clock::time_point end, unsigned threads,
+                               const std::function<void()>& call);
+
+/// Says that the server can be called at `address`, which has no spaces and may be empty.
+void say_ready(const std::string& address);
+
+/// Speaks for `main`. `serve` says that it is ready and does not return before the server has
+/// ended.
+int speak(int argc, char** argv, const std::function<void(const std::string& how)>& serve,
+          const std::function<std::unique_ptr<Client>(const std::string& how,
+                                                      const std::string& address)>& connect);
+
+}  // namespace peers
