@@ -1,6 +1,6 @@
 """Round trips of ours beside those of other libraries and of what nobody can beat, in one run.
 
-Prints what is promised, met or missed, and a table of each setting. A peer whose
+Prints a table of each setting, and at the end what is promised, met or missed. A peer whose
 programs are not there is named, the rest is measured, and the exit status is 3 unless --without
 named it too. A missed bar is no failure of the run: speeds are shown, not asserted.
 """
@@ -17,7 +17,8 @@ from pathlib import Path
 
 import report
 from candidates import candidates
-from measure import Pace, Rounds, Verdict, judge, run
+from measure import Pace, Verdict, judge, run
+from pair import Broken
 from settings import Line, Setting, settings
 
 TREE = Path(__file__).resolve().parents[2]
@@ -48,7 +49,7 @@ def words() -> argparse.Namespace:
     pace = parser.add_mutually_exclusive_group()
     pace.add_argument("--quick", action="store_true", help="a look, not a result: few rounds")
     pace.add_argument("--smoke", action="store_true", help="does everything answer? No figures")
-    parser.add_argument("--only", default="", help="settings whose title contains this")
+    parser.add_argument("--only", default="", help="settings whose title begins so")
     parser.add_argument(
         "--without", action="append", default=[], metavar="PEER",
         help="leave it out and do not complain; all: measure ours and the limits",
@@ -92,29 +93,25 @@ def main() -> int:
     if unknown:
         sys.exit(f"bench-peers: {unknown.pop()} is no peer: all, {', '.join(sorted(known))}")
     without = known if "all" in given.without else set(given.without)
-    wanted = [setting for setting in settings(everybody) if given.only in setting.title]
+    wanted = [setting for setting in settings(everybody) if setting.title.startswith(given.only)]
     if not wanted:
-        sys.exit(f"bench-peers: no setting's title contains {given.only!r}")
+        sys.exit(f"bench-peers: no setting's title begins with {given.only!r}")
     missing = missing_of(wanted) - without
     if "" in missing:
         sys.exit(f"bench-peers: {given.build} has no programs of ours: make build")
     if missing:
         complain(missing)
 
-    about = report.machine(pace)
+    print(report.machine(pace), flush=True)
     judged: list[tuple[Setting, Verdict]] = []
-    tables: list[tuple[Setting, Rounds]] = []
     with own_laboratory(given.build.resolve()) as env:
         for setting in wanted:
             there = there_of(setting, without | missing)
             measured = run(setting, there, pace, env)
             missing |= {line.candidate.peer for line in there if line.label not in measured}
-            tables.append((setting, measured))
+            print("\n" + report.table(setting, measured), flush=True)
             judged += [(setting, judge(setting, bar, measured)) for bar in setting.bars]
-    print(about, report.bars(judged), sep="\n\n")
-    for setting, measured in tables:
-        print("\n" + report.table(setting, measured))
-    sys.stdout.flush()
+    print("\n" + report.bars(judged), flush=True)
     if missing:
         complain(missing)
         return MISSING
@@ -122,4 +119,7 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    try:
+        sys.exit(main())
+    except Broken as why:
+        sys.exit(f"bench-peers: {why}")
