@@ -31,7 +31,7 @@ cmake -S benchmarks/peers -B "$out" -G Ninja >"$out.log" 2>&1 && cmake --build "
   || say "NOT ALL of the peers in C++ could be built; see $out.log"
 
 if command -v cargo >/dev/null; then
-  CARGO_TARGET_DIR=$out/cargo cargo build --quiet --release --locked --manifest-path benchmarks/peers/iceoryx2/Cargo.toml \
+  CARGO_TARGET_DIR=$out/cargo cargo build --quiet --release --manifest-path benchmarks/peers/iceoryx2/Cargo.toml \
     || say "NOT BUILT: iceoryx2; cargo says above why"
 else
   say "NOT BUILT: iceoryx2, for want of cargo, Rust 1.89 or newer (rustup has it)"

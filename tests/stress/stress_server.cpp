@@ -93,12 +93,7 @@ int main(int count, char** words) {
     options.simulated = true;
     options.thread_safe = true;
     options.media = {setting.medium()};
-    // The broker may be killed while it enlists us.
-    const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-    auto added = server.add(setting.text("name"), workbench, options);
-    while (!added && std::chrono::steady_clock::now() < give_up) {
-      added = server.add(setting.text("name"), workbench, options);
-    }
+    const auto added = server.add(setting.text("name"), workbench, options);
     if (!added) {
       std::fprintf(stderr, "%s\n", added.error().text.c_str());
       return 1;

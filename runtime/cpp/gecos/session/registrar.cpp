@@ -2,6 +2,8 @@
 
 #include <unistd.h>
 
+#include <algorithm>
+
 #include "gecos/base/log.hpp"
 #include "gecos/session/linked_session.hpp"
 #include "gecos/session/registry.hpp"
@@ -50,16 +52,25 @@ tl::expected<void, std::string> Registrar::add(const ServedObject& object,
   entry.addresses = std::move(addresses);
   entry.simulated = object.options().simulated;
 
-  const TimePoint deadline = deadline_after(patience);
-  auto broker = lab_->broker(deadline);
+  auto broker = enlist_first(entry, deadline_after(std::max(patience, object.options().patience)));
   if (!broker) return tl::unexpected(entry.name + " is not served: " + broker.error());
-  if (auto enlisted = enlist(**broker, entry, deadline); !enlisted) {
-    return tl::unexpected(entry.name + " is not served: " + enlisted.error().text);
-  }
   const std::lock_guard lock(mutex_);
   entries_.push_back(std::move(entry));
   broker_ = std::move(*broker);
   return {};
+}
+
+/// A broker that goes while it is asked may be back soon, and takes the same entry again.
+tl::expected<std::shared_ptr<LinkedSession>, std::string> Registrar::enlist_first(
+    const Entry& entry, TimePoint deadline) {
+  for (;;) {
+    auto broker = lab_->broker(deadline);
+    if (!broker) return tl::unexpected(broker.error());
+    const auto enlisted = enlist(**broker, entry, deadline);
+    if (enlisted) return *broker;
+    if (!(*broker)->lost()) return tl::unexpected(enlisted.error().text);
+    if (auto back = await_broker(deadline); !back) return tl::unexpected(back.error());
+  }
 }
 
 void Registrar::look() {

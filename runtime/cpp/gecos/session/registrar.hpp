@@ -33,6 +33,8 @@ class Registrar {
 
  private:
   void run();
+  tl::expected<std::shared_ptr<LinkedSession>, std::string> enlist_first(const Entry& entry,
+                                                                         TimePoint deadline);
   bool enlist_again();
 
   const std::shared_ptr<LabCore> lab_;
