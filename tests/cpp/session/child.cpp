@@ -53,7 +53,9 @@ Child::~Child() {
 }
 
 void Child::signal(int number) {
-  if (pid_ > 0) ::kill(pid_, number);
+  if (pid_ <= 0) return;
+  ::kill(pid_, number);
+  if (number == SIGSTOP) ::waitpid(pid_, nullptr, WUNTRACED);  // all its threads stand
 }
 
 void Child::kill_at_once() {

@@ -31,6 +31,7 @@ class Child {
   Child& operator=(const Child&) = delete;
 
   Line& line() { return line_; }
+  /// Returns from SIGSTOP when nothing runs there any more.
   void signal(int number);
   /// kill -9
   void kill_at_once();

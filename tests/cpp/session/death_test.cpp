@@ -107,6 +107,77 @@ TEST_P(ServerDies, AndEveryCommandEndsInAStateThatSaysWhatIsKnown) {
   EXPECT_EQ(move.state(), State::CommandFailed) << "it never changes";
 }
 
+class ServerStandsStill : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    child_.line().say("go");
+    ASSERT_EQ(child_.line().hear(), "ready");
+  }
+  /// As soon as its server can be found: that of a stopped one is forgotten and told again.
+  probe::Probe connect() {
+    const auto give_up = Clock::now() + 20s;
+    for (;;) {
+      auto robot = lab_.create<probe::Probe>("PROBE");
+      if (robot) return *robot;
+      if (Clock::now() > give_up) throw std::runtime_error(robot.error().to_string());
+    }
+  }
+  /// Once nobody else has it, so that nothing of anybody else can still be carried out.
+  std::int32_t level_in_the_end() {
+    auto robot = connect();
+    const auto give_up = Clock::now() + 20s;
+    for (;;) {
+      const auto lease = gecos::actor(robot);
+      if (lease) return robot.read().get().value();
+      if (Clock::now() > give_up) throw std::runtime_error(lease.error().failure.text);
+    }
+  }
+
+  Place place_;
+  Child child_{[](Child::Line& line) { serve_probe(line, Kind::Lcm); }};
+  const BrokerHere broker_;
+  gecos::Lab lab_;
+};
+
+TEST_F(ServerStandsStill, AndWhatItsClientHasGivenUpIsNotCarriedOutLater) {
+  auto robot = connect();
+  const auto lease = gecos::actor(robot);
+  ASSERT_TRUE(lease) << lease.error();
+  child_.signal(SIGSTOP);
+  const auto sent = robot.set(99);
+  EXPECT_EQ(sent.wait(), State::CommandFailed);
+  EXPECT_EQ(sent.progress().detail, Detail::OutcomeUnknown);
+  child_.signal(SIGCONT);
+  EXPECT_EQ(level_in_the_end(), 7);
+}
+
+TEST_F(ServerStandsStill, AndWhatWasIssuedMeanwhileIsProvedNotToHaveStarted) {
+  auto robot = connect();
+  const auto lease = gecos::actor(robot);
+  ASSERT_TRUE(lease) << lease.error();
+  child_.signal(SIGSTOP);
+  const auto sent = robot.set(98);
+  while (sent.progress().detail != Detail::Unreachable) std::this_thread::yield();
+  const auto never_sent = robot.set(99);
+  EXPECT_EQ(never_sent.wait(), State::ConnectionFailed);
+  EXPECT_EQ(never_sent.progress().detail, Detail::NotStarted);
+  child_.signal(SIGCONT);
+  EXPECT_EQ(level_in_the_end(), 7);
+}
+
+TEST_F(ServerStandsStill, AndADeadlineThatPassedMeanwhileHasPassed) {
+  auto robot = connect();
+  const auto lease = gecos::actor(robot);
+  ASSERT_TRUE(lease) << lease.error();
+  child_.signal(SIGSTOP);
+  const auto sent = gecos::with(robot, {.deadline = 100ms}).set(99);
+  EXPECT_EQ(sent.wait_for(500ms), State::Running) << "only its server can say";
+  child_.signal(SIGCONT);
+  EXPECT_EQ(sent.wait(), State::CommandFailed);
+  EXPECT_EQ(sent.progress().detail, Detail::Expired);
+  EXPECT_EQ(robot.read().get().value(), 7);
+}
+
 /// Takes the robot and moves it; then does what the test asks for.
 void command_probe(Child::Line& line, Kind kind) {
   line.hear();

@@ -61,6 +61,7 @@ class CheckedLink final : public Link {
     return std::nullopt;
   }
 
+  Duration age() override { return inner_->age(); }
   std::optional<std::uint64_t> taken_by_peer() override { return inner_->taken_by_peer(); }
   bool arm() override { return inner_->arm(); }
   void disarm() override { inner_->disarm(); }

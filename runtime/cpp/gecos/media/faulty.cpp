@@ -51,9 +51,12 @@ class FaultyLink final : public Link {
     const auto next = earliest();
     if (next == held_.end() || next->due > clock_.now()) return std::nullopt;
     current_ = std::move(next->packet);
+    sent_ = next->sent;
     held_.erase(next);
     return ByteView(current_);
   }
+
+  Duration age() override { return clock_.now() - sent_; }
 
   /// What the medium below has taken may be lost here, so nothing is known.
   std::optional<std::uint64_t> taken_by_peer() override {
@@ -97,6 +100,7 @@ class FaultyLink final : public Link {
  private:
   struct Held {
     TimePoint due;
+    TimePoint sent;
     Bytes packet;
   };
 
@@ -118,7 +122,8 @@ class FaultyLink final : public Link {
     }
     const Duration more =
         happens(faults_.reordering) ? faults_.reordering_delay : Duration::zero();
-    held_.push_back({clock_.now() + faults_.delay + more, std::move(packet)});
+    const TimePoint now = clock_.now();
+    held_.push_back({now + faults_.delay + more, now - inner_->age(), std::move(packet)});
   }
 
   /// Of those that are due at one time the first comes first.
@@ -142,6 +147,7 @@ class FaultyLink final : public Link {
   std::vector<int> descriptors_;
   std::deque<Held> held_;
   Bytes current_;
+  TimePoint sent_{};
   std::atomic<std::uint64_t> beats_{0};
 };
 

@@ -32,6 +32,8 @@ struct LcmOptions {
   const Clock* clock = nullptr;
 
   TimePoint now() const { return clock != nullptr ? clock->now() : std::chrono::steady_clock::now(); }
+  /// The same as it travels in packets.
+  std::int64_t now_ns() const { return now().time_since_epoch().count(); }
 };
 
 /// The largest packet. Sealed, with our headers, it stays in one datagram of LCM, since those that LCM cuts

@@ -105,6 +105,10 @@ class Link {
   /// call. Never blocks, costs no system call on shm and inproc when nothing is there.
   virtual std::optional<ByteView> receive() = 0;
 
+  /// How long ago the packet was sent that receive() gave last, also where this process was stopped
+  /// meanwhile. Zero where the medium cannot know; there taken_by_peer() tells what was taken.
+  virtual Duration age() { return Duration::zero(); }
+
   /// Number of packets of ours that the peer has taken; stays readable after the peer's death.
   /// Nothing where the medium cannot know.
   virtual std::optional<std::uint64_t> taken_by_peer() = 0;

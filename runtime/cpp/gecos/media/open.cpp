@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "gecos/media/checked.hpp"
+#include "gecos/media/in_pieces.hpp"
 #include "gecos/media/inproc.hpp"
 #include "gecos/media/lcm.hpp"
 #include "gecos/media/shm/shm.hpp"
@@ -42,6 +43,8 @@ tl::expected<std::unique_ptr<Medium>, MediumError> open(Kind kind, const WrapMed
   auto opened = open_itself(kind);
   if (opened && wrap) opened = wrap(std::move(*opened));
   if (opened && !(*opened)->offer().intact) opened = make_checked(std::move(*opened));
+  static const SystemClock clock;
+  if (opened && kind == Kind::Lcm) opened = make_in_pieces(std::move(*opened), clock);
   return opened;
 }
 

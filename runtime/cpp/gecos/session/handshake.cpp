@@ -21,7 +21,7 @@ bool get_rest(wire::Decoder& from, Bytes& into) {
 
 std::size_t Hello::encoded_size() const {
   return wire::string_size(user) + wire::string_size(host) + wire::string_size(program) + 4 + 8 +
-         wire::string_size(interface_name) + 8;
+         wire::string_size(interface_name) + 8 + 8;
 }
 
 void Hello::encode(wire::Encoder& to) const {
@@ -32,14 +32,19 @@ void Hello::encode(wire::Encoder& to) const {
   to.put(boot);
   to.put_string(interface_name);
   to.put(interface_hash);
+  to.put(std::int64_t{accept_within.count()});
 }
 
 bool Hello::decode(wire::Decoder& from) {
-  return from.get_string(user, longest_name, "user") &&
-         from.get_string(host, longest_name, "host") &&
-         from.get_string(program, longest_name, "program") && from.get(pid, "pid") &&
-         from.get(boot, "boot") && from.get_string(interface_name, longest_name, "interface_name") &&
-         from.get(interface_hash, "interface_hash");
+  std::int64_t within = 0;
+  const bool read =
+      from.get_string(user, longest_name, "user") &&
+      from.get_string(host, longest_name, "host") &&
+      from.get_string(program, longest_name, "program") && from.get(pid, "pid") &&
+      from.get(boot, "boot") && from.get_string(interface_name, longest_name, "interface_name") &&
+      from.get(interface_hash, "interface_hash") && from.get(within, "accept_within_ns");
+  accept_within = Duration(within);
+  return read;
 }
 
 bool Welcome::is_a(const std::string& name) const {

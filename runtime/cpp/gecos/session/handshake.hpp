@@ -21,6 +21,9 @@ struct Hello {
   std::uint64_t boot = 0;
   std::string interface_name;
   std::uint64_t interface_hash = 0;
+  /// Calls that are older when the server reads them are not taken up: the client has given them up,
+  /// or sends them again. 0: however old.
+  Duration accept_within{0};
 
   std::size_t encoded_size() const;
   void encode(wire::Encoder& to) const;

@@ -71,7 +71,7 @@ tl::expected<void, media::SendProblem> LinkedSession::send_call(
   header.counter = next_counter_;
   if (repeats_) header.acknowledged = finished_up_to();
   write_packet(packet_, header, size, encode);
-  const auto sent = link_->send(packet_, {});
+  const auto sent = send_first(packet_);
   if (!sent && !(repeats_ && sent.error() == media::SendProblem::Full)) {
     return tl::unexpected(sent.error());
   }
@@ -81,11 +81,21 @@ tl::expected<void, media::SendProblem> LinkedSession::send_call(
   command->boot = welcome_.boot;
   command->sent_as = sent.value_or(0);
   if (repeats_) {
-    command->retry.packet = packet_;
-    command->retry.next = runtime_->clock().now() + retry_after(1);
+    auto& retry = command->retry;
+    const TimePoint now = runtime_->clock().now();
+    retry.packet = packet_;
+    retry.next = now + retry_after(1);
+    retry.on_its_way = sent.has_value();
+    if (header.deadline > Duration{}) retry.deadline = now + header.deadline;
   }
   calls_.insert(header.counter, command);
   return {};
+}
+
+/// To who is silent nothing is sent: it would wait there until nobody knows of it any more.
+tl::expected<std::uint64_t, media::SendProblem> LinkedSession::send_first(ByteView packet) {
+  if (repeats_ && unreachable()) return tl::unexpected(media::SendProblem::Full);
+  return link_->send(packet, {});
 }
 
 /// What it would read is not what was meant, so nothing is sent.
@@ -383,6 +393,9 @@ void LinkedSession::lose(Ending how, const std::string& text) {
 
 Failure LinkedSession::failure_of(const PendingCommand& command, Ending how,
                                   const std::string& text) const {
+  if (repeats_ && !command.retry.on_its_way) {
+    return {Detail::NotStarted, text + "; this command was never sent", {}, {}};
+  }
   // A peer that is gone takes nothing any more; one that is only silent may still.
   if (how == Ending::Died || how == Ending::Closed) {
     const auto taken = link_->taken_by_peer();

@@ -95,6 +95,7 @@ class LinkedSession final : public ClientSession,
   tl::expected<void, media::SendProblem> send_call(wire::PacketHeader& header, std::size_t size,
                                                    FunctionRef<void(wire::Encoder&)> encode,
                                                    const std::shared_ptr<PendingCommand>& command);
+  tl::expected<std::uint64_t, media::SendProblem> send_first(ByteView packet);
   std::optional<Failure> differs(FunctionCode code, std::string_view name) const;
   Failure not_sent(const OperationDescription& operation, std::size_t size,
                    media::SendProblem problem);

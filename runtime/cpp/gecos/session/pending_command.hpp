@@ -46,8 +46,10 @@ class PendingCommand final : public CommandCore {
   struct Retry {
     Bytes packet;
     TimePoint next{};
+    TimePoint deadline = TimePoint::max();
     int sent = 1;
-    bool arrived = false;  ///< the server has it: only its outcome is asked for
+    bool on_its_way = false;  ///< sent at least once
+    bool arrived = false;     ///< the server has it: only its outcome is asked for
     bool cancel = false;
   } retry;
 

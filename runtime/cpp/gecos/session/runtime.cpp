@@ -113,6 +113,9 @@ Hello Runtime::introduce(const InterfaceDescription& wanted) const {
   hello.boot = number(process_boot());
   hello.interface_name = wanted.name;
   hello.interface_hash = wanted.hash;
+  // Nothing is sent to who is UNREACHABLE, and who stays so for `grace` is given up. A quarter is for
+  // what the clocks of two hosts may disagree on.
+  hello.accept_within = options_.grace * 3 / 4;
   return hello;
 }
 

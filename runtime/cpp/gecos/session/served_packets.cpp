@@ -11,6 +11,11 @@
 namespace gecos::session {
 namespace {
 
+/// While this process was stopped, say: its client has been told that nobody knows, or asks again.
+bool waited_too_long(ServerSession& session) {
+  return session.accept_within > Duration{} && session.link().age() > session.accept_within;
+}
+
 SessionId new_session_id() {
   std::uint64_t id = 0;
   while (id == 0) {
@@ -89,6 +94,7 @@ void ServedObject::greet(const std::shared_ptr<ServerSession>& session,
     const SessionId id = new_session_id();
     caller.session = number(id);
     session->greet(id, std::move(caller));
+    session->accept_within = hello->accept_within;
     session->last_sign = watched_.now();
     history_.opened(id, session);
   }
@@ -118,6 +124,7 @@ void ServedObject::arrive(const std::shared_ptr<ServerSession>& session,
                           const wire::PacketView& packet) {
   const std::uint64_t counter = packet.header.counter;
   if (session->repeats()) {
+    if (waited_too_long(*session)) return;
     // What was issued before a release still runs: until all of it is here, it has not arrived.
     const bool release = packet.header.code == FunctionCode{static_cast<std::uint32_t>(Reserved::Release)};
     if (release && counter > session->window.all_up_to() + 1) return;
@@ -131,7 +138,11 @@ void ServedObject::arrive(const std::shared_ptr<ServerSession>& session,
   } else {
     session->window.arrived_in_order(counter);
   }
-  take_call(session, packet);
+  wire::PacketView aged = packet;
+  if (Duration& left = aged.header.deadline; session->repeats() && left > Duration{}) {
+    left = std::max(left - session->link().age(), Duration{1});
+  }
+  take_call(session, aged);
   take_early(session);
 }
 

@@ -75,6 +75,7 @@ class ServerSession {
   std::map<std::uint64_t, std::uint64_t> renewed;       ///< epochs that a stop of its own replaced
   std::size_t commands = 0;    ///< actor commands that have not reached their end
   std::size_t unreturned = 0;  ///< calls that wait, or whose handler has not answered and returned
+  Duration accept_within{0};  ///< as its client asked: what is older is not taken up; 0: however old
   bool left = false;         ///< said goodbye
   bool departed = false;     ///< its link is gone
   std::uint64_t beats_judged = 0;

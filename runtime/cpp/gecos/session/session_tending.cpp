@@ -74,8 +74,11 @@ void LinkedSession::repeat(TimePoint now) {
     if (repeats_ && retry.arrived) {
       header.kind = wire::PacketKind::Query;
       static_cast<void>(send(header, {}));
-    } else if (repeats_) {
-      static_cast<void>(link_->send(retry.packet, {}));
+    } else if (repeats_ && !unreachable()) {
+      if (retry.deadline != TimePoint::max()) {
+        wire::write_deadline(retry.packet, std::max(retry.deadline - now, Duration{1}));
+      }
+      if (link_->send(retry.packet, {})) retry.on_its_way = true;
     }
     retry.next = now + retry_after(++retry.sent);
     if (!repeats_) retry.cancel = cancels_waiting_;

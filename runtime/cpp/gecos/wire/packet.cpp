@@ -94,6 +94,11 @@ void encode_packet_head(std::span<std::byte, packet_head_size> to, const PacketH
   assert(out.written() == packet_head_size);
 }
 
+void write_deadline(std::span<std::byte> packet, Duration left) {
+  assert(packet.size() >= packet_head_size && left >= Duration::zero());
+  Encoder(packet.subspan(deadline_offset, 8)).put(std::int64_t{left.count()});
+}
+
 void encode_packet_tail(std::span<std::byte, packet_tail_size> to, std::size_t tag_size) {
   Encoder(to).put_count(tag_size);
 }

@@ -76,6 +76,10 @@ constexpr std::size_t packet_size(std::size_t body_size, std::size_t tag_size = 
 void encode_packet_head(std::span<std::byte, packet_head_size> to, const PacketHeader& header,
                         std::size_t body_size);
 
+/// Says what is left of the deadline of a packet that is sent again.
+/// @pre `packet` is an encoded one, `left` is not negative
+void write_deadline(std::span<std::byte> packet, Duration left);
+
 /// What stands between body and tag.
 void encode_packet_tail(std::span<std::byte, packet_tail_size> to, std::size_t tag_size);
 

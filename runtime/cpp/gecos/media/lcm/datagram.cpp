@@ -56,6 +56,7 @@ std::optional<DatagramHeader> DatagramHeader::read(ByteView from) {
 void InnerHeader::write(std::span<std::byte, bytes> to) const {
   to[0] = static_cast<std::byte>(kind);
   put<std::uint64_t>(&to[1], number);
+  put<std::uint64_t>(&to[9], static_cast<std::uint64_t>(sent_ns));
 }
 
 std::optional<InnerHeader> InnerHeader::read(ByteView from) {
@@ -65,7 +66,8 @@ std::optional<InnerHeader> InnerHeader::read(ByteView from) {
       kind > static_cast<std::uint8_t>(InnerKind::Unshare)) {
     return std::nullopt;
   }
-  return InnerHeader{static_cast<InnerKind>(kind), get<std::uint64_t>(&from[1])};
+  return InnerHeader{static_cast<InnerKind>(kind), get<std::uint64_t>(&from[1]),
+                     get<std::int64_t>(&from[9])};
 }
 
 void SharedStream::write(std::span<std::byte, bytes> to) const {

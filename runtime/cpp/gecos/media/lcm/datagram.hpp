@@ -48,9 +48,10 @@ enum class InnerKind : std::uint8_t {
 
 /// Stands in front of what is sealed.
 struct InnerHeader {
-  static constexpr std::size_t bytes = 9;
+  static constexpr std::size_t bytes = 17;
   InnerKind kind = InnerKind::Beat;
   std::uint64_t number = 0;
+  std::int64_t sent_ns = 0;  ///< by the sender's clock, which counts from any moment
 
   void write(std::span<std::byte, bytes> to) const;
   static std::optional<InnerHeader> read(ByteView from);

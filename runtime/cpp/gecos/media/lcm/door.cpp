@@ -87,7 +87,8 @@ void LcmDoor::take_sealed(const DatagramHeader& header, ByteView datagram) {
     if (found == inboxes_.end()) return confirm(header, datagram);
     inbox = found->second;
   }
-  inbox->take(datagram.first(DatagramHeader::bytes), datagram.subspan(DatagramHeader::bytes));
+  inbox->take(datagram.first(DatagramHeader::bytes), datagram.subspan(DatagramHeader::bytes),
+              options_.now());
 }
 
 void LcmDoor::confirm(const DatagramHeader& header, ByteView datagram) {
@@ -97,7 +98,7 @@ void LcmDoor::confirm(const DatagramHeader& header, ByteView datagram) {
     Bytes frame(datagram.begin() + DatagramHeader::bytes, datagram.end());
     if (!one.channel.in.open(datagram.first(DatagramHeader::bytes), frame)) continue;
     auto inbox = std::make_shared<LcmInbox>(one.channel.in);
-    inbox->put(std::move(frame));
+    inbox->put(std::move(frame), options_.now());
     inboxes_.emplace(one.client, inbox);
     guests_.push_back({one.client, one.reply_port, one.channel.peer, std::move(one.channel.out),
                        std::move(inbox)});

@@ -23,20 +23,23 @@ void LcmInbox::open(const crypto::Opener& opener) {
   opener_ = opener;
 }
 
-void LcmInbox::take(ByteView header, ByteView frame) {
-  Bytes opened(frame.begin(), frame.end());
+void LcmInbox::take(ByteView header, ByteView frame, TimePoint now) {
   const std::lock_guard lock(mutex_);
-  if (opener_ && opener_->open(header, opened)) put_locked(std::move(opened));
+  if (!opener_) return;
+  Bytes opened = std::exchange(spare_, {});
+  opened.assign(frame.begin(), frame.end());
+  if (opener_->open(header, opened)) put_locked(std::move(opened), now);
 }
 
-void LcmInbox::put(Bytes frame) {
+void LcmInbox::put(Bytes frame, TimePoint now) {
   const std::lock_guard lock(mutex_);
-  put_locked(std::move(frame));
+  put_locked(std::move(frame), now);
 }
 
-void LcmInbox::put_locked(Bytes frame) {
+void LcmInbox::put_locked(Bytes frame, TimePoint now) {
   const auto header = InnerHeader::read(text_in(frame));
   if (!header) return;
+  const Duration age = clock_.age(header->sent_ns, now);
   beats_.fetch_add(1, std::memory_order_relaxed);
   switch (header->kind) {
     case InnerKind::Beat:
@@ -50,7 +53,7 @@ void LcmInbox::put_locked(Bytes frame) {
         return;
       }
       bytes_ += frame.size();
-      packets_.push_back(std::move(frame));
+      packets_.push_back({std::move(frame), now - age});
       break;
     case InnerKind::Share:
     case InnerKind::Opened:
@@ -69,12 +72,13 @@ void LcmInbox::put_locked(Bytes frame) {
   wake_if_asleep();
 }
 
-bool LcmInbox::pop(Bytes& frame) {
+bool LcmInbox::pop(Packet& packet) {
   const std::lock_guard lock(mutex_);
   if (packets_.empty()) return false;
-  frame = std::move(packets_.front());
+  std::swap(spare_, packet.frame);
+  packet = std::move(packets_.front());
   packets_.pop_front();
-  bytes_ -= frame.size();
+  bytes_ -= packet.frame.size();
   return true;
 }
 

@@ -10,6 +10,7 @@
 #include "gecos/crypto/transport.hpp"
 #include "gecos/media/bell.hpp"
 #include "gecos/media/lcm/datagram.hpp"
+#include "gecos/media/lcm/senders_clock.hpp"
 #include "gecos/media/stream_ring.hpp"
 
 namespace gecos::media {
@@ -28,12 +29,17 @@ class LcmInbox final : public Sleeper {
 
   /// From now on what arrives can be opened; before, it is dropped. Once.
   void open(const crypto::Opener& opener);
-  /// A sealed datagram of the peer: its header, and the frame behind it.
-  void take(ByteView header, ByteView frame);
+  /// A sealed datagram of the peer, read at `now`: its header, and the frame behind it.
+  void take(ByteView header, ByteView frame, TimePoint now);
   /// A frame that was opened in place.
-  void put(Bytes frame);
-  /// The next packet's frame, opened; packet_in() says where in it the packet is.
-  bool pop(Bytes& frame);
+  void put(Bytes frame, TimePoint now);
+
+  struct Packet {
+    Bytes frame;       ///< opened; packet_in() says where in it the packet is
+    TimePoint sent{};  ///< by our clock
+  };
+  /// The next packet. What `packet` held before is used again.
+  bool pop(Packet& packet);
   static ByteView packet_in(const Bytes& frame);
   bool has_packets();
 
@@ -59,7 +65,7 @@ class LcmInbox final : public Sleeper {
   Bell& bell() { return bell_; }
 
  private:
-  void put_locked(Bytes frame);
+  void put_locked(Bytes frame, TimePoint now);
 
   Bell bell_;
   std::atomic<bool> asleep_{false};  // tells whoever pumps to ring
@@ -68,7 +74,9 @@ class LcmInbox final : public Sleeper {
   std::atomic<std::uint64_t> dropped_{0};
   std::mutex mutex_;
   std::optional<crypto::Opener> opener_;
-  std::deque<Bytes> packets_;
+  SendersClock clock_;
+  std::deque<Packet> packets_;
+  Bytes spare_;  // of a packet that was taken: most frames need no memory of their own
   std::size_t bytes_ = 0;
   std::vector<Notice> notices_;
 };

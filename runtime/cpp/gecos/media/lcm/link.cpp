@@ -36,7 +36,7 @@ LcmLink::LcmLink(std::shared_ptr<LcmInbox> inbox, std::shared_ptr<LcmOutlet> out
 void LcmLink::say(InnerKind kind, std::uint64_t number, ByteView body) {
   if (inherited()) return;  // sealed here it would go out under the parent's counter
   Bytes memory;
-  outlet_->send({kind, number}, {}, body, memory);
+  outlet_->send({kind, number, options_.now_ns()}, {}, body, memory);
 }
 
 tl::expected<std::uint64_t, SendProblem> LcmLink::send(ByteView head, ByteView body) {
@@ -44,7 +44,7 @@ tl::expected<std::uint64_t, SendProblem> LcmLink::send(ByteView head, ByteView b
     return tl::unexpected(SendProblem::TooLarge);
   }
   if (inherited() || inbox_->closed()) return tl::unexpected(SendProblem::Lost);
-  if (!outlet_->send({InnerKind::Packet, sent_ + 1}, head, body, outgoing_)) {
+  if (!outlet_->send({InnerKind::Packet, sent_ + 1, options_.now_ns()}, head, body, outgoing_)) {
     return tl::unexpected(SendProblem::Full);
   }
   return ++sent_;
@@ -56,7 +56,7 @@ std::optional<ByteView> LcmLink::receive() {
     pump();
     if (!inbox_->pop(current_)) return std::nullopt;
   }
-  return LcmInbox::packet_in(current_);
+  return LcmInbox::packet_in(current_.frame);
 }
 
 void LcmLink::beat() {
@@ -104,12 +104,12 @@ tl::expected<std::unique_ptr<Link>, MediumError> LcmClientLink::connect(
   auto inbox = std::make_shared<LcmInbox>();
   auto opening = std::make_shared<LcmOpening>(std::move(keys), here, address, outlet, inbox);
   const auto subscribed = (*in)->subscribe(
-      lcm_channel("GC", client), [inbox, opening](ByteView datagram) {
+      lcm_channel("GC", client), [inbox, opening, here](ByteView datagram) {
         const auto header = DatagramHeader::read(datagram);
         if (!header) return;
         const ByteView frame = datagram.subspan(DatagramHeader::bytes);
         if (header->kind != DatagramKind::Sealed) return opening->take(*header, frame);
-        inbox->take(datagram.first(DatagramHeader::bytes), frame);
+        inbox->take(datagram.first(DatagramHeader::bytes), frame, here.now());
       });
   if (!subscribed) return tl::unexpected(subscribed.error());
   auto link = std::make_unique<LcmClientLink>(here, std::move(inbox), std::move(outlet),

@@ -31,6 +31,7 @@ class LcmLink : public Link {
   const Peer& peer() const override { return peer_; }
   tl::expected<std::uint64_t, SendProblem> send(ByteView head, ByteView body) override;
   std::optional<ByteView> receive() override;
+  Duration age() override { return options_.now() - current_.sent; }
   std::optional<std::uint64_t> taken_by_peer() override { return std::nullopt; }
   void beat() override;
   std::uint64_t beats_seen() override;
@@ -54,7 +55,7 @@ class LcmLink : public Link {
   const Peer peer_;
   std::uint64_t sent_ = 0;
   Bytes outgoing_;
-  Bytes current_;
+  LcmInbox::Packet current_;
   std::atomic<bool> inherited_{false};  // this is a forked child
   const ForkWatch fork_watch_;
 };

@@ -53,7 +53,7 @@ void LcmOpening::advance() {
 void LcmOpening::speak(TimePoint now) {
   if (open_) {
     Bytes memory;
-    outlet_->send({InnerKind::Beat}, {}, {}, memory);
+    outlet_->send({InnerKind::Beat, 0, options_.now_ns()}, {}, {}, memory);
   } else if (handshake_) {
     outlet_->send_bare(DatagramKind::First, handshake_->first());
   } else if (!address_.key) {
