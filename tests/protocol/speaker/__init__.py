@@ -1,0 +1,6 @@
+"""A speaker of docs/protocol.md: no line of ours is used, and none was read to write it.
+
+From the bottom up: `lcm` (datagrams), `noise` (keys and ciphers), `frames` (what is sealed, and
+large packets in pieces), `packets` (values and packets), `streams`, `client`, `server`. One thread:
+`lcm.Loop` runs whatever takes part until something has happened.
+"""

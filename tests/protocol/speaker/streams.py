@@ -1,0 +1,114 @@
+"""Streams: what a Share says, and samples that one server seals for all its readers."""
+
+from __future__ import annotations
+
+import hashlib
+import struct
+import time
+from collections import deque
+from dataclasses import dataclass
+
+from cryptography.exceptions import InvalidSignature, InvalidTag
+from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey, Ed25519PublicKey
+from cryptography.hazmat.primitives.ciphers.aead import ChaCha20Poly1305
+
+from .frames import HEADER, Header, Kind
+from .lcm import Ear
+from .noise import nonce_of
+
+_SHARE = struct.Struct(">IIHHQ32s32s")
+_STAMP = struct.Struct(">q")
+SIGNATURE = 64
+TAG = 16
+
+
+def channel_of(number: int) -> str:
+    return f"GS{number:016x}"
+
+
+@dataclass(frozen=True, slots=True)
+class Share:
+    id: int
+    largest: int
+    keep: int
+    port: int
+    number: int
+    key: bytes
+    signer: bytes
+
+    def pack(self) -> bytes:
+        where = self.id, self.largest, self.keep, self.port, self.number
+        return _SHARE.pack(*where, self.key, self.signer)
+
+    @staticmethod
+    def of(body: bytes) -> Share | None:
+        if len(body) != _SHARE.size:
+            return None
+        share = Share(*_SHARE.unpack(body))
+        return share if share.keep and share.port else None
+
+
+@dataclass(frozen=True, slots=True)
+class Sample:
+    sequence: int
+    stamp_ns: int
+    value: bytes
+
+
+def _signed(counter: bytes, header: bytes, text: bytes) -> bytes:
+    text = b"gecos stream 1" + counter + struct.pack(">Q", len(header)) + header + text
+    return hashlib.blake2b(text).digest()
+
+
+def seal(share: Share, signer: Ed25519PrivateKey, counter: int, value: bytes) -> bytes:
+    """The datagram of a sample that is measured now."""
+    header = Header(Kind.SAMPLE, 0, 0).pack()
+    raw = counter.to_bytes(8, "big")
+    text = _STAMP.pack(time.time_ns()) + value
+    text += signer.sign(_signed(raw, header, text))
+    return header + raw + ChaCha20Poly1305(share.key).encrypt(nonce_of(counter), text, header)
+
+
+def open_sample(share: Share, payload: bytes) -> Sample | None:
+    """None where it does not open or is not signed by the server."""
+    header, raw, sealed = payload[:HEADER], payload[HEADER : HEADER + 8], payload[HEADER + 8 :]
+    counter = int.from_bytes(raw, "big")
+    if len(sealed) < _STAMP.size + SIGNATURE + TAG:
+        return None
+    try:
+        text = ChaCha20Poly1305(share.key).decrypt(nonce_of(counter), sealed, header)
+        text, signature = text[:-SIGNATURE], text[-SIGNATURE:]
+        key = Ed25519PublicKey.from_public_bytes(share.signer)
+        key.verify(signature, _signed(raw, header, text))
+    except (InvalidTag, InvalidSignature):
+        return None
+    (stamp,) = _STAMP.unpack_from(text)
+    return Sample(counter + 1, stamp, text[_STAMP.size :])
+
+
+class StreamReader:
+    """Hears one stream; takes part in a loop."""
+
+    def __init__(self, share: Share) -> None:
+        self.share = share
+        self.ear = Ear(share.port, channel_of(share.number))
+        self.samples: deque[Sample] = deque(maxlen=share.keep)
+        self.dropped = 0
+        self.last: bytes = b""
+        """The newest datagram that counted."""
+        self._newest = 0
+
+    def heard(self, payload: bytes) -> None:
+        header = Header.of(payload)
+        if header is None or header.kind != Kind.SAMPLE:
+            return
+        sample = open_sample(self.share, payload)
+        if sample is None or sample.sequence <= self._newest:
+            self.dropped += 1
+            return
+        self._newest = sample.sequence
+        self.last = payload
+        self.samples.append(sample)
+
+    def tick(self, now: float) -> None:
+        pass
