@@ -258,7 +258,9 @@ def test_forged_repeated_and_clear_datagrams_change_nothing(rail: Session) -> No
         rail.connection.publish(bytes(bad))
     for size in range(len(good)):
         rail.connection.publish(good[:size])
-    clear = Packet(packets.Kind.CALL, code=POWER, session=rail.id, counter=number + 1, epoch=rail.epoch)
+    clear = Packet(
+        packets.Kind.CALL, code=POWER, session=rail.id, counter=number + 1, epoch=rail.epoch
+    )
     rail.connection.publish(replace(clear, body=packets.boolean(False)).pack())
     rail.connection.publish(good[:HEADER] + clear.pack())
     rail.connection.publish(bytes(4) + good[4:])
