@@ -54,7 +54,7 @@ class Client:
     def _acquire(self, bench: Workbench) -> bool:
         try:
             self._lease = gecos.actor(bench, "stress")
-        except gecos.LeaseRefused:
+        except (gecos.LeaseRefused, gecos.ConnectionFailed):
             return False
         return True
 
