@@ -64,7 +64,8 @@ class Command(Generic[T, F]):
     @property
     def state(self) -> State:
         """RUNNING, or the one of the other three that it has reached."""
-        return self.progress().detail.state
+        self._observed = True
+        return _STATES[self._core.progress()[0]]
 
     @property
     def id(self) -> str:
@@ -98,12 +99,14 @@ class Command(Generic[T, F]):
         Raises a declared exception, CommandFailed or ConnectionFailed; TimeoutError when it still
         runs after `timeout` seconds, which leaves it running.
         """
-        if self.wait(timeout) is State.RUNNING:
-            raise TimeoutError(f"{self._name} is still running after {timeout} s")
-        if self.state is not State.FINISHED:
+        self._observed = True
+        answer = self._core.answer(timeout)
+        if isinstance(answer, int):
+            if _STATES[answer] is State.RUNNING:
+                raise TimeoutError(f"{self._name} is still running after {timeout} s")
             raise self._failure()
         try:
-            return self._method.result(Decoder(self._core.result()))
+            return self._method.result(Decoder(answer))
         except DecodeError as error:
             raise CommandFailed(
                 Detail.FAULT, f"{self._name}: the reply does not decode: {error}"
@@ -184,6 +187,7 @@ class Command(Generic[T, F]):
             )
 
 
+_STATES = tuple(detail.state for detail in Detail)  # by the number of the detail
 _warned: set[str] = set()
 
 

@@ -145,6 +145,14 @@ bool wait(const CommandHandle& self, std::optional<double> timeout) {
   return wait_in_slices(timeout, [&](TimePoint until) { return self.awaited().wait_until(until); });
 }
 
+/// Waits; the encoded result, or the number of the state that there is instead of one.
+nb::object answer(const CommandHandle& self, std::optional<double> timeout) {
+  wait(self, timeout);
+  const Detail detail = self.core().progress().detail;
+  if (detail == Detail::Done) return to_python(self.core().result());
+  return nb::int_(static_cast<int>(detail));
+}
+
 nb::tuple as_tuple(const session::StreamCore& core, const media::StreamSample& sample) {
   return nb::make_tuple(to_python(sample.bytes), sample.sequence, sample.stamp_ns, core.now_ns());
 }
@@ -208,7 +216,7 @@ void bind_client(nb::module_& module) {
       .def("feedback", [](const CommandHandle& c) { return to_python(c.core().feedback()); })
       .def("wait", &wait, nb::arg("timeout").none())
       .def("cancel", [](const CommandHandle& c) { c.core().cancel(); })
-      .def("result", [](const CommandHandle& c) { return to_python(c.core().result()); })
+      .def("answer", &answer, nb::arg("timeout").none())
       .def("failure", [](const CommandHandle& c) { return as_tuple(c.core().failure()); })
       .def("descriptor", [](const CommandHandle& c) { return c.core().descriptor(); });
 

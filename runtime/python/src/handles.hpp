@@ -1,7 +1,6 @@
 #pragma once
 
-#include <unistd.h>
-
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -11,6 +10,7 @@
 
 #include "gecos/session/lab.hpp"
 #include "gecos/session/reserved.hpp"
+#include "lineage.hpp"
 #include "waiting.hpp"
 
 /// What Python holds of the session. The GIL guards them; letting go of one may say goodbye to a
@@ -21,7 +21,7 @@ namespace gecos::python {
 /// in the child, and what they held at the fork stays held: nothing may be asked of it or waited for.
 class Owner {
  public:
-  bool inherited() const { return process_ != ::getpid(); }
+  bool inherited() const { return process_ != forks(); }
   /// Throws in a forked child; `what` is for example "this Lab".
   void demand(const char* what) const {
     if (!inherited()) return;
@@ -31,7 +31,7 @@ class Owner {
   }
 
  private:
-  pid_t process_ = ::getpid();
+  std::uint64_t process_ = forks();
 };
 
 /// Lets go of a pointer without the GIL. Only where the GIL is held. A forked child leaves what it
@@ -110,7 +110,11 @@ class CommandHandle {
  public:
   explicit CommandHandle(std::shared_ptr<session::CommandCore> core) : core_(std::move(core)) {}
   CommandHandle(CommandHandle&&) = default;
-  ~CommandHandle() { let_go(core_, owner_); }
+  /// With the GIL: a command that has not ended is kept by its session as well, and one that has ended
+  /// keeps nothing that must be taken leave of.
+  ~CommandHandle() {
+    if (core_ != nullptr && owner_.inherited()) let_go(core_, owner_);
+  }
 
   session::CommandCore& core() const { return *core_; }
   /// Throws in a forked child.

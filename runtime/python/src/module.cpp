@@ -3,9 +3,11 @@
 
 #include "bind.hpp"
 #include "gecos/session/command.hpp"
+#include "lineage.hpp"
 
 NB_MODULE(_core, module) {
   module.doc() = "The C++ runtime at the byte seam: untyped names that `gecos` gives their types.";
+  gecos::python::count_forks();
   gecos::python::bind_client(module);
   gecos::python::bind_server(module);
   module.def("detail_name", [](std::uint8_t number) {

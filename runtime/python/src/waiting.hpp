@@ -30,17 +30,13 @@ template <class Wait>
 bool wait_in_slices(std::optional<double> seconds, Wait wait) {
   const Duration patience = patience_of(seconds);
   const TimePoint begin = SystemClock().now();
-  for (;;) {
-    bool done = false;
-    Duration passed{};
+  for (Duration passed{};;) {
     {
       const nanobind::gil_scoped_release without_gil;
-      const TimePoint now = SystemClock().now();
-      passed = now - begin;
-      done = wait(now + std::clamp(patience - passed, Duration::zero(), longest_deafness));
+      const auto slice = std::clamp(patience - passed, Duration::zero(), longest_deafness);
+      if (wait(begin + passed + slice)) return true;
       passed = SystemClock().now() - begin;
     }
-    if (done) return true;
     if (PyErr_CheckSignals() != 0) throw nanobind::python_error();
     if (passed >= patience) return false;
   }
