@@ -85,4 +85,4 @@ format: setup  ## C++ and Python laid out as the house does
 
 .PHONY: clean
 clean:  ## all that was built; the virtual environment stays
-	@rm -rf build build-asan build-tsan build-fuzz build-wheel dist runtime/python/gecos/_core*.so
+	@rm -rf build build-asan build-tsan build-fuzz build-wheel dist runtime/python/gecos/_core*.so runtime/python/gecos/wire/_plans*.so

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 
 import gecos
+import numpy as np
 from exchange import Exchange, Sample
 from speaker import speak
 
@@ -14,7 +15,7 @@ PASSWORD = "all clients of one benchmark"
 def main() -> None:
     medium, name = sys.argv[2:]
     exchange = gecos.Lab().create(Exchange, name, medium=medium)
-    axis = [0.0] * 7
+    axis = np.zeros(7)
 
     def call(stamp: float) -> float:
         return exchange.echo(Sample(stamp, axis)).result().stamp

@@ -16,20 +16,21 @@ def _spaced(lines: list[str], python: bool) -> list[str]:
     """Two empty lines around what stands at the left edge of Python, else one at most."""
     result: list[str] = []
     empty, block = 0, False  # block: inside a class or function at the left edge
+    decorated = False  # behind a decorator of it
     for line in lines:
         if not line.strip():
             empty += 1
             continue
         indented = line[0] in " )]}"
         opens = line.startswith(("class ", "def ", "@"))
-        before = result[-1] if result else ""
         wanted = min(empty, 1)
-        if python and not indented and result and not before.startswith("@"):
+        if python and not indented and result and not decorated:
             if opens or block:
                 wanted = 2
             block = opens
         elif python and not indented:
             block = opens
+        decorated = line.startswith("@") if not indented else decorated
         result += [""] * wanted + [line.rstrip()]
         empty = 0
     return result

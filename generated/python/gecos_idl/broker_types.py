@@ -10,7 +10,7 @@ from typing import ClassVar, Self
 
 from gecos import wire
 from gecos.errors import DeclaredError
-from gecos.wire import shapes
+from gecos.wire import plans, shapes
 
 __all__ = [
     "Entry",
@@ -34,6 +34,18 @@ _ENTRY_LAYOUT_2 = wire.Fields(
 )
 
 
+@plans.planned(
+    plans.text(wire.MAX_TEXT),
+    plans.text(wire.MAX_TEXT),
+    plans.items(plans.text(wire.MAX_TEXT), 5, wire.MAX_COUNT),
+    "QQi",
+    plans.text(wire.MAX_TEXT),
+    plans.text(wire.MAX_TEXT),
+    plans.text(wire.MAX_TEXT),
+    plans.items(plans.text(wire.MAX_TEXT), 5, wire.MAX_COUNT),
+    "?",
+    open=True,
+)
 @dataclass(slots=True)
 class Entry:
     """Where an object is and what it is: what a server tells the broker and a client asks

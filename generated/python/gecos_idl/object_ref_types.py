@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Self
 
 from gecos import wire
-from gecos.wire import shapes
+from gecos.wire import plans, shapes
 
 __all__ = [
     "ObjectRef",
@@ -23,6 +23,7 @@ _OBJECT_REF_LAYOUT = wire.Fields(
 )
 
 
+@plans.planned(plans.text(wire.MAX_TEXT), "QQ", plans.text(wire.MAX_TEXT))
 @dataclass(slots=True)
 class ObjectRef:
     """Which object is meant: what a value of an interface's type is. An empty name is nil,

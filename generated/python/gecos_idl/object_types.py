@@ -11,7 +11,7 @@ from typing import ClassVar, Self
 
 from gecos import wire
 from gecos.errors import DeclaredError
-from gecos.wire import shapes
+from gecos.wire import plans, shapes
 
 __all__ = [
     "Description",
@@ -46,6 +46,14 @@ _HOLDER_LAYOUT_2 = wire.Fields(
 )
 
 
+@plans.planned(
+    plans.enumerator("i", Status, Status.SENSOR),
+    plans.text(64),
+    plans.text(64),
+    plans.text(128),
+    "idd?",
+    open=True,
+)
 @dataclass(slots=True)
 class Holder:
     """A client that holds actor or master status of an object."""
@@ -127,6 +135,18 @@ _DESCRIPTION_LAYOUT_3 = wire.Fields(
 )
 
 
+@plans.planned(
+    plans.text(wire.MAX_TEXT),
+    plans.text(wire.MAX_TEXT),
+    plans.text(wire.MAX_TEXT),
+    "Q?",
+    plans.text(wire.MAX_TEXT),
+    plans.text(wire.MAX_TEXT),
+    "QI",
+    plans.text(wire.MAX_TEXT),
+    "i",
+    open=True,
+)
 @dataclass(slots=True)
 class Description:
     """What an object is and what state it is in."""
@@ -259,6 +279,7 @@ _GRANT_LAYOUT = wire.Fields(
 )
 
 
+@plans.planned(plans.enumerator("i", Status, Status.SENSOR), "Q", open=True)
 @dataclass(slots=True)
 class Grant:
     """Status that was given, fenced by `epoch`."""
@@ -300,6 +321,7 @@ _OUTCOME_RECORD_LAYOUT = wire.Fields(
 )
 
 
+@plans.planned("B", plans.text(wire.MAX_TEXT), open=True)
 @dataclass(slots=True)
 class OutcomeRecord:
     """What became of a command, or where it stands."""

@@ -9,7 +9,7 @@ from dataclasses import field as _field
 from typing import Self
 
 from gecos import wire
-from gecos.wire import shapes
+from gecos.wire import plans, shapes
 from robcl.frames import Frame
 
 __all__ = [
@@ -28,7 +28,7 @@ _VECTOR_LAYOUT = wire.Fields(
 )
 
 
-@wire.one_run(_VECTOR_LAYOUT)
+@plans.planned("ddd")
 @dataclass(slots=True)
 class Vector:
     x: float = 0.0
@@ -48,9 +48,6 @@ class Vector:
     @staticmethod
     def fingerprint() -> int:
         return 0xAE7E5FBA5EECA11E
-
-    def _gecos_message(self) -> bytes:
-        return _VECTOR_LAYOUT.pack_message(0xAE7E5FBA5EECA11E, self.x, self.y, self.z)
 
     @staticmethod
     def _gecos_shape() -> shapes.Shape:
@@ -75,7 +72,7 @@ _QUATERNION_LAYOUT = wire.Fields(
 )
 
 
-@wire.one_run(_QUATERNION_LAYOUT)
+@plans.planned("dddd")
 @dataclass(slots=True)
 class Quaternion:
     """Unit quaternion, w + xi + yj + zk."""
@@ -95,9 +92,6 @@ class Quaternion:
     @staticmethod
     def fingerprint() -> int:
         return 0x365BDD4BF9100A1F
-
-    def _gecos_message(self) -> bytes:
-        return _QUATERNION_LAYOUT.pack_message(0x365BDD4BF9100A1F, self.w, self.x, self.y, self.z)
 
     @staticmethod
     def _gecos_shape() -> shapes.Shape:

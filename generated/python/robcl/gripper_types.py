@@ -9,7 +9,7 @@ from typing import ClassVar, Self
 
 from gecos import wire
 from gecos.errors import DeclaredError
-from gecos.wire import shapes
+from gecos.wire import plans, shapes
 
 __all__ = [
     "GripperState",
@@ -27,6 +27,7 @@ _GRIPPER_STATE_LAYOUT = wire.Fields(
 )
 
 
+@plans.planned("dd??", plans.text(wire.MAX_TEXT), open=True)
 @dataclass(slots=True)
 class GripperState:
     """What the jaws do and hold."""

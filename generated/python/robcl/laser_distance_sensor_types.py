@@ -9,7 +9,7 @@ from typing import ClassVar, Self
 
 from gecos import wire
 from gecos.errors import DeclaredError
-from gecos.wire import shapes
+from gecos.wire import plans, shapes
 
 __all__ = [
     "Distance",
@@ -28,6 +28,7 @@ _DISTANCE_LAYOUT = wire.Fields(
 )
 
 
+@plans.planned("d?ddd")
 @dataclass(slots=True)
 class Distance:
     """One measurement. Out of range is `valid == FALSE`, never a distance of 0."""

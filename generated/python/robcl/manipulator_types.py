@@ -10,7 +10,7 @@ from typing import ClassVar, Self
 
 from gecos import wire
 from gecos.errors import DeclaredError
-from gecos.wire import shapes
+from gecos.wire import plans, shapes
 
 __all__ = [
     "Blend",
@@ -48,6 +48,16 @@ _TRAJECTORY_LAYOUT = wire.Fields(
 )
 
 
+@plans.planned(
+    plans.ranged("d", 0.01, 1.0),
+    plans.ranged("d", 0.01, 1.0),
+    plans.enumerator("i", PathType, PathType.JOINT),
+    plans.enumerator("i", Blend, Blend.BREAK),
+    plans.optional("d"),
+    plans.optional("d"),
+    missing=2,
+    open=True,
+)
 @dataclass(slots=True)
 class Trajectory:
     """How to get from here to the goal; the slowest of the limits binds."""
@@ -140,6 +150,7 @@ _MOTION_PROGRESS_LAYOUT = wire.Fields(
 )
 
 
+@plans.planned(plans.ranged("d", 0.0, 1.0), "d", open=True)
 @dataclass(slots=True)
 class MotionProgress:
     fraction: float = 0.0

@@ -9,7 +9,7 @@ from enum import IntEnum
 from typing import Self
 
 from gecos import wire
-from gecos.wire import shapes
+from gecos.wire import plans, shapes
 
 __all__ = [
     "Configuration",
@@ -44,6 +44,12 @@ _CONFIGURATION_LAYOUT = wire.Fields(
 )
 
 
+@plans.planned(
+    plans.enumerator("i", Shoulder, Shoulder.RIGHTY),
+    plans.enumerator("i", Elbow, Elbow.ABOVE),
+    plans.enumerator("i", Wrist, Wrist.NOFLIP),
+    open=True,
+)
 @dataclass(slots=True)
 class Configuration:
     """Which of the eight inverse solutions the arm is in."""

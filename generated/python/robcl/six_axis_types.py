@@ -9,7 +9,7 @@ from dataclasses import field as _field
 from typing import TYPE_CHECKING, Self, TypeAlias
 
 from gecos import wire
-from gecos.wire import shapes
+from gecos.wire import plans, shapes
 
 if TYPE_CHECKING:
     import numpy as np
@@ -23,6 +23,7 @@ __all__ = [
 JointVector: TypeAlias = "npt.NDArray[np.float64]"
 
 
+@plans.planned(plans.array("d", 6))
 @dataclass(slots=True, eq=False)
 class Joints:
     """Joint positions of a six-axis arm."""

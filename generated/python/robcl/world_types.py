@@ -10,7 +10,7 @@ from typing import ClassVar, Self
 
 from gecos import wire
 from gecos.errors import DeclaredError
-from gecos.wire import shapes
+from gecos.wire import plans, shapes
 from robcl.geometry_types import Frame, Vector
 
 __all__ = [
@@ -89,6 +89,7 @@ _RAY_HIT_LAYOUT = wire.Fields(
 )
 
 
+@plans.planned("?d", plans.text(wire.MAX_TEXT), open=True)
 @dataclass(slots=True)
 class RayHit:
     """What a ray meets first."""
@@ -134,6 +135,7 @@ _CONTACT_LAYOUT = wire.Fields(
 )
 
 
+@plans.planned("?d", plans.text(wire.MAX_TEXT), open=True)
 @dataclass(slots=True)
 class Contact:
     """What closing jaws would meet."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any, NoReturn
 
 from gecos.wire.codes import CODE_MEANING
@@ -23,15 +23,8 @@ class Fields:
         "_names",
         "_pack",
         "_unpack_from",
-        "pack_message",
         "size",
-        "unpack_message",
     )
-
-    pack_message: Callable[..., bytes]
-    """The fingerprint and all members, without a word about what does not fit."""
-    unpack_message: Callable[..., tuple[Any, ...]]
-    """Its inverse, of exactly `size` and eight more bytes."""
 
     def __init__(self, codes: str, names: Sequence[str]) -> None:
         if len(codes) != len(names):
@@ -43,10 +36,6 @@ class Fields:
         reader = struct.Struct(">" + codes.replace("?", "B"))
         self._unpack_from = reader.unpack_from
         self.size = reader.size
-        message = struct.Struct(">Q" + codes)
-        self.pack_message, self.unpack_message = message.pack, message.unpack
-        if self._booleans:  # struct takes anything for true or false
-            self.pack_message = self._pack_with_booleans
 
     def pack(self, *values: Any) -> bytes:
         if self._booleans and len(values) == len(self._codes):
@@ -57,9 +46,6 @@ class Fields:
             return self._pack(*values)
         except (struct.error, OverflowError, TypeError):
             raise self._unfit(values) from None
-
-    def _pack_with_booleans(self, fingerprint: int, *values: Any) -> bytes:
-        return struct.pack(">Q", fingerprint) + self.pack(*values)
 
     def unpack(self, source: Decoder) -> tuple[Any, ...]:
         offset = source.offset

@@ -5,6 +5,7 @@ Writing is statements that append to `out`; reading is an expression over `sourc
 
 from __future__ import annotations
 
+from gidl.targets.python.lower.plans import Plans
 from gidl.targets.python.lower.reading import Reading
 from gidl.targets.python.lower.runs import Leaf, Run
 from gidl.targets.python.lower.shapes import Shapes
@@ -14,5 +15,5 @@ from gidl.targets.python.lower.writing import Writing
 __all__ = ["CODES", "Leaf", "Lowering", "Run", "Slot", "indented"]
 
 
-class Lowering(Writing, Reading, Shapes):
+class Lowering(Writing, Reading, Shapes, Plans):
     """All of it, for one model."""

@@ -127,6 +127,8 @@ def _imports(
     if {t.kind for t in types} & {"struct", "union", "bits"}:
         modules["gecos"] = {"wire"}
         modules["gecos.wire"] = {"shapes"}
+    if any(isinstance(t, StructView) and t.plan for t in types):
+        modules["gecos.wire"].add("plans")
     if any(isinstance(t, StructView) and t.is_exception for t in types):
         modules["gecos.errors"] = {"DeclaredError"}
     for module, name in mapped:

@@ -12,7 +12,21 @@ from gidl.targets.python import names
 from gidl.targets.python.lower import Lowering
 
 LOCAL_WORDS = frozenset(
-    ("out", "source", "cls", "self", "wire", "chr", "range", "len", "sorted", "Any", "np", "npt")
+    (
+        "out",
+        "source",
+        "cls",
+        "self",
+        "wire",
+        "plans",
+        "chr",
+        "range",
+        "len",
+        "sorted",
+        "Any",
+        "np",
+        "npt",
+    )
 )
 
 

@@ -62,6 +62,11 @@ class Plan:
             for n, run in enumerate(runs, start=1)
         }
 
+    @property
+    def missing(self) -> int:
+        """How many of the last members an older writer may leave out."""
+        return len(self._members) - self._required
+
     def run_views(self) -> list[RunView]:
         return [
             RunView(
@@ -108,15 +113,6 @@ class Plan:
         if self._struct.is_appendable:
             lines.append("source.offset = source.end  # what a newer writer added is skipped")
         return [*lines, f"return cls({', '.join(arguments)})"]
-
-    def only_run(self) -> str:
-        """Name of the one run that is the whole struct; "" where a value needs a check."""
-        run = self._groups[0][0] if len(self._groups) == 1 else None
-        if run is None or self._struct.is_appendable or not self._is_plain(run):
-            return ""
-        if any(leaf.code == "?" or self._lowering.check_leaf(leaf) for leaf in run.leaves):
-            return ""
-        return self._names[id(run)]
 
     def _is_plain(self, run: Run) -> bool:
         """Whether what is unpacked are the members as they are."""

@@ -41,7 +41,6 @@ class Structs(ValueNames):
         layout = self._lowering.layout.structs.get(struct.name)
         plan = Plan(self._lowering, struct, members, slots, self._name(struct), words)
         by_hand = is_exception or arrays
-        one_run = "" if is_exception or layout is None else plan.only_run()
         return StructView(
             "struct",
             self._name(struct),
@@ -57,10 +56,16 @@ class Structs(ValueNames):
             "" if layout is None else f"0x{layout.fingerprint & (1 << 64) - 1:016X}",
             tuple(self._comparisons(members, words)) if arrays and not is_exception else (),
             tuple(self._member_shape(m, words) for m in members),
-            one_run,
-            ", ".join(slot.expression for slot in slots),
+            self._plan(struct, plan.missing),
             stands_for,
         )
+
+    def _plan(self, struct: Struct, missing: int) -> str:
+        steps = self._lowering.plan(struct)
+        if steps is None:
+            return ""
+        rest = [f"missing={missing}"] if missing else []
+        return ", ".join([*steps, *rest, *(["open=True"] if struct.is_appendable else [])])
 
     def _twin(self, struct: Struct, mapped: str) -> StructView:
         """What the declared members look like where a hand-written type has their bytes."""

@@ -51,8 +51,7 @@ class StructView:
     fingerprint: str  # "" for what is no declared type
     equal: tuple[str, ...]  # comparisons, where arrays need help
     shape: tuple[str, ...]  # its members as gecos.wire.shapes has them
-    one_run: str  # the run that is all of it, when nothing needs a check; or ""
-    one_run_values: str
+    plan: str  # what it tells gecos.wire.plans of its members; "" where it has no plan
     stands_for: str  # the hand-written type whose layout it has, or ""
 
 

@@ -1,0 +1,40 @@
+#include <nanobind/nanobind.h>
+
+#include "plans/callables.hpp"
+#include "plans/description.hpp"
+
+namespace {
+
+namespace nb = nanobind;
+namespace plans = gecos::python::plans;
+
+nb::object owned(PyObject* object) {
+  if (object == nullptr) throw nb::python_error();
+  return nb::steal(object);
+}
+
+}  // namespace
+
+NB_MODULE(_plans, module) {
+  module.doc() = "Codecs of generated structs, carried out in one go; `gecos.wire.plans` tells them.";
+  module.def(
+      "prepare",
+      [](nb::handle decoder) {
+        if (!plans::prepare_callables(decoder.ptr())) throw nb::python_error();
+      },
+      nb::arg("decoder"));
+  module.def(
+      "struct",
+      [](nb::handle kind, std::uint64_t fingerprint, nb::sequence members, nb::sequence defaults,
+         bool open, nb::handle encode, nb::handle decode) {
+        const plans::Plan& plan = plans::describe(kind, fingerprint, members, defaults, open);
+        return nb::make_tuple(owned(plans::encoding(plan, encode.ptr())),
+                              owned(plans::decoding(plan, decode.ptr())));
+      },
+      nb::arg("kind"), nb::arg("fingerprint"), nb::arg("members"), nb::arg("defaults"),
+      nb::arg("open"), nb::arg("encode"), nb::arg("decode"));
+  module.def(
+      "entry",
+      [](const char* name, nb::handle python) { return owned(plans::entry(name, python.ptr())); },
+      nb::arg("name"), nb::arg("python"));
+}

@@ -1,0 +1,125 @@
+#pragma once
+
+#include <Python.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+/// Codecs of generated structs: what `gecos.wire.plans` describes, carried out in one go.
+///
+/// A plan knows the usual case and nothing else. Whatever it meets beside that, in a value or in bytes,
+/// it gives up, and the Python form does it all from the start: that one alone says what is wrong.
+/// Everything here is called with the GIL. Plans live until the process ends.
+namespace gecos::python::plans {
+
+struct Plan;
+
+/// What a number must lie between, seen as each of the three kinds of number.
+struct Limits {
+  double low = -std::numeric_limits<double>::infinity();
+  double high = std::numeric_limits<double>::infinity();
+  std::int64_t least = std::numeric_limits<std::int64_t>::min();
+  std::int64_t most = std::numeric_limits<std::int64_t>::max();
+  bool there = false;
+
+  template <class T>
+  bool hold(T x) const {
+    if constexpr (std::is_floating_point_v<T>) {
+      return !there || (static_cast<T>(low) <= x && x <= static_cast<T>(high));
+    } else {
+      return !there || (least <= static_cast<std::int64_t>(x) && static_cast<std::int64_t>(x) <= most);
+    }
+  }
+};
+
+enum class What : std::uint8_t {
+  Number,
+  Enumerator,
+  Array,    ///< numbers of a given shape, of numpy
+  Numbers,  ///< a sequence of them
+  Text,
+  Octets,
+  Struct,
+  Block,  ///< an appendable struct
+  Optional,
+  Items,  ///< of anything else
+};
+
+/// How one member is written and read.
+struct Step {
+  What what = What::Number;
+  char code = 0;  ///< of numbers: as in `wire.Fields`
+  Limits limits;
+  std::vector<Py_ssize_t> shape;  ///< of an array
+  Py_ssize_t size = -1;           ///< elements; -1 where a count says how many
+  Py_ssize_t most = 0;            ///< of a count, or of a text's bytes
+  Py_ssize_t least = 0;           ///< bytes that an element takes
+  const Plan* plan = nullptr;     ///< of a struct
+  PyTypeObject* kind = nullptr;   ///< of an enumerator
+  PyObject* known = nullptr;      ///< enumerators by number
+  PyObject* otherwise = nullptr;  ///< the enumerator for an unknown number, or null
+  std::vector<Step> inner;        ///< of an optional value and of items: one
+};
+
+/// A generated struct: a dataclass with slots.
+struct Plan {
+  PyTypeObject* kind = nullptr;
+  std::uint64_t fingerprint = 0;
+  std::vector<Step> steps;
+  std::vector<Py_ssize_t> slots;     ///< where each member is in an object
+  std::vector<PyObject*> defaults;   ///< of what an older writer leaves out: the last ones
+  bool open = false;                 ///< what a newer writer added is skipped
+  Py_ssize_t least = 0;              ///< bytes that a value takes at least
+};
+
+/// Calls `act` with a number of the type of a code other than `?`.
+template <class Act>
+bool with_number_of(char code, Act act) {
+  switch (code) {
+    case 'b': return act(std::int8_t{});
+    case 'B': return act(std::uint8_t{});
+    case 'h': return act(std::int16_t{});
+    case 'H': return act(std::uint16_t{});
+    case 'i': return act(std::int32_t{});
+    case 'I': return act(std::uint32_t{});
+    case 'q': return act(std::int64_t{});
+    case 'Q': return act(std::uint64_t{});
+    case 'f': return act(float{});
+    case 'd': return act(double{});
+    default: return false;
+  }
+}
+
+/// Bytes of a number; 0 for what is no code.
+constexpr Py_ssize_t size_of(char code) {
+  constexpr std::string_view codes = "?bBhHiIqQfd";
+  constexpr Py_ssize_t sizes[] = {1, 1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
+  const auto at = codes.find(code);
+  return at == codes.npos ? 0 : sizes[at];
+}
+
+enum class Frame : std::uint8_t {
+  Bare,     ///< the fields alone
+  Message,  ///< behind the fingerprint
+  Block,    ///< behind their size
+};
+
+/// `value`, exactly of the plan's kind, as bytes; null when it must be left to Python, with no error
+/// set.
+PyObject* encoded(const Plan& plan, PyObject* value, Frame frame);
+
+/// Bytes that are read from `at` on.
+struct Input {
+  const std::byte* at = nullptr;
+  const std::byte* end = nullptr;
+  Py_ssize_t remaining() const { return end - at; }
+};
+
+/// A new value; null when these bytes must be left to Python, with no error set.
+PyObject* decoded(const Plan& plan, Input& from);
+
+}  // namespace gecos::python::plans
