@@ -1,97 +1,99 @@
 #include "plans/arrays.hpp"
 
-#include <nanobind/nanobind.h>
-
-#include <array>
-#include <string_view>
+#define NPY_NO_DEPRECATED_API NPY_2_0_API_VERSION
+#include <numpy/arrayobject.h>
 
 #include "gecos/wire/swap_copy.hpp"
 
 namespace gecos::python::plans {
 namespace {
 
-/// numpy's array; null as long as nobody has imported numpy: there is none then.
-PyTypeObject* array_type() {
-  static PyTypeObject* type = nullptr;
-  if (type == nullptr) {
+static_assert(sizeof(npy_intp) == sizeof(Py_ssize_t));
+
+/// Whether numpy can be used; loads it.
+bool numpy_there() {
+  static bool there = false;
+  if (!there) {
+    there = PyArray_ImportNumPyAPI() == 0;
+    PyErr_Clear();
+  }
+  return there;
+}
+
+/// As long as nobody has imported numpy there is no array of it.
+bool numpy_used() {
+  static bool used = false;
+  if (!used) {
     const Owned name(PyUnicode_FromString("numpy"));
     const Owned numpy(name ? PyImport_GetModule(name.get()) : nullptr);
-    if (numpy) {
-      type = reinterpret_cast<PyTypeObject*>(PyObject_GetAttrString(numpy.get(), "ndarray"));
-    }
+    used = numpy && numpy_there();
     PyErr_Clear();
   }
-  return type;
+  return used;
 }
 
-/// What the elements of a buffer are called whose code is `code`.
-bool is_format(const char* format, char code, Py_ssize_t width) {
-  if (format == nullptr || format[0] == '\0' || format[1] != '\0') return false;
-  const bool is_signed = code == 'b' || code == 'h' || code == 'i' || code == 'q';
-  const bool is_unsigned = code == 'B' || code == 'H' || code == 'I' || code == 'Q';
-  constexpr std::string_view signeds = "bhilq", unsigneds = "BHILQ";
-  return width == size_of(code) && (is_signed     ? signeds.find(format[0]) != signeds.npos
-                                    : is_unsigned ? unsigneds.find(format[0]) != unsigneds.npos
-                                                  : format[0] == code);
-}
-
-/// What new arrays are made by. Null when it cannot be had.
-PyObject* numpy_empty() {
-  static PyObject* empty = nullptr;
-  if (empty == nullptr) {
-    const Owned numpy(PyImport_ImportModule("numpy"));
-    if (numpy) empty = PyObject_GetAttrString(numpy.get(), "empty");
-    PyErr_Clear();
+int type_of(char code) {
+  switch (code) {
+    case '?':
+      return NPY_BOOL;
+    case 'b':
+      return NPY_INT8;
+    case 'B':
+      return NPY_UINT8;
+    case 'h':
+      return NPY_INT16;
+    case 'H':
+      return NPY_UINT16;
+    case 'i':
+      return NPY_INT32;
+    case 'I':
+      return NPY_UINT32;
+    case 'q':
+      return NPY_INT64;
+    case 'Q':
+      return NPY_UINT64;
+    case 'f':
+      return NPY_FLOAT32;
+    default:
+      return NPY_FLOAT64;
   }
-  return empty;
-}
-
-/// numpy's name of a code in the machine's byte order: the one object that arrays have there.
-PyObject* dtype_of(char code) {
-  static std::array<PyObject*, 128> known{};
-  PyObject*& dtype = known.at(static_cast<std::size_t>(code));
-  if (dtype == nullptr) {
-    const Owned codes(PyImport_ImportModule("gecos.wire.codes"));
-    if (codes) dtype = PyObject_CallMethod(codes.get(), "native", "C", code);
-    PyErr_Clear();
-  }
-  return dtype;
 }
 
 }  // namespace
 
-bool Memory::open_numbers(PyObject* array, char code) {
-  return Py_TYPE(array) == array_type() && open(array, PyBUF_FORMAT | PyBUF_C_CONTIGUOUS) &&
-         is_format(view_.format, code, view_.itemsize);
+std::optional<Numbers> numbers_of(PyObject* object, char code) {
+  if (!numpy_used() || !PyArray_CheckExact(object)) return std::nullopt;
+  auto* const array = reinterpret_cast<PyArrayObject*>(object);
+  if (PyArray_TYPE(array) != type_of(code) || !PyArray_ISCARRAY_RO(array)) return std::nullopt;
+  return Numbers{static_cast<const std::byte*>(PyArray_DATA(array)),
+                 PyArray_SIZE(array),
+                 {PyArray_DIMS(array), static_cast<std::size_t>(PyArray_NDIM(array))}};
 }
 
 void swap_numbers(char code, std::byte* to, const std::byte* from, Py_ssize_t count) {
   const auto many = static_cast<std::size_t>(count);
   switch (size_of(code)) {
-    case 1: return wire::swap_copy<1>(to, from, many);
-    case 2: return wire::swap_copy<2>(to, from, many);
-    case 4: return wire::swap_copy<4>(to, from, many);
-    default: return wire::swap_copy<8>(to, from, many);
+    case 1:
+      return wire::swap_copy<1>(to, from, many);
+    case 2:
+      return wire::swap_copy<2>(to, from, many);
+    case 4:
+      return wire::swap_copy<4>(to, from, many);
+    default:
+      return wire::swap_copy<8>(to, from, many);
   }
 }
 
 PyObject* array_of(const Step& step, Py_ssize_t count, const std::byte* from) {
-  PyObject* const empty = numpy_empty();
-  PyObject* const dtype = dtype_of(step.code);
-  if (empty == nullptr || dtype == nullptr) return nullptr;
-  const Owned shape(step.shape.size() > 1
-                        ? PyTuple_New(static_cast<Py_ssize_t>(step.shape.size()))
-                        : PyLong_FromSsize_t(count));
-  if (!shape) return nullptr;
-  for (std::size_t i = 0; step.shape.size() > 1 && i < step.shape.size(); ++i) {
-    PyTuple_SET_ITEM(shape.get(), static_cast<Py_ssize_t>(i), PyLong_FromSsize_t(step.shape[i]));
-  }
-  PyObject* const arguments[] = {shape.get(), dtype};
-  Owned array(PyObject_Vectorcall(empty, arguments, 2, nullptr));
-  Memory memory;
-  if (!array || !memory.open(array.get(), PyBUF_WRITABLE)) return nullptr;
-  swap_numbers(step.code, memory.data(), from, count);
-  return array.release();
+  if (!numpy_there()) return nullptr;
+  const bool counted = step.what == What::Numbers;
+  const int dimensions = counted ? 1 : static_cast<int>(step.shape.size());
+  PyObject* const made =
+      PyArray_SimpleNew(dimensions, counted ? &count : step.shape.data(), type_of(step.code));
+  if (made == nullptr) return nullptr;
+  auto* const data = static_cast<std::byte*>(PyArray_DATA(reinterpret_cast<PyArrayObject*>(made)));
+  swap_numbers(step.code, data, from, count);
+  return made;
 }
 
 }  // namespace gecos::python::plans

@@ -3,20 +3,21 @@
 #include <Python.h>
 
 #include <cstddef>
+#include <optional>
+#include <span>
 #include <utility>
 
 #include "plans/plan.hpp"
 
-/// Arrays of numpy, by the protocol of buffers: nothing here is built against numpy.
+/// Arrays of numpy, which is loaded when the first of them passes.
 namespace gecos::python::plans {
 
 /// A new reference that this owns.
 class Owned {
  public:
-  Owned() = default;
   explicit Owned(PyObject* object) : object_(object) {}
-  Owned(Owned&& other) noexcept : object_(std::exchange(other.object_, nullptr)) {}
-  Owned& operator=(Owned&&) = delete;
+  Owned(const Owned&) = delete;
+  Owned& operator=(const Owned&) = delete;
   ~Owned() { Py_XDECREF(object_); }
   explicit operator bool() const { return object_ != nullptr; }
   PyObject* get() const { return object_; }
@@ -26,32 +27,15 @@ class Owned {
   PyObject* object_ = nullptr;
 };
 
-/// The memory of an object for as long as this lives.
-class Memory {
- public:
-  Memory() = default;
-  Memory(const Memory&) = delete;
-  Memory& operator=(const Memory&) = delete;
-  ~Memory() {
-    if (view_.obj != nullptr) PyBuffer_Release(&view_);
-  }
-
-  /// False, with no error set, when it cannot be had so.
-  bool open(PyObject* object, int flags) {
-    if (PyObject_GetBuffer(object, &view_, flags) == 0) return true;
-    PyErr_Clear();
-    view_.obj = nullptr;
-    return false;
-  }
-  /// An array of numpy in C order whose elements are those of `code`, in the machine's byte order.
-  bool open_numbers(PyObject* array, char code);
-
-  std::byte* data() const { return static_cast<std::byte*>(view_.buf); }
-  const Py_buffer& view() const { return view_; }
-
- private:
-  Py_buffer view_{};
+/// What is in an array, in C order and the machine's byte order. Borrowed.
+struct Numbers {
+  const std::byte* data = nullptr;
+  Py_ssize_t count = 0;
+  std::span<const Py_ssize_t> shape;
 };
+
+/// Nothing for what is no array of numpy whose numbers are those of `code` and lie so.
+std::optional<Numbers> numbers_of(PyObject* object, char code);
 
 /// Copies numbers to or from the wire.
 void swap_numbers(char code, std::byte* to, const std::byte* from, Py_ssize_t count);

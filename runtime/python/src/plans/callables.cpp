@@ -34,25 +34,34 @@ PyObject*& slot(PyObject* object, Py_ssize_t at) {
   return *reinterpret_cast<PyObject**>(reinterpret_cast<char*>(object) + at);
 }
 
-/// Bytes, from whatever object of Python holds them.
+/// Bytes, from whatever object of Python holds them, for as long as this lives.
 class Source {
  public:
+  Source() = default;
+  Source(const Source&) = delete;
+  Source& operator=(const Source&) = delete;
+  ~Source() {
+    if (view_.obj != nullptr) PyBuffer_Release(&view_);
+  }
+  /// False, perhaps with an error set, when it cannot be had so.
   bool open(PyObject* data) {
     if (PyBytes_CheckExact(data)) {
       first_ = reinterpret_cast<const std::byte*>(PyBytes_AS_STRING(data));
       size_ = PyBytes_GET_SIZE(data);
       return true;
     }
-    if (!memory_.open(data, PyBUF_SIMPLE)) return false;
-    first_ = memory_.data();
-    size_ = memory_.view().len;
+    if (PyObject_GetBuffer(data, &view_, PyBUF_SIMPLE) != 0) return false;
+    first_ = static_cast<const std::byte*>(view_.buf);
+    size_ = view_.len;
     return true;
   }
   Input all() const { return {first_, first_ + size_}; }
-  bool has(Py_ssize_t offset, Py_ssize_t end) const { return 0 <= offset && offset <= end && end <= size_; }
+  bool has(Py_ssize_t offset, Py_ssize_t end) const {
+    return 0 <= offset && offset <= end && end <= size_;
+  }
 
  private:
-  Memory memory_;
+  Py_buffer view_{};
   const std::byte* first_ = nullptr;
   Py_ssize_t size_ = 0;
 };
@@ -88,7 +97,8 @@ PyObject* decoded_from(const Plan& plan, PyObject* source) {
   PyObject* const offset = slot(source, decoder.offset);
   PyObject* const end = slot(source, decoder.end);
   if (data == nullptr || offset == nullptr || end == nullptr) return nullptr;
-  const Owned kept(Py_NewRef(data));  // a collection of garbage may run meanwhile, and anything in it
+  const Owned kept(
+      Py_NewRef(data));  // a collection of garbage may run meanwhile, and anything in it
   Source bytes;
   const Py_ssize_t first = PyLong_AsSsize_t(offset);
   const Py_ssize_t last = PyLong_AsSsize_t(end);
@@ -154,9 +164,9 @@ struct Entry {
   vectorcallfunc call;
 };
 constexpr Entry entries[] = {
-    {"to_bytes", call_to<Frame::Bare>},       {"to_message", call_to<Frame::Message>},
-    {"from_bytes", call_from<Frame::Bare>},   {"from_message", call_from<Frame::Message>},
-    {"put", call_put<Frame::Bare>},           {"put_block", call_put<Frame::Block>},
+    {"to_bytes", call_to<Frame::Bare>},     {"to_message", call_to<Frame::Message>},
+    {"from_bytes", call_from<Frame::Bare>}, {"from_message", call_from<Frame::Message>},
+    {"put", call_put<Frame::Bare>},         {"put_block", call_put<Frame::Block>},
 };
 
 PyObject* made(PyTypeObject* type, vectorcallfunc call, const Plan* plan, PyObject* python) {

@@ -19,7 +19,8 @@ std::unordered_map<PyTypeObject*, std::unique_ptr<Plan>>& plans() {
 
 const Plan& demanded(nb::handle kind) {
   const Plan* const plan = plan_of(reinterpret_cast<PyTypeObject*>(kind.ptr()));
-  if (plan == nullptr) throw nb::type_error((nb::repr(kind).c_str() + std::string(" has no plan")).c_str());
+  if (plan == nullptr)
+    throw nb::type_error((nb::repr(kind).c_str() + std::string(" has no plan")).c_str());
   return *plan;
 }
 
@@ -92,6 +93,7 @@ Step step_of(nb::handle given) {
   Step step;
   if (nb::isinstance<nb::str>(given)) {
     step.code = code_of(given);
+    if (step.code == 'd') step.what = What::Double;
     return step;
   }
   const auto parts = nb::cast<nb::tuple>(given);
@@ -132,13 +134,20 @@ Step step_of(nb::handle given) {
 
 Py_ssize_t least_of(const Step& step) {
   switch (step.what) {
+    case What::Double:
     case What::Number:
-    case What::Enumerator: return size_of(step.code);
-    case What::Struct: return step.plan->least;
-    case What::Block: return 4 + step.plan->least;
-    case What::Text: return 5;
-    case What::Optional: return 1;
-    default: return step.size < 0 ? 4 : step.size * step.least;
+    case What::Enumerator:
+      return size_of(step.code);
+    case What::Struct:
+      return step.plan->least;
+    case What::Block:
+      return 4 + step.plan->least;
+    case What::Text:
+      return 5;
+    case What::Optional:
+      return 1;
+    default:
+      return step.size < 0 ? 4 : step.size * step.least;
   }
 }
 
@@ -166,7 +175,8 @@ const Plan& describe(nb::handle kind, std::uint64_t fingerprint, nb::sequence me
     plan->least += least_of(plan->steps.back());
   }
   for (const nb::handle each : defaults) plan->defaults.push_back(nb::borrow(each).release().ptr());
-  if (plan->defaults.size() > plan->steps.size()) throw nb::type_error("more defaults than members");
+  if (plan->defaults.size() > plan->steps.size())
+    throw nb::type_error("more defaults than members");
   nb::borrow(kind).release();  // a plan outlives whoever asks for it
   return *plans().insert_or_assign(plan->kind, std::move(plan)).first->second;
 }

@@ -16,7 +16,8 @@ nb::object owned(PyObject* object) {
 }  // namespace
 
 NB_MODULE(_plans, module) {
-  module.doc() = "Codecs of generated structs, carried out in one go; `gecos.wire.plans` tells them.";
+  module.doc() =
+      "Codecs of generated structs, carried out in one go; `gecos.wire.plans` tells them.";
   module.def(
       "prepare",
       [](nb::handle decoder) {

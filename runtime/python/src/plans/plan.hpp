@@ -11,9 +11,9 @@
 
 /// Codecs of generated structs: what `gecos.wire.plans` describes, carried out in one go.
 ///
-/// A plan knows the usual case and nothing else. Whatever it meets beside that, in a value or in bytes,
-/// it gives up, and the Python form does it all from the start: that one alone says what is wrong.
-/// Everything here is called with the GIL. Plans live until the process ends.
+/// A plan knows the usual case and nothing else. Whatever it meets beside that, in a value or in
+/// bytes, it gives up, and the Python form does it all from the start: that one alone says what is
+/// wrong. Everything here is called with the GIL. Plans live until the process ends.
 namespace gecos::python::plans {
 
 struct Plan;
@@ -31,12 +31,14 @@ struct Limits {
     if constexpr (std::is_floating_point_v<T>) {
       return !there || (static_cast<T>(low) <= x && x <= static_cast<T>(high));
     } else {
-      return !there || (least <= static_cast<std::int64_t>(x) && static_cast<std::int64_t>(x) <= most);
+      return !there ||
+             (least <= static_cast<std::int64_t>(x) && static_cast<std::int64_t>(x) <= most);
     }
   }
 };
 
 enum class What : std::uint8_t {
+  Double,  ///< without limits: what most members are
   Number,
   Enumerator,
   Array,    ///< numbers of a given shape, of numpy
@@ -70,27 +72,38 @@ struct Plan {
   PyTypeObject* kind = nullptr;
   std::uint64_t fingerprint = 0;
   std::vector<Step> steps;
-  std::vector<Py_ssize_t> slots;     ///< where each member is in an object
-  std::vector<PyObject*> defaults;   ///< of what an older writer leaves out: the last ones
-  bool open = false;                 ///< what a newer writer added is skipped
-  Py_ssize_t least = 0;              ///< bytes that a value takes at least
+  std::vector<Py_ssize_t> slots;    ///< where each member is in an object
+  std::vector<PyObject*> defaults;  ///< of what an older writer leaves out: the last ones
+  bool open = false;                ///< what a newer writer added is skipped
+  Py_ssize_t least = 0;             ///< bytes that a value takes at least
 };
 
 /// Calls `act` with a number of the type of a code other than `?`.
 template <class Act>
 bool with_number_of(char code, Act act) {
   switch (code) {
-    case 'b': return act(std::int8_t{});
-    case 'B': return act(std::uint8_t{});
-    case 'h': return act(std::int16_t{});
-    case 'H': return act(std::uint16_t{});
-    case 'i': return act(std::int32_t{});
-    case 'I': return act(std::uint32_t{});
-    case 'q': return act(std::int64_t{});
-    case 'Q': return act(std::uint64_t{});
-    case 'f': return act(float{});
-    case 'd': return act(double{});
-    default: return false;
+    case 'b':
+      return act(std::int8_t{});
+    case 'B':
+      return act(std::uint8_t{});
+    case 'h':
+      return act(std::int16_t{});
+    case 'H':
+      return act(std::uint16_t{});
+    case 'i':
+      return act(std::int32_t{});
+    case 'I':
+      return act(std::uint32_t{});
+    case 'q':
+      return act(std::int64_t{});
+    case 'Q':
+      return act(std::uint64_t{});
+    case 'f':
+      return act(float{});
+    case 'd':
+      return act(double{});
+    default:
+      return false;
   }
 }
 
@@ -108,8 +121,8 @@ enum class Frame : std::uint8_t {
   Block,    ///< behind their size
 };
 
-/// `value`, exactly of the plan's kind, as bytes; null when it must be left to Python, with no error
-/// set.
+/// `value`, exactly of the plan's kind, as bytes; null when it must be left to Python, with no
+/// error set.
 PyObject* encoded(const Plan& plan, PyObject* value, Frame frame);
 
 /// Bytes that are read from `at` on.

@@ -24,6 +24,11 @@ bool take(Input& from, T& x) {
   return at != nullptr;
 }
 
+PyObject* taken_double(Input& from) {
+  double x = 0;
+  return take(from, x) ? PyFloat_FromDouble(x) : nullptr;
+}
+
 PyObject* taken_number(Input& from, char code, const Limits& limits) {
   if (code == '?') {
     std::uint8_t bit = 0;
@@ -126,16 +131,27 @@ PyObject* taken_items(Input& from, const Step& step) {
 /// The next member; null when it must be left to Python, where an error may be set.
 PyObject* taken(Input& from, const Step& step) {
   switch (step.what) {
-    case What::Number: return taken_number(from, step.code, step.limits);
-    case What::Enumerator: return taken_enumerator(from, step);
+    case What::Double:
+      return taken_double(from);
+    case What::Number:
+      return taken_number(from, step.code, step.limits);
+    case What::Enumerator:
+      return taken_enumerator(from, step);
     case What::Array:
-    case What::Numbers: return taken_numbers(from, step);
-    case What::Text: return taken_text(from, step);
-    case What::Octets: return taken_octets(from, step);
-    case What::Struct: return decoded(*step.plan, from);
-    case What::Block: return taken_block(from, step);
-    case What::Optional: return taken_optional(from, step);
-    case What::Items: return taken_items(from, step);
+    case What::Numbers:
+      return taken_numbers(from, step);
+    case What::Text:
+      return taken_text(from, step);
+    case What::Octets:
+      return taken_octets(from, step);
+    case What::Struct:
+      return decoded(*step.plan, from);
+    case What::Block:
+      return taken_block(from, step);
+    case What::Optional:
+      return taken_optional(from, step);
+    case What::Items:
+      return taken_items(from, step);
   }
   return nullptr;
 }
@@ -148,8 +164,10 @@ PyObject* decoded(const Plan& plan, Input& from) {
   const std::size_t required = plan.steps.size() - plan.defaults.size();
   for (std::size_t i = 0; value && i < plan.steps.size(); ++i) {
     const bool missing = i >= required && from.remaining() == 0;
-    PyObject* const member =
-        missing ? Py_NewRef(plan.defaults[i - required]) : taken(from, plan.steps[i]);
+    const Step& step = plan.steps[i];
+    PyObject* const member = missing                     ? Py_NewRef(plan.defaults[i - required])
+                             : step.what == What::Double ? taken_double(from)
+                                                         : taken(from, step);
     if (member == nullptr) {
       PyErr_Clear();
       return nullptr;

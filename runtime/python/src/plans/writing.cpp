@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <optional>
 #include <utility>
 
 #include "gecos/wire/swap_copy.hpp"
@@ -49,7 +50,8 @@ class Output {
 
  private:
   bool grow(Py_ssize_t size) {
-    if (bytes_ == nullptr || size > std::numeric_limits<Py_ssize_t>::max() / 2 - used_) return false;
+    if (bytes_ == nullptr || size > std::numeric_limits<Py_ssize_t>::max() / 2 - used_)
+      return false;
     const Py_ssize_t wanted = std::max(2 * capacity_, used_ + size);
     const bool grown = _PyBytes_Resize(&bytes_, wanted) == 0;  // else there are no bytes any more
     capacity_ = grown ? wanted : 0;
@@ -98,13 +100,17 @@ bool as_number(PyObject* value, const Limits& limits, T& x) {
   }
 }
 
+bool put_double(Output& out, PyObject* value) {
+  if (PyFloat_CheckExact(value)) return out.put(PyFloat_AS_DOUBLE(value));
+  double x = 0;
+  return as_double(value, false, x) && out.put(x);
+}
+
 bool put_number(Output& out, char code, const Limits& limits, PyObject* value) {
   if (code == '?') {
     return (value == Py_True || value == Py_False) && out.put(std::uint8_t{value == Py_True});
   }
-  return with_number_of(code, [&](auto x) {
-    return as_number(value, limits, x) && out.put(x);
-  });
+  return with_number_of(code, [&](auto x) { return as_number(value, limits, x) && out.put(x); });
 }
 
 bool put_count(Output& out, const Step& step, Py_ssize_t count) {
@@ -134,19 +140,17 @@ bool put_list(Output& out, const Step& step, PyObject* list) {
 }
 
 bool put_numbers(Output& out, const Step& step, PyObject* value) {
-  Memory memory;
-  if (!memory.open_numbers(value, step.code)) return put_list(out, step, value);
-  const Py_buffer& view = memory.view();
+  const std::optional<Numbers> given = numbers_of(value, step.code);
+  if (!given) return put_list(out, step, value);
   const bool fits = step.what == What::Numbers
-                        ? view.ndim == 1
-                        : view.ndim == static_cast<int>(step.shape.size()) &&
-                              std::equal(step.shape.begin(), step.shape.end(), view.shape);
-  if (!fits) return false;
-  const Py_ssize_t count = view.len / view.itemsize;
-  if (!all_within(step, memory.data(), count) || !put_count(out, step, count)) return false;
-  std::byte* const at = out.room(view.len);
+                        ? given->shape.size() == 1
+                        : std::equal(step.shape.begin(), step.shape.end(), given->shape.begin(),
+                                     given->shape.end());
+  if (!fits || !all_within(step, given->data, given->count)) return false;
+  if (!put_count(out, step, given->count)) return false;
+  std::byte* const at = out.room(given->count * step.least);
   if (at == nullptr) return false;
-  swap_numbers(step.code, at, memory.data(), count);
+  swap_numbers(step.code, at, given->data, given->count);
   return true;
 }
 
@@ -179,25 +183,33 @@ bool put_items(Output& out, const Step& step, PyObject* value) {
   return true;
 }
 
-/// False when it must be left to Python; an error may be set then. No code of Python runs meanwhile,
-/// so what is borrowed stays.
+/// False when it must be left to Python; an error may be set then. No code of Python runs
+/// meanwhile, so what is borrowed stays.
 bool put(Output& out, const Step& step, PyObject* value) {
   switch (step.what) {
-    case What::Number: return put_number(out, step.code, step.limits, value);
+    case What::Double:
+      return put_double(out, value);
+    case What::Number:
+      return put_number(out, step.code, step.limits, value);
     case What::Enumerator:
       return Py_TYPE(value) == step.kind && put_number(out, step.code, step.limits, value);
     case What::Array:
-    case What::Numbers: return put_numbers(out, step, value);
-    case What::Text: return put_text(out, step, value);
+    case What::Numbers:
+      return put_numbers(out, step, value);
+    case What::Text:
+      return put_text(out, step, value);
     case What::Octets:
       return PyBytes_CheckExact(value) && put_count(out, step, PyBytes_GET_SIZE(value)) &&
              out.put_bytes(PyBytes_AS_STRING(value), PyBytes_GET_SIZE(value));
-    case What::Struct: return Py_TYPE(value) == step.plan->kind && put_all(out, *step.plan, value);
-    case What::Block: return Py_TYPE(value) == step.plan->kind && put_block(out, *step.plan, value);
+    case What::Struct:
+      return Py_TYPE(value) == step.plan->kind && put_all(out, *step.plan, value);
+    case What::Block:
+      return Py_TYPE(value) == step.plan->kind && put_block(out, *step.plan, value);
     case What::Optional:
       return out.put(std::uint8_t{value != Py_None}) &&
              (value == Py_None || put(out, step.inner.front(), value));
-    case What::Items: return put_items(out, step, value);
+    case What::Items:
+      return put_items(out, step, value);
   }
   return false;
 }
@@ -207,7 +219,10 @@ bool put_all(Output& out, const Plan& plan, PyObject* value) {
   for (std::size_t i = 0; i < plan.steps.size(); ++i) {
     PyObject* const member =
         *reinterpret_cast<PyObject**>(reinterpret_cast<char*>(value) + plan.slots[i]);
-    if (member == nullptr || !put(out, plan.steps[i], member)) return false;
+    if (member == nullptr) return false;
+    const Step& step = plan.steps[i];
+    if (!(step.what == What::Double ? put_double(out, member) : put(out, step, member)))
+      return false;
   }
   return true;
 }
@@ -216,9 +231,10 @@ bool put_all(Output& out, const Plan& plan, PyObject* value) {
 
 PyObject* encoded(const Plan& plan, PyObject* value, Frame frame) {
   Output out(plan.least + 8);
-  const bool well = frame == Frame::Block     ? put_block(out, plan, value)
-                    : frame == Frame::Message ? out.put(plan.fingerprint) && put_all(out, plan, value)
-                                              : put_all(out, plan, value);
+  const bool well = frame == Frame::Block ? put_block(out, plan, value)
+                    : frame == Frame::Message
+                        ? out.put(plan.fingerprint) && put_all(out, plan, value)
+                        : put_all(out, plan, value);
   if (well) return out.finished();
   PyErr_Clear();
   return nullptr;
