@@ -74,6 +74,11 @@ class Counting : public stress::WorkbenchServant {
     return load;
   }
 
+  gecos::Result<std::int64_t> look(std::uint64_t command, std::int64_t salt) override {
+    ran(command);
+    return stress::answer(command, salt);
+  }
+
   void ran(std::uint64_t command) {
     const std::lock_guard lock(mutex_);
     ++runs_.at(command);
@@ -116,6 +121,7 @@ Open issue(const stress::Workbench& bench, std::uint64_t number, std::mt19937_64
   switch (random() % 8) {
     case 0: return open(number, bench.file(number, salt, 0), stress::answer(number, salt));
     case 1: return open(number, bench.gauge(number, salt), stress::answer(number, salt));
+    case 4: return open(number, bench.look(number, salt), stress::answer(number, salt));
     case 2:
     case 3: {
       std::vector<std::uint8_t> load(random() % 2000);

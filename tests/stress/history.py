@@ -33,8 +33,12 @@ BOUND_S = 1.5
 
 ACTOR = frozenset({"tap", "file"})
 IN_ORDER = ACTOR | {"gauge"}
+IDEMPOTENT = frozenset({"look"})
+"""Sent again when its session was lost, so it may start once in each server's life."""
+LOST = frozenset({"SERVER_CRASHED", "OUTCOME_UNKNOWN", "NO_SERVER", "NOT_STARTED"})
+"""Details that say: nobody answered."""
 NOT_STARTED = frozenset({"REJECTED", "DENIED", "QUEUE_FULL", "EXPIRED"})
-"""Details of COMMAND_FAILED that say: it was not carried out."""
+"""Details of COMMAND_FAILED that say: it was not carried out (where it was sent last)."""
 
 
 @dataclass(slots=True)
@@ -71,7 +75,10 @@ class Client:
 
 @dataclass(slots=True)
 class Server:
+    """One life of a server."""
+
     name: str
+    pid: int = 0
     events: list[tuple[str, int, str, str]] = field(default_factory=list)
     """Event, command, operation and result, in the order in which they happened."""
 
@@ -129,7 +136,9 @@ def read_server(name: str, lines: Iterable[list[str]]) -> Server:
                 server.events.append(("start", int(command), operation, ""))
             case "finish", [command, operation, result]:
                 server.events.append(("finish", int(command), operation, result))
-            case ("serve", [_]) | ("done", []):
+            case "serve", [pid]:
+                server.pid = int(pid)
+            case "done", []:
                 pass
             case _:
                 raise ValueError(f"{name}: no line of a server: {event} {rest}")
@@ -168,14 +177,15 @@ def check(history: History, bound_s: float = BOUND_S) -> list[str]:
 def executed_at_most_once(history: History) -> Iterator[str]:
     for event in "start", "finish":
         times = Counter(
-            command
+            (command, server.name if operation in IDEMPOTENT else "")
             for server in history.servers
-            for what, command, _, _ in server.events
+            for what, command, operation, _ in server.events
             if what == event
         )
-        for command, count in times.items():
+        for (command, server_name), count in times.items():
             if count > 1:
-                yield f"command {command}: {count} times '{event}'"
+                where = f" in {server_name}" if server_name else ""
+                yield f"command {command}: {count} times '{event}'{where}"
 
 
 def ended_once(history: History) -> Iterator[str]:
@@ -213,9 +223,22 @@ def losses(
     history: History, client: Client, call: Call, bound_s: float
 ) -> Iterator[tuple[int, str]]:
     """What, and when, must have ended `call` if nothing had before."""
-    killed = history.kills.get(client.servers.get(call.session, 0))
-    if killed is not None:
-        yield killed, "server was killed"
+    if call.operation in IDEMPOTENT:
+        # It goes from server to server. Where the last has answered, there is no such bound.
+        killed = max(
+            (
+                history.kills[server.pid]
+                for server in history.servers
+                if history.kills.get(server.pid, call.ended or 0) < (call.ended or 0)
+            ),
+            default=None,
+        )
+        if killed is not None and call.detail() in LOST:
+            yield killed, "last server was killed"
+    else:
+        killed = history.kills.get(client.servers.get(call.session, 0))
+        if killed is not None:
+            yield killed, "server was killed"
     for begin, end in history.cuts:
         lasts = (end - begin) * 1e-9 > bound_s
         if lasts and call.issued < end and (call.ended is None or call.ended > begin):
@@ -248,7 +271,10 @@ def nothing_invented(history: History, calls: dict[int, Call]) -> Iterator[str]:
                 yield f"command {call.command} was given {call.result} in place of {call.wanted}"
         elif call.result != "-":
             yield f"command {call.command} is {state}/{detail} and has a result"
-        elif (state == "CONNECTION_FAILED" or detail in NOT_STARTED) and call.command in started:
+        elif call.command in started and (
+            state == "CONNECTION_FAILED"
+            or (detail in NOT_STARTED and call.operation not in IDEMPOTENT)
+        ):
             yield f"command {call.command} is {state}/{detail}, and was started"
         if finished.get(call.command, "-") not in ("-", call.wanted):
             yield f"command {call.command} reached its handler with other arguments"

@@ -126,6 +126,9 @@ class Client {
     } else if (which < 0.75) {
       note_issue(number, "gauge", stress::answer(number, salt));
       follow(number, bench_.gauge(number, salt));
+    } else if (which < 0.85) {
+      note_issue(number, "look", stress::answer(number, salt));
+      follow(number, bench_.look(number, salt));
     } else {
       std::vector<std::uint8_t> load(happens(0.1) ? random_() % 40'000 : random_() % 200);
       for (auto& byte : load) byte = static_cast<std::uint8_t>(random_());

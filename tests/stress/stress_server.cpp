@@ -45,6 +45,11 @@ class Workbench : public stress::WorkbenchServant {
     return finish(command, "gauge", stress::answer(command, salt));
   }
 
+  gecos::Result<std::int64_t> look(std::uint64_t command, std::int64_t salt) override {
+    start(command, "look");
+    return finish(command, "look", stress::answer(command, salt));
+  }
+
   void start(std::uint64_t command, const char* operation) const {
     record_.note("start " + std::to_string(command) + " " + operation);
   }

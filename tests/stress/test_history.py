@@ -181,6 +181,42 @@ def test_rejected_is_a_command_that_ran_on_two_servers(tmp_path: Path) -> None:
     assert judged(tmp_path, CLIENT, SERVER, second) == [f"command {TWO}: 2 times 'start'"]
 
 
+LOOKED = CLIENT.replace(f"issue {TWO} file", f"issue {TWO} look")
+LOOKS = SERVER.replace("file", "look")
+
+
+def test_an_idempotent_command_may_run_in_each_life_of_its_server(tmp_path: Path) -> None:
+    client = LOOKED.replace("COMMAND_FAILED SERVER_CRASHED -", "FINISHED DONE 88")
+    second = f"8 serve 4712\n9 start {TWO} look\n9 finish {TWO} look 88\n"
+    assert judged(tmp_path, client, LOOKS, second) == []
+    twice = second + f"9 start {TWO} look\n9 finish {TWO} look 88\n"
+    assert judged(tmp_path, client, LOOKS, twice) == [
+        f"command {TWO}: 2 times 'start' in server.1.log",
+        f"command {TWO}: 2 times 'finish' in server.1.log",
+    ]
+
+
+def test_rejected_is_a_false_proof_that_an_idempotent_command_never_ran(tmp_path: Path) -> None:
+    client = LOOKED.replace("COMMAND_FAILED SERVER_CRASHED", "CONNECTION_FAILED NOT_STARTED")
+    second = "8 serve 4712\n"
+    assert judged(tmp_path, client, LOOKS, second) == [
+        f"command {TWO} is CONNECTION_FAILED/NOT_STARTED, and was started"
+    ]
+
+
+def test_rejected_is_an_idempotent_command_that_nobody_answers_for_too_long(tmp_path: Path) -> None:
+    client = LOOKED.replace(f"10 end {TWO}", f"{2 * SECOND} end {TWO}").replace(
+        "12 done", f"{3 * SECOND} done"
+    )
+    assert judged(tmp_path, client, LOOKS) == [
+        f"command {TWO} of client.1.log ended as SERVER_CRASHED 2.000 s after its last server was"
+        " killed; promised are 1.5 s"
+    ]
+    second_kill = KILLS + f"{SECOND} kill 4712\n"
+    second = "9 serve 4712\n"
+    assert judged(tmp_path, client, LOOKS, second, kills=second_kill) == [], "it had gone there"
+
+
 def test_a_line_that_nobody_writes_is_no_history(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"client\.1\.log: no line of a client: sleep"):
         judged(tmp_path, CLIENT.replace("1 open 1 4711", "1 sleep 1"))

@@ -57,9 +57,20 @@ TEST(ReplyCache, CrowdsOutTheOldest) {
   for (std::uint64_t counter = 1; counter <= 257; ++counter) cache.keep(counter, Bytes(1));
   EXPECT_EQ(cache.find(1), nullptr);
   EXPECT_NE(cache.find(2), nullptr);
-  cache.keep(300, Bytes(64 * 1024));
+  cache.keep(300, Bytes(16 * 1024 * 1024));
   EXPECT_EQ(cache.find(257), nullptr);
   EXPECT_NE(cache.find(300), nullptr) << "the newest is kept whatever its size";
+}
+
+TEST(ReplyCache, KeepsLittleOfASessionThatIsLost) {
+  ReplyCache cache;
+  cache.keep(1, Bytes(60 * 1024));
+  cache.keep(2, Bytes(60 * 1024));
+  cache.shrink();
+  EXPECT_EQ(cache.find(1), nullptr);
+  EXPECT_NE(cache.find(2), nullptr);
+  cache.keep(3, Bytes(60 * 1024));
+  EXPECT_EQ(cache.find(2), nullptr);
 }
 
 }  // namespace

@@ -153,5 +153,50 @@ TEST(ObjectQueue, TakesOutWhatHasNotStarted) {
   EXPECT_EQ(queue.next(), nullptr);
 }
 
+std::shared_ptr<Ticket> large(std::size_t bytes, SessionId client = ada) {
+  return std::make_shared<Ticket>(client, reads, bytes);
+}
+
+TEST(ObjectQueue, BoundsWhatTheCallsOfAClientTakeUntilTheyHaveEnded) {
+  ObjectQueue queue(LaneThreads::Many);
+  const auto first = large(ObjectQueue::most_bytes_of_client / 2);
+  const auto second = large(ObjectQueue::most_bytes_of_client / 2);
+  const auto third = large(ObjectQueue::small);
+  ASSERT_TRUE(queue.push(first));
+  ASSERT_TRUE(queue.push(second));
+  EXPECT_EQ(queue.push(third).error(), ObjectQueue::Full::BytesOfClient);
+  EXPECT_TRUE(queue.push(ticket(reads))) << "small ones are bounded by their number";
+  EXPECT_TRUE(queue.push(large(ObjectQueue::small, bob))) << "another client has its own share";
+  ASSERT_EQ(queue.next(), first);
+  EXPECT_EQ(queue.push(third).error(), ObjectQueue::Full::BytesOfClient) << "it has only started";
+  finish(queue, *first);
+  EXPECT_TRUE(queue.push(third));
+}
+
+TEST(ObjectQueue, BoundsWhatTheCallsOfAllClientsTake) {
+  ObjectQueue queue(LaneThreads::Many);
+  constexpr std::size_t share = ObjectQueue::most_bytes_of_client;
+  for (std::uint64_t client = 1; client <= ObjectQueue::most_bytes_of_object / share; ++client) {
+    ASSERT_TRUE(queue.push(large(share, SessionId{client})));
+  }
+  EXPECT_EQ(queue.push(large(ObjectQueue::small, SessionId{99})).error(),
+            ObjectQueue::Full::BytesOfObject);
+  EXPECT_EQ(queue.push(large(1, SessionId{99})).has_value(), true);
+}
+
+TEST(ObjectQueue, GivesBackWhatIsTakenOutBeforeItStarted) {
+  ObjectQueue queue(LaneThreads::Many);
+  const auto all = large(ObjectQueue::most_bytes_of_client);
+  ASSERT_TRUE(queue.push(all));
+  ASSERT_TRUE(queue.remove(*all));
+  queue.ended(*all);
+  EXPECT_TRUE(queue.push(large(ObjectQueue::most_bytes_of_client)));
+}
+
+TEST(ObjectQueue, TakesOneCallAloneWhateverItTakes) {
+  ObjectQueue queue(LaneThreads::Many);
+  EXPECT_TRUE(queue.push(large(ObjectQueue::most_bytes_of_object * 2)));
+}
+
 }  // namespace
 }  // namespace gecos::session

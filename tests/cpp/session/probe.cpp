@@ -11,7 +11,7 @@ using gecos::OperationDescription;
 using gecos::access::Status;
 
 std::vector<OperationDescription> make_operations() {
-  std::vector<OperationDescription> all(6);
+  std::vector<OperationDescription> all(7);
   all[0].code = read_code, all[0].name = "read", all[0].status = Status::Sensor;
   all[1].code = move_code, all[1].name = "move", all[1].cancelable = true;
   all[2].code = set_code, all[2].name = "set";
@@ -20,6 +20,8 @@ std::vector<OperationDescription> make_operations() {
   all[4].status = Status::Sensor;
   all[5].code = finish_code, all[5].name = "finish", all[5].cancelable = true;
   all[5].on_loss = gecos::OnLoss::Finish;
+  all[6].code = look_code, all[6].name = "look", all[6].status = Status::Sensor;
+  all[6].idempotent = true;
   std::sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.code < b.code; });
   return all;
 }
@@ -91,7 +93,7 @@ void ProbeServant::gecos_dispatch(gecos::IncomingCall call) {
   std::function<void(gecos::IncomingCall)> special;
   {
     const std::lock_guard lock(mutex_);
-    if (code == read_code) special = on_read_;
+    if (code == read_code || code == look_code) special = on_read_;
   }
   if (special) return special(std::move(call));
   if (code == move_code || code == finish_code) return move(std::move(call), argument);

@@ -19,6 +19,7 @@ inline constexpr auto set_code = gecos::session::function_code("probe::Probe::se
 inline constexpr auto level_code = gecos::session::function_code("probe::Probe::level");
 inline constexpr auto urgent_code = gecos::session::function_code("probe::Probe::urgent");
 inline constexpr auto finish_code = gecos::session::function_code("probe::Probe::finish");
+inline constexpr auto look_code = gecos::session::function_code("probe::Probe::look");
 inline constexpr auto missing_code = gecos::session::function_code("probe::Probe::missing");
 
 const gecos::InterfaceDescription& description();
@@ -45,6 +46,8 @@ class Probe : public virtual gecos::Object {
       : gecos::Object(std::move(session)) {}
 
   gecos::Command<std::int32_t> read() const { return number(read_code, 0); }
+  /// `@idempotent`: sent again when its session is lost.
+  gecos::Command<std::int32_t> look(std::int32_t which = 0) const { return number(look_code, which); }
   gecos::Command<std::int32_t> move(std::int32_t goal) const { return number(move_code, goal); }
   gecos::Command<std::int32_t> set(std::int32_t value) const { return number(set_code, value); }
   gecos::Command<std::int32_t> urgent() const { return number(urgent_code, 0); }
@@ -83,7 +86,7 @@ class ProbeServant : public gecos::Servant {
   /// Waits until an event like this happened.
   void await_event(const std::string& event);
 
-  /// Instead of answering `read` with the level.
+  /// Instead of answering `read` or `look` with the level.
   void on_read(std::function<void(gecos::IncomingCall)> handler);
 
  private:

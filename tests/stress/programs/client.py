@@ -69,7 +69,7 @@ class Client:
     def _issue(self, bench: Workbench) -> None:
         self._number += 1
         number, salt = self._number, self._random.getrandbits(63) - (1 << 62)
-        which = self._random.choice(["tap", "file", "gauge", "weigh"])
+        which = self._random.choice(["tap", "file", "gauge", "look", "weigh"])
         load = self._random.randbytes(self._random.randrange(200))
         wanted = answer(number, load) if which == "weigh" else answer_salt(number, salt)
         self._record.note(f"issue {number} {which} {self._session} {wanted}")

@@ -36,6 +36,10 @@ class Workbench(WorkbenchServant):
         self._record.note(f"start {command} gauge")
         return self._finish(command, "gauge", answer_salt(command, salt))
 
+    def look(self, command: int, salt: int) -> int:
+        self._record.note(f"start {command} look")
+        return self._finish(command, "look", answer_salt(command, salt))
+
     def _finish(self, command: int, operation: str, result: int) -> int:
         self._record.note(f"finish {command} {operation} {result}")
         return result

@@ -26,10 +26,20 @@ void ReplyCache::keep(std::uint64_t counter, Bytes packet) {
   if (counter <= acknowledged_) return;
   bytes_ += packet.size();
   kept_.push_back({counter, std::move(packet)});
-  while (kept_.size() > 1 && (kept_.size() > most_replies || bytes_ > most_bytes)) {
+  crowd_out();
+}
+
+/// The newest stays.
+void ReplyCache::crowd_out() {
+  while (kept_.size() > 1 && (kept_.size() > most_replies || bytes_ > room_)) {
     bytes_ -= kept_.front().packet.size();
     kept_.pop_front();
   }
+}
+
+void ReplyCache::shrink() {
+  room_ = most_bytes_of_lost;
+  crowd_out();
 }
 
 void ReplyCache::acknowledged(std::uint64_t counter) {

@@ -42,16 +42,22 @@ class ReplyCache {
   bool awaited(std::uint64_t counter) const { return counter > acknowledged_; }
   /// Null when it was acknowledged or crowded out.
   const Bytes* find(std::uint64_t counter) const;
+  /// Its session is lost: from now on it keeps little, in case it is asked for in another.
+  void shrink();
 
  private:
   static constexpr std::size_t most_replies = 256;
-  static constexpr std::size_t most_bytes = 64 * 1024;
+  static constexpr std::size_t most_bytes = 16 * 1024 * 1024;  ///< two of the largest packets
+  static constexpr std::size_t most_bytes_of_lost = 64 * 1024;
   struct Kept {
     std::uint64_t counter;
     Bytes packet;
   };
+  void crowd_out();
+
   std::deque<Kept> kept_;
   std::size_t bytes_ = 0;
+  std::size_t room_ = most_bytes;
   std::uint64_t acknowledged_ = 0;
 };
 

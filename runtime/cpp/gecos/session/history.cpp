@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "gecos/session/server_session.hpp"
 #include "gecos/wire/text.hpp"
 
 namespace gecos::session {
@@ -31,17 +32,36 @@ std::shared_ptr<ServerSession> History::open(SessionId id) const {
   return found == open_.end() ? nullptr : found->second.lock();
 }
 
-void History::departed(SessionId id, const DuplicateWindow& arrived) {
+void History::departed(SessionId id, const DuplicateWindow& arrived,
+                       const std::shared_ptr<ServerSession>& lost) {
   open_.erase(id);
   if (departed_.size() == most_sessions) departed_.pop_front();
-  departed_.emplace_back(id, arrived);
+  if (lost) lost->replies->shrink();
+  departed_.push_back({id, arrived, lost, lost ? lost->replies : nullptr});
+  if (departed_.size() > most_lost) departed_[departed_.size() - 1 - most_lost].replies.reset();
+}
+
+const History::Departed* History::find_departed(SessionId id) const {
+  const auto found = std::find_if(departed_.rbegin(), departed_.rend(),
+                                  [&](const Departed& session) { return session.id == id; });
+  return found == departed_.rend() ? nullptr : &*found;
 }
 
 std::optional<bool> History::had_arrived(SessionId id, std::uint64_t counter) const {
-  const auto found = std::find_if(departed_.rbegin(), departed_.rend(),
-                                  [&](const auto& session) { return session.first == id; });
-  if (found == departed_.rend()) return std::nullopt;
-  return found->second.seen(counter);
+  const Departed* const known = find_departed(id);
+  return known != nullptr ? std::optional(known->arrived.seen(counter)) : std::nullopt;
+}
+
+std::shared_ptr<ServerSession> History::session(SessionId id) const {
+  if (auto session = open(id)) return session;
+  const Departed* const known = find_departed(id);
+  return known != nullptr ? known->session.lock() : nullptr;
+}
+
+const Bytes* History::reply(SessionId id, std::uint64_t counter) const {
+  if (const auto session = open(id)) return session->replies->find(counter);
+  const Departed* const known = find_departed(id);
+  return known != nullptr && known->replies ? known->replies->find(counter) : nullptr;
 }
 
 }  // namespace gecos::session

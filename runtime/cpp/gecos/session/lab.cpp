@@ -40,10 +40,11 @@ bool entry_is_a(const Entry& entry, std::string_view interface_name) {
          std::find(entry.bases.begin(), entry.bases.end(), interface_name) != entry.bases.end();
 }
 
-tl::expected<std::shared_ptr<LinkedSession>, Attempt> create_one(LabCore& lab,
-                                                                 const InterfaceDescription& wanted,
-                                                                 const std::string& name,
-                                                                 const CreateOptions& options) {
+}  // namespace
+
+tl::expected<std::shared_ptr<LinkedSession>, CreateError::Attempt> open_object(
+    LabCore& lab, const InterfaceDescription& wanted, const std::string& name,
+    const CreateOptions& options) {
   if (name.empty()) {
     return tl::unexpected(Attempt{"(nil)", Detail::NoServer, "an empty name is no object"});
   }
@@ -66,9 +67,12 @@ tl::expected<std::shared_ptr<LinkedSession>, Attempt> create_one(LabCore& lab,
     return tl::unexpected(
         Attempt{name, Detail::QosUnavailable, name + " " + addresses.error()});
   }
+  const auto renewable = [&](LinkedSession& session) {
+    session.renew_with(lab.renewal(), {name, wanted, options});
+  };
   Attempt failed{name, Detail::NoServer, {}};
   for (const auto& address : *addresses) {
-    auto session = lab.runtime()->connect(address, wanted, deadline, &failed.detail);
+    auto session = lab.runtime()->connect(address, wanted, deadline, &failed.detail, renewable);
     if (session) return std::move(*session);
     failed.reason += (failed.reason.empty() ? "" : "; ") + session.error();
     if (failed.detail == Detail::Refused) break;
@@ -77,14 +81,12 @@ tl::expected<std::shared_ptr<LinkedSession>, Attempt> create_one(LabCore& lab,
   return tl::unexpected(std::move(failed));
 }
 
-}  // namespace
-
 tl::expected<Created, CreateError> create(LabCore& lab, const InterfaceDescription& wanted,
                                           const std::vector<std::string>& names,
                                           const CreateOptions& options) {
   CreateError passed_over;
   for (const auto& name : names) {
-    auto session = create_one(lab, wanted, name, options);
+    auto session = open_object(lab, wanted, name, options);
     if (session) return Created{std::move(*session), std::move(passed_over)};
     passed_over.attempts.push_back(std::move(session.error()));
   }

@@ -4,8 +4,14 @@
 
 #include "gecos/session/linked_session.hpp"
 #include "gecos/session/registry.hpp"
+#include "gecos/session/renewal.hpp"
 
 namespace gecos::session {
+
+LabCore::LabCore(std::shared_ptr<Runtime> runtime)
+    : runtime_(std::move(runtime)), renewal_(std::make_shared<Renewal>(*this)) {}
+
+LabCore::~LabCore() { renewal_->end(); }
 
 std::vector<std::string> LabCore::broker_addresses() {
   std::string named = runtime_->options().broker;

@@ -9,13 +9,17 @@
 
 namespace gecos::session {
 
+class Renewal;
+
 /// A lab as its servers and clients share it: what they stand on, and the session with the broker,
 /// which ends with it. Thread-safe.
 class LabCore : public std::enable_shared_from_this<LabCore> {
  public:
-  explicit LabCore(std::shared_ptr<Runtime> runtime) : runtime_(std::move(runtime)) {}
+  explicit LabCore(std::shared_ptr<Runtime> runtime);
+  ~LabCore();
 
   const std::shared_ptr<Runtime>& runtime() const { return runtime_; }
+  const std::shared_ptr<Renewal>& renewal() const { return renewal_; }
   /// The session with this lab's broker, opened when there is none; else what was tried.
   tl::expected<std::shared_ptr<LinkedSession>, std::string> broker(TimePoint deadline);
 
@@ -23,8 +27,14 @@ class LabCore : public std::enable_shared_from_this<LabCore> {
   std::vector<std::string> broker_addresses();
 
   const std::shared_ptr<Runtime> runtime_;
+  const std::shared_ptr<Renewal> renewal_;
   std::mutex mutex_;  ///< one thread at a time looks for the broker
   std::shared_ptr<LinkedSession> broker_;
 };
+
+/// A session with the object of that name, or why there is none.
+tl::expected<std::shared_ptr<LinkedSession>, CreateError::Attempt> open_object(
+    LabCore& lab, const InterfaceDescription& wanted, const std::string& name,
+    const CreateOptions& options);
 
 }  // namespace gecos::session

@@ -42,6 +42,9 @@ std::shared_ptr<CommandCore> LinkedSession::call(const OperationDescription& ope
                                                  FunctionRef<void(wire::Encoder&)> encode,
                                                  const CallOptions& options) {
   if (auto refused = differs(operation.code, operation.name)) return ended(std::move(*refused));
+  if (renewal_ && operation.idempotent && operation.status == access::Status::Sensor) {
+    return call_repeatable(operation, size, encode, options);
+  }
   auto command = std::make_shared<PendingCommand>(shared_from_this());
   wire::PacketHeader header;
   header.kind = wire::PacketKind::Call;
@@ -55,7 +58,7 @@ std::shared_ptr<CommandCore> LinkedSession::call(const OperationDescription& ope
     glance();  // replies that wait may make room
     sent = send_call(header, size, encode, command);
   }
-  if (!sent) command->fail(not_sent(operation, size, sent.error()));
+  if (!sent) command->fail(not_sent(operation.name, size, sent.error()));
   return command;
 }
 
@@ -76,10 +79,14 @@ tl::expected<void, media::SendProblem> LinkedSession::send_call(
     return tl::unexpected(sent.error());
   }
   ++next_counter_;
-  command->counter = header.counter;
-  command->session_id = number(id_);
-  command->boot = welcome_.boot;
-  command->sent_as = sent.value_or(0);
+  if (command->again.may) {
+    command->moor(shared_from_this(), {welcome_.boot, number(id_), header.counter}, sent.value_or(0));
+  } else {
+    command->counter = header.counter;
+    command->session_id = number(id_);
+    command->boot = welcome_.boot;
+    command->sent_as = sent.value_or(0);
+  }
   if (repeats_) {
     auto& retry = command->retry;
     const TimePoint now = runtime_->clock().now();
@@ -108,9 +115,9 @@ std::optional<Failure> LinkedSession::differs(FunctionCode code, std::string_vie
                      "newer interface (`gidl breaking` tells what differs)", {}, {}};
 }
 
-Failure LinkedSession::not_sent(const OperationDescription& operation, std::size_t size,
+Failure LinkedSession::not_sent(std::string_view name, std::size_t size,
                                 media::SendProblem problem) {
-  const std::string what = "'" + std::string(operation.name) + "' of " + welcome_.object;
+  const std::string what = "'" + std::string(name) + "' of " + welcome_.object;
   switch (problem) {
     case media::SendProblem::Full:
       return {Detail::QueueFull, what + " was not sent: " + std::to_string(welcome_.credits) +
@@ -128,17 +135,19 @@ Failure LinkedSession::not_sent(const OperationDescription& operation, std::size
               "; create a new proxy", {}, {}};
 }
 
-void LinkedSession::cancel(PendingCommand& command) {
+bool LinkedSession::cancel(PendingCommand& command, std::uint64_t counter) {
   const std::lock_guard lock(mutex_);
-  if (command.terminal() || calls_.find(command.counter) == nullptr) return;
+  const auto* const found = calls_.find(counter);
+  if (command.terminal() || found == nullptr || found->get() != &command) return false;
   command.retry.cancel = true;
   wire::PacketHeader header;
   header.kind = wire::PacketKind::Cancel;
-  header.counter = command.counter;
+  header.counter = counter;
   if (!send(header, {})) {
     command.retry.next = {};  // housekeeping tries again
     cancels_waiting_ = true;
   }
+  return true;
 }
 
 tl::expected<std::uint64_t, media::SendProblem> LinkedSession::send(wire::PacketHeader header,
@@ -379,16 +388,20 @@ void LinkedSession::unsubscribe(FunctionCode stream) {
 
 void LinkedSession::lose(Ending how, const std::string& text) {
   std::vector<std::pair<std::uint64_t, std::shared_ptr<PendingCommand>>> open;
+  std::vector<Adrift> adrift;
   {
     const std::lock_guard lock(mutex_);
     if (lost_.load(std::memory_order_relaxed)) return;
     loss_text_ = text;
     lost_.store(true, std::memory_order_release);
+    // A loss that is reported leaves them `grace`; after silence that is over already.
+    if (how == Ending::Died || how == Ending::Closed) adrift = cast_off(how, text);
     open = calls_.take_all();
   }
   for (const auto& [counter, command] : open) command->fail(failure_of(*command, how, text));
   baton_.poke_all();
   leader_wakeup_.ring();
+  if (!adrift.empty()) renewal_->take(shared_from_this(), std::move(adrift));
 }
 
 Failure LinkedSession::failure_of(const PendingCommand& command, Ending how,

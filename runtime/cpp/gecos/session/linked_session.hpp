@@ -13,6 +13,7 @@
 #include "gecos/session/housekeeping.hpp"
 #include "gecos/session/object.hpp"
 #include "gecos/session/pending_command.hpp"
+#include "gecos/session/renewal.hpp"
 #include "gecos/session/watched_time.hpp"
 #include "gecos/media/waiting.hpp"
 #include "gecos/wire/packet.hpp"
@@ -25,7 +26,8 @@ class Runtime;
 /// Client side of a session over one link.
 ///
 /// Sending takes the mutex; receiving belongs to whoever holds the baton. A session that was lost
-/// stays lost: every later call is CONNECTION_FAILED, and `Lab::create` makes a new one.
+/// stays lost: every later call is CONNECTION_FAILED, and `Lab::create` makes a new one. Only
+/// `@idempotent` readings go on, in one that follows it (renewal.hpp).
 class LinkedSession final : public ClientSession,
                             public Tended,
                             public std::enable_shared_from_this<LinkedSession> {
@@ -62,6 +64,18 @@ class LinkedSession final : public ClientSession,
   bool lost() const { return lost_.load(std::memory_order_acquire); }
   bool unreachable() const { return unreachable_.load(std::memory_order_relaxed); }
 
+  // For the sending again of what may be.
+  /// How another session with its object is found; said before it is shared.
+  void renew_with(std::shared_ptr<Renewal> renewal, Origin origin);
+  const Origin& origin() const { return *origin_; }
+  /// The session that was opened in its place, if it still lives.
+  std::shared_ptr<LinkedSession> follower();
+  void followed_by(std::shared_ptr<LinkedSession> follower);
+  /// Sends it here; false when there is no room, or this is lost too. It is nobody else's meanwhile.
+  tl::expected<bool, Failure> send_again(const std::shared_ptr<PendingCommand>& command);
+  /// Lets go of all that may be sent again elsewhere.
+  std::vector<Adrift> cast_off_repeatable();
+
   /// Ends the session in order. Waits at most `patience` until the server has what was sent.
   void close(Duration patience);
 
@@ -70,7 +84,8 @@ class LinkedSession final : public ClientSession,
   void glance();
   /// Reads, or waits for who reads, until `done` or `deadline`; gives `done()`.
   bool wait(const void* subject, FunctionRef<bool()> done, TimePoint deadline);
-  void cancel(PendingCommand& command);
+  /// False when it is not here under this counter, or not any more.
+  bool cancel(PendingCommand& command, std::uint64_t counter);
   /// Somebody sleeps on a descriptor: from now on packets are read though nobody waits here.
   void attend() { attended_.store(true, std::memory_order_relaxed); house_wake(); }
   void stream_closed(ClientStream& stream);
@@ -92,13 +107,19 @@ class LinkedSession final : public ClientSession,
   void take_closed(FunctionCode stream);
   void look_for_loss();
 
+  std::shared_ptr<LinkedSession> next();
+  std::shared_ptr<CommandCore> call_repeatable(const OperationDescription& operation,
+                                               std::size_t size,
+                                               FunctionRef<void(wire::Encoder&)> encode,
+                                               const CallOptions& options);
+  tl::expected<void, media::SendProblem> send_repeatable(
+      const std::shared_ptr<PendingCommand>& command);
   tl::expected<void, media::SendProblem> send_call(wire::PacketHeader& header, std::size_t size,
                                                    FunctionRef<void(wire::Encoder&)> encode,
                                                    const std::shared_ptr<PendingCommand>& command);
   tl::expected<std::uint64_t, media::SendProblem> send_first(ByteView packet);
   std::optional<Failure> differs(FunctionCode code, std::string_view name) const;
-  Failure not_sent(const OperationDescription& operation, std::size_t size,
-                   media::SendProblem problem);
+  Failure not_sent(std::string_view name, std::size_t size, media::SendProblem problem);
   std::unique_ptr<media::StreamReader> open_stream(std::uint32_t id);
   tl::expected<std::shared_ptr<StreamCore>, Failure> open_subscribed(
       const StreamDescription& stream, CommandCore& subscribed);
@@ -111,6 +132,8 @@ class LinkedSession final : public ClientSession,
   enum class Ending : std::uint8_t { Died, Closed, Silent, Broken, ByUs };
   void lose(Ending how, const std::string& text);
   Failure failure_of(const PendingCommand& command, Ending how, const std::string& text) const;
+  std::vector<Adrift> cast_off(Ending how, const std::string& text);
+  bool has_repeatable();
   void judge_silence(TimePoint now);
   void repeat(TimePoint now);
   void house_wake();
@@ -122,6 +145,8 @@ class LinkedSession final : public ClientSession,
   const Welcome welcome_;
   const std::vector<FunctionCode> differing_;
   const bool repeats_;  ///< the medium may lose packets
+  std::shared_ptr<Renewal> renewal_;      ///< null: nothing is sent again
+  std::unique_ptr<const Origin> origin_;  ///< there is one with renewal_
 
   Baton baton_;
   media::SpinPolicy spin_;        ///< whoever has the baton
@@ -129,6 +154,7 @@ class LinkedSession final : public ClientSession,
   Wakeup leader_wakeup_;
   std::atomic<bool> lost_{false};         // publishes loss_text_
   std::atomic<bool> unreachable_{false};  // publishes nothing but itself
+  std::atomic<TimePoint> silent_since_{};  // publishes nothing but itself; while it is unreachable
   std::atomic<bool> attended_{false};     // publishes nothing but itself
   std::atomic<bool> goodbye_heard_{false};  // publishes nothing but itself
   std::atomic<std::uint64_t> epoch_{0};   // publishes nothing but itself
@@ -142,6 +168,7 @@ class LinkedSession final : public ClientSession,
   std::vector<ClientStream*> streams_;
   Bytes packet_;  ///< sending: reused
   std::string loss_text_;
+  std::shared_ptr<LinkedSession> follower_;
   bool cancels_waiting_ = false;  ///< one found no room
   std::uint64_t statuses_ = 0;    ///< how many there were; leases of the newest count
   std::uint64_t leases_ = 0;      ///< of the newest, not given back

@@ -17,6 +17,10 @@ tl::expected<void, ObjectQueue::Full> ObjectQueue::push(std::shared_ptr<Ticket> 
       return tl::unexpected(Full::Client);
     }
   }
+  if (ticket->bytes >= small) {
+    if (const auto full = too_large(*ticket)) return tl::unexpected(*full);
+    large_.push_back(ticket.get());
+  }
   if (ticket->operation.safety) {
     ticket->lane = Ticket::Place::Safety;
   } else if (ticket->operation.status == access::Status::Sensor && !keeps_place(*ticket)) {
@@ -26,6 +30,18 @@ tl::expected<void, ObjectQueue::Full> ObjectQueue::push(std::shared_ptr<Ticket> 
   }
   lane_of(*ticket).push_back(std::move(ticket));
   return {};
+}
+
+std::optional<ObjectQueue::Full> ObjectQueue::too_large(const Ticket& ticket) const {
+  std::size_t of_object = 0;
+  std::size_t of_client = 0;
+  for (const Ticket* const other : large_) {
+    of_object += other->bytes;
+    if (other->client == ticket.client) of_client += other->bytes;
+  }
+  if (of_client != 0 && of_client + ticket.bytes > most_bytes_of_client) return Full::BytesOfClient;
+  if (of_object != 0 && of_object + ticket.bytes > most_bytes_of_object) return Full::BytesOfObject;
+  return std::nullopt;
 }
 
 /// An @ordered reading queues behind the commands of its own caller.
@@ -70,6 +86,7 @@ void ObjectQueue::returned(const Ticket& /*ticket*/) { --inside_; }
 
 void ObjectQueue::ended(const Ticket& ticket) {
   running_.erase(std::remove(running_.begin(), running_.end(), &ticket), running_.end());
+  if (ticket.bytes >= small) std::erase(large_, &ticket);
 }
 
 bool ObjectQueue::remove(const Ticket& ticket) {

@@ -14,12 +14,13 @@ namespace gecos::session {
 
 /// A call as the queue of its object sees it.
 struct Ticket {
-  Ticket(SessionId its_client, const OperationDescription& its_operation)
-      : client(its_client), operation(its_operation) {}
+  Ticket(SessionId its_client, const OperationDescription& its_operation, std::size_t its_bytes = 0)
+      : client(its_client), operation(its_operation), bytes(its_bytes) {}
   virtual ~Ticket() = default;
 
   const SessionId client;
   const OperationDescription& operation;
+  const std::size_t bytes;  ///< its arguments take
 
   enum class Place : std::uint8_t { None, Safety, Sensor, Actor };
   Place lane = Place::None;
@@ -38,10 +39,15 @@ class ObjectQueue {
  public:
   static constexpr std::size_t most_of_object = 256;
   static constexpr std::size_t most_of_client = 64;
+  /// What the arguments of calls may take that have not ended: of one client, and of all. A call alone
+  /// is taken whatever it takes; those below `small` are bounded by their number.
+  static constexpr std::size_t most_bytes_of_client = 16 * 1024 * 1024;
+  static constexpr std::size_t most_bytes_of_object = 64 * 1024 * 1024;
+  static constexpr std::size_t small = 4096;
 
   explicit ObjectQueue(LaneThreads threads) : threads_(threads) {}
 
-  enum class Full : std::uint8_t { Object, Client };
+  enum class Full : std::uint8_t { Object, Client, BytesOfObject, BytesOfClient };
   tl::expected<void, Full> push(std::shared_ptr<Ticket> ticket);
 
   /// The next call that may start now; from then on it counts as started. Null when none may.
@@ -65,6 +71,7 @@ class ObjectQueue {
   using Lane = std::deque<std::shared_ptr<Ticket>>;
   Lane& lane_of(const Ticket& ticket);
   bool keeps_place(const Ticket& ticket) const;
+  std::optional<Full> too_large(const Ticket& ticket) const;
   bool beside_running(const Ticket& ticket) const;
 
   const LaneThreads threads_;
@@ -73,6 +80,7 @@ class ObjectQueue {
   Lane actor_;
   std::vector<const Ticket*> running_;
   std::size_t inside_ = 0;  ///< handlers whose thread has not come back
+  std::vector<const Ticket*> large_;  ///< not below `small`, that have not ended
 };
 
 }  // namespace gecos::session

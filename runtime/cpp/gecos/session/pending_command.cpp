@@ -15,6 +15,11 @@ std::shared_ptr<LinkedSession> PendingCommand::session() const {
   return session_;
 }
 
+CommandId PendingCommand::id() const {
+  const std::lock_guard lock(mutex_);
+  return {boot, session_id, counter};
+}
+
 Progress PendingCommand::progress() const {
   bool unreachable = false;
   if (const auto session = this->session()) {
@@ -24,7 +29,7 @@ Progress PendingCommand::progress() const {
   const std::lock_guard lock(mutex_);
   const Detail detail = detail_.load(std::memory_order_relaxed);
   const bool running = project(detail) == State::Running;
-  return {running && unreachable ? Detail::Unreachable : detail, position_, fraction_};
+  return {running && (unreachable || adrift()) ? Detail::Unreachable : detail, position_, fraction_};
 }
 
 Bytes PendingCommand::feedback() const {
@@ -34,13 +39,15 @@ Bytes PendingCommand::feedback() const {
 }
 
 bool PendingCommand::wait_until(TimePoint deadline) {
+  if (again.may) return wait_in_any_session(deadline);
   const auto session = this->session();
   if (!session) return true;
   return session->wait(this, [this] { return terminal(); }, deadline);
 }
 
 void PendingCommand::cancel() {
-  if (const auto session = this->session()) session->cancel(*this);
+  if (again.may) return cancel_in_any_session();
+  if (const auto session = this->session()) session->cancel(*this, counter);
 }
 
 int PendingCommand::descriptor() {
@@ -92,6 +99,7 @@ void PendingCommand::end(Detail detail, Publish publish) {
   position_ = 0;
   released = std::move(session_);
   if (exported_) exported_->ring();
+  if (again.may) moored_.notify_all();
   for (auto& callback : callbacks_) released->runtime().callbacks().post(std::move(callback));
   callbacks_.clear();
   detail_.store(detail, std::memory_order_seq_cst);
@@ -105,6 +113,10 @@ void PendingCommand::finish(ByteView result) {
 }
 
 void PendingCommand::fail(Failure failure) {
+  // What a later session proves does not hold of an earlier one.
+  if (again.may_have_started && failure.state() == State::ConnectionFailed) {
+    failure.detail = Detail::OutcomeUnknown;
+  }
   const Detail detail = failure.detail;
   end(detail, [&] { failure_ = std::move(failure); });
 }

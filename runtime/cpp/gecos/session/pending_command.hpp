@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <condition_variable>
 #include <memory>
 #include <mutex>
 #include <vector>
@@ -17,11 +18,12 @@ class LinkedSession;
 /// ending cuts both ties, so a dropped command still runs and nothing is kept afterwards.
 class PendingCommand final : public CommandCore {
  public:
-  explicit PendingCommand(std::shared_ptr<LinkedSession> session) : session_(std::move(session)) {}
+  explicit PendingCommand(std::shared_ptr<LinkedSession> session)
+      : home_(session.get()), session_(std::move(session)) {}
   /// One that ended before it was sent.
   explicit PendingCommand(Failure failure);
 
-  CommandId id() const override { return {boot, session_id, counter}; }
+  CommandId id() const override;
   Progress progress() const override;
   Bytes feedback() const override;
   bool wait_until(TimePoint deadline) override;
@@ -37,10 +39,14 @@ class PendingCommand final : public CommandCore {
   void report(Detail detail, const ProgressBody& body);
   void finish(ByteView result);
   void fail(Failure failure);
-  std::uint64_t counter = 0;      ///< written before the command is shared, as the two below
+  std::uint64_t counter = 0;      ///< written before the command is shared, as the two below, or by moor()
   std::uint64_t session_id = 0;
   std::uint64_t boot = 0;
   std::uint64_t sent_as = 0;      ///< the packet's number on the link; written before it is shared
+  /// It was sent in `session`, its first or another; with that session's mutex.
+  void moor(const std::shared_ptr<LinkedSession>& session, const CommandId& id, std::uint64_t as);
+  /// Its session has it no more; with that session's mutex.
+  void cast_off() { home_.store(nullptr, std::memory_order_release); }
 
   /// What a medium that loses packets needs; guarded by the session's mutex.
   struct Retry {
@@ -53,8 +59,22 @@ class PendingCommand final : public CommandCore {
     bool cancel = false;
   } retry;
 
+  /// What it takes to send it again in another session; set before it is shared, but for the last two.
+  struct Again {
+    bool may = false;
+    FunctionCode code{};
+    std::string_view name;
+    Bytes arguments;
+    TimePoint deadline = TimePoint::max();
+    int sessions = 0;  ///< it was sent in; of who sends it
+    bool may_have_started = false;  ///< in a session that it is not in any more
+  } again;
+
  private:
   std::shared_ptr<LinkedSession> session() const;
+  bool adrift() const { return again.may && home_.load(std::memory_order_acquire) == nullptr; }
+  bool wait_in_any_session(TimePoint deadline);
+  void cancel_in_any_session();
   template <class Publish>
   void end(Detail detail, Publish publish);
 
@@ -67,6 +87,9 @@ class PendingCommand final : public CommandCore {
   Failure failure_;
   std::unique_ptr<Wakeup> exported_;
   std::vector<std::function<void()>> callbacks_;
+  std::condition_variable moored_;  ///< or terminal: for who waits while it is adrift
+  /// Whose it is; null while it is adrift. Publishes nothing: who waits there has to look elsewhere.
+  std::atomic<const LinkedSession*> home_{nullptr};
   std::shared_ptr<LinkedSession> session_;  ///< null once terminal
 };
 

@@ -121,7 +121,7 @@ Hello Runtime::introduce(const InterfaceDescription& wanted) const {
 
 tl::expected<std::shared_ptr<LinkedSession>, std::string> Runtime::connect(
     const std::string& address, const InterfaceDescription& wanted, TimePoint deadline,
-    Detail* why) {
+    Detail* why, FunctionRef<void(LinkedSession&)> prepare) {
   if (why != nullptr) *why = Detail::NoServer;
   const auto kind = media::kind_from(std::string_view(address).substr(0, address.find(':')));
   if (!kind) {
@@ -150,6 +150,7 @@ tl::expected<std::shared_ptr<LinkedSession>, std::string> Runtime::connect(
     if (why != nullptr) *why = session.error().detail;
     return tl::unexpected(session.error().reason);
   }
+  prepare(**session);
   housekeeping_.tend(*session);
   const std::lock_guard lock(mutex_);
   sessions_.erase(std::remove_if(sessions_.begin(), sessions_.end(),

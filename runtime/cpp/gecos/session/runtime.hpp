@@ -44,10 +44,10 @@ class Runtime : public std::enable_shared_from_this<Runtime> {
   /// What this program says of itself to `interface_name`.
   Hello introduce(const InterfaceDescription& wanted) const;
 
-  /// Connects to `address` ("shm:…") and opens a session for `wanted`.
+  /// Connects to `address` ("shm:…") and opens a session for `wanted`; `prepare` sees it first.
   tl::expected<std::shared_ptr<LinkedSession>, std::string> connect(
       const std::string& address, const InterfaceDescription& wanted, TimePoint deadline,
-      Detail* why = nullptr);
+      Detail* why = nullptr, FunctionRef<void(LinkedSession&)> prepare = [](LinkedSession&) {});
 
   /// Says goodbye in every open session.
   void close_sessions(Duration patience);

@@ -51,7 +51,7 @@ void ServedObject::execute(const std::shared_ptr<ServerCall>& call) {
     finished(*call);
   } else if (!call->terminal) {
     list(*call);  // its handler answers later
-    call->session->report(*call, Detail::Executing, 0);
+    call->listener().report(*call, Detail::Executing, 0);
   }
   note_ready();
 }
@@ -62,7 +62,7 @@ std::shared_ptr<ServerCall> ServedObject::start_next(Starter starter) {
     if (starts_on_time(*call)) {
       const bool is_long = runs_long(call->operation());
       if (is_long || starter == Starter::Other) list(*call);
-      if (is_long) call->session->report(*call, Detail::Executing, 0);
+      if (is_long) call->listener().report(*call, Detail::Executing, 0);
       return call;
     }
     call->answered = call->returned = true;
@@ -125,12 +125,12 @@ void ServedObject::answered(ServerCall& call, Failure failure) {
 
 void ServedObject::end(ServerCall& call, ByteView result) {
   settle(call, Detail::Done, {});
-  call.session->reply(call, result);
+  call.listener().reply(call.counter_in(call.listener()), result);
 }
 
 void ServedObject::end(ServerCall& call, const Failure& failure) {
   settle(call, failure.detail, failure.text);
-  call.session->reply(call.counter, failure);
+  call.listener().reply(call.counter_in(call.listener()), failure);
 }
 
 /// Before its caller is told: whoever has seen the last command of a released status end finds the
@@ -138,6 +138,7 @@ void ServedObject::end(ServerCall& call, const Failure& failure) {
 void ServedObject::settle(ServerCall& call, Detail detail, const std::string& text) {
   call.terminal = true;
   call.session->calls.take(call.counter);
+  if (call.heir) call.heir->calls.take(call.heir_counter);
   if (call.lane != Ticket::Place::Actor) return;
   history_.ended({call.client, call.counter, detail, text});
   if (--call.session->commands == 0) leases_.drained(call.client);
@@ -199,7 +200,7 @@ void ServedObject::tell(ServerCall& call, TimePoint now) {
   constexpr Duration between = std::chrono::milliseconds(2);
   if (!call.untold || call.terminal || now < call.told + between) return;
   const Detail detail = call.canceling ? Detail::Canceling : Detail::Executing;
-  if (!call.session->report(call, detail, 0)) return;
+  if (!call.listener().report(call, detail, 0)) return;
   call.untold = false;
   call.told = now;
 }
@@ -208,7 +209,7 @@ void ServedObject::tell_positions() {
   std::size_t position = queue_.running().size();
   for (const auto& ticket : queue_.waiting()) {
     auto& call = static_cast<ServerCall&>(*ticket);
-    if (call.told_position != position && call.session->report(call, Detail::Queued, position)) {
+    if (call.told_position != position && call.listener().report(call, Detail::Queued, position)) {
       call.told_position = position;
     }
     ++position;
@@ -279,7 +280,10 @@ void ServedObject::depart(const std::shared_ptr<ServerSession>& session, Departu
                 "it was not started: the session ended before what was issued before it arrived");
     }
     session->subscriptions.clear();
-    if (session->greeted()) history_.departed(session->id(), session->window);
+    if (session->greeted()) {
+      const bool lost = how == Departure::Lost && !session->left;
+      history_.departed(session->id(), session->window, lost ? session : nullptr);
+    }
     calls_are_over = session->unreturned == 0;
   }
   if (session->greeted() && calls_are_over) servant_.gecos_session_ended(number(session->id()));

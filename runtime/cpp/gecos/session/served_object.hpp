@@ -76,6 +76,10 @@ class ServedObject final : public Publisher, public std::enable_shared_from_this
   void take_call(const std::shared_ptr<ServerSession>& session, const wire::PacketView& packet);
   void admit(const std::shared_ptr<ServerSession>& session, const wire::PacketView& packet,
              const OperationDescription& operation);
+  void take_again(const std::shared_ptr<ServerSession>& session, const wire::PacketView& packet);
+  void inherit(const std::shared_ptr<ServerSession>& session, const wire::PacketView& packet,
+               std::shared_ptr<ServerCall> call);
+  void bar(const std::shared_ptr<ServerSession>& before, std::uint64_t counter);
   bool too_early(ServerSession& session, const wire::PacketView& packet,
                  const OperationDescription& operation);
   void take_early(const std::shared_ptr<ServerSession>& session);

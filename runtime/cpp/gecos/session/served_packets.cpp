@@ -16,6 +16,23 @@ bool waited_too_long(ServerSession& session) {
   return session.accept_within > Duration{} && session.link().age() > session.accept_within;
 }
 
+std::string text_of(ObjectQueue::Full full, std::size_t bytes) {
+  const auto calls = [](std::size_t most, const char* whose) {
+    return std::to_string(most) + " calls of " + whose + " wait already; wait for one of them";
+  };
+  const auto room = [&](std::size_t most, const char* whose) {
+    return "its arguments take " + std::to_string(bytes) + " bytes, and with those of " + whose +
+           " calls that have not ended more than " + std::to_string(most) + "; wait for one of them";
+  };
+  switch (full) {
+    case ObjectQueue::Full::Object: return calls(ObjectQueue::most_of_object, "all clients");
+    case ObjectQueue::Full::Client: return calls(ObjectQueue::most_of_client, "this client");
+    case ObjectQueue::Full::BytesOfObject: return room(ObjectQueue::most_bytes_of_object, "all clients'");
+    case ObjectQueue::Full::BytesOfClient: return room(ObjectQueue::most_bytes_of_client, "this client's");
+  }
+  return {};
+}
+
 SessionId new_session_id() {
   std::uint64_t id = 0;
   while (id == 0) {
@@ -54,7 +71,7 @@ void ServedObject::take(const std::shared_ptr<ServerSession>& session, ByteView 
   }
   if (!theirs || session->departed) return say_goodbye(*session, header.session, "it is not known here");
 
-  if (session->repeats()) session->replies.acknowledged(header.acknowledged);
+  if (session->repeats()) session->replies->acknowledged(header.acknowledged);
   if (header.counter == 0) return;  // counts no call: damage, or malice
   switch (header.kind) {
     case wire::PacketKind::Call: return arrive(session, *packet);
@@ -151,6 +168,7 @@ void ServedObject::take_call(const std::shared_ptr<ServerSession>& session,
   const std::uint64_t counter = packet.header.counter;
   const FunctionCode code = packet.header.code;
   if (number(code) <= last_reserved_code) return answer_reserved(session, packet);
+  if (packet.header.flags == sent_again) return take_again(session, packet);
   const OperationDescription* operation = interface_.find(code);
   if (operation == nullptr) {
     return session->reply(counter,
@@ -176,6 +194,13 @@ bool ServedObject::too_early(ServerSession& session, const wire::PacketView& pac
   if (!session.repeats() || operation.safety || !keeps_place ||
       packet.header.counter <= session.window.all_up_to()) {
     return false;
+  }
+  std::size_t bytes = packet.body.size();
+  for (const auto& [counter, other] : session.early) bytes += other.body.size();
+  if (!session.early.empty() && bytes > ObjectQueue::most_bytes_of_client) {
+    const auto why = text_of(ObjectQueue::Full::BytesOfClient, packet.body.size());
+    end_early(session, packet.header.counter, Detail::QueueFull, "it was not queued: " + why);
+    return true;
   }
   session.early.emplace(packet.header.counter,
                         EarlyCall{packet.header, Bytes(packet.body.begin(), packet.body.end()),
@@ -232,12 +257,7 @@ void ServedObject::admit(const std::shared_ptr<ServerSession>& session,
   }
   if (operation.on_new == OnNew::Preempt) preempt(*call);
   if (const auto queued = queue_.push(call); !queued) {
-    const bool client = queued.error() == ObjectQueue::Full::Client;
-    return refuse(Detail::QueueFull, "was not queued: " +
-                                         std::to_string(client ? ObjectQueue::most_of_client
-                                                               : ObjectQueue::most_of_object) +
-                                         " calls of " + (client ? "this client" : "all clients") +
-                                         " wait already");
+    return refuse(Detail::QueueFull, "was not queued: " + text_of(queued.error(), packet.body.size()));
   }
   session->calls.insert(call->counter, call);
   ++session->unreturned;
@@ -262,13 +282,13 @@ void ServedObject::preempt(const ServerCall& by) {
 }
 
 void ServedObject::answer_again(ServerSession& session, std::uint64_t counter) {
-  if (const Bytes* kept = session.replies.find(counter)) return session.send_again(*kept);
+  if (const Bytes* kept = session.replies->find(counter)) return session.send_again(*kept);
   const auto* found = session.calls.find(counter);
   if (found == nullptr) {
     // Never seen: its call is on the way again. Acknowledged: a packet that was late. Early: it has
     // not arrived yet as far as its caller shall know.
     if (session.early.contains(counter)) return;
-    if (!session.window.seen(counter) || !session.replies.awaited(counter)) return;
+    if (!session.window.seen(counter) || !session.replies->awaited(counter)) return;
     return session.reply(counter, Failure{Detail::OutcomeUnknown,
                                           "it came to an end, but its answer was lost and is not kept"
                                           " any more: too many later ones were unacknowledged", {}, {}});

@@ -9,7 +9,7 @@ ServerCall::ServerCall(std::shared_ptr<ServedObject> its_object,
                        std::shared_ptr<ServerSession> its_session,
                        const OperationDescription& its_operation, std::uint64_t its_counter,
                        Epoch its_epoch, ByteView arguments)
-    : Ticket(its_session->id(), its_operation),
+    : Ticket(its_session->id(), its_operation, arguments.size()),
       object(std::move(its_object)),
       session(std::move(its_session)),
       counter(its_counter),

@@ -32,6 +32,11 @@ class ServerCall final : public CallCore,
   void fail(Failure failure) override;
 
   void interrupt();
+  /// Who is told how it goes, and under which number; with the object's mutex.
+  ServerSession& listener() const { return heir ? *heir : *session; }
+  std::uint64_t counter_in(const ServerSession& teller) const {
+    return heir.get() == &teller ? heir_counter : counter;
+  }
   /// Where it stands until it is terminal; with the object's mutex.
   Detail running_detail() const {
     return canceling ? Detail::Canceling : started ? Detail::Executing : Detail::Queued;
@@ -43,6 +48,8 @@ class ServerCall final : public CallCore,
   const Epoch epoch;
 
   // Guarded by the object's mutex.
+  std::shared_ptr<ServerSession> heir;  ///< in which it was sent again, because its own was lost
+  std::uint64_t heir_counter = 0;
   TimePoint deadline = TimePoint::max();
   bool terminal = false;   ///< the caller has its outcome
   bool answered = false;   ///< the handler has given its answer, heard or not

@@ -49,7 +49,15 @@ void ServerSession::send(wire::PacketHeader header, ByteView body) {
   deliver(packet_);
 }
 
-void ServerSession::reply(const ServerCall& call, ByteView result) { reply(call.counter, result); }
+void ServerSession::reply_as(std::uint64_t counter, const wire::PacketView& before) {
+  const std::lock_guard lock(send_mutex_);
+  auto header = before.header;
+  header.session = id_;
+  header.counter = counter;
+  write_packet(packet_, header, before.body);
+  if (repeats_ || departed) replies->keep(counter, packet_);
+  deliver(packet_);
+}
 
 void ServerSession::reply(std::uint64_t counter, ByteView result, Epoch epoch) {
   const std::lock_guard lock(send_mutex_);
@@ -64,7 +72,7 @@ void ServerSession::reply(std::uint64_t counter, ByteView result, Epoch epoch) {
   } else {
     write_packet(packet_, header, result);
   }
-  if (repeats_) replies.keep(counter, packet_);
+  if (repeats_ || departed) replies->keep(counter, packet_);
   deliver(packet_);
 }
 
@@ -77,7 +85,7 @@ void ServerSession::reply(std::uint64_t counter, const Failure& failure) {
     const std::size_t takes = packet_.size();
     write_failure(packet_, header, shortened(failure, takes, carried));
   }
-  if (repeats_) replies.keep(counter, packet_);
+  if (repeats_ || departed) replies->keep(counter, packet_);
   deliver(packet_);
 }
 
@@ -86,7 +94,7 @@ bool ServerSession::report(const ServerCall& call, Detail detail, std::size_t po
   wire::PacketHeader header;
   header.kind = wire::PacketKind::Progress;
   header.flags = static_cast<std::int8_t>(detail);
-  header.counter = call.counter;
+  header.counter = call.counter_in(*this);
   header.session = id_;
   const std::lock_guard lock(send_mutex_);
   if (!backlog_.empty()) return false;
@@ -96,6 +104,7 @@ bool ServerSession::report(const ServerCall& call, Detail detail, std::size_t po
 
 void ServerSession::send_again(const Bytes& packet) {
   const std::lock_guard lock(send_mutex_);
+  if (std::ranges::find(backlog_, packet) != backlog_.end()) return;  // it has not gone for the first time
   deliver(packet);
 }
 

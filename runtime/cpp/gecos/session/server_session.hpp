@@ -47,9 +47,10 @@ class ServerSession {
   // Any thread.
   /// Sends now, or as soon as the client has room. Order is kept.
   void send(wire::PacketHeader header, ByteView body);
-  void reply(const ServerCall& call, ByteView result);
   void reply(std::uint64_t counter, const Failure& failure);
   void reply(std::uint64_t counter, ByteView result, Epoch epoch = {});
+  /// As it was answered in another session.
+  void reply_as(std::uint64_t counter, const wire::PacketView& before);
   /// The latest progress; dropped when there is no room. True when it was sent.
   bool report(const ServerCall& call, Detail detail, std::size_t position);
   void send_again(const Bytes& packet);
@@ -69,7 +70,9 @@ class ServerSession {
   // Guarded by the object's mutex.
   CallTable<ServerCall> calls;
   DuplicateWindow window;
-  ReplyCache replies;
+  /// Of a medium that loses packets, and what is answered once the link is gone: it may be asked for
+  /// in another session.
+  const std::shared_ptr<ReplyCache> replies = std::make_shared<ReplyCache>();
   std::map<std::uint64_t, EarlyCall> early;  ///< by counter: calls that overtook one before them
   std::map<FunctionCode, std::uint32_t> subscriptions;  ///< stream and the id it is shared under
   std::map<std::uint64_t, std::uint64_t> renewed;       ///< epochs that a stop of its own replaced

@@ -48,8 +48,13 @@ void LinkedSession::judge_silence(TimePoint now) {
   const Duration silent = now - last_sign_;
   const Duration patience = unreachable_after(runtime_->options());
   if (silent < patience) return;
-  unreachable_.store(true, std::memory_order_relaxed);
-  if (silent < patience + runtime_->options().grace) return;
+  if (!unreachable_.exchange(true, std::memory_order_relaxed)) {
+    silent_since_.store(runtime_->clock().now(), std::memory_order_relaxed);
+  }
+  if (silent < patience + runtime_->options().grace) {
+    if (renewal_ && has_repeatable()) renewal_->look_for_another(shared_from_this());
+    return;
+  }
   const auto milliseconds = std::chrono::duration_cast<std::chrono::milliseconds>(silent).count();
   lose(Ending::Silent, "the server of " + welcome_.object + " (" + link_->peer().description +
                            ") has been silent for " + std::to_string(milliseconds) + " ms");

@@ -1,0 +1,199 @@
+// What becomes of @idempotent readings whose server dies: another one carries them out.
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+
+#include "child.hpp"
+#include "gecos/broker/broker.hpp"
+#include "gecos/gecos.hpp"
+#include "probe.hpp"
+
+namespace {
+
+using namespace std::chrono_literals;
+using gecos::Detail;
+using gecos::State;
+using gecos::media::Kind;
+using probe::Child;
+using Clock = std::chrono::steady_clock;
+
+const auto grace = gecos::LabOptions{}.grace;
+
+/// A directory of this test's own, so that its broker is nobody else's.
+class Place {
+ public:
+  Place() {
+    char name[] = "/tmp/gecos-test-XXXXXX";
+    path_ = mkdtemp(name);
+    setenv("GECOS_RUNTIME_DIR", path_.c_str(), 1);
+  }
+  ~Place() { std::filesystem::remove_all(path_); }
+
+ private:
+  std::string path_;
+};
+
+/// Serves PROBE; says each look that comes. With `answers` it gives 40 and which it was asked for, else
+/// nothing, ever.
+void serve_probe(Child::Line& line, Kind kind, bool answers) {
+  line.hear();
+  gecos::Lab lab;
+  probe::ProbeServant servant;
+  std::vector<gecos::IncomingCall> kept;
+  servant.on_read([&](gecos::IncomingCall call) {
+    gecos::wire::Decoder from(call.arguments());
+    std::int32_t which = 0;
+    if (!from.get(which, "which")) return;
+    line.say("look " + std::to_string(which));
+    gecos::Bytes result(sizeof which);
+    gecos::wire::Encoder(result).put(which + 40);
+    if (answers) return call.finish(result);
+    kept.push_back(std::move(call));
+  });
+  gecos::Server server(lab);
+  gecos::ObjectOptions options;
+  options.simulated = true;
+  options.media = {kind};
+  const auto added = server.add("PROBE", servant, options);
+  line.say(added ? "ready" : added.error().text);
+  line.hear();
+}
+
+class Renewal : public ::testing::TestWithParam<Kind> {
+ protected:
+  void SetUp() override {
+    const auto served = broker_.broker.serve(broker_.server, {Kind::Inproc, Kind::Shm});
+    ASSERT_TRUE(served) << served.error().text;
+    go(first_);
+    auto created = lab_.create<probe::Probe>("PROBE");
+    ASSERT_TRUE(created) << created.error();
+    robot_ = *created;
+  }
+  static void go(Child& child) {
+    child.line().say("go");
+    ASSERT_EQ(child.line().hear(), "ready");
+  }
+  /// While the one of the second server is not there yet.
+  static bool runs_unreachable(const gecos::Command<std::int32_t>& command) {
+    return command.progress().detail == Detail::Unreachable;
+  }
+
+  Place place_;
+  Child first_{[](Child::Line& line) { serve_probe(line, GetParam(), false); }};
+  Child second_{[](Child::Line& line) { serve_probe(line, GetParam(), true); }};
+  struct {
+    gecos::Lab lab;
+    gecos::broker::Broker broker;
+    gecos::Server server{lab};
+  } broker_;
+  gecos::Lab lab_;
+  probe::Probe robot_;
+};
+INSTANTIATE_TEST_SUITE_P(Over, Renewal, ::testing::Values(Kind::Shm, Kind::Lcm),
+                         [](const auto& made) {
+                           return std::string(gecos::media::to_string(made.param));
+                         });
+
+TEST_P(Renewal, SendsReadingsAgainThatMayBeAndNothingElse) {
+  const auto look = robot_.look(1);
+  const auto before = look.id();
+  ASSERT_EQ(first_.line().hear(), "look 1");
+  const auto other = robot_.look(2);
+  ASSERT_EQ(first_.line().hear(), "look 2");
+  const auto read = robot_.read();
+  ASSERT_EQ(first_.line().hear(), "look 0");
+  bool told = false;
+  std::mutex mutex;
+  std::condition_variable changed;
+  other.then([&](const auto& result) {
+    const std::lock_guard lock(mutex);
+    told = result && *result == 42;
+    changed.notify_one();
+  });
+  first_.kill_at_once();
+  go(second_);
+  EXPECT_EQ(look.get().value(), 41);
+  EXPECT_EQ(second_.line().hear(), "look 1") << "in the order in which they were issued";
+  EXPECT_EQ(second_.line().hear(), "look 2");
+  EXPECT_NE(look.id(), before) << "it is asked for under another name";
+  EXPECT_EQ(read.wait(), State::CommandFailed) << "once at most";
+  std::unique_lock lock(mutex);
+  EXPECT_TRUE(changed.wait_for(lock, 10s, [&] { return told; }));
+}
+
+TEST_P(Renewal, ShowsThatNobodyHasItAndEndsWithGraceWhenNobodyComes) {
+  const auto look = robot_.look(1);
+  ASSERT_EQ(first_.line().hear(), "look 1");
+  const auto killed = Clock::now();
+  first_.kill_at_once();
+  while (!runs_unreachable(look) && look.state() == State::Running) std::this_thread::yield();
+  EXPECT_EQ(look.wait(), State::CommandFailed);
+  const auto took = Clock::now() - killed;
+  EXPECT_GE(took, grace - 100ms);
+  EXPECT_LT(took, grace + 500ms) << "promised";
+  const auto why = look.get().error();
+  EXPECT_EQ(why.detail, GetParam() == Kind::Shm ? Detail::ServerCrashed : Detail::OutcomeUnknown) << why;
+}
+
+TEST_P(Renewal, EndsWithTheDeadlineWhenThatIsEarlier) {
+  if (GetParam() == Kind::Lcm) return;  // there it is known only later that the server is gone
+  const auto look = gecos::with(robot_, {.deadline = 300ms}).look(1);
+  ASSERT_EQ(first_.line().hear(), "look 1");
+  const auto killed = Clock::now();
+  first_.kill_at_once();
+  EXPECT_EQ(look.wait(), State::CommandFailed);
+  EXPECT_EQ(look.progress().detail, Detail::TimedOut) << look.get().error();
+  EXPECT_LT(Clock::now() - killed, grace);
+}
+
+TEST_P(Renewal, IsEndedByCancelWhileNobodyHasIt) {
+  const auto look = robot_.look(1);
+  ASSERT_EQ(first_.line().hear(), "look 1");
+  first_.kill_at_once();
+  while (!runs_unreachable(look)) std::this_thread::yield();
+  look.cancel();
+  if (GetParam() == Kind::Shm) {
+    EXPECT_EQ(look.progress().detail, Detail::Canceled);
+  }
+  go(second_);
+  look.wait();
+  EXPECT_NE(look.progress().detail, Detail::Done) << "it is not sent again";
+}
+
+TEST_P(Renewal, CarriesReadingsThatAreIssuedLaterAndLeavesTheRestToANewProxy) {
+  first_.kill_at_once();
+  const auto status = gecos::actor(robot_);
+  EXPECT_FALSE(status);
+  go(second_);
+  EXPECT_EQ(robot_.look(2).get().value(), 42);
+  EXPECT_EQ(robot_.look(3).get().value(), 43);
+  const auto read = robot_.read().get();
+  ASSERT_FALSE(read);
+  EXPECT_EQ(read.error().detail, Detail::NoServer) << read.error();
+}
+
+TEST_P(Renewal, TakesNoOtherProcessThanTheReferenceSpeaksOf) {
+  auto same = lab_.create<probe::Probe>(gecos::reference(robot_));
+  ASSERT_TRUE(same) << same.error();
+  const auto look = same->look(1);
+  ASSERT_EQ(first_.line().hear(), "look 1");
+  first_.kill_at_once();
+  go(second_);
+  EXPECT_EQ(look.wait(), State::CommandFailed);
+}
+
+TEST_P(Renewal, EndsWithItsLab) {
+  std::optional<gecos::Lab> lab(std::in_place);
+  auto robot = lab->create<probe::Probe>("PROBE");
+  ASSERT_TRUE(robot) << robot.error();
+  const auto look = robot->look(1);
+  ASSERT_EQ(first_.line().hear(), "look 1");
+  first_.kill_at_once();
+  while (!runs_unreachable(look) && look.state() == State::Running) std::this_thread::yield();
+  lab.reset();
+  EXPECT_EQ(look.wait(), State::CommandFailed);
+}
+
+}  // namespace
