@@ -152,6 +152,22 @@ def test_messages_are_read_from_any_bytes(
             assert said(lambda m=wrong, k=mine: seen(wire.from_message(k, m))) == python
 
 
+def test_nothing_is_kept_of_what_was_written_and_read(model: Model, everything: Path) -> None:
+    known = [(python_type(model, case.type), case.bytes) for case in planned(model)]
+    shared: list[object] = [None, True, False, PathType.JOINT, b"", *(kind for kind, _ in known)]
+
+    def references() -> list[int]:
+        return [sys.getrefcount(each) for each in shared]
+
+    before = references()
+    for _ in range(200):
+        for kind, data in known:
+            wire.from_message(kind, wire.to_message(wire.from_bytes(kind, data)))
+            said(lambda kind=kind, data=data: wire.from_bytes(kind, data + b"\0"))
+    grown = [now - then for now, then in zip(references(), before, strict=True)]
+    assert max(grown) < 100, grown
+
+
 def test_a_decoder_ends_where_it_was_told_to() -> None:
     source = wire.Decoder(wire.to_bytes(Vector(1.0, 2.0, 3.0)))
     source.end = 20
