@@ -5,7 +5,7 @@ exception Burnt { long hours; };
 @actor @cancelable(feedback="double") void shine(in double goal) raises (Burnt);
 @actor double dim(in double by);
 @actor @cancelable void burn_in();
-@sensor string label();
+@sensor @idempotent string label();
 """
 
 from __future__ import annotations
@@ -95,7 +95,9 @@ LEVEL = Method[float, None](
 )
 DIM = Method[float, None](Operation(code=0x1003, name="dim"), _double)
 BURN_IN = Method[None, None](Operation(code=0x1004, name="burn_in", cancelable=True), nothing)
-LABEL = Method[str, None](Operation(code=0x1005, name="label", access=Access.SENSOR), _string)
+LABEL = Method[str, None](
+    Operation(code=0x1005, name="label", access=Access.SENSOR, idempotent=True), _string
+)
 LEVEL_STREAM = OutwardStream(code=0x1002, name="level", rate_hz=100.0, largest=8)
 LAMP = Interface(
     name="test::Lamp",

@@ -95,7 +95,25 @@ class History:
         calls = [call for client in self.clients for call in client.calls.values()]
         outcomes = Counter(call.detail() or "client killed" for call in calls)
         told = ", ".join(f"{count} {what}" for what, count in outcomes.most_common())
-        return f"{len(self.kills)} kills, {len(self.cuts)} cuts, {len(calls)} commands ({told})"
+        again = f", {self.sent_again()} of them by another server" if self.sent_again() else ""
+        kills, cuts = len(self.kills), len(self.cuts)
+        return f"{kills} kills, {cuts} cuts, {len(calls)} commands ({told}{again})"
+
+    def sent_again(self) -> int:
+        """How many commands were carried out by another server than that of their session."""
+        carried_out = {
+            command: server.pid
+            for server in self.servers
+            for event, command, _, _ in server.events
+            if event == "finish"
+        }
+        return sum(
+            carried_out.get(call.command, here) != here
+            for client in self.clients
+            for call in client.calls.values()
+            for here in (client.servers.get(call.session),)
+            if call.state() == "FINISHED" and here is not None
+        )
 
 
 def lines_of(path: Path) -> Iterator[list[str]]:

@@ -189,6 +189,7 @@ def test_an_idempotent_command_may_run_in_each_life_of_its_server(tmp_path: Path
     client = LOOKED.replace("COMMAND_FAILED SERVER_CRASHED -", "FINISHED DONE 88")
     second = f"8 serve 4712\n9 start {TWO} look\n9 finish {TWO} look 88\n"
     assert judged(tmp_path, client, LOOKS, second) == []
+    assert history.read(tmp_path).sent_again() == 1
     twice = second + f"9 start {TWO} look\n9 finish {TWO} look 88\n"
     assert judged(tmp_path, client, LOOKS, twice) == [
         f"command {TWO}: 2 times 'start' in server.1.log",

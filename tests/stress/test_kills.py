@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 import rampage
+from history import History
 from rampage import Plan
 
 EVERYBODY = {"client": 6, "server": 3, "broker": 1}
@@ -14,10 +15,11 @@ PAUSES_S = {"shm": 0.05, "lcm": 0.12}
 """Over lcm a death is noticed by silence, so that its commands last longer."""
 
 
-def carry_out(plan: Plan, build: Path, records: Path, env: dict[str, str]) -> None:
+def carry_out(plan: Plan, build: Path, records: Path, env: dict[str, str]) -> History:
     told = rampage.run(plan, build, records, env)
     assert len(told.kills) == plan.kills
     print(f"\n{plan}\n{told.summary()}")
+    return told
 
 
 @pytest.mark.parametrize(("medium", "kills"), [("shm", 110), ("lcm", 50)])
@@ -25,7 +27,10 @@ def test_killed_is_everybody_but_a_witness(
     medium: str, kills: int, build: Path, tmp_path: Path, env: dict[str, str], seed: int
 ) -> None:
     plan = Plan(medium, seed, kills=kills, victims=EVERYBODY, pause_s=PAUSES_S[medium])
-    carry_out(plan, build, tmp_path, env)
+    told = carry_out(plan, build, tmp_path, env)
+    assert medium != "shm" or told.sent_again() > 0, (
+        "no idempotent command went on at the next server"
+    )
 
 
 @pytest.mark.parametrize(("medium", "kills"), [("shm", 60), ("lcm", 40)])
