@@ -8,6 +8,16 @@
 namespace gecos::session {
 namespace {
 
+TEST(CallTable, HasNothingUnderCounterZero) {
+  CallTable<int> table;
+  EXPECT_EQ(table.find(0), nullptr) << "a free slot is nobody's call";
+  EXPECT_EQ(table.take(0), nullptr);
+  table.insert(1, std::make_shared<int>(1));
+  EXPECT_EQ(table.find(0), nullptr);
+  EXPECT_EQ(table.take(0), nullptr);
+  EXPECT_EQ(table.size(), 1u);
+}
+
 TEST(CallTable, BehavesAsAMapUnderRandomUse) {
   std::mt19937 random(5);
   CallTable<int> table;

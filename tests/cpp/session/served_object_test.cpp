@@ -68,6 +68,32 @@ TEST_F(ServedObjects, PacketsThatCountNoCallAreIgnored) {
   EXPECT_EQ(reply_to(1), Detail::Done);
 }
 
+TEST_F(ServedObjects, AnswersThatTheOutcomeOfNoCallIsNotKnown) {
+  Bytes body(3 * 8);
+  wire::Encoder to(body);
+  to.put(number(process_boot()));
+  to.put(number(session_->id()));
+  to.put(std::uint64_t{0});
+  call(1, FunctionCode{static_cast<std::uint32_t>(Reserved::Outcome)}, body);
+  ASSERT_EQ(reply_to(1), Detail::Done);
+  OutcomeRecord record;
+  const auto packet = wire::decode_packet(link_->sent.back());
+  wire::Decoder from(packet->body);
+  ASSERT_TRUE(wire::get_block(from, record, "outcome"));
+  EXPECT_EQ(detail_from(record.detail), Detail::OutcomeUnknown);
+}
+
+TEST_F(ServedObjects, ADeadlineInCenturiesIsNone) {
+  wire::PacketHeader header;
+  header.kind = wire::PacketKind::Call;
+  header.session = session_->id();
+  header.counter = 1;
+  header.code = probe::read_code;
+  header.deadline = Duration::max();
+  take(header);
+  EXPECT_EQ(reply_to(1), Detail::Done);
+}
+
 TEST_F(OverALossyLine, PacketsThatCountNoCallAreIgnored) {
   link_->sent.clear();
   for (const auto kind :

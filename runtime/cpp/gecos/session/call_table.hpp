@@ -28,17 +28,17 @@ class CallTable {
   /// Null when it is not there. The pointer is valid until the table changes.
   const std::shared_ptr<Call>* find(std::uint64_t counter) const {
     for (std::size_t at = home(counter);; at = next(at)) {
+      if (slots_[at].counter == 0) return nullptr;  // first: nothing is called 0
       if (slots_[at].counter == counter) return &slots_[at].call;
-      if (slots_[at].counter == 0) return nullptr;
     }
   }
 
   /// Takes it out; null when it is not there.
   std::shared_ptr<Call> take(std::uint64_t counter) {
     std::size_t at = home(counter);
-    while (slots_[at].counter != counter) {
-      if (slots_[at].counter == 0) return nullptr;
-      at = next(at);
+    for (;; at = next(at)) {
+      if (slots_[at].counter == 0) return nullptr;  // first: nothing is called 0
+      if (slots_[at].counter == counter) break;
     }
     auto taken = std::move(slots_[at].call);
     slots_[at] = {};

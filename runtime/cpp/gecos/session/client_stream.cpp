@@ -1,5 +1,7 @@
 #include "gecos/session/client_stream.hpp"
 
+#include <algorithm>
+
 #include "gecos/session/linked_session.hpp"
 #include "gecos/session/servant.hpp"
 
@@ -24,9 +26,20 @@ ClientStream::ClientStream(std::shared_ptr<LinkedSession> session, FunctionCode 
 
 ClientStream::~ClientStream() { session_->stream_closed(*this); }
 
+namespace {
+
+/// So far from now that no age of it can be told, a stamp is nonsense, or malice.
+void bound_stamp(media::StreamSample& sample) {
+  constexpr std::int64_t farthest = std::int64_t{1} << 62;
+  sample.stamp_ns = std::clamp(sample.stamp_ns, -farthest, farthest);
+}
+
+}  // namespace
+
 bool ClientStream::latest(media::StreamSample& into) {
   session_->glance();
   reader_->latest(into.sequence, into);
+  bound_stamp(into);
   return into.sequence != 0;
 }
 
@@ -39,7 +52,10 @@ tl::expected<void, StreamEnd> ClientStream::next(media::StreamSample& into, Time
         return got || closed_.load(std::memory_order_acquire) || session_->lost();
       },
       deadline);
-  if (got) return {};
+  if (got) {
+    bound_stamp(into);
+    return {};
+  }
   if (session_->lost()) return tl::unexpected(StreamEnd::Lost);
   return tl::unexpected(closed_.load() ? StreamEnd::Closed : StreamEnd::Nothing);
 }

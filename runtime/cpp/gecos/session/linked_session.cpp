@@ -93,7 +93,9 @@ tl::expected<void, media::SendProblem> LinkedSession::send_call(
     retry.packet = packet_;
     retry.next = now + retry_after(1);
     retry.on_its_way = sent.has_value();
-    if (header.deadline > Duration{}) retry.deadline = now + header.deadline;
+    if (header.deadline > Duration{} && header.deadline < TimePoint::max() - now) {
+      retry.deadline = now + header.deadline;
+    }
   }
   calls_.insert(header.counter, command);
   return {};

@@ -84,7 +84,7 @@ void PendingCommand::report(Detail detail, const ProgressBody& body) {
   if (terminal()) return;
   detail_.store(detail, std::memory_order_relaxed);
   position_ = body.position;
-  fraction_ = std::clamp(body.fraction, 0.0, 1.0);
+  fraction_ = body.fraction > 0 ? std::min(body.fraction, 1.0) : 0;  // no number at all is nothing
   if (!body.feedback.empty()) feedback_ = body.feedback;
 }
 

@@ -253,7 +253,8 @@ void ServedObject::admit(const std::shared_ptr<ServerSession>& session,
   auto call = std::make_shared<ServerCall>(shared_from_this(), session, operation,
                                            packet.header.counter, packet.header.epoch, packet.body);
   if (packet.header.deadline > Duration{}) {
-    call->deadline = runtime_->clock().now() + packet.header.deadline;
+    const TimePoint now = runtime_->clock().now();  // in centuries: none
+    if (packet.header.deadline < TimePoint::max() - now) call->deadline = now + packet.header.deadline;
   }
   if (operation.on_new == OnNew::Preempt) preempt(*call);
   if (const auto queued = queue_.push(call); !queued) {
