@@ -27,11 +27,13 @@ std::uint64_t from_environment(const char* name, std::uint64_t otherwise) {
   return text != nullptr && *text != '\0' ? std::stoull(text) : otherwise;
 }
 
-/// Every program of the test sees its own line, each with the same faults.
+/// Every program of the test sees its own line, each with the same faults. However slow the machine
+/// is, nobody counts as lost: whatever ends otherwise than DONE is a defect.
 gecos::LabOptions bad_line(std::uint64_t seed) {
   const gecos::media::Faults faults{
       .seed = seed, .loss = 0.1, .duplication = 0.1, .corruption = 0.01, .reordering = 0.3};
   gecos::LabOptions options;
+  options.grace = options.lease_ttl = std::chrono::seconds(20);
   options.wrap_medium = [faults](std::unique_ptr<gecos::media::Medium> inner) {
     return gecos::media::make_faulty(std::move(inner), faults, real_clock);
   };
@@ -211,6 +213,7 @@ TEST_P(FaultyLine, CarriesEveryCallOnceInOrderAndUndamaged) {
     for (auto& thread : threads) thread.join();
   }
   EXPECT_EQ(counting.out_of_order(), 0) << "commands started before those issued before them";
+  if (HasFailure()) return;  // the rest was not issued
   for (std::uint64_t number = 0; number < clients * share; ++number) {
     ASSERT_EQ(counting.runs(number), 1) << "command " << number << " did not run once";
   }

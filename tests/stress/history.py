@@ -17,8 +17,9 @@ Of a server:
     done
 
 And of who kills: `kill <pid>`, once the process is gone, and `cut <end>`, when the line between all
-clients and all servers was cut, and until when. A command is named by the number of its client
-(upper half) and its own (lower half); both rise.
+clients and all servers was cut, and until when. And of a watcher of the machine: `late <woken>`,
+when it was to wake, and when it woke. A command is named by the number of its client (upper half)
+and its own (lower half); both rise.
 """
 
 from __future__ import annotations
@@ -90,6 +91,12 @@ class History:
     kills: dict[int, int] = field(default_factory=dict)
     """When the process of that pid was gone."""
     cuts: list[tuple[int, int]] = field(default_factory=list)
+    late: list[tuple[int, int]] = field(default_factory=list)
+    """From when until when somebody who only wanted to wake was not let run."""
+
+    def late_s(self, begin: int, end: int) -> float:
+        """How much of the time between the two the machine stood still for its watcher."""
+        return sum(max(0, min(end, woken) - max(begin, due)) for due, woken in self.late) * 1e-9
 
     def summary(self) -> str:
         calls = [call for client in self.clients for call in client.calls.values()]
@@ -97,7 +104,9 @@ class History:
         told = ", ".join(f"{count} {what}" for what, count in outcomes.most_common())
         again = f", {self.sent_again()} of them by another server" if self.sent_again() else ""
         kills, cuts = len(self.kills), len(self.cuts)
-        return f"{kills} kills, {cuts} cuts, {len(calls)} commands ({told}{again})"
+        worst = max((woken - due for due, woken in self.late), default=0) * 1e-9
+        late = f", machine up to {worst:.2f} s late" if worst else ""
+        return f"{kills} kills, {cuts} cuts, {len(calls)} commands ({told}{again}){late}"
 
     def sent_again(self) -> int:
         """How many commands were carried out by another server than that of their session."""
@@ -164,7 +173,7 @@ def read_server(name: str, lines: Iterable[list[str]]) -> Server:
 
 
 def read(directory: Path) -> History:
-    """client.*.log, server.*.log and kills.log of one run."""
+    """client.*.log, server.*.log, kills.log and machine.log of one run."""
     history = History()
     for path in sorted(directory.glob("client.*.log")):
         history.clients.append(read_client(path.name, lines_of(path)))
@@ -176,6 +185,9 @@ def read(directory: Path) -> History:
             history.kills[int(what)] = int(time)
         else:
             history.cuts.append((int(time), int(what)))
+    machine = directory / "machine.log"
+    for due, _, woken in lines_of(machine) if machine.exists() else ():
+        history.late.append((int(due), int(woken)))
     return history
 
 
@@ -229,11 +241,14 @@ def nothing_lost(history: History, bound_s: float) -> Iterator[str]:
             if not call.waited_out:
                 yield f"command {call.command} of {client.name} was waited for and still runs"
             for lost, what in losses(history, client, call, bound_s):
-                took = (call.ended - max(lost, call.issued)) * 1e-9
+                begin = max(lost, call.issued)
+                took = (call.ended - begin) * 1e-9
                 if took > bound_s:
+                    still = history.late_s(begin, call.ended)
                     yield (
                         f"command {call.command} of {client.name} ended as {call.detail()}"
                         f" {took:.3f} s after its {what}; promised are {bound_s} s"
+                        + (f"; the machine stood still for {still:.3f} s of them" if still else "")
                     )
 
 

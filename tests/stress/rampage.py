@@ -19,6 +19,7 @@ from pathlib import Path
 
 import history
 from hosts import Hosts
+from lateness import Lateness
 
 HERE = Path(__file__).resolve().parent
 PATIENCE_S = 30.0
@@ -135,7 +136,8 @@ class Rampage:
         self._env.pop("GECOS_BROKER", None)
         if plan.preload is not None:
             self._env["LD_PRELOAD"] = str(plan.preload)
-        self._children: list[int] = []
+        self._orphaned: list[int] = []
+        """Groups of killed servers in which a child lives on; nobody else gets their numbers."""
         self._clients = 0
         self._servers = 0
 
@@ -156,6 +158,7 @@ class Rampage:
         self._servers += 1
         in_python = [sys.executable, str(HERE / "programs" / "server.py")]
         return [
+            *(["setsid"] if self.plan.children else []),  # its child stays in a group of its pid
             *(in_python if self.plan.python_server else [str(self._programs / "stress_server")]),
             f"record={self.records / f'server.{self._servers}.log'}",
             f"medium={self.plan.medium}",
@@ -222,10 +225,13 @@ class Rampage:
         pid = victim.process.pid
         with (self.records / "kills.log").open("a") as kills:
             kills.write(f"{victim.kill()} kill {pid}\n")
-        self._children += [
-            int(line.split()[1]) for line in victim.said().splitlines() if line.startswith("child ")
-        ]
+        self._note_orphan(pid)
         victim.start()
+
+    def _note_orphan(self, killed: int) -> None:
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(killed, 0)
+            self._orphaned.append(killed)
 
     def _await_ready(self, name: str) -> None:
         for role in self.roles:
@@ -265,37 +271,58 @@ class Rampage:
 
     def _end_children(self) -> None:
         """A server that is started afterwards clears away what they held."""
-        for child in self._children:
-            os.kill(child, signal.SIGKILL)
-        if self._children:
-            self._children = []
-            self.plan = dataclasses.replace(self.plan, children=False)
-            for role in self.roles:
-                if role.name == "server":
-                    self._kill(role)
+        if not self.plan.children:
+            return
+        self.plan = dataclasses.replace(self.plan, children=False)
+        for server in self._servers_now():
+            self._kill(server)  # the last one with a child
+        self._kill_orphaned()
+        for server in self._servers_now():
+            self._kill(server)
+
+    def _servers_now(self) -> list[Role]:
+        return [role for role in self.roles if role.name == "server"]
+
+    def _kill_orphaned(self) -> None:
+        """Until they are gone: who dies still holds all it held."""
+        give_up = time.monotonic() + PATIENCE_S
+        for group in self._orphaned:
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(group, signal.SIGKILL)
+            while lives(group):
+                assert time.monotonic() < give_up, f"what is in group {group} does not die"
+                time.sleep(0.001)
+        self._orphaned = []
 
     def _end_waiters(self) -> None:
         """They end with what they wait for, so their server goes first."""
         waiters = [role for role in self.roles if role.name == "waiter"]
         for role in waiters:
             role.process.terminate()
-        for server in self.roles:
-            if waiters and server.name == "server":
-                server.wait_ready()
-                self._kill(server)
+        for server in self._servers_now() if waiters else ():
+            server.wait_ready()
+            self._kill(server)
         for role in waiters:
             leftover(role, role.finish())
 
     def give_up(self) -> None:
         """Leaves nothing running, whatever happened."""
-        for child in self._children:
-            with contextlib.suppress(ProcessLookupError):
-                os.kill(child, signal.SIGKILL)
         for role in self.roles:
             if role.process.poll() is None:
-                role.process.kill()
-                role.process.wait()
+                role.kill()
+                self._note_orphan(role.process.pid)
+        self._kill_orphaned()
         shutil.rmtree(self.place, ignore_errors=True)
+
+
+def lives(group: int) -> bool:
+    """Is anybody in that process group who has not died?"""
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        with contextlib.suppress(OSError):  # it has gone meanwhile
+            state, _parent, of = stat.read_text().rpartition(")")[2].split()[:3]
+            if int(of) == group and state not in "ZX":
+                return True
+    return False
 
 
 def leftover(role: Role, said: str) -> None:
@@ -325,7 +352,7 @@ def rampage(plan: Plan, build: Path, records: Path, env: Mapping[str, str]) -> I
 
 def run(plan: Plan, build: Path, records: Path, env: Mapping[str, str]) -> history.History:
     """Carries out the plan; gives the history, which has been checked."""
-    with rampage(plan, build, records, env) as lab:
+    with Lateness(records / "machine.log"), rampage(plan, build, records, env) as lab:
         lab.kill()
         lab.freeze()
         lab.cut()

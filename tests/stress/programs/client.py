@@ -35,9 +35,9 @@ class Client:
             if bench is None:
                 time.sleep(0.01)  # a pause between tries, nothing is awaited
             elif not self._turn(bench):
+                self._finish_all()  # each end is noted when it comes, not after connecting anew
                 bench = None
-        while self._open:
-            self._finish()
+        self._finish_all()
         self._lease = None
         self._record.note("done")
 
@@ -85,6 +85,10 @@ class Client:
             return answer(number, result) if isinstance(result, bytes) else int(str(result))
 
         self._open.append((number, command, shown))
+
+    def _finish_all(self) -> None:
+        while self._open:
+            self._finish()
 
     def _finish(self) -> bool:
         number, command, shown = self._open.popleft()

@@ -1,0 +1,44 @@
+"""How late the machine itself is: a bound that is missed while nobody ran is missed all the same,
+and its failure says so."""
+
+from __future__ import annotations
+
+import threading
+import time
+from pathlib import Path
+from types import TracebackType
+
+STEP_S = 0.01
+WORTH_NOTING_S = 0.03
+
+
+class Lateness:
+    """Wants to wake every 10 ms and notes when it did not: a line "<due> late <woken>", in ns, each
+    time it was more than 30 ms late."""
+
+    def __init__(self, file: Path) -> None:
+        self._file = file
+        self._end = threading.Event()
+        self._thread = threading.Thread(target=self._watch, name="lateness")
+
+    def __enter__(self) -> Lateness:
+        self._thread.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._end.set()
+        self._thread.join()
+
+    def _watch(self) -> None:
+        with self._file.open("a") as notes:
+            due = time.monotonic_ns()
+            while not self._end.wait(STEP_S):
+                due, woken = due + round(STEP_S * 1e9), time.monotonic_ns()
+                if woken - due > WORTH_NOTING_S * 1e9:
+                    notes.write(f"{due} late {woken}\n")
+                due = woken
