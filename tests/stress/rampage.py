@@ -218,6 +218,8 @@ class Rampage:
 
     def kill(self) -> None:
         for _ in range(self.plan.kills):
+            if self.plan.waiters:
+                self._await_ready("server")  # nobody waits for one that starts
             self._pause()
             self._kill(self._victim())
 
