@@ -49,7 +49,10 @@ std::shared_ptr<CommandCore> LinkedSession::call_repeatable(
   wire::Encoder to(again.arguments);
   encode(to);
   const Duration within = options.deadline.count() > 0 ? options.deadline : operation.quality.deadline;
-  if (within.count() > 0) again.deadline = runtime_->clock().now() + within;
+  if (within.count() > 0) {
+    const TimePoint now = runtime_->clock().now();  // in centuries: none
+    if (within < TimePoint::max() - now) again.deadline = now + within;
+  }
 
   auto sent = send_repeatable(command);
   if (!sent && sent.error() == media::SendProblem::Full) {
