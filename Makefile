@@ -56,8 +56,10 @@ bench: build  ## speeds, shown and never asserted
 # What the peers need is this target's alone. BENCH="--quick", "--without NAME", "--only TITLE": bench_peers.py --help
 .PHONY: bench-peers
 bench-peers: build  ## ours beside omniORB, Ice, Cap'n Proto, iceoryx, iceoryx2 and LCM, in one run
-	@benchmarks/peers/setup.sh $(BUILD)
-	@$(PYTHON) benchmarks/peers/bench_peers.py --build $(BUILD) $(BENCH)
+	@tools/configure.sh build-lto $(BUILD_TYPE) -DGECOS_LTO=ON -DBUILD_TESTING=OFF
+	@cmake --build build-lto -j$(JOBS) --target gecos_peer limits_peer
+	@benchmarks/peers/setup.sh build-lto
+	@$(PYTHON) benchmarks/peers/bench_peers.py --build build-lto $(BENCH)
 
 # Each run says what it found; all of them run, whatever the others said. FUZZ_SECONDS=60 for shorter ones.
 FUZZ_SECONDS ?= 600
@@ -85,4 +87,4 @@ format: setup  ## C++ and Python laid out as the house does
 
 .PHONY: clean
 clean:  ## all that was built; the virtual environment stays
-	@rm -rf build build-asan build-tsan build-fuzz build-wheel dist runtime/python/gecos/_core*.so runtime/python/gecos/wire/_plans*.so
+	@rm -rf build build-asan build-tsan build-fuzz build-lto build-wheel dist runtime/python/gecos/_core*.so runtime/python/gecos/wire/_plans*.so

@@ -191,6 +191,16 @@ class InPieces : public testing::Test {
   TimePoint next_beat_{};
 };
 
+TEST_F(InPieces, WhatArrivedAndIsSentAgainArrivesAgain) {
+  const Bytes packet = random_bytes(50'000, 7);
+  for (int time = 0; time < 3; ++time) {
+    send_when_free(*client_, packet);
+    EXPECT_EQ(arrived_at(*server_), packet) << "its receiver took it for too old, say";
+    send_when_free(*client_, random_bytes(4, 8));
+    EXPECT_EQ(arrived_at(*server_).size(), 4u);
+  }
+}
+
 TEST_F(InPieces, LargePacketsArriveThoughEveryTenthPieceIsLost) {
   EXPECT_EQ(medium_->offer().largest_packet, largest_transfer);
   for (unsigned i = 1; i <= 3; ++i) {

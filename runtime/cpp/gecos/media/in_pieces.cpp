@@ -34,9 +34,10 @@ class LinkInPieces final : public Link {
       return ++sent_;
     }
     if (inner_->loss() != Loss::None) return tl::unexpected(SendProblem::Lost);
-    const bool known = transfer_ && is_packet(transfer_->packet(), head, body);
-    if (!known) {
-      if (transfer_ && !transfer_->complete()) return tl::unexpected(SendProblem::Full);
+    // One that arrived and is sent again was not taken up: it was too old by then, say.
+    const bool under_way = transfer_ && !transfer_->complete();
+    if (!under_way || !is_packet(transfer_->packet(), head, body)) {
+      if (under_way) return tl::unexpected(SendProblem::Full);
       Bytes packet(head.begin(), head.end());
       packet.insert(packet.end(), body.begin(), body.end());
       transfer_.emplace(++transfers_, std::move(packet));

@@ -18,32 +18,48 @@ SpinPolicy::SpinPolicy(const Clock& clock, SpinOptions options)
       quickest_yield_(options.quick_yield),
       next_pause_(options.pause_first) {}
 
-bool SpinPolicy::yield() {
-  if (state_ == State::Over) return false;
-  if (state_ == State::Fresh) {
-    began_ = last_ = clock_.now();
-    if (began_ < paused_until_ || options_.longest <= Duration::zero()) {
-      state_ = State::Over;
-      return false;
-    }
-    state_ = State::Spinning;
-    looks_ = looks_between_yields_;
-    return true;
-  }
-  const TimePoint before = looks_between_yields_ == 0 ? last_ : clock_.now();
-  ::sched_yield();
-  const TimePoint now = clock_.now();
-  const Duration took = now - before;
-  const bool lost_core = now - std::exchange(last_, now) >= options_.lost_core;
-  if (lost_core) {
-    paused_until_ = now + next_pause_;
-    next_pause_ = std::min(2 * next_pause_, options_.pause_longest);
+bool SpinPolicy::begin_spinning() {
+  const bool paused = paused_until_ != TimePoint{} && clock_.now() < paused_until_;
+  if (paused || options_.longest <= Duration::zero()) {
     state_ = State::Over;
     return false;
   }
-  // Somebody else ran here, perhaps the peer: every look before the next yield would delay it.
-  quickest_yield_ = std::min(quickest_yield_, took);
-  looks_between_yields_ = took >= 2 * quickest_yield_ ? 0 : options_.looks_alone;
+  state_ = State::Spinning;
+  first_ = true;
+  looks_ = looks_between_yields_;
+  return true;
+}
+
+/// Else it took at most what passed since the clock was read last.
+bool SpinPolicy::timed_by_itself() {
+  return !first_ || looks_between_yields_ != 0 || doubtful_ || ++waits_ % waits_between_exact == 0;
+}
+
+bool SpinPolicy::yield() {
+  if (state_ == State::Over) return false;
+  if (state_ == State::Fresh) {
+    if (!begin_spinning()) return false;
+    if (looks_ != 0) return true;
+  }
+  const bool exact = timed_by_itself();
+  const bool just_read = !first_ && looks_between_yields_ == 0;
+  const TimePoint before = exact && !just_read ? clock_.now() : last_;
+  ::sched_yield();
+  const TimePoint now = last_ = clock_.now();
+  const Duration took = now - before;
+  if (std::exchange(first_, false)) began_ = exact ? before : now;
+  doubtful_ = !exact && took >= options_.lost_core;
+  if (exact) {
+    if (took >= options_.lost_core) {
+      paused_until_ = now + next_pause_;
+      next_pause_ = std::min(2 * next_pause_, options_.pause_longest);
+      state_ = State::Over;
+      return false;
+    }
+    // Somebody else ran here, perhaps the peer: every look before the next yield would delay it.
+    quickest_yield_ = std::min(quickest_yield_, took);
+    looks_between_yields_ = took >= 2 * quickest_yield_ ? 0 : options_.looks_alone;
+  }
   if (now - began_ >= options_.longest) {
     next_pause_ = options_.pause_first;  // a whole spin in which the core stayed ours
     state_ = State::Over;

@@ -30,7 +30,9 @@ struct SpinOptions {
 /// it, and then spinning stops for a while; so a wait costs what a wake-up costs, not what the
 /// neighbour likes. What a yield to nobody takes differs tenfold between machines, so it is learned: one
 /// that takes twice as long as the quickest has let somebody run, and then every look is followed by a
-/// yield, because it may be the peer who waits for the core. One thread at a time; keep one per waiting thread, for what it has learned.
+/// yield, because it may be the peer who waits for the core. There the clock is read after the yield
+/// alone: since it was read last no core was lost for longer than that, and only where it was long a
+/// yield is timed by itself. One thread at a time; keep one per waiting thread, for what it has learned.
 class SpinPolicy {
  public:
   explicit SpinPolicy(const Clock& clock, SpinOptions options = {});
@@ -49,7 +51,11 @@ class SpinPolicy {
 
  private:
   enum class State : std::uint8_t { Fresh, Spinning, Over };
+  static constexpr unsigned waits_between_exact = 64;
+
+  bool begin_spinning();
   bool yield();
+  bool timed_by_itself();
 
   const Clock& clock_;
   const SpinOptions options_;
@@ -57,8 +63,11 @@ class SpinPolicy {
   std::uint32_t looks_ = 0;
   std::uint32_t looks_between_yields_;
   Duration quickest_yield_;
+  bool first_ = true;      ///< no yield yet in this wait
+  bool doubtful_ = true;   ///< it was long since the clock was read last: a yield, or what came before?
+  unsigned waits_ = 0;
   TimePoint began_{};
-  TimePoint last_{};
+  TimePoint last_{};       ///< when the clock was read last
   TimePoint paused_until_{};
   Duration next_pause_;
 };

@@ -12,15 +12,19 @@ void History::ended(Entry entry) {
     entry.text.resize(longest_text);
     while (!wire::valid_utf8(entry.text)) entry.text.pop_back();
   }
-  if (entries_.size() == most_entries) entries_.pop_front();
-  entries_.push_back(std::move(entry));
+  if (entries_.size() < most_entries) {
+    entries_.push_back(std::move(entry));
+  } else {
+    entries_[next_] = std::move(entry);
+    next_ = (next_ + 1) % most_entries;
+  }
 }
 
 const History::Entry* History::find(SessionId session, std::uint64_t counter) const {
-  const auto found = std::find_if(entries_.rbegin(), entries_.rend(), [&](const Entry& entry) {
+  const auto found = std::ranges::find_if(entries_, [&](const Entry& entry) {
     return entry.session == session && entry.counter == counter;
   });
-  return found == entries_.rend() ? nullptr : &*found;
+  return found == entries_.end() ? nullptr : &*found;
 }
 
 void History::opened(SessionId id, std::weak_ptr<ServerSession> session) {

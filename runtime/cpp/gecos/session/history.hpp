@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "gecos/base/ids.hpp"
 #include "gecos/session/command.hpp"
@@ -55,7 +56,8 @@ class History {
   };
   const Departed* find_departed(SessionId id) const;
 
-  std::deque<Entry> entries_;
+  std::vector<Entry> entries_;  ///< when it is full, the oldest is at next_
+  std::size_t next_ = 0;
   std::map<SessionId, std::weak_ptr<ServerSession>> open_;
   std::deque<Departed> departed_;
 };

@@ -53,15 +53,16 @@ void Housekeeping::Shared::run() {
     for (const auto& job : take_jobs()) job();
     auto alive = look_at();
     const TimePoint now = clock.now();
-    for (const auto& one : alive) one->tend(now);
+    TimePoint next = TimePoint::max();
+    for (const auto& one : alive) next = std::min(next, one->tend(now));
 
     descriptors.assign(1, {wakeup.descriptor(), POLLIN, 0});
     for (const auto& one : alive) one->watch(descriptors);
-    const bool idle = alive.empty();
     std::vector<std::weak_ptr<Tended>> watched(alive.begin(), alive.end());
     alive.clear();  // whoever is dropped meanwhile ends at once, not after this sleep
-    const auto milliseconds = std::chrono::duration_cast<std::chrono::milliseconds>(tick).count();
-    poll(descriptors.data(), descriptors.size(), idle ? -1 : static_cast<int>(milliseconds));
+    const bool idle = next == TimePoint::max();
+    const auto rest = std::chrono::ceil<std::chrono::milliseconds>(std::max(next - now, tick));
+    poll(descriptors.data(), descriptors.size(), idle ? -1 : static_cast<int>(rest.count()));
     for (const auto& one : watched) {
       if (const auto still = one.lock()) still->unwatch();
     }

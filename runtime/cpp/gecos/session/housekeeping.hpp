@@ -10,12 +10,13 @@
 
 namespace gecos::session {
 
-/// Something that needs a look every 10 ms: heartbeats, silence, timers.
+/// Something that needs a look now and then: heartbeats, silence, timers.
 class Tended {
  public:
   virtual ~Tended() = default;
-  /// On the housekeeping thread. Must not block and must not run a handler of a user.
-  virtual void tend(TimePoint now) = 0;
+  /// On the housekeeping thread. Must not block and must not run a handler of a user. Gives when the
+  /// next look is due; it may come sooner, and comes at the earliest after a `Housekeeping::tick`.
+  virtual TimePoint tend(TimePoint now) = 0;
   /// Adds descriptors to sleep on until the next look; `unwatch` follows after the sleep.
   virtual void watch(std::vector<pollfd>& into) { static_cast<void>(into); }
   virtual void unwatch() {}

@@ -97,12 +97,14 @@ void IoLoop::run_standby() {
   }
 }
 
-void IoLoop::run_handlers(ServedObject& object, Polling& polling) {
+void IoLoop::run_handlers(ServedObject& object, std::shared_ptr<ServerCall> started,
+                          Polling& polling) {
   const bool main = std::this_thread::get_id() == main_id_;
-  if (main) handler_turn_.fetch_add(1);
+  const auto turn = handler_turn_.load(std::memory_order_relaxed);
+  if (main) handler_turn_.store(turn + 1, std::memory_order_release);
   polling.unlock();
-  object.run_ready(Starter::Poller);
-  if (main) handler_turn_.fetch_add(1);
+  object.run_ready(Starter::Poller, std::move(started));
+  if (main) handler_turn_.store(turn + 2, std::memory_order_release);
   if (polling.try_lock()) return;
   wakeup_.ring();  // a standby polls, and sleeps perhaps: it lets go of what is ours again
   polling.lock();
@@ -125,15 +127,20 @@ void IoLoop::turn(Polling& polling) {
 bool IoLoop::look_at_hot(Polling& polling) {
   bool something = false;
   for (std::size_t at = 0; at < hot_.size(); ++at) {
-    const auto session = hot_[at];
-    if (const auto packet = session->link().receive()) {
+    ServerSession& session = *hot_[at];
+    std::shared_ptr<ServerCall> started;
+    if (const auto packet = session.link().receive()) {
       something = true;
-      session->quiet_looks = 0;
-      session->object()->take(session, *packet);
+      session.quiet_looks = 0;
+      started = session.object()->take_and_start(hot_[at], *packet);
     }
-    if (session->object()->ready()) {
+    // A standby may part from the session meanwhile: the call keeps it, or we keep the object.
+    if (started) {
+      run_handlers(*session.object(), std::move(started), polling);
+    } else if (session.object()->ready()) {
       something = true;
-      run_handlers(*session->object(), polling);
+      const auto object = session.object();
+      run_handlers(*object, nullptr, polling);
     }
   }
   return something;

@@ -8,6 +8,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "gecos/base/mutex.hpp"
 #include "gecos/media/waiting.hpp"
 #include "gecos/session/runtime.hpp"
 #include "gecos/session/served_object.hpp"
@@ -40,12 +41,12 @@ class IoLoop {
     std::shared_ptr<ServedObject> object;
     std::shared_ptr<media::Acceptor> acceptor;
   };
-  using Polling = std::unique_lock<std::mutex>;
+  using Polling = std::unique_lock<Mutex>;
 
   void run();
   void run_standby();
   /// Gives polling up meanwhile.
-  void run_handlers(ServedObject& object, Polling& polling);
+  void run_handlers(ServedObject& object, std::shared_ptr<ServerCall> started, Polling& polling);
   bool main_is_inside() const { return handler_turn_.load() % 2 == 1; }
   /// One look at everything hot; sleeps when nothing is.
   void turn(Polling& polling);
@@ -67,9 +68,9 @@ class IoLoop {
   const int epoll_;
   Wakeup wakeup_;
   std::atomic<bool> ended_{false};              // publishes nothing but itself
-  std::atomic<std::uint64_t> handler_turn_{0};  // publishes nothing: odd while main is in a handler
+  std::atomic<std::uint64_t> handler_turn_{0};  // main's alone: odd while it is in a handler
 
-  std::mutex polling_;  ///< held by who polls; guards what follows
+  Mutex polling_;  ///< held by who polls; guards what follows
   media::SpinPolicy spin_;
   std::vector<std::unique_ptr<Door>> doors_;  ///< null where an object was withdrawn
   std::vector<std::shared_ptr<ServerSession>> hot_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "gecos/base/log.hpp"
+#include "gecos/base/recycling_allocator.hpp"
 #include "gecos/media/waiting.hpp"
 #include "gecos/session/client_stream.hpp"
 #include "gecos/session/function_code.hpp"
@@ -45,7 +46,7 @@ std::shared_ptr<CommandCore> LinkedSession::call(const OperationDescription& ope
   if (renewal_ && operation.idempotent && operation.status == access::Status::Sensor) {
     return call_repeatable(operation, size, encode, options);
   }
-  auto command = std::make_shared<PendingCommand>(shared_from_this());
+  auto command = make_recycled<PendingCommand>(shared_from_this());
   wire::PacketHeader header;
   header.kind = wire::PacketKind::Call;
   header.code = operation.code;
@@ -79,7 +80,7 @@ tl::expected<void, media::SendProblem> LinkedSession::send_call(
     return tl::unexpected(sent.error());
   }
   ++next_counter_;
-  if (command->again.may) {
+  if (command->again) {
     command->moor(shared_from_this(), {welcome_.boot, number(id_), header.counter}, sent.value_or(0));
   } else {
     command->counter = header.counter;
@@ -148,6 +149,7 @@ bool LinkedSession::cancel(PendingCommand& command, std::uint64_t counter) {
   if (!send(header, {})) {
     command.retry.next = {};  // housekeeping tries again
     cancels_waiting_ = true;
+    house_wake();
   }
   return true;
 }

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "gecos/base/mutex.hpp"
 #include "gecos/session/baton.hpp"
 #include "gecos/session/call_table.hpp"
 #include "gecos/session/handshake.hpp"
@@ -90,7 +91,7 @@ class LinkedSession final : public ClientSession,
   void attend() { attended_.store(true, std::memory_order_relaxed); house_wake(); }
   void stream_closed(ClientStream& stream);
 
-  void tend(TimePoint now) override;
+  TimePoint tend(TimePoint now) override;
   void watch(std::vector<pollfd>& into) override;
   void unwatch() override;
 
@@ -135,7 +136,8 @@ class LinkedSession final : public ClientSession,
   std::vector<Adrift> cast_off(Ending how, const std::string& text);
   bool has_repeatable();
   void judge_silence(TimePoint now);
-  void repeat(TimePoint now);
+  /// When the next look is due.
+  TimePoint repeat(TimePoint now);
   void house_wake();
   bool everything_arrived();
 
@@ -162,7 +164,7 @@ class LinkedSession final : public ClientSession,
   std::mutex subscribing_;  ///< taken before mutex_: so that no subscription is ended by another's end
   std::map<FunctionCode, std::size_t> subscriptions_;  ///< of each stream; guarded by subscribing_
 
-  std::mutex mutex_;
+  Mutex mutex_;
   std::uint64_t next_counter_ = 1;
   CallTable<PendingCommand> calls_;
   std::vector<ClientStream*> streams_;

@@ -64,7 +64,7 @@ class ObjectQueue {
   /// Actor commands that wait, first to start first.
   const std::deque<std::shared_ptr<Ticket>>& waiting() const { return actor_; }
   /// Actor commands that started and have not ended.
-  const std::vector<const Ticket*>& running() const { return running_; }
+  const std::vector<Ticket*>& running() const { return running_; }
   std::optional<std::size_t> position(const Ticket& ticket) const;
 
  private:
@@ -78,7 +78,7 @@ class ObjectQueue {
   Lane safety_;
   Lane sensor_;
   Lane actor_;
-  std::vector<const Ticket*> running_;
+  std::vector<Ticket*> running_;
   std::size_t inside_ = 0;  ///< handlers whose thread has not come back
   std::vector<const Ticket*> large_;  ///< not below `small`, that have not ended
 };

@@ -1,6 +1,7 @@
 #include "gecos/session/pending_command.hpp"
 
 #include <algorithm>
+#include <mutex>
 
 #include "gecos/session/linked_session.hpp"
 #include "gecos/session/runtime.hpp"
@@ -21,6 +22,7 @@ CommandId PendingCommand::id() const {
 }
 
 Progress PendingCommand::progress() const {
+  if (terminal()) return {detail_.load(std::memory_order_relaxed), 0, fraction_};
   bool unreachable = false;
   if (const auto session = this->session()) {
     session->glance();
@@ -39,14 +41,15 @@ Bytes PendingCommand::feedback() const {
 }
 
 bool PendingCommand::wait_until(TimePoint deadline) {
-  if (again.may) return wait_in_any_session(deadline);
+  if (terminal()) return true;
+  if (again) return wait_in_any_session(deadline);
   const auto session = this->session();
   if (!session) return true;
   return session->wait(this, [this] { return terminal(); }, deadline);
 }
 
 void PendingCommand::cancel() {
-  if (again.may) return cancel_in_any_session();
+  if (again) return cancel_in_any_session();
   if (const auto session = this->session()) session->cancel(*this, counter);
 }
 
@@ -99,7 +102,7 @@ void PendingCommand::end(Detail detail, Publish publish) {
   position_ = 0;
   released = std::move(session_);
   if (exported_) exported_->ring();
-  if (again.may) moored_.notify_all();
+  if (again) again->moored.notify_all();
   for (auto& callback : callbacks_) released->runtime().callbacks().post(std::move(callback));
   callbacks_.clear();
   detail_.store(detail, std::memory_order_seq_cst);
@@ -107,14 +110,14 @@ void PendingCommand::end(Detail detail, Publish publish) {
 
 void PendingCommand::finish(ByteView result) {
   end(Detail::Done, [&] {
-    result_.assign(result.begin(), result.end());
+    result_.assign(result);
     fraction_ = 1;
   });
 }
 
 void PendingCommand::fail(Failure failure) {
   // What a later session proves does not hold of an earlier one.
-  if (again.may_have_started && failure.state() == State::ConnectionFailed) {
+  if (again && again->may_have_started && failure.state() == State::ConnectionFailed) {
     failure.detail = Detail::OutcomeUnknown;
   }
   const Detail detail = failure.detail;

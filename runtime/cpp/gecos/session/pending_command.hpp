@@ -3,9 +3,10 @@
 #include <atomic>
 #include <condition_variable>
 #include <memory>
-#include <mutex>
 #include <vector>
 
+#include "gecos/base/mutex.hpp"
+#include "gecos/base/short_bytes.hpp"
 #include "gecos/session/command.hpp"
 #include "gecos/session/handshake.hpp"
 #include "gecos/session/wakeup.hpp"
@@ -28,7 +29,7 @@ class PendingCommand final : public CommandCore {
   Bytes feedback() const override;
   bool wait_until(TimePoint deadline) override;
   void cancel() override;
-  ByteView result() const override { return result_; }
+  ByteView result() const override { return result_.view(); }
   const Failure& failure() const override { return failure_; }
   int descriptor() override;
   void when_ended(std::function<void()> then) override;
@@ -59,35 +60,35 @@ class PendingCommand final : public CommandCore {
     bool cancel = false;
   } retry;
 
-  /// What it takes to send it again in another session; set before it is shared, but for the last two.
+  /// What it takes to send it again in another session; set before it is shared, but for the last three.
   struct Again {
-    bool may = false;
     FunctionCode code{};
     std::string_view name;
     Bytes arguments;
     TimePoint deadline = TimePoint::max();
     int sessions = 0;  ///< it was sent in; of who sends it
     bool may_have_started = false;  ///< in a session that it is not in any more
-  } again;
+    std::condition_variable_any moored;  ///< or terminal: for who waits while it is adrift
+  };
+  std::unique_ptr<Again> again;  ///< null: it may not be sent again
 
  private:
   std::shared_ptr<LinkedSession> session() const;
-  bool adrift() const { return again.may && home_.load(std::memory_order_acquire) == nullptr; }
+  bool adrift() const { return again != nullptr && home_.load(std::memory_order_acquire) == nullptr; }
   bool wait_in_any_session(TimePoint deadline);
   void cancel_in_any_session();
   template <class Publish>
   void end(Detail detail, Publish publish);
 
-  mutable std::mutex mutex_;
+  mutable Mutex mutex_;
   std::atomic<Detail> detail_{Detail::Sent};  // terminal: publishes result_ and failure_ to all
   std::uint32_t position_ = 0;
   double fraction_ = 0;
   Bytes feedback_;
-  Bytes result_;
+  ShortBytes result_;
   Failure failure_;
   std::unique_ptr<Wakeup> exported_;
   std::vector<std::function<void()>> callbacks_;
-  std::condition_variable moored_;  ///< or terminal: for who waits while it is adrift
   /// Whose it is; null while it is adrift. Publishes nothing: who waits there has to look elsewhere.
   std::atomic<const LinkedSession*> home_{nullptr};
   std::shared_ptr<LinkedSession> session_;  ///< null once terminal

@@ -25,7 +25,7 @@ void end_as(Adrift& adrift, const std::string& more) {
 
 void end_late(Adrift& adrift) {
   const bool started = adrift.failure.state() != State::ConnectionFailed;
-  const std::string what = "the deadline of '" + std::string(adrift.command->again.name) + "' passed ";
+  const std::string what = "the deadline of '" + std::string(adrift.command->again->name) + "' passed ";
   adrift.command->fail({started ? Detail::TimedOut : Detail::Expired,
                         what + "while it could not be sent again: " + adrift.failure.text, {}, {}});
 }
@@ -73,29 +73,33 @@ Renewal::Search& Renewal::search_of(const std::shared_ptr<LinkedSession>& from) 
     if (search.from == from) return search;
   }
   changed_.notify_one();
+  lab_.runtime()->housekeeping().wake();
   return searches_.emplace_back(Search{from, {}, {}, "there was no time to look for one"});
 }
 
-void Renewal::tend(TimePoint now) {
+TimePoint Renewal::tend(TimePoint now) {
   std::vector<std::pair<Adrift, std::string>> over;
+  bool idle = false;
   {
     const Lock lock(mutex_);
+    idle = searches_.empty();
     for (Search& search : searches_) {
       std::erase_if(search.commands, [&](Adrift& adrift) {
         if (adrift.command->terminal()) return true;
-        if (now < std::min(adrift.give_up, adrift.command->again.deadline)) return false;
+        if (now < std::min(adrift.give_up, adrift.command->again->deadline)) return false;
         over.emplace_back(std::move(adrift), search.why);
         return true;
       });
     }
   }
   for (auto& [adrift, why] : over) {
-    if (now >= adrift.command->again.deadline) {
+    if (now >= adrift.command->again->deadline) {
       end_late(adrift);
     } else {
       end_as(adrift, "there was none to send it to again in time: " + why);
     }
   }
+  return idle ? TimePoint::max() : now + Housekeeping::tick;
 }
 
 void Renewal::run() {
@@ -169,7 +173,7 @@ tl::expected<std::shared_ptr<LinkedSession>, std::string> Renewal::find(LinkedSe
 std::vector<Adrift> Renewal::send_to(LinkedSession& found, std::vector<Adrift> commands) {
   std::vector<Adrift> back;
   for (Adrift& adrift : commands) {
-    const auto& again = adrift.command->again;
+    const auto& again = *adrift.command->again;
     if (adrift.command->terminal()) continue;
     if (again.sessions >= most_sessions) {
       end_as(adrift, "it is not sent again, because so it went " + std::to_string(again.sessions) +

@@ -54,7 +54,7 @@ class Renewal final : public Tended, public std::enable_shared_from_this<Renewal
   /// `from` is UNREACHABLE: when another server has its object, what may go there goes there.
   void look_for_another(const std::shared_ptr<LinkedSession>& from);
   /// Ends those whose time is over.
-  void tend(TimePoint now) override;
+  TimePoint tend(TimePoint now) override;
   /// The lab ends: what is adrift ends now.
   void end();
 

@@ -22,27 +22,26 @@ ServedObject::ServedObject(std::shared_ptr<Runtime> runtime, std::string name, S
 
 // Running handlers
 
-void ServedObject::run_ready(Starter starter) {
-  for (;;) {
-    std::shared_ptr<ServerCall> call;
-    {
-      const Lock lock(mutex_);
-      ready_.store(false, std::memory_order_relaxed);
-      call = start_next(starter);
-    }
-    if (!call) return;
+void ServedObject::run_ready(Starter starter, std::shared_ptr<ServerCall> started) {
+  const auto next = [&] {
+    const Lock lock(mutex_);
+    return start_next(starter);
+  };
+  auto call = started ? std::move(started) : next();
+  while (call) {
     if (starter == Starter::Other || runs_long(call->operation())) {
       workers_.post([self = shared_from_this(), call] {
-        self->execute(call);
-        self->run_ready(Starter::Worker);
+        self->run_ready(Starter::Worker, self->execute(call, Starter::Worker));
       });
+      call = next();
     } else {
-      execute(call);
+      call = execute(call, starter);
     }
   }
 }
 
-void ServedObject::execute(const std::shared_ptr<ServerCall>& call) {
+std::shared_ptr<ServerCall> ServedObject::execute(const std::shared_ptr<ServerCall>& call,
+                                                  Starter starter) {
   servant_.gecos_dispatch(IncomingCall(call));
   const Lock lock(mutex_);
   call->returned = true;
@@ -53,12 +52,13 @@ void ServedObject::execute(const std::shared_ptr<ServerCall>& call) {
     list(*call);  // its handler answers later
     call->listener().report(*call, Detail::Executing, 0);
   }
-  note_ready();
+  return start_next(starter);
 }
 
 std::shared_ptr<ServerCall> ServedObject::start_next(Starter starter) {
+  ready_.store(false, std::memory_order_relaxed);
   while (auto ticket = queue_.next()) {
-    auto call = std::static_pointer_cast<ServerCall>(ticket);
+    auto call = std::static_pointer_cast<ServerCall>(std::move(ticket));
     if (starts_on_time(*call)) {
       const bool is_long = runs_long(call->operation());
       if (is_long || starter == Starter::Other) list(*call);
@@ -169,18 +169,42 @@ void ServedObject::tell_user(std::function<void()> what) {
   });
 }
 
+/// Those that have not ended, in the order in which they start.
+std::vector<std::shared_ptr<ServerCall>> ServedObject::actor_commands() const {
+  std::vector<std::shared_ptr<ServerCall>> commands;
+  for (Ticket* ticket : queue_.running()) {
+    commands.push_back(static_cast<ServerCall*>(ticket)->shared_from_this());
+  }
+  for (const auto& ticket : queue_.waiting()) {
+    commands.push_back(std::static_pointer_cast<ServerCall>(ticket));
+  }
+  return commands;
+}
+
+void ServedObject::interrupt(ServerCall& call) {
+  call.interrupt();
+  interrupted_.notify_all();
+}
+
+bool ServedObject::wait_interrupted(const ServerCall& call, TimePoint deadline) {
+  std::unique_lock lock(mutex_);
+  const auto wanted = [&] { return call.interrupted(); };
+  if (deadline != TimePoint::max()) return interrupted_.wait_until(lock, deadline, wanted);
+  interrupted_.wait(lock, wanted);
+  return true;
+}
+
 void ServedObject::end_commands(const std::function<bool(const ServerCall&)>& which,
                                 const Failure& failure) {
-  const auto open = open_;
-  for (const auto& call : open) {
-    if (call->lane != Ticket::Place::Actor || !which(*call)) continue;
+  for (const auto& call : actor_commands()) {
+    if (!which(*call)) continue;
     if (!call->started) {
       queue_.remove(*call);
       end(*call, failure);
       call->answered = call->returned = true;
       finished(*call);
     } else {
-      call->interrupt();
+      interrupt(*call);
       if (!call->terminal) end(*call, failure);
     }
   }
@@ -237,7 +261,7 @@ void ServedObject::tend(TimePoint now) {
         call->answered = call->returned = true;
         finished(*call);
       } else {
-        call->interrupt();
+        interrupt(*call);
         end(*call, Failure{Detail::TimedOut,
                            "the deadline of '" + std::string(call->operation().name) +
                                "' passed while it was executing; it was told to stop", {}, {}});
@@ -322,7 +346,7 @@ void ServedObject::close() {
   }
   const auto open = open_;  // what is left reads, and is answered later
   for (const auto& call : open) {
-    call->interrupt();
+    interrupt(*call);
     if (!call->terminal) end(*call, failure);
   }
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <condition_variable>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -7,6 +8,7 @@
 #include <vector>
 
 #include "gecos/access/lease_table.hpp"
+#include "gecos/base/mutex.hpp"
 #include "gecos/object_types.hpp"  // generated from idl/gecos/object.gidl
 #include "gecos/session/handshake.hpp"
 #include "gecos/session/history.hpp"
@@ -41,7 +43,11 @@ class ServedObject final : public Publisher, public std::enable_shared_from_this
   // The poller.
   /// Takes one packet of `session`. Handlers that it makes ready run in `run_ready`.
   void take(const std::shared_ptr<ServerSession>& session, ByteView packet);
-  void run_ready(Starter starter);
+  /// Likewise, and starts what may start now: it is to be passed to `run_ready` soon.
+  std::shared_ptr<ServerCall> take_and_start(const std::shared_ptr<ServerSession>& session,
+                                             ByteView packet);
+  /// Runs the handler of `started`, if it is one, and of all that may start.
+  void run_ready(Starter starter, std::shared_ptr<ServerCall> started = nullptr);
   /// True when `run_ready` may have something to do; a hint that spares the lock.
   bool ready() const { return ready_.load(std::memory_order_acquire); }
 
@@ -57,6 +63,8 @@ class ServedObject final : public Publisher, public std::enable_shared_from_this
   void answered(ServerCall& call, ByteView result);
   void answered(ServerCall& call, Failure failure);
   void progressed(ServerCall& call, double fraction, ByteView feedback);
+  /// Sleeps until `call` is interrupted or `deadline`; true when it is.
+  bool wait_interrupted(const ServerCall& call, TimePoint deadline);
   void publish(const StreamDescription& stream, ByteView sample, std::int64_t stamp_ns) override;
   ObjectStreams& streams() { return streams_; }
 
@@ -68,9 +76,10 @@ class ServedObject final : public Publisher, public std::enable_shared_from_this
   void join();
 
  private:
-  using Lock = std::lock_guard<std::mutex>;
+  using Lock = std::lock_guard<Mutex>;
 
   // Packets; with the mutex.
+  void take_packet(const std::shared_ptr<ServerSession>& session, ByteView bytes);
   void greet(const std::shared_ptr<ServerSession>& session, const wire::PacketView& packet);
   void arrive(const std::shared_ptr<ServerSession>& session, const wire::PacketView& packet);
   void take_call(const std::shared_ptr<ServerSession>& session, const wire::PacketView& packet);
@@ -103,6 +112,7 @@ class ServedObject final : public Publisher, public std::enable_shared_from_this
 
   // Life of calls; with the mutex.
   std::shared_ptr<ServerCall> start_next(Starter starter);
+  std::vector<std::shared_ptr<ServerCall>> actor_commands() const;
   bool starts_on_time(ServerCall& call);
   void end(ServerCall& call, const Failure& failure);
   void end(ServerCall& call, ByteView result);
@@ -118,7 +128,9 @@ class ServedObject final : public Publisher, public std::enable_shared_from_this
   void tell(ServerCall& call, TimePoint now);
   void note_ready() { ready_.store(true, std::memory_order_release); }
 
-  void execute(const std::shared_ptr<ServerCall>& call);
+  /// Gives what may start after it.
+  std::shared_ptr<ServerCall> execute(const std::shared_ptr<ServerCall>& call, Starter starter);
+  void interrupt(ServerCall& call);
   /// Runs what the user gave soon, on housekeeping, unless the server has ended by then.
   void tell_user(std::function<void()> what);
   bool runs_long(const OperationDescription& operation) const {
@@ -131,11 +143,12 @@ class ServedObject final : public Publisher, public std::enable_shared_from_this
   const InterfaceDescription& interface_;
   const ObjectOptions options_;
 
-  std::mutex mutex_;
+  Mutex mutex_;
   access::LeaseTable leases_;
   ObjectQueue queue_;
   History history_;
-  std::vector<std::shared_ptr<ServerCall>> open_;  ///< actor commands, and what may take long
+  std::condition_variable_any interrupted_;
+  std::vector<std::shared_ptr<ServerCall>> open_;  ///< what has a deadline, and what may take long
   WatchedTime watched_;                            ///< leases and silence are judged by it
   bool closed_ = false;
   std::atomic<bool> ready_{false};  // a hint: something was queued or ended since it was last looked

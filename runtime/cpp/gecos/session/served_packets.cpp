@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "gecos/base/recycling_allocator.hpp"
 #include "gecos/session/function_code.hpp"
 #include "gecos/session/packets.hpp"
 #include "gecos/session/served_object.hpp"
@@ -56,10 +57,21 @@ std::string user_of(const media::Peer& peer, const std::string& claimed) {
 }  // namespace
 
 void ServedObject::take(const std::shared_ptr<ServerSession>& session, ByteView bytes) {
+  const Lock lock(mutex_);
+  take_packet(session, bytes);
+}
+
+std::shared_ptr<ServerCall> ServedObject::take_and_start(
+    const std::shared_ptr<ServerSession>& session, ByteView bytes) {
+  const Lock lock(mutex_);
+  take_packet(session, bytes);
+  return ready() ? start_next(Starter::Poller) : nullptr;
+}
+
+void ServedObject::take_packet(const std::shared_ptr<ServerSession>& session, ByteView bytes) {
   const auto packet = wire::decode_packet(bytes);
   if (!packet) return;
   const auto& header = packet->header;
-  const Lock lock(mutex_);
   if (header.kind == wire::PacketKind::Hello) return greet(session, *packet);
   const bool theirs = session->greeted() && header.session == session->id();
   if (header.kind == wire::PacketKind::Goodbye) {
@@ -250,8 +262,8 @@ void ServedObject::admit(const std::shared_ptr<ServerSession>& session,
   if (operation.on_new == OnNew::Reject && !queue_.running().empty()) {
     return refuse(Detail::Rejected, "was not started: another command runs");
   }
-  auto call = std::make_shared<ServerCall>(shared_from_this(), session, operation,
-                                           packet.header.counter, packet.header.epoch, packet.body);
+  auto call = make_recycled<ServerCall>(session, operation, packet.header.counter,
+                                        packet.header.epoch, packet.body);
   if (packet.header.deadline > Duration{}) {
     const TimePoint now = runtime_->clock().now();  // in centuries: none
     if (packet.header.deadline < TimePoint::max() - now) call->deadline = now + packet.header.deadline;
@@ -270,7 +282,7 @@ void ServedObject::admit(const std::shared_ptr<ServerSession>& session,
       if (position != 0) session->report(*call, Detail::Queued, position);
     }
   }
-  if (call->lane == Ticket::Place::Actor || call->deadline != TimePoint::max()) list(*call);
+  if (call->deadline != TimePoint::max()) list(*call);
   note_ready();
 }
 
@@ -308,7 +320,7 @@ void ServedObject::cancel(ServerSession& session, std::uint64_t counter) {
   const bool motion = call->started && call->operation().cancelable;
   if (motion && !call->canceling) {
     call->canceling = true;
-    call->interrupt();
+    interrupt(*call);
     session.report(*call, Detail::Canceling, 0);
     end_commands(
         [&](const ServerCall& other) {

@@ -36,7 +36,7 @@ class Server::Core {
   /// What housekeeping holds: it lets go of the server before the server's parts end.
   struct Upkeep final : session::Tended {
     explicit Upkeep(Core& its_core) : core(&its_core) {}
-    void tend(TimePoint now) override;
+    TimePoint tend(TimePoint now) override;
     std::mutex mutex;
     Core* core;  ///< null once the server ends
   };
@@ -58,13 +58,14 @@ class Server::Core {
   std::shared_ptr<Upkeep> upkeep_;
 };
 
-void Server::Core::Upkeep::tend(TimePoint now) {
+TimePoint Server::Core::Upkeep::tend(TimePoint now) {
   const std::lock_guard lock(mutex);
-  if (core == nullptr) return;
+  if (core == nullptr) return TimePoint::max();
   core->io_.tend(now);
   core->registrar_.look();
   const std::lock_guard objects(core->mutex_);
   for (const auto& object : core->objects_) object->tend(now);
+  return now + session::Housekeeping::tick;
 }
 
 Server::Core::~Core() {

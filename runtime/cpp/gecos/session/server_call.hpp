@@ -1,10 +1,9 @@
 #pragma once
 
 #include <atomic>
-#include <condition_variable>
 #include <memory>
-#include <mutex>
 
+#include "gecos/base/short_bytes.hpp"
 #include "gecos/session/object_queue.hpp"
 #include "gecos/session/servant.hpp"
 
@@ -18,12 +17,11 @@ class ServerCall final : public CallCore,
                          public Ticket,
                          public std::enable_shared_from_this<ServerCall> {
  public:
-  ServerCall(std::shared_ptr<ServedObject> object, std::shared_ptr<ServerSession> session,
-             const OperationDescription& operation, std::uint64_t counter, Epoch epoch,
-             ByteView arguments);
+  ServerCall(std::shared_ptr<ServerSession> session, const OperationDescription& operation,
+             std::uint64_t counter, Epoch epoch, ByteView arguments);
 
   const OperationDescription& operation() const override { return Ticket::operation; }
-  ByteView arguments() const override { return arguments_; }
+  ByteView arguments() const override { return arguments_.view(); }
   const Caller& caller() const override;
   bool interrupted() const override { return interrupted_.load(std::memory_order_acquire); }
   bool wait_interrupted_until(TimePoint deadline) override;
@@ -31,18 +29,19 @@ class ServerCall final : public CallCore,
   void finish(ByteView result) override;
   void fail(Failure failure) override;
 
-  void interrupt();
   /// Who is told how it goes, and under which number; with the object's mutex.
   ServerSession& listener() const { return heir ? *heir : *session; }
   std::uint64_t counter_in(const ServerSession& teller) const {
     return heir.get() == &teller ? heir_counter : counter;
   }
+  ServedObject& object() const;
+  /// Who waits for it is woken by its object.
+  void interrupt() { interrupted_.store(true, std::memory_order_release); }
   /// Where it stands until it is terminal; with the object's mutex.
   Detail running_detail() const {
     return canceling ? Detail::Canceling : started ? Detail::Executing : Detail::Queued;
   }
 
-  const std::shared_ptr<ServedObject> object;
   const std::shared_ptr<ServerSession> session;
   const std::uint64_t counter;
   const Epoch epoch;
@@ -63,10 +62,8 @@ class ServerCall final : public CallCore,
   std::size_t told_position = 0;
 
  private:
-  const Bytes arguments_;
+  const ShortBytes arguments_;
   std::atomic<bool> interrupted_{false};  // publishes nothing but itself
-  std::mutex mutex_;
-  std::condition_variable woken_;
 };
 
 }  // namespace gecos::session

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "gecos/access/lease_table.hpp"
+#include "gecos/base/mutex.hpp"
 #include "gecos/media/medium.hpp"
 #include "gecos/session/call_table.hpp"
 #include "gecos/session/duplicates.hpp"
@@ -93,7 +94,7 @@ class ServerSession {
   SessionId id_{};
   Caller caller_;
 
-  std::mutex send_mutex_;
+  Mutex send_mutex_;
   Bytes packet_;              ///< reused
   std::deque<Bytes> backlog_;  ///< what found no room
   std::atomic<bool> overrun_{false};  // publishes nothing but itself

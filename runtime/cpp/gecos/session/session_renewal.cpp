@@ -1,6 +1,7 @@
 // The client side of a session whose @idempotent readings go on in another when it is lost.
 #include <algorithm>
 
+#include "gecos/base/recycling_allocator.hpp"
 #include "gecos/session/linked_session.hpp"
 #include "gecos/session/packets.hpp"
 #include "gecos/session/runtime.hpp"
@@ -40,9 +41,9 @@ std::shared_ptr<CommandCore> LinkedSession::call_repeatable(
   if (lost()) {
     if (const auto next = follower()) return next->call(operation, size, encode, options);
   }
-  auto command = std::make_shared<PendingCommand>(shared_from_this());
-  auto& again = command->again;
-  again.may = true;
+  auto command = make_recycled<PendingCommand>(shared_from_this());
+  command->again = std::make_unique<PendingCommand::Again>();
+  auto& again = *command->again;
   again.code = operation.code;
   again.name = operation.name;
   again.arguments.resize(size);
@@ -73,7 +74,7 @@ std::shared_ptr<CommandCore> LinkedSession::call_repeatable(
 
 tl::expected<void, media::SendProblem> LinkedSession::send_repeatable(
     const std::shared_ptr<PendingCommand>& command) {
-  const auto& again = command->again;
+  const auto& again = *command->again;
   wire::PacketHeader header;
   header.kind = wire::PacketKind::Call;
   header.code = again.code;
@@ -95,7 +96,7 @@ tl::expected<void, media::SendProblem> LinkedSession::send_repeatable(
 
 tl::expected<bool, Failure> LinkedSession::send_again(
     const std::shared_ptr<PendingCommand>& command) {
-  const auto& again = command->again;
+  const auto& again = *command->again;
   if (auto refused = differs(again.code, again.name)) return tl::unexpected(std::move(*refused));
   const auto sent = send_repeatable(command);
   if (sent) return true;
@@ -106,7 +107,7 @@ tl::expected<bool, Failure> LinkedSession::send_again(
 bool LinkedSession::has_repeatable() {
   const std::lock_guard lock(mutex_);
   return std::ranges::any_of(calls_.all(),
-                             [](const auto& call) { return call.second->again.may; });
+                             [](const auto& call) { return call.second->again != nullptr; });
 }
 
 std::vector<Adrift> LinkedSession::cast_off_repeatable() {
@@ -129,9 +130,9 @@ std::vector<Adrift> LinkedSession::cast_off(Ending how, const std::string& text)
   const TimePoint since =
       unreachable() ? silent_since_.load(std::memory_order_relaxed) : runtime_->clock().now();
   for (const auto& [counter, command] : calls_.all()) {
-    if (!command->again.may || command->retry.cancel) continue;
+    if (!command->again || command->retry.cancel) continue;
     Failure failure = failure_of(*command, how, text);
-    if (failure.state() != State::ConnectionFailed) command->again.may_have_started = true;
+    if (failure.state() != State::ConnectionFailed) command->again->may_have_started = true;
     calls_.take(counter);
     command->cast_off();
     adrift.push_back({command, std::move(failure), since + runtime_->options().grace});
@@ -150,7 +151,7 @@ void PendingCommand::moor(const std::shared_ptr<LinkedSession>& session, const C
   counter = id.counter;
   sent_as = as;
   retry = {};
-  ++again.sessions;
+  ++again->sessions;
   if (terminal()) return;
   before = std::exchange(session_, session);
   detail_.store(Detail::Sent, std::memory_order_relaxed);
@@ -158,7 +159,7 @@ void PendingCommand::moor(const std::shared_ptr<LinkedSession>& session, const C
   fraction_ = 0;
   feedback_.clear();
   home_.store(session.get(), std::memory_order_release);
-  moored_.notify_all();
+  again->moored.notify_all();
   if (before != session && (exported_ || !callbacks_.empty())) session->attend();
 }
 
@@ -169,8 +170,8 @@ bool PendingCommand::wait_in_any_session(TimePoint deadline) {
       std::unique_lock lock(mutex_);
       const auto settled = [this] { return terminal() || !adrift(); };
       if (deadline == TimePoint::max()) {
-        moored_.wait(lock, settled);
-      } else if (!moored_.wait_until(lock, deadline, settled)) {
+        again->moored.wait(lock, settled);
+      } else if (!again->moored.wait_until(lock, deadline, settled)) {
         return false;
       }
       if (terminal()) return true;

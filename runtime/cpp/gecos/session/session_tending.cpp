@@ -19,8 +19,8 @@ Duration unreachable_after(const LabOptions& options) {
 
 void LinkedSession::house_wake() { runtime_->housekeeping().wake(); }
 
-void LinkedSession::tend(TimePoint now) {
-  if (lost()) return;
+TimePoint LinkedSession::tend(TimePoint now) {
+  if (lost()) return TimePoint::max();
   const bool beat = now >= next_beat_;
   if (beat) {
     link_->beat();
@@ -33,7 +33,7 @@ void LinkedSession::tend(TimePoint now) {
     if (taken != 0) baton_.poke(nullptr);
   }
   if (!lost()) judge_silence(now);
-  if (!lost()) repeat(now);
+  return lost() ? TimePoint::max() : repeat(now);
 }
 
 void LinkedSession::judge_silence(TimePoint now) {
@@ -62,9 +62,12 @@ void LinkedSession::judge_silence(TimePoint now) {
 
 /// Until a call's outcome is known it is asked for again under its own counter: in full while it may
 /// not have arrived, then without its arguments.
-void LinkedSession::repeat(TimePoint now) {
+TimePoint LinkedSession::repeat(TimePoint now) {
   const std::lock_guard lock(mutex_);
-  if (!repeats_ && !cancels_waiting_) return;
+  // With nothing open the next sign of life is all that is due: many idle clients shall cost nothing.
+  if (!repeats_ && calls_.size() == 0) return next_beat_;
+  const TimePoint soon = now + Housekeeping::tick;
+  if (!repeats_ && !cancels_waiting_) return soon;
   cancels_waiting_ = false;
   for (const auto& [counter, command] : calls_.all()) {
     auto& retry = command->retry;
@@ -88,6 +91,7 @@ void LinkedSession::repeat(TimePoint now) {
     retry.next = now + retry_after(++retry.sent);
     if (!repeats_) retry.cancel = cancels_waiting_;
   }
+  return soon;
 }
 
 void LinkedSession::watch(std::vector<pollfd>& into) {

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <array>
+#include <cstring>
+
+#include "gecos/base/bytes.hpp"
+
+namespace gecos {
+
+/// Bytes of its own; as many as a usual call carries lie in the object itself, without an allocation.
+class ShortBytes {
+ public:
+  ShortBytes() = default;
+  explicit ShortBytes(ByteView bytes) { assign(bytes); }
+  // Its view points into it.
+  ShortBytes(const ShortBytes&) = delete;
+  ShortBytes& operator=(const ShortBytes&) = delete;
+
+  void assign(ByteView bytes) {
+    size_ = bytes.size();
+    if (size_ > few_.size()) {
+      many_.assign(bytes.begin(), bytes.end());
+    } else if (size_ != 0) {
+      std::memcpy(few_.data(), bytes.data(), size_);
+    }
+  }
+  ByteView view() const { return {size_ > few_.size() ? many_.data() : few_.data(), size_}; }
+
+ private:
+  std::size_t size_ = 0;
+  std::array<std::byte, 128> few_;  // written before it is read: size_ says how much
+  Bytes many_;
+};
+
+}  // namespace gecos
