@@ -193,11 +193,14 @@ class InPieces : public testing::Test {
 
 TEST_F(InPieces, WhatArrivedAndIsSentAgainArrivesAgain) {
   const Bytes packet = random_bytes(50'000, 7);
+  const TimePoint end = too_late();
   for (int time = 0; time < 3; ++time) {
-    send_when_free(*client_, packet);
-    EXPECT_EQ(arrived_at(*server_), packet) << "its receiver took it for too old, say";
-    send_when_free(*client_, random_bytes(4, 8));
-    EXPECT_EQ(arrived_at(*server_).size(), 4u);
+    std::optional<Bytes> arrived;
+    while (!arrived && std::chrono::steady_clock::now() < end) {
+      client_->send(packet, {});  // as a session does that has no answer: its peer took it for too old, say
+      arrived = look(server_.get());
+    }
+    EXPECT_EQ(arrived, packet);
   }
 }
 
