@@ -8,6 +8,7 @@
 #include <random>
 #include <thread>
 
+#include "../cpp/media/kind_names.hpp"
 #include "gecos/broker/broker.hpp"
 #include "gecos/gecos.hpp"
 #include "gecos/media/faulty.hpp"
@@ -179,9 +180,7 @@ class Caller {
 
 class FaultyLine : public ::testing::TestWithParam<Kind> {};
 INSTANTIATE_TEST_SUITE_P(Over, FaultyLine, ::testing::Values(Kind::Inproc, Kind::Lcm),
-                         [](const auto& made) {
-                           return std::string(gecos::media::to_string(made.param));
-                         });
+                         gecos::media::name_of);
 
 TEST_P(FaultyLine, CarriesEveryCallOnceInOrderAndUndamaged) {
   constexpr std::uint64_t clients = 16;

@@ -1,6 +1,7 @@
 // Old clients call new servers and the other way round: tests/idl/evolution, over the runtime.
 #include <gtest/gtest.h>
 
+#include "../media/kind_names.hpp"
 #include "gecos/broker/broker.hpp"
 #include "gecos/gecos.hpp"
 
@@ -90,10 +91,6 @@ class Evolution : public ::testing::TestWithParam<gecos::media::Kind> {
   gecos::Lab lab_;
 };
 
-std::string name_of(const ::testing::TestParamInfo<gecos::media::Kind>& info) {
-  return std::string(gecos::media::to_string(info.param));
-}
-
 }  // namespace
 
 TEST_P(Evolution, OldClientUsesNewServer) {
@@ -156,4 +153,4 @@ TEST_P(Evolution, WhatIsNotTheSameToBothIsRefusedByNameBeforeAnythingIsSent) {
 
 INSTANTIATE_TEST_SUITE_P(Over, Evolution,
                          ::testing::Values(gecos::media::Kind::Inproc, gecos::media::Kind::Shm),
-                         name_of);
+                         gecos::media::name_of);

@@ -3,6 +3,7 @@
 
 #include <sstream>
 
+#include "../media/kind_names.hpp"
 #include "gecos/broker/broker.hpp"
 #include "gecos/gecos.hpp"
 #include "gecos/session/runtime.hpp"
@@ -98,10 +99,6 @@ class References : public ::testing::TestWithParam<gecos::media::Kind> {
   workshop::Changer changer_proxy_;
 };
 
-std::string name_of(const ::testing::TestParamInfo<gecos::media::Kind>& info) {
-  return std::string(gecos::media::to_string(info.param));
-}
-
 }  // namespace
 
 TEST_P(References, AProxyGoesThroughACallAndIsAProxyAgain) {
@@ -138,7 +135,7 @@ TEST_P(References, OneSaysWhichObjectItIs) {
   EXPECT_EQ(reference.name, "CHANGER");
   EXPECT_EQ(reference.interface_hash, workshop::Changer::gecos_description().hash);
   EXPECT_EQ(reference.boot, gecos::number(gecos::session::process_boot()));
-  EXPECT_EQ(reference.where.rfind(name_of({GetParam(), 0}) + ": ", 0), 0U) << reference.where;
+  EXPECT_EQ(reference.where.rfind(gecos::media::name_of({GetParam(), 0}) + ": ", 0), 0U) << reference.where;
 }
 
 TEST_P(References, NilIsRefusedByName) {
@@ -180,7 +177,7 @@ TEST_P(References, WhatIsNoTextIsNotSent) {
 INSTANTIATE_TEST_SUITE_P(Media, References,
                          ::testing::Values(gecos::media::Kind::Inproc, gecos::media::Kind::Shm,
                                            gecos::media::Kind::Lcm),
-                         name_of);
+                         gecos::media::name_of);
 
 TEST(Reference, IsPrintedAndIsJson) {
   const workshop::Place place{.held = {.name = "A", .interface_hash = 1, .boot = 2, .where = "shm"}};

@@ -22,6 +22,8 @@ struct Candidate {
   std::function<std::unique_ptr<Medium>(const std::string& directory)> make;
 };
 
+void PrintTo(const Candidate& candidate, std::ostream* out) { *out << candidate.name; }
+
 class Conformance : public testing::TestWithParam<Candidate> {
  protected:
   void SetUp() override {
@@ -406,10 +408,15 @@ TEST_P(Conformance, NothingIsLeftOpen) {
     End server(wait_for_client(*door, *client.link), door.get());
     const auto writer = door->make_stream(100, 4);
     ASSERT_TRUE(server.link->share(1, *writer));
-    const auto reader = client.wait_for_stream(1);
-    ASSERT_NE(reader, nullptr);
-    ASSERT_TRUE(client.send("x"));
-    ASSERT_EQ(server.receive(), "x");
+    std::unique_ptr<StreamReader> reader;
+    ASSERT_TRUE(wait_tended(client, server, [&] {
+      reader = client.link->open_stream(1);
+      return reader != nullptr;
+    }));
+    ASSERT_TRUE(wait_tended(server, client, [&] {
+      EXPECT_TRUE(client.send("x"));
+      return server.link->receive().has_value();
+    }));
   };
   once();  // what is made once for the whole process
   const std::size_t before = open_descriptors();
@@ -456,8 +463,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Candidate{"lcm", [](const std::string& directory) {
                                 // A well-known place of this process: a broker may run on this host.
                                 LcmOptions options;
-                                options.well_known_port =
-                                    static_cast<std::uint16_t>(33000 + ::getpid() % 20000);
+                                options.well_known_port = port_of_this_process();
                                 options.key_directory = directory + "/keys";
                                 return make_lcm(options);
                               }}),

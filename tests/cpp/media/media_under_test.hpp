@@ -114,6 +114,28 @@ class End {
   Acceptor* door_;
 };
 
+/// Waits until `done`, while both ends do what their housekeeping would: on lcm what got lost is said
+/// again with every beat. False: too late.
+inline bool wait_tended(End& one, End& other, const std::function<bool()>& done) {
+  const TimePoint end = too_late();
+  for (;;) {
+    if (done()) return true;
+    const TimePoint now = std::chrono::steady_clock::now();
+    if (now >= end) return false;
+    for (Link* link : {one.link.get(), other.link.get()}) {
+      link->beat();
+      link->beats_seen();
+    }
+    sleep_on(one.link->descriptors(), std::min<TimePoint>(end, now + std::chrono::milliseconds(20)));
+  }
+}
+
+/// A port for what everybody knows, of this process: below those that the kernel gives to sockets that ask
+/// for none, and those that lcm draws.
+inline std::uint16_t port_of_this_process() {
+  return static_cast<std::uint16_t>(10'000 + ::getpid() % 10'000);
+}
+
 /// The next client of `door`, waited for. Null when none came in time.
 inline std::unique_ptr<Link> wait_for_client(Acceptor& door) {
   for (;;) {

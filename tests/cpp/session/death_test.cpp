@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "../media/kind_names.hpp"
 #include "child.hpp"
 #include "gecos/broker/broker.hpp"
 #include "gecos/gecos.hpp"
@@ -71,9 +72,7 @@ class ServerDies : public ::testing::TestWithParam<Kind> {
   Child child_{[](Child::Line& line) { serve_probe(line, GetParam()); }};
 };
 INSTANTIATE_TEST_SUITE_P(Over, ServerDies, ::testing::Values(Kind::Shm, Kind::Lcm),
-                         [](const auto& made) {
-                           return std::string(gecos::media::to_string(made.param));
-                         });
+                         gecos::media::name_of);
 
 TEST_P(ServerDies, AndEveryCommandEndsInAStateThatSaysWhatIsKnown) {
   const BrokerHere broker;
@@ -225,9 +224,7 @@ class ClientEnds : public ::testing::TestWithParam<Kind> {
   std::optional<gecos::Server> server_;
 };
 INSTANTIATE_TEST_SUITE_P(Over, ClientEnds, ::testing::Values(Kind::Shm, Kind::Lcm),
-                         [](const auto& made) {
-                           return std::string(gecos::media::to_string(made.param));
-                         });
+                         gecos::media::name_of);
 
 TEST_P(ClientEnds, ByKillAndItsStatusIsFreeAndTheArmStands) {
   begin();

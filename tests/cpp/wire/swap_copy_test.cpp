@@ -52,6 +52,11 @@ struct Loop {
   std::size_t width;
 };
 
+void PrintTo(const Loop& loop, std::ostream* out) {
+  static constexpr const char* names[] = {"portable", "SSSE3", "AVX2", "AVX-512"};
+  *out << names[static_cast<int>(loop.kind)] << ", " << loop.width << " bytes";
+}
+
 class SwapLoop : public testing::TestWithParam<Loop> {};
 
 TEST_P(SwapLoop, ReversesEveryLengthAtEveryAlignmentAndNothingElse) {

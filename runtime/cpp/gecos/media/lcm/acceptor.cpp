@@ -93,7 +93,7 @@ class LcmAcceptor final : public Acceptor {
     }
     SharedStream where;
     where.largest = static_cast<std::uint32_t>(std::min(largest, largest_lcm_packet));
-    where.depth = static_cast<std::uint16_t>(std::clamp<std::size_t>(depth, 1, 1024));
+    where.depth = static_cast<std::uint16_t>(std::clamp<std::size_t>(depth, 1, SharedStream::most_depth));
     where.port = stream_port_;
     where.channel = draw_number();
     return std::make_unique<LcmStreamWriter>(

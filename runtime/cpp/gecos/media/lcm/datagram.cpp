@@ -88,7 +88,9 @@ std::optional<SharedStream> SharedStream::read(ByteView from) {
   stream.port = get<std::uint16_t>(&from[10]);
   stream.channel = get<std::uint64_t>(&from[12]);
   stream.key = crypto::StreamKey::read(from.last<crypto::StreamKey::bytes>());
-  if (stream.depth == 0 || stream.port == 0) return std::nullopt;
+  if (stream.depth == 0 || stream.depth > SharedStream::most_depth || stream.port == 0) {
+    return std::nullopt;
+  }
   return stream;
 }
 

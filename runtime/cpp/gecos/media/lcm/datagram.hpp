@@ -59,6 +59,7 @@ struct InnerHeader {
 
 /// Where a shared stream is to be heard, and what opens it. Travels sealed.
 struct SharedStream {
+  static constexpr std::uint16_t most_depth = 1024;
   static constexpr std::size_t bytes = 20 + crypto::StreamKey::bytes;
   std::uint32_t id = 0;
   std::uint32_t largest = 0;

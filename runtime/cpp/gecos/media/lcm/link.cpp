@@ -6,6 +6,12 @@
 #include <utility>
 
 namespace gecos::media {
+namespace {
+
+constexpr std::size_t most_streams = 1024;  // of one link; a peer that shares more means harm
+
+}  // namespace
+
 std::string lcm_peer_text(const std::optional<crypto::PublicKey>& key, const std::string& group,
                           std::uint16_t port) {
   return (key ? "key " + key->short_name() + ", " : "") + group + ":" + std::to_string(port);
@@ -170,6 +176,7 @@ void LcmClientLink::pump() {
     if (notice.kind == InnerKind::Unshare) {
       arrived_.erase(static_cast<std::uint32_t>(notice.number));
     } else if (notice.kind == InnerKind::Share) {
+      if (arrived_.size() >= most_streams && !arrived_.contains(notice.stream.id)) continue;
       Arrived& arrived = arrived_[notice.stream.id];
       if (arrived.where.channel != notice.stream.channel) arrived = {notice.stream, false};
       heard_of_streams_ = true;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 
@@ -14,11 +15,14 @@ class SendersClock {
  public:
   /// What two clocks may drift apart: one part in so many.
   static constexpr std::int64_t drift = 2000;
+  /// What two clocks are held to differ at most, 73 years: no number that a peer sends upsets us.
+  static constexpr Duration longest{std::int64_t{1} << 61};
 
   /// How old a packet is that said `sent_ns` and was read at `now`.
   Duration age(std::int64_t sent_ns, TimePoint now) {
     const auto here = static_cast<std::uint64_t>(now.time_since_epoch().count());
-    const Duration took(static_cast<std::int64_t>(here - static_cast<std::uint64_t>(sent_ns)));
+    const Duration took = std::clamp(
+        Duration(static_cast<std::int64_t>(here - static_cast<std::uint64_t>(sent_ns))), -longest, longest);
     if (!least_ || took <= *least_ + (now - since_) / drift) {
       least_ = took;
       since_ = now;
