@@ -1,3 +1,4 @@
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "bench.hpp"
@@ -159,6 +160,83 @@ TEST_F(Create, IsRefusedANameThatItsOwnServerHasAlready) {
   EXPECT_NE(added.error().text.find("the name PROBE is taken by"), std::string::npos)
       << added.error().text;
   EXPECT_EQ(connect(lab_).read().get().value(), 7) << "the first one goes on";
+}
+
+/// Knows of a server that has ended, and drops it when it has been asked for the name `asked_before`
+/// times.
+class SlowBroker : public gecos::BrokerServant {
+ public:
+  SlowBroker(gecos::Entry dead, int asked_before) : dead_(std::move(dead)), left_(asked_before) {}
+  int left() const { return left_; }
+
+ private:
+  gecos::Result<void> enlist(const gecos::Entry& what) override {
+    if (left_ == 0) return {};
+    --left_;
+    return tl::unexpected(gecos::Fault(gecos::NameTaken{what.name, "one that is dead"}));
+  }
+  gecos::Result<void> withdraw(const std::string&) override { return {}; }
+  gecos::Result<gecos::Entry> lookup(const std::string&) override { return dead_; }
+  gecos::Result<std::vector<gecos::Entry>> list() override { return {}; }
+
+  const gecos::Entry dead_;
+  std::atomic<int> left_;  // publishes nothing but itself
+};
+
+/// Who had a pid, and has ended.
+pid_t dead_process() {
+  const pid_t child = fork();
+  if (child == 0) _exit(0);
+  EXPECT_EQ(waitpid(child, nullptr, 0), child);
+  return child;
+}
+
+class Restarted : public probe::NothingLeftOpen {
+ protected:
+  /// What a server gets that asks for a name which `holder` has, until the third asking.
+  tl::expected<void, gecos::ServeError> add(gecos::Entry holder) {
+    SlowBroker broker(std::move(holder), 2);
+    gecos::Lab broker_lab;
+    gecos::Server broker_server(broker_lab);
+    gecos::ObjectOptions options;
+    options.simulated = true;
+    options.media = {Kind::Inproc};
+    gecos::ObjectOptions well_known = options;
+    well_known.well_known = true;
+    const auto served = broker_server.add("BROKER", broker, well_known);
+    EXPECT_TRUE(served) << served.error().text;
+    gecos::Server server(lab_);
+    probe::ProbeServant servant;
+    auto added = server.add("PROBE", servant, options);
+    asked_ = 2 - broker.left();
+    return added;
+  }
+
+  gecos::Entry entry(pid_t pid) {
+    gecos::Entry holder;
+    holder.name = "PROBE";
+    holder.host = lab_.core().runtime()->host_identity();
+    holder.pid = pid;
+    return holder;
+  }
+
+  gecos::Lab lab_;
+  int asked_ = 0;
+};
+
+TEST_F(Restarted, AServerWaitsForItsNameUntilTheBrokerHasNoticedTheDeathOfWhoHadIt) {
+  const auto added = add(entry(dead_process()));
+  EXPECT_TRUE(added) << added.error().text;
+  EXPECT_EQ(asked_, 2);
+}
+
+TEST_F(Restarted, AServerIsRefusedAtOnceANameWhoseHolderMayLive) {
+  gecos::Entry elsewhere = entry(dead_process());
+  elsewhere.host = "another host";
+  for (const auto& holder : {entry(getpid()), elsewhere, entry(0)}) {
+    EXPECT_FALSE(add(holder));
+    EXPECT_EQ(asked_, 1);
+  }
 }
 
 TEST_F(Create, IsRefusedANameThatAnotherServerHas) {

@@ -1,8 +1,10 @@
 #include "gecos/session/registrar.hpp"
 
+#include <signal.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 
 #include "gecos/base/log.hpp"
 #include "gecos/session/linked_session.hpp"
@@ -15,6 +17,7 @@ namespace {
 
 constexpr Duration patience = std::chrono::seconds(2);
 constexpr Duration between_tries = std::chrono::milliseconds(200);
+constexpr Duration between_looks = std::chrono::milliseconds(20);
 
 }  // namespace
 
@@ -27,12 +30,15 @@ tl::expected<void, std::string> Registrar::await_broker(TimePoint deadline) {
     const auto broker = lab_->broker(std::min(deadline, deadline_after(patience)));
     if (broker) return {};
     if (!told) log_info("session", "waiting for a broker: " + broker.error());
-    const Clock& clock = lab_->runtime()->clock();
-    const TimePoint next_try = std::min(deadline, clock.now() + between_tries);
-    std::unique_lock lock(mutex_);
-    changed_.wait_until(lock, next_try, [this] { return ended_; });
-    if (ended_ || clock.now() >= deadline) return tl::unexpected(broker.error());
+    if (!rest(between_tries, deadline)) return tl::unexpected(broker.error());
   }
+}
+
+bool Registrar::rest(Duration length, TimePoint deadline) {
+  const Clock& clock = lab_->runtime()->clock();
+  std::unique_lock lock(mutex_);
+  changed_.wait_until(lock, std::min(deadline, clock.now() + length), [this] { return ended_; });
+  return !ended_ && clock.now() < deadline;
 }
 
 tl::expected<void, std::string> Registrar::add(const ServedObject& object,
@@ -60,7 +66,9 @@ tl::expected<void, std::string> Registrar::add(const ServedObject& object,
   return {};
 }
 
-/// A broker that goes while it is asked may be back soon, and takes the same entry again.
+/// A broker that goes while it is asked may be back soon, and takes the same entry again. So does one
+/// that has not noticed yet that who had the name before has ended: a server that is started again
+/// after it was killed may be quicker.
 tl::expected<std::shared_ptr<LinkedSession>, std::string> Registrar::enlist_first(
     const Entry& entry, TimePoint deadline) {
   for (;;) {
@@ -68,9 +76,20 @@ tl::expected<std::shared_ptr<LinkedSession>, std::string> Registrar::enlist_firs
     if (!broker) return tl::unexpected(broker.error());
     const auto enlisted = enlist(**broker, entry, deadline);
     if (enlisted) return *broker;
+    if (enlisted.error().taken && holder_has_ended(entry.name, deadline) &&
+        rest(between_looks, deadline)) {
+      continue;
+    }
     if (!(*broker)->lost()) return tl::unexpected(enlisted.error().text);
     if (auto back = await_broker(deadline); !back) return tl::unexpected(back.error());
   }
+}
+
+bool Registrar::holder_has_ended(const std::string& name, TimePoint deadline) const {
+  const auto holder = session::look_up(*lab_, name, deadline);
+  if (!holder) return true;  // it was dropped meanwhile
+  return holder->host == lab_->runtime()->host_identity() && holder->pid > 0 &&
+         ::kill(holder->pid, 0) != 0 && errno == ESRCH;
 }
 
 void Registrar::look() {

@@ -36,6 +36,10 @@ class Registrar {
   tl::expected<std::shared_ptr<LinkedSession>, std::string> enlist_first(const Entry& entry,
                                                                          TimePoint deadline);
   bool enlist_again();
+  /// Of this host, for of others it cannot be told. Whoever has no pid here counts as ended too.
+  bool holder_has_ended(const std::string& name, TimePoint deadline) const;
+  /// False when it is over: the deadline has come, or the end.
+  bool rest(Duration length, TimePoint deadline);
 
   const std::shared_ptr<LabCore> lab_;
   std::mutex mutex_;
