@@ -64,8 +64,8 @@ bench-peers: build  ## ours beside omniORB, Ice, Cap'n Proto, iceoryx, iceoryx2 
 # Each run says what it found; all of them run, whatever the others said. FUZZ_SECONDS=60 for shorter ones.
 FUZZ_SECONDS ?= 600
 .PHONY: fuzz
-fuzz: build  ## input that nobody would write: parser, decoders, both alike; ours against lcm-gen's, old against new
-	@failed=; for run in parser decoders verdicts lcm-gen evolution; do \
+fuzz: build  ## input that nobody would write: to parser, decoders, sessions, lcm and rings; ours against lcm-gen's
+	@failed=; for run in parser decoders packets datagrams rings verdicts lcm-gen evolution; do \
 	  echo "──── $$run" && FUZZ_SECONDS=$(FUZZ_SECONDS) BUILD=$(BUILD) JOBS=$(JOBS) tools/fuzz.sh $$run || failed="$$failed $$run"; \
 	done; test -z "$$failed" || { echo "fuzz: FAILED:$$failed"; exit 1; }
 

@@ -1,6 +1,6 @@
 #!/bin/bash
-# fuzz.sh <parser|decoders|verdicts|lcm-gen|evolution>: one of the runs of `make fuzz`. FUZZ_SECONDS says how long parser
-# and decoders run, FUZZ_SEED what verdicts and lcm-gen begin with.
+# fuzz.sh <parser|decoders|packets|datagrams|rings|verdicts|lcm-gen|evolution>: one of the runs of `make fuzz`.
+# FUZZ_SECONDS says how long the first five run, FUZZ_SEED what verdicts and lcm-gen begin with.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 seconds=${FUZZ_SECONDS:-600}
@@ -11,7 +11,8 @@ case "${1-}" in
   parser)
     exec "$python" tests/fuzz/parser_fuzz.py --seconds "$seconds"
     ;;
-  decoders)
+  decoders | packets | datagrams | rings)
+    fuzzer=$1_fuzzer
     compiler=$(command -v clang++-14 || command -v clang++ || echo clang++-14)
     entry='extern "C" int LLVMFuzzerTestOneInput(const unsigned char*, unsigned long) { return 0; }'
     "$compiler" -fsanitize=fuzzer,address,undefined -x c++ - -o /dev/null <<<"$entry" || {
@@ -19,12 +20,16 @@ case "${1-}" in
       exit 1
     }
     tools/configure.sh build-fuzz RelWithDebInfo -DGECOS_FUZZ=ON -DGECOS_SANITIZE=address "-DCMAKE_CXX_COMPILER=$compiler"
-    cmake --build build-fuzz "-j$jobs" --target decoder_fuzzer
-    corpus=build-fuzz/corpus
-    "$python" tests/fuzz/write_corpus.py "$corpus/vectors"
+    cmake --build build-fuzz "-j$jobs" --target "$fuzzer"
+    corpus=build-fuzz/corpus/$1
+    given=tests/fuzz/inputs/$1
+    if [ "$1" = decoders ]; then
+      given=$corpus/vectors
+      "$python" tests/fuzz/write_corpus.py "$given"
+    fi
     mkdir -p "$corpus/found"
-    exec build-fuzz/tests/fuzz/decoder_fuzzer "-max_total_time=$seconds" -max_len=16384 -timeout=10 -rss_limit_mb=1024 \
-      -print_final_stats=1 -print_funcs=0 -verbosity=0 -artifact_prefix=build-fuzz/ "$corpus/found" "$corpus/vectors"
+    exec "build-fuzz/tests/fuzz/$fuzzer" "-max_total_time=$seconds" -max_len=16384 -timeout=10 -rss_limit_mb=1024 \
+      -print_final_stats=1 -print_funcs=0 -verbosity=0 "-artifact_prefix=build-fuzz/$1-" "$corpus/found" "$given"
     ;;
   verdicts)
     cmake --build "${BUILD:-build}" "-j$jobs" --target generated_verdicts
@@ -38,7 +43,7 @@ case "${1-}" in
     GIDL_EVOLUTION_EDITS=2000 exec "$python" -m pytest -q tests/gidl/test_evolution.py
     ;;
   *)
-    echo "fuzz: name one of parser, decoders, verdicts, lcm-gen, evolution" >&2
+    echo "fuzz: name one of parser, decoders, packets, datagrams, rings, verdicts, lcm-gen, evolution" >&2
     exit 2
     ;;
 esac

@@ -116,6 +116,13 @@ def call_over_a_faulty_line(calls: int, seed: int, build: Path, figures: Figures
         figures.failed.append(f"faulty_line_test with STRESS_CALLS={calls} STRESS_SEED={seed}")
 
 
+def attack_the_channel(packets: int, build: Path, figures: Figures) -> None:
+    env = {**os.environ, "GECOS_HOSTILE_PACKETS": str(packets)}
+    test = [build / "tests" / "cpp" / "crypto" / "crypto_test", "--gtest_filter=Hostile.*"]
+    if subprocess.run(test, env=env).returncode != 0:
+        figures.failed.append(f"crypto_test, Hostile, with GECOS_HOSTILE_PACKETS={packets}")
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description="The stress tests for hours.")
     parser.add_argument("--build", type=Path, default=Path("build"))
@@ -124,6 +131,7 @@ def main() -> int:
     parser.add_argument("--waits", type=int, default=1_000)
     parser.add_argument("--disturbances", type=int, default=50)
     parser.add_argument("--calls", type=int, default=1_000_000, help="over each faulty line")
+    parser.add_argument("--packets", type=int, default=1_000_000, help="to the secure channel")
     asked = parser.parse_args()
     print(f"soak: seed {asked.seed}", flush=True)
 
@@ -135,6 +143,7 @@ def main() -> int:
         paths = [f"{made}/python", *filter(None, [os.environ.get("PYTHONPATH")])]
         env = {"PYTHONPATH": os.pathsep.join(paths), "GECOS_KEY_DIR": f"{made}/keys"}
         os.environ["GECOS_KEY_DIR"] = env["GECOS_KEY_DIR"]
+        attack_the_channel(asked.packets, build, figures)
         call_over_a_faulty_line(asked.calls, asked.seed, build, figures)
         for plans in (
             disturbing(asked.disturbances, seeds),
@@ -150,6 +159,7 @@ def main() -> int:
         f" {figures.kills} kills, {figures.waits} waits without time-out,"
         f" {figures.freezes} freezes, {figures.cuts} cuts,"
         f" {asked.calls} calls over each of two faulty lines,"
+        f" {asked.packets} hostile packets,"
         f" {figures.outcomes.total()} commands ({told})"
     )
     for wrong in figures.failed:

@@ -1,0 +1,24 @@
+#pragma once
+
+#include "gecos/base/clock.hpp"
+#include "gecos/session/runtime.hpp"
+#include "script.hpp"
+
+namespace gecos::fuzz {
+
+/// The server's side, with two clients.
+void try_served(Script script);
+/// The client's side, from its greeting on.
+void try_linked(Script script);
+
+/// Of all inputs: it only goes on.
+inline FakeClock& the_clock() {
+  static FakeClock clock;
+  return clock;
+}
+inline const std::shared_ptr<session::Runtime>& the_runtime() {
+  static const auto runtime = session::Runtime::make({}, the_clock());
+  return runtime;
+}
+
+}  // namespace gecos::fuzz

@@ -1,0 +1,296 @@
+// The server's side of sessions whose clients send what they like.
+#include <array>
+#include <map>
+#include <mutex>
+#include <set>
+#include <vector>
+
+#include "gecos/media/inproc.hpp"
+#include "gecos/session/function_code.hpp"
+#include "gecos/session/packets.hpp"
+#include "gecos/session/reserved_codec.hpp"
+#include "gecos/session/served_object.hpp"
+#include "packet_target.hpp"
+#include "probe.hpp"
+#include "scripted_link.hpp"
+
+namespace gecos::fuzz {
+namespace {
+
+using namespace gecos::session;
+
+bool moves(const OperationDescription& operation) {
+  return operation.status != access::Status::Sensor;
+}
+
+/// Does with a call what its serial number says, now or when the script says so. Calls of what is
+/// cancelable come on threads of the object.
+class Servant final : public gecos::Servant {
+ public:
+  const InterfaceDescription& gecos_interface() const override { return probe::description(); }
+  void gecos_dispatch(IncomingCall call) override {
+    std::uint64_t serial = 0;
+    wire::Decoder from(call.arguments());
+    static_cast<void>(from.get(serial, "serial"));
+    {
+      const std::lock_guard lock(mutex_);
+      expect(started_.insert(serial).second, "a call starts at most once");
+      if (moves(call.operation())) {
+        expect(!moving_, "one command of an object runs at a time");
+        expect(granted_.contains(call.caller().session), "a command runs under a status");
+      }
+      if (serial % 3 == 0) {
+        moving_ = moving_ || moves(call.operation());
+        kept_.push_back(std::move(call));
+        return;
+      }
+    }
+    answer(std::move(call), serial);
+  }
+  void grant(SessionId session) {
+    const std::lock_guard lock(mutex_);
+    granted_.insert(number(session));
+  }
+  void go_on_with_one(Script& script) {
+    std::unique_lock lock(mutex_);
+    if (kept_.empty()) return;
+    const std::size_t which = script.byte() % kept_.size();
+    IncomingCall call = std::move(kept_[which]);
+    kept_.erase(kept_.begin() + static_cast<std::ptrdiff_t>(which));
+    const bool only_tells = script.one_in(3);
+    if (!only_tells && moves(call.operation())) moving_ = false;
+    lock.unlock();
+    if (!only_tells) return answer(std::move(call), script.byte());
+    call.progress(static_cast<double>(script.byte()) / 200, script.bytes(16));
+    lock.lock();
+    kept_.push_back(std::move(call));
+  }
+  void drop_kept() {
+    std::vector<IncomingCall> dropped;
+    const std::lock_guard lock(mutex_);
+    moving_ = false;
+    dropped.swap(kept_);
+  }
+
+ private:
+  static void answer(IncomingCall call, std::uint64_t how) {
+    switch (how % 4) {
+      case 0: return call.fail(Fault::rejected("no").failure());
+      case 1: return call.fail(Fault(probe::Jammed{}).failure());
+      case 2: return call.finish(Bytes(3000));  // more than the line carries
+      case 3: return call.finish(Bytes(4));
+    }
+  }
+
+  std::mutex mutex_;
+  std::vector<IncomingCall> kept_;
+  std::set<std::uint64_t> started_;
+  std::set<std::uint64_t> granted_;
+  bool moving_ = false;
+};
+
+std::shared_ptr<media::Acceptor> the_door() {
+  static const auto medium = media::make_inproc();
+  static const std::shared_ptr<media::Acceptor> door = medium->listen("FUZZED", false).value();
+  return door;
+}
+
+class Client {
+ public:
+  Client(std::shared_ptr<ServedObject> object, Servant& servant, bool reliable)
+      : object_(std::move(object)), servant_(servant) {
+    auto link = std::make_unique<ScriptedLink>(reliable);
+    link_ = link.get();
+    session_ = std::make_shared<ServerSession>(std::move(link), object_);
+    link_->heard = [this](const wire::PacketView& packet) { hear(packet); };
+    greet("probe::Probe");
+  }
+  ~Client() { link_->heard = nullptr; }
+
+  const std::shared_ptr<ServerSession>& session() const { return session_; }
+
+  void act(Script& script, const Client& other, std::uint64_t& serial) {
+    switch (script.below(16)) {
+      case 0: return take(script.bytes(120));
+      case 1: {
+        const Bytes name = script.bytes(30);
+        if (script.one_in(2)) return greet("probe::Device");
+        return greet({reinterpret_cast<const char*>(name.data()), name.size()});
+      }
+      case 2: link_->full = !link_->full; return;
+      case 3: session_->flush(); return;
+      case 4: ++link_->beats; return;
+      case 5: link_->age_of_packets = Duration(script.number() >> 1); return;
+      default: return send(script, other, serial);
+    }
+  }
+  void depart(ServedObject::Departure how) { object_->depart(session_, how); }
+
+ private:
+  void take(ByteView packet) {
+    object_->take(session_, packet);
+    object_->run_ready(Starter::Poller);
+    expect(session_->early.size() <= ObjectQueue::most_of_object, "what came too early is bounded");
+  }
+  void greet(std::string interface_name) {
+    Hello hello;
+    hello.user = "mallory";
+    hello.interface_name = std::move(interface_name);
+    hello.accept_within = std::chrono::seconds(1);
+    wire::PacketHeader header;
+    header.kind = wire::PacketKind::Hello;
+    take(wire::encode_packet(header, wire::to_bytes(hello)));
+  }
+
+  void send(Script& script, const Client& other, std::uint64_t& serial) {
+    using Kind = wire::PacketKind;
+    static constexpr std::array usual = {Kind::Call,   Kind::Call,  Kind::Call,   Kind::Call,
+                                         Kind::Cancel, Kind::Query, Kind::Goodbye};
+    static constexpr std::array codes = {probe::read_code,   probe::move_code,   probe::set_code,
+                                         probe::urgent_code, probe::finish_code, probe::missing_code};
+    wire::PacketHeader header;
+    header.kind = script.one_in(16) ? static_cast<Kind>(script.byte())
+                                    : usual[script.below(usual.size())];
+    if (script.one_in(32)) header.version = static_cast<std::int8_t>(script.byte());
+    header.flags = static_cast<std::int8_t>(script.byte());
+    const std::size_t which = script.below(codes.size() + 11);
+    const auto reserved = static_cast<std::uint32_t>(which - codes.size());
+    header.code = which < codes.size() ? codes[which] : FunctionCode{reserved};
+    header.session = script.one_in(16) ? SessionId{script.number()}
+                     : script.one_in(16) ? other.session_->id()
+                                         : session_->id();
+    header.counter = script.one_in(16) ? script.number()
+                     : script.one_in(2) ? ++newest_
+                                        : newest_ + script.below(5) - 2;
+    header.acknowledged = script.one_in(4)   ? newest_ - script.below(4)
+                          : script.one_in(8) ? script.number()
+                                             : 0;
+    header.epoch = script.one_in(8) ? Epoch{script.number()} : epoch_;
+    header.deadline = script.one_in(4) ? Duration(script.number() >> 1) : Duration{};
+    if (header.kind == Kind::Goodbye && !script.one_in(4)) return;  // it would be over too soon
+    if (header.kind != Kind::Call) return take(bent(script, header, script.bytes(20)));
+    Bytes body(8);
+    if (number(header.code) <= last_reserved_code) {
+      const auto asks = static_cast<Reserved>(number(header.code));
+      body = reserved_body(script, other, asks);
+      if (asks == Reserved::Acquire) asked_.insert(header.counter);
+    } else {
+      // Whoever repeats a call repeats it as it was; then it may arrive any number of times.
+      auto& as = serials_[{number(header.session), header.counter}];
+      if (as == 0 || link_->offer().reliable) as = ++serial;
+      wire::Encoder(body).put(as);
+    }
+    take(wire::encode_packet(header, body));
+  }
+
+  Bytes reserved_body(Script& script, const Client& other, Reserved which) {
+    if (script.one_in(8)) return script.bytes(40);
+    Bytes body(24);
+    wire::Encoder to(body);
+    switch (which) {
+      case Reserved::Acquire:
+        to.put(static_cast<std::int32_t>(script.below(4)));
+        to.put(script.one_in(4));
+        to.put_string("pw");
+        break;
+      case Reserved::Release:
+        to.put(number(epoch_));
+        to.put(script.one_in(2));
+        break;
+      case Reserved::Outcome:
+        to.put(script.one_in(8) ? script.number() : number(process_boot()));
+        to.put(number(script.one_in(2) ? other.session_->id() : session_->id()));
+        to.put(newest_ - script.below(4));
+        break;
+      default: to.put(number(probe::level_code));
+    }
+    body.resize(to.written());
+    return body;
+  }
+
+  void hear(const wire::PacketView& packet) {
+    using Kind = wire::PacketKind;
+    const auto detail = detail_from(static_cast<std::uint8_t>(packet.header.flags));
+    switch (packet.header.kind) {
+      case Kind::Welcome: expect(packet.header.session != SessionId{}, "a session has a number"); return;
+      case Kind::Refused:
+      case Kind::Goodbye: return;
+      case Kind::Progress:
+        expect(detail && project(*detail) == State::Running, "what makes progress runs");
+        return;
+      case Kind::Reply: {
+        expect(detail && project(*detail) != State::Running, "a reply is an end");
+        expect(packet.header.session == session_->id(), "who asked is answered");
+        Grant grant;
+        wire::Decoder from(packet.body);
+        if (detail != Detail::Done || !asked_.contains(packet.header.counter)) return;
+        if (!wire::get_block(from, grant, "grant")) return;
+        servant_.grant(session_->id());
+        epoch_ = Epoch{grant.epoch};
+        return;
+      }
+      default: expect(false, "a server says nothing else");
+    }
+  }
+
+  const std::shared_ptr<ServedObject> object_;
+  Servant& servant_;
+  ScriptedLink* link_ = nullptr;
+  std::shared_ptr<ServerSession> session_;
+  std::uint64_t newest_ = 0;
+  Epoch epoch_{};
+  std::set<std::uint64_t> asked_;  // counters of calls that ask for a status
+  std::map<std::pair<std::uint64_t, std::uint64_t>, std::uint64_t> serials_;
+};
+
+}  // namespace
+
+void try_served(Script script) {
+  Servant servant;
+  ObjectOptions options;
+  options.thread_safe = script.one_in(2);
+  const bool reliable = script.one_in(2);
+  const auto object = std::make_shared<ServedObject>(the_runtime(), "FUZZED", servant, options);
+  object->streams().offer(the_door());
+  {
+    Client first(object, servant, reliable);
+    Client second(object, servant, reliable);
+    std::uint64_t serial = 0;
+    for (int step = 0; step < 300 && !script.over(); ++step) {
+      switch (script.below(12)) {
+        case 0: servant.go_on_with_one(script); break;
+        case 1:
+          the_clock().advance(std::chrono::milliseconds(script.byte() * 4));
+          object->tend(the_clock().now());
+          break;
+        case 2:
+          for (Client* client : {&first, &second}) {
+            if (object->judge_silence(client->session())) client->depart(ServedObject::Departure::Lost);
+          }
+          break;
+        case 3: object->publish(probe::description().streams[0], script.bytes(4), 1); break;
+        case 4:
+          if (script.one_in(32)) object->close();
+          break;
+        case 5:
+          if (script.one_in(32)) first.depart(ServedObject::Departure::InOrder);
+          break;
+        case 6:
+        case 7:
+        case 8: second.act(script, first, serial); break;
+        default: first.act(script, second, serial);
+      }
+    }
+    first.depart(ServedObject::Departure::InOrder);
+    second.depart(ServedObject::Departure::Lost);
+    object->close();
+    servant.drop_kept();
+    object->join();
+    for (const Client* client : {&first, &second}) {
+      expect(client->session()->calls.size() == 0, "every call comes to an end");
+      expect(client->session()->early.empty(), "nothing that came too early is left");
+    }
+  }
+}
+
+}  // namespace gecos::fuzz

@@ -1,0 +1,11 @@
+#pragma once
+
+#include "script.hpp"
+
+namespace gecos::fuzz {
+
+/// A link over shm, of either role, whose peer holds real memory and a real socket and does with
+/// them what it likes.
+void try_shm_link(Script script);
+
+}  // namespace gecos::fuzz
