@@ -73,6 +73,7 @@ TEST_P(Conformance, CarriesEverySizeUpToTheLargest) {
   const std::size_t largest = medium_->offer().largest_packet;
   for (const std::size_t size : {std::size_t{0}, std::size_t{1}, std::size_t{48}, std::size_t{239},
                                  std::size_t{240}, std::size_t{241}, std::size_t{5000},
+                                 std::size_t{8'192}, std::size_t{8'193}, std::size_t{2'000'000},
                                  largest - 1, largest}) {
     std::string text(size, 'x');
     for (std::size_t i = 0; i < size; ++i) text[i] = static_cast<char>(i * 31 + i / 256);
@@ -88,6 +89,34 @@ TEST_P(Conformance, RefusesWhatNeverFits) {
   EXPECT_EQ(client_.send(text).error(), SendProblem::TooLarge);
   ASSERT_TRUE(client_.send("after it"));
   EXPECT_EQ(server_.receive(), "after it") << "nothing of the large one was sent";
+}
+
+TEST_P(Conformance, LargeAndSmallPacketsKeepTheirOrder) {
+  if (!medium_->offer().ordered) GTEST_SKIP() << "small ones overtake";
+  std::vector<std::string> sent;
+  for (int i = 0; i < 30; ++i) {
+    const std::size_t size = i % 3 == 0 ? 1'000'000 + static_cast<std::size_t>(i) : 100;
+    sent.emplace_back(size, static_cast<char>('a' + i % 26));
+  }
+  for (int round = 0; round < 5; ++round) {
+    for (const std::string& text : sent) ASSERT_TRUE(client_.send(text));
+    for (const std::string& text : sent) ASSERT_TRUE(server_.receive() == text) << text.size();
+  }
+}
+
+TEST_P(Conformance, SaysFullOfLargePacketsTooAndLosesNone) {
+  if (!medium_->offer().reliable) GTEST_SKIP() << "promises no room";
+  const std::string text(5'000'000, 'x');
+  for (int round = 0; round < 2; ++round) {
+    ASSERT_EQ(client_.link->loss(), Loss::None);  // looks for what the server has said as well
+    int sent = 0;
+    while (client_.send(text + std::to_string(sent))) ++sent;
+    EXPECT_EQ(client_.send(text).error(), SendProblem::Full);
+    EXPECT_GE(sent, 6);
+    EXPECT_TRUE(client_.send("a small one finds room"));
+    for (int i = 0; i < sent; ++i) ASSERT_TRUE(server_.receive() == text + std::to_string(i)) << i;
+    EXPECT_EQ(server_.receive(), "a small one finds room");
+  }
 }
 
 TEST_P(Conformance, NumbersItsPacketsFromOne) {
@@ -413,8 +442,9 @@ TEST_P(Conformance, NothingIsLeftOpen) {
       reader = client.link->open_stream(1);
       return reader != nullptr;
     }));
+    const std::string text(medium_->offer().reliable ? 1'000'000 : 1, 'x');
     ASSERT_TRUE(wait_tended(server, client, [&] {
-      EXPECT_TRUE(client.send("x"));
+      EXPECT_TRUE(client.send(text));
       return server.link->receive().has_value();
     }));
   };
@@ -425,12 +455,18 @@ TEST_P(Conformance, NothingIsLeftOpen) {
 }
 
 TEST_P(Conformance, AForkedChildFindsItsLinksDead) {
+  const std::string large(1'000'000, 'x');
+  ASSERT_TRUE(server_.send(large));
+  ASSERT_TRUE(client_.receive() == large);
   ASSERT_TRUE(client_.send("for the parent"));
   const pid_t child = ::fork();
   if (child == 0) {
     int wrong = 0;
     if (client_.link->loss() != Loss::Broken) wrong |= 1;
     if (client_.link->send({}, {}).has_value()) wrong |= 2;
+    if (server_.send(large).has_value()) wrong |= 32;
+    client_.link->beat();
+    if (client_.link->receive().has_value()) wrong |= 64;
     if (server_.link->loss() != Loss::Broken) wrong |= 4;
     if (client_.link->loss_text().find("fork") == std::string::npos) wrong |= 8;
     if (client_.link->arm()) wrong |= 16;
@@ -445,8 +481,8 @@ TEST_P(Conformance, AForkedChildFindsItsLinksDead) {
   ASSERT_TRUE(WIFEXITED(status));
   EXPECT_EQ(WEXITSTATUS(status), 0);
   EXPECT_EQ(server_.receive(), "for the parent");
-  ASSERT_TRUE(server_.send("and back"));
-  EXPECT_EQ(client_.receive(), "and back");
+  ASSERT_TRUE(server_.send(large));
+  EXPECT_TRUE(client_.receive() == large);
   EXPECT_EQ(client_.link->loss(), Loss::None);
   auto another = connect();
   EXPECT_NE(wait_for_client(*door_, *another.link), nullptr) << "the door is still open";

@@ -6,11 +6,13 @@
 #include <sys/socket.h>
 #include <sys/un.h>
 
+#include <algorithm>
 #include <cstring>
 #include <random>
 #include <thread>
 
 #include "gecos/media/bell.hpp"
+#include "gecos/media/bulk.hpp"
 #include "gecos/media/ring.hpp"
 #include "gecos/media/shm/control.hpp"
 #include "gecos/media/shm/memory.hpp"
@@ -195,7 +197,8 @@ TEST_F(ShmHostile, SilentGuestsDoNotKeepHonestOnesOut) {
 
 TEST_F(ShmHostile, ALinkThatSendsGarbageLaterIsBroken) {
   for (const ControlType type :
-       {ControlType::Hello, ControlType::Welcome, ControlType::Share, static_cast<ControlType>(99)}) {
+       {ControlType::Hello, ControlType::Welcome, ControlType::Share, ControlType::Area,
+        static_cast<ControlType>(99)}) {
     const Scribbler scribbler(door_->address());
     const auto link = wait_for_client(*door_);
     ASSERT_NE(link, nullptr);
@@ -266,6 +269,138 @@ TEST_F(ShmHostile, ASizeThatChangesWhileItIsReadHurtsNobody) {
   }
   done.store(true);
   scribbling.join();
+}
+
+/// What a scribbler says of its areas, and of the packets in them.
+struct BulkScribbler : Scribbler {
+  using Scribbler::Scribbler;
+  bool show(int memfd, std::uint64_t number = 1) {
+    const std::array given{memfd};
+    return shm::send_control(socket.get(), {.type = ControlType::Area, .largest = number}, given);
+  }
+  bool end(std::uint64_t number) {
+    return shm::send_control(socket.get(), {.type = ControlType::AreaEnd, .largest = number});
+  }
+  RingWriter writer{ring};
+};
+
+TEST_F(ShmHostile, AnAreaThatCouldHurtLaterBreaksTheLink) {
+  constexpr int all = F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_FUTURE_WRITE | F_SEAL_SEAL;
+  struct Case {
+    std::size_t size;
+    int seals;
+  };
+  for (const auto& [size, seals] :
+       {Case{area_bytes, 0}, Case{area_bytes, F_SEAL_GROW | F_SEAL_FUTURE_WRITE | F_SEAL_SEAL},
+        Case{area_bytes, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL}, Case{area_bytes - 1, all},
+        Case{0, all}, Case{std::size_t{1} << 40, all}}) {
+    BulkScribbler scribbler(door_->address());
+    const auto link = wait_for_client(*door_);
+    ASSERT_NE(link, nullptr);
+    const Descriptor memfd = memfd_of(size, seals);
+    ASSERT_TRUE(scribbler.show(memfd.get()));
+    scribbler.writer.announce({1, 0, 100});
+    EXPECT_FALSE(link->receive());
+    EXPECT_EQ(link->loss(), Loss::Broken) << size << " " << seals;
+    EXPECT_FALSE(link->arm());
+  }
+}
+
+TEST_F(ShmHostile, AnAreaThatWasAnnouncedButNeverShownBreaksTheLink) {
+  BulkScribbler scribbler(door_->address());
+  const auto link = wait_for_client(*door_);
+  ASSERT_NE(link, nullptr);
+  scribbler.writer.announce({1, 0, 100});
+  EXPECT_FALSE(link->receive());
+  EXPECT_EQ(link->loss(), Loss::Broken);
+}
+
+TEST_F(ShmHostile, AnAreaBehindAFullSocketIsFound) {
+  BulkScribbler scribbler(door_->address());
+  const auto link = wait_for_client(*door_);
+  ASSERT_NE(link, nullptr);
+  int pokes = 0;
+  while (shm::send_control(scribbler.socket.get(), {.type = ControlType::Poke})) ++pokes;
+  ASSERT_GT(pokes, 64);
+  ASSERT_EQ(link->loss(), Loss::None);  // reads some of them, which makes room
+  const auto area = shm::make_sealed("hostile", area_bytes).value();
+  ASSERT_TRUE(scribbler.show(area.memfd.get()));
+  scribbler.writer.announce({1, 0, 100'000});
+  const auto packet = link->receive();
+  ASSERT_TRUE(packet);
+  EXPECT_EQ(packet->size(), 100'000u);
+}
+
+TEST_F(ShmHostile, PagesThatWereNeverWrittenAreReadAsZeros) {
+  BulkScribbler scribbler(door_->address());
+  const auto link = wait_for_client(*door_);
+  ASSERT_NE(link, nullptr);
+  const auto area = shm::make_sealed("hostile", area_bytes).value();
+  ASSERT_TRUE(scribbler.show(area.memfd.get()));
+  scribbler.writer.announce({1, 0, largest_bulk_packet});
+  const auto packet = link->receive();
+  ASSERT_TRUE(packet);
+  EXPECT_TRUE(std::ranges::all_of(*packet, [](std::byte b) { return b == std::byte{0}; }));
+}
+
+TEST_F(ShmHostile, AreasThatComeAndEndWhileTheyAreReadHurtNobody) {
+  BulkScribbler scribbler(door_->address());
+  const auto link = wait_for_client(*door_);
+  ASSERT_NE(link, nullptr);
+  const auto area = shm::make_sealed("hostile", area_bytes).value();
+  std::atomic<bool> done{false};
+  // Housekeeping reads the socket in another thread than the one that copies.
+  std::thread housekeeping([&] {
+    while (!done.load()) {
+      link->loss();
+      link->beat();
+    }
+  });
+  for (std::uint64_t number = 1; number <= 300 && link->loss() == Loss::None; ++number) {
+    if (!scribbler.show(area.memfd.get(), number)) continue;
+    scribbler.writer.announce({number, 0, 3'000'000});
+    scribbler.end(number);  // before it was read
+    if (const auto packet = link->receive()) {
+      EXPECT_EQ(packet->size(), 3'000'000u);
+    }
+  }
+  done.store(true);
+  housekeeping.join();
+}
+
+TEST_F(ShmHostile, ScribbledPlacesGivePacketsOrBreakButHurtNobody) {
+  std::mt19937_64 random(17);
+  const auto area = shm::make_sealed("hostile", area_bytes).value();
+  for (int round = 0; round < 100; ++round) {
+    BulkScribbler scribbler(door_->address());
+    const auto link = wait_for_client(*door_);
+    ASSERT_NE(link, nullptr);
+    ASSERT_TRUE(scribbler.show(area.memfd.get(), 1));
+    for (int i = 0; i < 100 && link->loss() == Loss::None; ++i) {
+      const auto any = [&] { return i % 4 == 0 ? random() >> (random() % 64) : random() % 200'000; };
+      scribbler.writer.announce({any() % 20 == 0 ? any() : 1, any(), any()});
+      if (const auto packet = link->receive()) {
+        ASSERT_LE(packet->size(), largest_bulk_packet);
+      }
+    }
+  }
+}
+
+TEST_F(ShmHostile, WhoNeverTakesLargePacketsFillsOnlyItsOwnArea) {
+  BulkScribbler scribbler(door_->address());
+  const auto link = wait_for_client(*door_);
+  ASSERT_NE(link, nullptr);
+  const Bytes image(2'000'000);
+  const std::size_t before = open_descriptors();
+  std::uint64_t sent = 0;
+  while (link->send(image, {})) ++sent;
+  EXPECT_EQ(link->send(image, {}).error(), SendProblem::Full);
+  EXPECT_LE(sent * image.size(), area_bytes);
+  for (unsigned i = 0; i < 2 * area_kept; ++i) link->beat();
+  EXPECT_EQ(link->send(image, {}).error(), SendProblem::Full) << "what is not taken is not given back";
+  EXPECT_EQ(link->taken_by_peer(), 0u);
+  EXPECT_EQ(open_descriptors(), before) << "an area is held by its mapping alone";
+  expect_served();
 }
 
 /// A server that answers a client's Hello and then does what it likes.

@@ -7,9 +7,11 @@
 
 #include <chrono>
 #include <filesystem>
+#include <fstream>
 #include <thread>
 
 #include "child_process.hpp"
+#include "gecos/media/bulk.hpp"
 #include "gecos/media/shm/shm.hpp"
 #include "media_under_test.hpp"
 
@@ -52,9 +54,9 @@ TEST_F(ShmProcess, TwoProcessesAnswerEachOther) {
   EXPECT_EQ(client.link->peer().uid, ::geteuid());
   const std::string large(client.link->offer().largest_packet, 'x');
   for (int i = 0; i < 2000; ++i) {
-    const std::string text = i % 100 == 0 ? large : std::to_string(i);
+    const std::string text = i % 500 == 0 ? large : std::to_string(i);
     ASSERT_TRUE(client.send(text));
-    ASSERT_EQ(client.receive(), text);
+    ASSERT_TRUE(client.receive() == text) << text.size();
   }
   ASSERT_TRUE(client.send("end"));
   EXPECT_EQ(client.receive(), "end");
@@ -102,6 +104,73 @@ TEST_F(ShmProcess, WhatADeadServerTookAndAnsweredStaysKnown) {
   EXPECT_EQ(client.link->taken_by_peer(), 3u);
   EXPECT_EQ(client.receive(), "answer");
   EXPECT_EQ(client.link->taken_by_peer(), 3u);
+}
+
+/// How many areas this process sees, in its memory and among its descriptors.
+std::size_t areas_seen() {
+  std::size_t seen = 0;
+  std::ifstream maps("/proc/self/maps");
+  for (std::string line; std::getline(maps, line);) {
+    if (line.find("memfd:gecos bulk") != std::string::npos) ++seen;
+  }
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) {
+    std::error_code gone;
+    const auto target = std::filesystem::read_symlink(entry.path(), gone).string();
+    if (target.find("memfd:gecos bulk") != std::string::npos) ++seen;
+  }
+  return seen;
+}
+
+TEST_F(ShmProcess, OfLargePacketsToOneThatDiesItIsKnownWhichItTook) {
+  const std::string image(2'000'000, 'x');
+  ChildProcess server([&](const auto& say_ready) {
+    const auto door = listen();
+    say_ready();
+    End end(wait_for_client(*door));
+    for (int i = 0; i < 3; ++i) end.receive();
+    [[maybe_unused]] const auto sent = end.send(image + "answer");
+    ::raise(SIGKILL);
+  });
+  ASSERT_TRUE(server.wait_ready());
+  {
+    End client = connect();
+    for (int i = 0; i < 10; ++i) ASSERT_TRUE(client.send(i % 2 == 0 ? image : "command"));
+    EXPECT_EQ(client.wait_for_loss(), Loss::Died);
+    EXPECT_EQ(client.link->taken_by_peer(), 3u);
+    EXPECT_TRUE(client.receive() == image + "answer") << "what it had sent is there";
+    EXPECT_EQ(areas_seen(), 2u);
+  }
+  EXPECT_EQ(areas_seen(), 0u);
+}
+
+TEST_F(ShmProcess, AnAreaIsGivenBackToTheKernelWhenItIsNotUsed) {
+  const std::string image(2'000'000, 'x');
+  ChildProcess server([&](const auto& say_ready) { echo(*listen(), say_ready); });
+  ASSERT_TRUE(server.wait_ready());
+  End client = connect();
+  for (int round = 0; round < 3; ++round) {
+    ASSERT_TRUE(client.send(image));
+    ASSERT_TRUE(client.receive() == image);
+    EXPECT_EQ(areas_seen(), 2u);
+    for (unsigned i = 0; i <= area_kept; ++i) client.link->beat();
+    EXPECT_EQ(areas_seen(), 1u) << "ours is gone; the server's housekeeping does not beat here";
+  }
+  ASSERT_TRUE(client.send("end"));
+  EXPECT_EQ(client.receive(), "end");
+}
+
+TEST_F(ShmProcess, AForkedChildHoldsNoArea) {
+  const auto door = listen();
+  End client = connect();
+  End server(wait_for_client(*door));
+  const std::string image(2'000'000, 'x');
+  ASSERT_TRUE(client.send(image));
+  ASSERT_TRUE(server.receive() == image);
+  ASSERT_EQ(areas_seen(), 2u);
+  ChildProcess child([&](const auto&) { ::_exit(areas_seen() == 0 ? 0 : 1); });
+  EXPECT_EQ(child.wait(), 0);
+  ASSERT_TRUE(client.send(image));
+  ASSERT_TRUE(server.receive() == image);
 }
 
 TEST_F(ShmProcess, AServerThatDiedBeforeItAcceptedHasTakenNothing) {

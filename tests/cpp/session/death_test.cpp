@@ -2,9 +2,11 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 
 #include "../media/kind_names.hpp"
 #include "child.hpp"
@@ -189,6 +191,73 @@ void command_probe(Child::Line& line, Kind kind) {
   static_cast<void>(robot->move(1));
   static_cast<void>(robot->set(2));
   line.hear();
+}
+
+/// Gives back what `read` brings, after it was told to.
+void serve_echo(Child::Line& line) {
+  line.hear();
+  gecos::Lab lab;
+  probe::ProbeServant servant;
+  servant.on_read([](gecos::IncomingCall call) {
+    const gecos::Bytes echo(call.arguments().begin(), call.arguments().end());
+    call.finish(echo);
+  });
+  gecos::Server server(lab);
+  const auto added = server.add("PROBE", servant, simulated(Kind::Shm));
+  line.say(added ? "ready" : added.error().text);
+  line.hear();
+}
+
+std::size_t areas_seen() {
+  std::size_t seen = 0;
+  std::ifstream maps("/proc/self/maps");
+  for (std::string line; std::getline(maps, line);) {
+    if (line.find("memfd:gecos bulk") != std::string::npos) ++seen;
+  }
+  return seen;
+}
+
+TEST(ServerDiesAmongImages, AndEveryCallEndsAndNoMemoryIsLeft) {
+  const Place place;
+  Child child(serve_echo);
+  const BrokerHere broker;
+  child.line().say("go");
+  ASSERT_EQ(child.line().hear(), "ready");
+  const gecos::Bytes image(2'000'000, std::byte{7});
+  {
+    gecos::LabOptions patient;
+    patient.lease_ttl = 20s;
+    gecos::Lab lab{patient};
+    auto robot = lab.create<probe::Probe>("PROBE");
+    ASSERT_TRUE(robot) << robot.error();
+    std::vector<std::shared_ptr<gecos::session::CommandCore>> commands;
+    const auto call = [&] {
+      return robot->session()->call(probe::operation(probe::read_code), image.size(),
+                                    [&](gecos::wire::Encoder& to) { to.put_bytes(image); }, {});
+    };
+    for (int i = 0; i < 20; ++i) commands.push_back(call());
+    commands[2]->wait_until(gecos::TimePoint::max());
+    EXPECT_EQ(commands[2]->progress().detail, Detail::Done) << commands[2]->failure();
+    EXPECT_EQ(areas_seen(), 2u);
+    child.signal(SIGSTOP);
+    auto refused = call();
+    for (; refused->progress().detail == Detail::Sent; refused = call()) commands.push_back(refused);
+    EXPECT_EQ(refused->failure().text,
+              "'read' of PROBE was not sent: shm is full of what the server has not taken yet; wait "
+              "for a call that was sent before");
+    child.kill_at_once();
+    for (const auto& command : commands) {
+      command->wait_until(gecos::TimePoint::max());
+      const Detail detail = command->progress().detail;
+      if (detail == Detail::Done) {
+        EXPECT_TRUE(std::ranges::equal(command->result(), image));
+      } else {
+        EXPECT_TRUE(detail == Detail::ServerCrashed || detail == Detail::NotStarted)
+            << command->failure();
+      }
+    }
+  }
+  EXPECT_EQ(areas_seen(), 0u);
 }
 
 class ClientEnds : public ::testing::TestWithParam<Kind> {

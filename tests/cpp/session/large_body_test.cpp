@@ -1,16 +1,16 @@
+#include "gecos/wire/packet.hpp"
 #include "over_media.hpp"
 
 namespace {
 
 using gecos::Detail;
+using gecos::media::Kind;
 
-/// lcm carries small packets only: what is larger goes in pieces.
-class LargeBody : public probe::Bench {
+/// What is as large as an image goes beside the ring, or in pieces; a session sees none of it.
+class LargeBody : public probe::OverMedia {
  protected:
-  LargeBody() : Bench(gecos::media::Kind::Lcm) {}
   void SetUp() override {
-    Bench::SetUp();
-    serve("PROBE", servant_);
+    OverMedia::SetUp();
     probe_ = connect(lab_);
     servant_.on_read([](gecos::IncomingCall call) {
       const gecos::Bytes echo(call.arguments().begin(), call.arguments().end());
@@ -27,21 +27,29 @@ class LargeBody : public probe::Bench {
     for (std::size_t i = 0; i < size; ++i) bytes[i] = static_cast<std::byte>(i * 31 >> 3);
     return bytes;
   }
+  /// The largest body that the medium carries.
+  static std::size_t largest() {
+    const std::size_t packet = (GetParam() == Kind::Lcm ? 8 : 32) * 1024 * 1024;
+    return packet - gecos::wire::packet_size(0);
+  }
+  static void expect_same(gecos::session::CommandCore& command, const gecos::Bytes& sent) {
+    command.wait_until(gecos::TimePoint::max());
+    ASSERT_EQ(command.progress().detail, Detail::Done) << command.failure();
+    ASSERT_TRUE(std::ranges::equal(command.result(), sent)) << sent.size();
+  }
   probe::Probe probe_;
 };
+PROBE_OVER_MEDIA(LargeBody);
 
-TEST_F(LargeBody, GoesBothWays) {
+TEST_P(LargeBody, GoesBothWays) {
   for (const std::size_t size : {std::size_t{8'000}, std::size_t{9'000}, std::size_t{60'000},
-                                 std::size_t{1'000'000}, std::size_t{4'000'000}}) {
+                                 std::size_t{2'000'000}, std::size_t{4'000'000}}) {
     const auto sent = body(size);
-    const auto command = echo(sent);
-    ASSERT_TRUE(command->wait_until(gecos::TimePoint::max()));
-    ASSERT_EQ(command->progress().detail, Detail::Done) << command->failure();
-    EXPECT_TRUE(std::ranges::equal(command->result(), sent)) << size;
+    expect_same(*echo(sent), sent);
   }
 }
 
-TEST_F(LargeBody, SeveralAtOnceAndSmallOnesBesideThem) {
+TEST_P(LargeBody, SeveralAtOnceAndSmallOnesBesideThem) {
   std::vector<gecos::Bytes> bodies;
   std::vector<std::shared_ptr<gecos::session::CommandCore>> commands;
   for (const std::size_t size : {std::size_t{500'000}, std::size_t{10}, std::size_t{400'000},
@@ -49,18 +57,40 @@ TEST_F(LargeBody, SeveralAtOnceAndSmallOnesBesideThem) {
     bodies.push_back(body(size));
     commands.push_back(echo(bodies.back(), {.deadline = std::chrono::seconds(30)}));
   }
-  for (std::size_t i = 0; i < commands.size(); ++i) {
-    commands[i]->wait_until(gecos::TimePoint::max());
-    ASSERT_EQ(commands[i]->progress().detail, Detail::Done) << commands[i]->failure();
-    EXPECT_TRUE(std::ranges::equal(commands[i]->result(), bodies[i])) << i;
-  }
+  for (std::size_t i = 0; i < commands.size(); ++i) expect_same(*commands[i], bodies[i]);
 }
 
-TEST_F(LargeBody, ThatNoMediumCarriesIsRefusedWithItsSize) {
-  const auto command = echo(body(8 * 1024 * 1024));
+TEST_P(LargeBody, ThatNoMediumCarriesIsRefusedWithItsSize) {
+  const auto command = echo(body(largest() + 1));
   ASSERT_EQ(command->progress().detail, Detail::BadParameter);
-  EXPECT_NE(command->failure().text.find("lcm carries 8388608"), std::string::npos)
-      << command->failure().text;
+  const std::string carries = std::string(gecos::media::to_string(GetParam())) + " carries " +
+                              std::to_string(largest() + gecos::wire::packet_size(0));
+  EXPECT_NE(command->failure().text.find(carries), std::string::npos) << command->failure().text;
+}
+
+TEST_P(LargeBody, AsAResultThatNoMediumCarriesIsAFaultThatSaysSo) {
+  servant_.on_read([](gecos::IncomingCall call) { call.finish(gecos::Bytes(largest() + 1)); });
+  const auto command = echo(body(4));
+  command->wait_until(gecos::TimePoint::max());
+  ASSERT_EQ(command->progress().detail, Detail::Fault);
+  EXPECT_EQ(command->failure().text,
+            "the result takes " + std::to_string(largest() + 1) + " bytes and the medium carries " +
+                std::to_string(largest() + gecos::wire::packet_size(0)));
+}
+
+/// More than a medium holds at a time.
+class LargeResults : public LargeBody {};
+INSTANTIATE_TEST_SUITE_P(Over, LargeResults, ::testing::Values(Kind::Inproc, Kind::Shm),
+                         probe::name_of);
+
+TEST_P(LargeResults, WaitAtTheServerUntilTheirClientTakesThem) {
+  static constexpr std::size_t image = 2'000'000;
+  servant_.on_read([](gecos::IncomingCall call) { call.finish(body(image)); });
+  const auto expected = body(image);
+  const auto asked = body(4);
+  std::vector<std::shared_ptr<gecos::session::CommandCore>> commands;
+  for (int i = 0; i < 60; ++i) commands.push_back(echo(asked));
+  for (const auto& command : commands) expect_same(*command, expected);
 }
 
 }  // namespace

@@ -16,7 +16,8 @@ namespace gecos::session {
 /// The server's end of a line that loses what the test says.
 class TestLink final : public media::Link {
  public:
-  explicit TestLink(bool reliable) { offer_.reliable = reliable, offer_.largest_packet = 64 * 1024; }
+  explicit TestLink(bool reliable) { offer_.reliable = reliable, carry(64 * 1024); }
+  void carry(std::size_t largest_packet) { offer_.largest_packet = largest_packet; }
 
   const media::Offer& offer() const override { return offer_; }
   const media::Peer& peer() const override { return peer_; }

@@ -57,6 +57,21 @@ TEST_F(ServedObjects, PartsFromAClientThatAsksAndNeverListens) {
   EXPECT_TRUE(object_->judge_silence(session_)) << "though it gives signs of life";
 }
 
+TEST_F(ServedObjects, GivesUpLargeResultsOfAClientThatTakesNone) {
+  link_->carry(32 * 1024 * 1024);
+  link_->full = true;
+  servant_.result.resize(30 * 1024 * 1024);
+  for (std::uint64_t counter = 1; counter <= 6; ++counter) call(counter, probe::read_code);
+  EXPECT_FALSE(session_->overrun());
+  link_->full = false;
+  session_->flush();
+  for (std::uint64_t counter = 1; counter <= 4; ++counter) EXPECT_EQ(reply_to(counter), Detail::Done);
+  EXPECT_EQ(reply_to(5), Detail::Fault);
+  EXPECT_EQ(reply_to(6), Detail::Fault);
+  call(7, probe::read_code);
+  EXPECT_EQ(reply_to(7), Detail::Done) << "it has taken them";
+}
+
 TEST_F(ServedObjects, PacketsThatCountNoCallAreIgnored) {
   link_->sent.clear();
   for (const auto kind :

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "gecos/media/bell.hpp"
+#include "gecos/media/bulk.hpp"
 #include "gecos/media/forked.hpp"
 #include "gecos/media/mapping.hpp"
 #include "gecos/media/ring.hpp"
@@ -25,13 +26,14 @@ constexpr Offer inproc_offer{.kind = Kind::Inproc,
                              .real_time = true,
                              .reports_death = false,  // who dies here dies with us
                              .authenticated = true,
-                             .largest_packet = largest_ring_packet};
+                             .largest_packet = largest_bulk_packet};
 
 /// What one end writes and the other one looks at.
 struct Side {
   Mapping mapping = Mapping::anonymous(RingMemory::bytes(usual_slot_count));
   RingMemory ring = RingMemory::at(mapping.data(), usual_slot_count);
   Bell bell;                       // this side sleeps on it, the other one rings
+  BulkReader bulk{[] {}};          // of what the other side sends; it shows its areas at once
   std::atomic<bool> closed{false};  // tells the other side; what was sent before is still there
 
   void wake_if_asleep() {
@@ -60,6 +62,24 @@ struct Connection {
                   }};
 };
 
+/// The areas of one side.
+class InprocAreas final : public AreaMaker {
+ public:
+  explicit InprocAreas(BulkReader& reader) : reader_(reader) {}
+  std::shared_ptr<Mapping> make_area(std::uint64_t number) override {
+    auto area = std::make_shared<Mapping>(Mapping::anonymous(area_bytes));
+    reader_.know(number, area);
+    return area;
+  }
+  bool give_back(std::uint64_t number) override {
+    reader_.end(number);
+    return true;
+  }
+
+ private:
+  BulkReader& reader_;
+};
+
 class SideSleeper final : public Sleeper {
  public:
   SideSleeper(std::shared_ptr<Connection> connection, std::size_t side)
@@ -78,7 +98,9 @@ class InprocLink final : public Link {
         own_(connection_->sides[side]),
         other_(connection_->sides[1 - side]),
         writer_(own_.ring),
-        reader_(*own_.ring.control, other_.ring),
+        areas_(other_.bulk),
+        bulk_(writer_, areas_),
+        reader_(*own_.ring.control, other_.ring, &own_.bulk),
         sleeper_(std::make_shared<SideSleeper>(connection_, 1 - side)),
         descriptors_{own_.bell.descriptor()},
         peer_{::geteuid(), ::getpid(), "this process"} {
@@ -97,7 +119,8 @@ class InprocLink final : public Link {
 
   tl::expected<std::uint64_t, SendProblem> send(ByteView head, ByteView body) override {
     if (loss() != Loss::None) return tl::unexpected(SendProblem::Lost);
-    auto number = writer_.write(head, body);
+    const bool large = head.size() + body.size() > largest_ring_packet;
+    auto number = large ? bulk_.write(head, body) : writer_.write(head, body);
     if (number && writer_.reader_sleeps()) ring_bell(other_.bell.descriptor());
     return number;
   }
@@ -105,6 +128,7 @@ class InprocLink final : public Link {
   std::optional<std::uint64_t> taken_by_peer() override { return writer_.taken(); }
 
   bool arm() override {
+    own_.bulk.rest();
     own_.ring.control->asleep.store(1, std::memory_order_seq_cst);
     if (!reader_.ready() && !watches_.anything_new() && loss() == Loss::None) return true;
     own_.ring.control->asleep.store(0, std::memory_order_relaxed);
@@ -116,7 +140,10 @@ class InprocLink final : public Link {
   }
   std::span<const int> descriptors() const override { return descriptors_; }
 
-  void beat() override { own_.ring.control->beats.fetch_add(1, std::memory_order_relaxed); }
+  void beat() override {
+    own_.ring.control->beats.fetch_add(1, std::memory_order_relaxed);
+    if (loss() == Loss::None) bulk_.beat();
+  }
   std::uint64_t beats_seen() override {
     return other_.ring.control->beats.load(std::memory_order_relaxed);
   }
@@ -165,6 +192,8 @@ class InprocLink final : public Link {
   Side& own_;
   Side& other_;
   RingWriter writer_;
+  InprocAreas areas_;
+  BulkWriter bulk_;
   RingReader reader_;
   StreamWatches watches_;
   const std::shared_ptr<SideSleeper> sleeper_;

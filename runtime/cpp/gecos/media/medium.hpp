@@ -102,7 +102,7 @@ class Link {
   virtual tl::expected<std::uint64_t, SendProblem> send(ByteView head, ByteView body) = 0;
 
   /// The next packet, when one is there. The bytes are a private copy and stay valid until the next
-  /// call. Never blocks, costs no system call on shm and inproc when nothing is there.
+  /// call, or arm(). Never blocks, costs no system call on shm and inproc when nothing is there.
   virtual std::optional<ByteView> receive() = 0;
 
   /// How long ago the packet was sent that receive() gave last, also where this process was stopped

@@ -37,6 +37,19 @@ class SlotFiller {
 
 }  // namespace
 
+std::uint64_t RingWriter::publish(std::size_t size, std::size_t slots) {
+  RingSlot& first = own_.slots[position_ & mask_];
+  first.size.store(static_cast<std::uint32_t>(size), std::memory_order_relaxed);
+  first.sequence.store(position_ + 1, std::memory_order_seq_cst);
+  position_ += slots;
+  // The next packet's first line comes here while nobody waits for it.
+  __builtin_prefetch(&own_.slots[position_ & mask_], 1);
+
+  const std::uint64_t number = written_.load(std::memory_order_relaxed) + 1;
+  written_.store(number, std::memory_order_relaxed);
+  return number;
+}
+
 tl::expected<std::uint64_t, SendProblem> RingWriter::write(ByteView head, ByteView body) {
   const std::size_t size = head.size() + body.size();
   if (size > largest_ring_packet) return tl::unexpected(SendProblem::TooLarge);
@@ -46,28 +59,28 @@ tl::expected<std::uint64_t, SendProblem> RingWriter::write(ByteView head, ByteVi
   SlotFiller filler(own_, position_);
   filler.put(head);
   filler.put(body);
-  RingSlot& first = own_.slots[position_ & mask_];
-  first.size.store(static_cast<std::uint32_t>(size), std::memory_order_relaxed);
-  first.sequence.store(position_ + 1, std::memory_order_seq_cst);
-  position_ += wanted;
-  // The next packet's first line comes here while nobody waits for it.
-  __builtin_prefetch(&own_.slots[position_ & mask_], 1);
+  return publish(size, wanted);
+}
 
-  const std::uint64_t number = written_.load(std::memory_order_relaxed) + 1;
-  written_.store(number, std::memory_order_relaxed);
-  return number;
+std::uint64_t RingWriter::announce(const BulkPlace& place) {
+  static_assert(sizeof place <= slot_payload);
+  std::memcpy(own_.slots[position_ & mask_].payload, &place, sizeof place);
+  return publish(beside_ring, 1);
 }
 
 std::size_t RingWriter::free_slots(std::size_t wanted) {
   const std::size_t known = own_.slot_count - static_cast<std::size_t>(position_ - taken_seen_);
   if (known >= wanted) return known;
+  return own_.slot_count - static_cast<std::size_t>(position_ - slots_taken());
+}
+
+std::uint64_t RingWriter::slots_taken() {
   const RingControl* reader = reader_.load(std::memory_order_acquire);
-  if (reader == nullptr) return known;
+  if (reader == nullptr) return taken_seen_;
   const std::uint64_t taken = reader->slots_taken.load(std::memory_order_acquire);
   // A reader that claims what was never written, or goes back, gains nothing: the ring stays full.
-  if (taken > position_ || taken < taken_seen_) return known;
-  taken_seen_ = taken;
-  return own_.slot_count - static_cast<std::size_t>(position_ - taken_seen_);
+  if (taken <= position_ && taken > taken_seen_) taken_seen_ = taken;
+  return taken_seen_;
 }
 
 std::uint64_t RingWriter::taken() const {
@@ -77,15 +90,23 @@ std::uint64_t RingWriter::taken() const {
                   written_.load(std::memory_order_relaxed));
 }
 
-RingReader::RingReader(RingControl& own, RingMemory writer)
+RingReader::RingReader(RingControl& own, RingMemory writer, BulkSource* bulk)
     : own_(own),
       writer_(writer),
       mask_(writer.slot_count - 1),
+      bulk_(bulk),
       copy_(std::make_unique_for_overwrite<std::byte[]>(largest_ring_packet)) {}
+
+void RingReader::advance(std::size_t slots) {
+  position_ += slots;
+  own_.packets_taken.store(++packets_, std::memory_order_relaxed);
+  own_.slots_taken.store(position_, std::memory_order_release);
+}
 
 std::optional<ByteView> RingReader::take(const RingSlot& slot) {
   const std::size_t size = slot.size.load(std::memory_order_relaxed);  // once: it may change
   if (size > largest_ring_packet || slots_for(size) > writer_.slot_count || broken()) {
+    if (size == beside_ring) return take_bulk(slot);
     broken_.store(true, std::memory_order_relaxed);
     return std::nullopt;
   }
@@ -95,10 +116,21 @@ std::optional<ByteView> RingReader::take(const RingSlot& slot) {
     std::memcpy(copy_.get() + copied, writer_.slots[at & mask_].payload, here);
     copied += here;
   }
-  position_ += slots_for(size);
-  own_.packets_taken.store(++packets_, std::memory_order_relaxed);
-  own_.slots_taken.store(position_, std::memory_order_release);
+  advance(slots_for(size));
   return ByteView(copy_.get(), size);
+}
+
+std::optional<ByteView> RingReader::take_bulk(const RingSlot& slot) {
+  BulkPlace place;
+  std::memcpy(&place, slot.payload, sizeof place);  // once: it may change
+  std::optional<ByteView> packet;
+  if (bulk_ != nullptr && !broken()) packet = bulk_->copy(place);
+  if (packet) {
+    advance(1);
+  } else {
+    broken_.store(true, std::memory_order_relaxed);
+  }
+  return packet;
 }
 
 }  // namespace gecos::media

@@ -59,10 +59,27 @@ struct RingMemory {
   }
 };
 
-/// The largest packet of any ring: large enough for a call, small enough that four fit in a ring.
-inline constexpr std::size_t largest_ring_packet = 64 * 1024;
+/// The largest packet that lies in a ring itself, so that many fit; larger ones lie beside it (bulk.hpp).
+inline constexpr std::size_t largest_ring_packet = 8 * 1024;
 /// 256 KiB a direction: what is written round and round stays in a core's second cache.
 inline constexpr std::size_t usual_slot_count = 1024;
+
+/// What a slot says of a packet that lies beside the ring.
+struct BulkPlace {
+  std::uint64_t area = 0;    ///< memory that the writer has shown to the reader, counted from 1
+  std::uint64_t offset = 0;  ///< in it
+  std::uint64_t size = 0;
+};
+/// A slot of this size holds no packet but the place of one.
+inline constexpr std::uint32_t beside_ring = 0xffffffff;
+
+/// Where a reader finds what lies beside its ring.
+class BulkSource {
+ public:
+  virtual ~BulkSource() = default;
+  /// The packet, copied into memory of the reader's own, until the next call. Nothing: there is none.
+  virtual std::optional<ByteView> copy(const BulkPlace& place) = 0;
+};
 
 /// One thread writes at a time.
 class RingWriter {
@@ -74,6 +91,12 @@ class RingWriter {
     reader_.store(reader, std::memory_order_release);  // publishes the mapping of the peer's memory
   }
   tl::expected<std::uint64_t, SendProblem> write(ByteView head, ByteView body);
+  /// In place of a packet: where it lies. Gives its number. @pre has_room()
+  std::uint64_t announce(const BulkPlace& place);
+  bool has_room() { return free_slots(1) != 0; }
+  std::uint64_t slots_written() const { return position_; }
+  /// Slots that the reader has taken; what it has read of them is read.
+  std::uint64_t slots_taken();
   /// After write(): the reader must be woken.
   bool reader_sleeps() const {
     const RingControl* reader = reader_.load(std::memory_order_acquire);
@@ -84,6 +107,7 @@ class RingWriter {
 
  private:
   std::size_t free_slots(std::size_t wanted);
+  [[gnu::always_inline]] inline std::uint64_t publish(std::size_t size, std::size_t slots);
 
   const RingMemory own_;
   const std::size_t mask_;
@@ -96,8 +120,9 @@ class RingWriter {
 /// One thread reads at a time.
 class RingReader {
  public:
-  /// `own` is where this reader's progress is told; `writer` the memory of the other side.
-  RingReader(RingControl& own, RingMemory writer);
+  /// `own` is where this reader's progress is told; `writer` the memory of the other side; `bulk` has
+  /// what lies beside its ring. Without it nothing may.
+  RingReader(RingControl& own, RingMemory writer, BulkSource* bulk = nullptr);
 
   /// The next packet, copied into memory of this reader's own, until the next call.
   std::optional<ByteView> read() {
@@ -115,12 +140,15 @@ class RingReader {
 
  private:
   std::optional<ByteView> take(const RingSlot& slot);
+  std::optional<ByteView> take_bulk(const RingSlot& slot);
+  [[gnu::always_inline]] inline void advance(std::size_t slots);
 
   RingControl& own_;
   const RingMemory writer_;
   const std::size_t mask_;
   std::uint64_t position_ = 0;
   std::uint64_t packets_ = 0;
+  BulkSource* const bulk_;
   std::unique_ptr<std::byte[]> copy_;
   std::atomic<bool> broken_{false};  // tells other threads of this process, nothing else
 };

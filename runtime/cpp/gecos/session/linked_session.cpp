@@ -122,9 +122,17 @@ Failure LinkedSession::not_sent(std::string_view name, std::size_t size,
                                 media::SendProblem problem) {
   const std::string what = "'" + std::string(name) + "' of " + welcome_.object;
   switch (problem) {
-    case media::SendProblem::Full:
+    case media::SendProblem::Full: {
+      const std::lock_guard lock(mutex_);
+      if (calls_.size() < welcome_.credits) {
+        return {Detail::QueueFull, what + " was not sent: " +
+                                       std::string(media::to_string(link_->offer().kind)) +
+                                       " is full of what the server has not taken yet; wait for a "
+                                       "call that was sent before", {}, {}};
+      }
       return {Detail::QueueFull, what + " was not sent: " + std::to_string(welcome_.credits) +
                                      " calls are unanswered; wait for one of them", {}, {}};
+    }
     case media::SendProblem::TooLarge:
       return {Detail::BadParameter,
               what + " was not sent: its arguments take " + std::to_string(size) + " bytes and " +

@@ -11,6 +11,8 @@ namespace {
 
 /// An answer to each granted call, and as many goodbyes; the rest is room for repetitions.
 constexpr std::size_t most_backlog = 4 * ObjectQueue::most_of_object;
+/// What they may take before a result is given up rather than kept.
+constexpr std::size_t most_backlog_bytes = 128 * 1024 * 1024;
 
 wire::PacketHeader reply_to(std::uint64_t counter) {
   wire::PacketHeader header;
@@ -69,6 +71,11 @@ void ServerSession::reply(std::uint64_t counter, ByteView result, Epoch epoch) {
                   {Detail::Fault, "the result takes " + std::to_string(result.size()) +
                                       " bytes and the medium carries " +
                                       std::to_string(link_->offer().largest_packet), {}, {}});
+  } else if (backlog_bytes_ + result.size() > most_backlog_bytes) {
+    write_failure(packet_, header,
+                  {Detail::Fault, "the result of " + std::to_string(result.size()) +
+                                      " bytes was dropped: " + std::to_string(backlog_bytes_) +
+                                      " bytes wait already for this client to take them", {}, {}});
   } else {
     write_packet(packet_, header, result);
   }
@@ -118,6 +125,7 @@ void ServerSession::deliver(ByteView packet) {
     return;
   }
   backlog_.emplace_back(packet.begin(), packet.end());
+  backlog_bytes_ += packet.size();
 }
 
 void ServerSession::flush() {
@@ -125,6 +133,7 @@ void ServerSession::flush() {
   while (!backlog_.empty()) {
     const auto sent = link_->send(backlog_.front(), {});
     if (!sent && sent.error() == media::SendProblem::Full) return;
+    backlog_bytes_ -= backlog_.front().size();
     backlog_.pop_front();
   }
 }

@@ -97,6 +97,7 @@ class ServerSession {
   Mutex send_mutex_;
   Bytes packet_;              ///< reused
   std::deque<Bytes> backlog_;  ///< what found no room
+  std::size_t backlog_bytes_ = 0;
   std::atomic<bool> overrun_{false};  // publishes nothing but itself
 };
 

@@ -19,11 +19,13 @@ enum class ControlType : std::uint32_t {
   Share,      ///< server: stream `id` of `depth` samples of at most `largest` bytes; its memory
   Unshare,    ///< server: stream `id` ends for you
   Bye,        ///< the link is closed in order; `text` says why when the peer was refused
+  Area,       ///< memory for large packets, the `largest`-th of this side; the one before is over
+  AreaEnd,    ///< nothing more comes through the `largest`-th
 };
 
 /// Both ends run on one kernel, so it travels as it lies in memory.
 struct ControlMessage {
-  static constexpr std::uint32_t this_version = 0x67630001;
+  static constexpr std::uint32_t this_version = 0x67630002;
   std::uint32_t version = this_version;  ///< rises with every change of this, of the ring, of the stream
   ControlType type = ControlType::Poke;
   std::uint32_t id = 0;

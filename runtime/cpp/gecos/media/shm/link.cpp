@@ -43,7 +43,7 @@ const Offer& shm_offer() {
                                .real_time = true,
                                .reports_death = true,
                                .authenticated = true,
-                               .largest_packet = largest_ring_packet};
+                               .largest_packet = largest_bulk_packet};
   return offer;
 }
 
@@ -83,6 +83,7 @@ ShmLink::ShmLink(Role role, std::shared_ptr<PeerEnd> other, Peer peer, Descripto
       death_(std::move(death)),
       other_(std::move(other)),
       writer_(own_),
+      bulk_(other_->socket(), writer_, [this] { read_control_to_the_end(); }),
       descriptors_{bell_.descriptor(), other_->socket(), death_.get()},
       fork_watch_(this, [](void* owner) noexcept { static_cast<ShmLink*>(owner)->abandon(); }) {}
 
@@ -141,7 +142,8 @@ tl::expected<std::uint64_t, SendProblem> ShmLink::send(ByteView head, ByteView b
   if (loss_.load(std::memory_order_relaxed) != Loss::None) {
     return tl::unexpected(SendProblem::Lost);
   }
-  auto number = writer_.write(head, body);
+  const bool large = head.size() + body.size() > largest_ring_packet;
+  auto number = large ? bulk_.out.write(head, body) : writer_.write(head, body);
   if (!number) return number;
   // A server that is not known yet may sleep already: it cannot tell us, so it is woken in any case.
   if (!other_->known() || writer_.reader_sleeps()) other_->wake();
@@ -168,6 +170,7 @@ std::optional<std::uint64_t> ShmLink::taken_by_peer() {
 }
 
 bool ShmLink::arm() {
+  bulk_.in.rest();
   own_.control->asleep.store(1, std::memory_order_seq_cst);
   const bool packet = other_->known() && reader_->ready();
   if (!packet && !watches_.anything_new() &&
@@ -186,6 +189,7 @@ void ShmLink::disarm() {
 
 void ShmLink::beat() {
   own_.control->beats.fetch_add(1, std::memory_order_relaxed);
+  if (loss_.load(std::memory_order_relaxed) == Loss::None) bulk_.out.beat();
   const std::lock_guard lock(control_mutex_);
   send_unsent();
 }
@@ -254,7 +258,7 @@ bool ShmLink::know_peer(ReceivedControl& from, std::string& problem) {
   }
   const bool trusted = peer_.uid == ::geteuid() && is_bell(bell.get());
   const RingMemory ring = RingMemory::at(mapping->data(), usual_slot_count);
-  reader_.emplace(*own_.control, ring);
+  reader_.emplace(*own_.control, ring, &bulk_.in);
   writer_.set_reader(ring.control);
   other_->know(std::move(*mapping), trusted ? std::move(bell) : Descriptor());
   return true;
@@ -287,6 +291,11 @@ void ShmLink::read_control() {
   }
 }
 
+void ShmLink::read_control_to_the_end() {
+  read_control();
+  const std::lock_guard another_thread_has_taken_up_what_it_read(control_mutex_);
+}
+
 void ShmLink::take_control(ReceivedControl& control) {
   const ControlMessage& message = control.message;
   const bool client = role_ == Role::Client;
@@ -315,6 +324,12 @@ void ShmLink::take_control(ReceivedControl& control) {
       if (!client) break;
       arrived_.erase(message.id);
       return;
+    case ControlType::Area:
+    case ControlType::AreaEnd: {
+      auto taken = bulk_.take(control);
+      if (!taken) note_loss(Loss::Broken, std::move(taken.error()));
+      return;
+    }
     case ControlType::Hello:
       break;
   }
@@ -370,6 +385,8 @@ void ShmLink::abandon() noexcept {
   bell_.close();
   death_.reset();
   other_->forget();
+  bulk_.out.forget();
+  bulk_.in.forget();
   own_memory_.memfd.reset();
   own_memory_.mapping.forget();
 }

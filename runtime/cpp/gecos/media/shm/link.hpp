@@ -12,6 +12,7 @@
 #include "gecos/media/bell.hpp"
 #include "gecos/media/forked.hpp"
 #include "gecos/media/ring.hpp"
+#include "gecos/media/shm/bulk.hpp"
 #include "gecos/media/shm/control.hpp"
 #include "gecos/media/shm/memory.hpp"
 #include "gecos/media/stream_ring.hpp"
@@ -90,6 +91,7 @@ class ShmLink final : public Link {
 
   bool know_peer(ReceivedControl& from, std::string& problem);
   void read_control();
+  void read_control_to_the_end();
   void take_control(ReceivedControl& control);
   void take_stream(ReceivedControl& control);
   void note_loss(Loss loss, std::string text);  // under the mutex, like all that follows
@@ -105,6 +107,7 @@ class ShmLink final : public Link {
   Descriptor death_;
   const std::shared_ptr<PeerEnd> other_;
   RingWriter writer_;
+  ShmBulk bulk_;
   std::optional<RingReader> reader_;      // set before other_ is known, which publishes it
   StreamWatches watches_;
   const std::array<int, 3> descriptors_;

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "gecos/media/bulk.hpp"
+#include "gecos/media/shm/control.hpp"
+
+namespace gecos::media::shm {
+
+/// The areas of one link: each in sealed memory of its own, which goes over the socket before the first
+/// packet in it is announced.
+class ShmBulk final : private AreaMaker {
+ public:
+  /// `look` reads the socket, also what another thread reads of it just now.
+  ShmBulk(int socket, RingWriter& ring, std::function<void()> look)
+      : out(ring, *this), in(std::move(look)), socket_(socket) {}
+
+  /// Area or AreaEnd of the peer. Fails with what is wrong with it.
+  tl::expected<void, std::string> take(ReceivedControl& control);
+
+  BulkWriter out;
+  BulkReader in;
+
+ private:
+  std::shared_ptr<Mapping> make_area(std::uint64_t number) override;
+  bool give_back(std::uint64_t number) override;
+
+  const int socket_;
+  bool warned_ = false;
+};
+
+}  // namespace gecos::media::shm
