@@ -75,6 +75,7 @@ TEST_P(Conformance, CarriesEverySizeUpToTheLargest) {
                                  std::size_t{240}, std::size_t{241}, std::size_t{5000},
                                  std::size_t{8'192}, std::size_t{8'193}, std::size_t{2'000'000},
                                  largest - 1, largest}) {
+    if (size > largest) continue;
     std::string text(size, 'x');
     for (std::size_t i = 0; i < size; ++i) text[i] = static_cast<char>(i * 31 + i / 256);
     ASSERT_TRUE(client_.send(text)) << size;
@@ -455,7 +456,7 @@ TEST_P(Conformance, NothingIsLeftOpen) {
 }
 
 TEST_P(Conformance, AForkedChildFindsItsLinksDead) {
-  const std::string large(1'000'000, 'x');
+  const std::string large(std::min(std::size_t{1'000'000}, medium_->offer().largest_packet), 'x');
   ASSERT_TRUE(server_.send(large));
   ASSERT_TRUE(client_.receive() == large);
   ASSERT_TRUE(client_.send("for the parent"));

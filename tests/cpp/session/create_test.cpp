@@ -234,8 +234,9 @@ TEST_F(Restarted, AServerIsRefusedAtOnceANameWhoseHolderMayLive) {
   gecos::Entry elsewhere = entry(dead_process());
   elsewhere.host = "another host";
   for (const auto& holder : {entry(getpid()), elsewhere, entry(0)}) {
-    EXPECT_FALSE(add(holder));
-    EXPECT_EQ(asked_, 1);
+    const auto added = add(holder);
+    ASSERT_FALSE(added);
+    EXPECT_EQ(asked_, 1) << added.error().text;
   }
 }
 

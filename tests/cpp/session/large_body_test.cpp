@@ -81,7 +81,7 @@ TEST_P(LargeBody, AsAResultThatNoMediumCarriesIsAFaultThatSaysSo) {
 /// More than a medium holds at a time.
 class LargeResults : public LargeBody {};
 INSTANTIATE_TEST_SUITE_P(Over, LargeResults, ::testing::Values(Kind::Inproc, Kind::Shm),
-                         probe::name_of);
+                         gecos::media::name_of);
 
 TEST_P(LargeResults, WaitAtTheServerUntilTheirClientTakesThem) {
   static constexpr std::size_t image = 2'000'000;

@@ -114,7 +114,9 @@ TEST_P(Renewal, SendsReadingsAgainThatMayBeAndNothingElse) {
   });
   first_.kill_at_once();
   go(second_);
-  EXPECT_EQ(look.get().value(), 41);
+  const auto first = look.get();
+  ASSERT_TRUE(first) << first.error();
+  EXPECT_EQ(*first, 41);
   EXPECT_EQ(second_.line().hear(), "look 1") << "in the order in which they were issued";
   EXPECT_EQ(second_.line().hear(), "look 2");
   EXPECT_NE(look.id(), before) << "it is asked for under another name";

@@ -76,10 +76,9 @@ tl::expected<std::shared_ptr<LinkedSession>, std::string> Registrar::enlist_firs
     if (!broker) return tl::unexpected(broker.error());
     const auto enlisted = enlist(**broker, entry, deadline);
     if (enlisted) return *broker;
-    if (enlisted.error().taken && holder_has_ended(entry.name, deadline) &&
-        rest(between_looks, deadline)) {
-      continue;
-    }
+    const bool later = enlisted.error().unheard ||
+                       (enlisted.error().taken && holder_has_ended(entry.name, deadline));
+    if (later && rest(between_looks, deadline)) continue;
     if (!(*broker)->lost()) return tl::unexpected(enlisted.error().text);
     if (auto back = await_broker(deadline); !back) return tl::unexpected(back.error());
   }

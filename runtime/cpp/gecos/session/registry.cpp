@@ -65,15 +65,16 @@ tl::expected<void, NotEnlisted> enlist(LinkedSession& broker, const Entry& entry
       broker_operation("enlist"), block_size(entry),
       [&](wire::Encoder& to) { put_block(to, entry); }, {});
   if (!command->wait_until(deadline)) {
-    return tl::unexpected(NotEnlisted{false, "the broker did not answer in time"});
+    return tl::unexpected(NotEnlisted{false, false, "the broker did not answer in time"});
   }
   if (command->progress().detail == Detail::Done) return {};
   const Failure& failure = command->failure();
   if (const auto taken = failure.as<NameTaken>()) {
     return tl::unexpected(
-        NotEnlisted{true, "the name " + taken->name + " is taken by " + taken->by});
+        NotEnlisted{true, false, "the name " + taken->name + " is taken by " + taken->by});
   }
-  return tl::unexpected(NotEnlisted{false, "the broker did not take it: " + failure.text});
+  return tl::unexpected(NotEnlisted{false, failure.state() == State::ConnectionFailed,
+                                     "the broker did not take it: " + failure.text});
 }
 
 void withdraw(LinkedSession& broker, const std::string& name) {

@@ -19,6 +19,7 @@ tl::expected<Entry, std::string> look_up(LabCore& lab, const std::string& name, 
 /// Makes an object findable until the session with this broker ends.
 struct NotEnlisted {
   bool taken = false;  ///< another object has that name: trying again helps only when that one goes
+  bool unheard = false;  ///< it certainly did not reach the broker, which is gone
   std::string text;
 };
 tl::expected<void, NotEnlisted> enlist(LinkedSession& broker, const Entry& entry,
