@@ -1,7 +1,9 @@
 from __future__ import annotations
 
 import asyncio
+import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 import gecos
 import pytest
@@ -101,6 +103,25 @@ def test_a_closed_stream_gives_nothing(lamp: Lamp, servant: PlainLamp) -> None:
     assert list(stream) == []
     with pytest.raises(EOFError, match=r"stream LAMP\.level"):
         stream.next()
+
+
+def test_closing_a_stream_ends_who_waits_for_its_samples(lamp: Lamp, servant: PlainLamp) -> None:
+    stream = lamp.level.stream()
+    begun = threading.Event()
+
+    def read() -> list[float]:
+        values = []
+        for sample in stream:
+            values.append(sample.value)
+            begun.set()
+        return values
+
+    with ThreadPoolExecutor(1) as pool:
+        reading = pool.submit(read)
+        servant.publish_level(1.0)
+        assert begun.wait(10.0)
+        stream.close()
+        assert reading.result(10.0) == [1.0]
 
 
 def test_publishing_before_it_is_served_says_what_to_do(servant: PlainLamp) -> None:

@@ -24,13 +24,16 @@ def until(happened: Callable[[], bool], what: str, patience: float = PATIENCE_S)
 
 
 class Program:
-    """A running program. Its output is collected while it runs; lines can be waited for."""
+    """A running program. Its output is collected while it runs; lines can be waited for. One that
+    `listens` is told lines."""
 
-    def __init__(self, command: Sequence[str | Path], env: Mapping[str, str]) -> None:
+    def __init__(
+        self, command: Sequence[str | Path], env: Mapping[str, str], listens: bool = False
+    ) -> None:
         self.command = [str(part) for part in command]
         self._process = subprocess.Popen(
             self.command,
-            stdin=subprocess.DEVNULL,
+            stdin=subprocess.PIPE if listens else subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,
@@ -53,6 +56,15 @@ class Program:
             self._fresh.put(line.rstrip("\n"))
         self._fresh.put(None)
 
+    def tell(self, line: str) -> None:
+        assert self._process.stdin is not None
+        self._process.stdin.write(line + "\n")
+        self._process.stdin.flush()
+
+    def end_of_input(self) -> None:
+        if self._process.stdin is not None:
+            self._process.stdin.close()
+
     def wait_for(self, text: str, patience: float = PATIENCE_S) -> str:
         """The next line that contains `text`; lines before it are passed over."""
         end = time.monotonic() + patience
@@ -73,6 +85,7 @@ class Program:
         except subprocess.TimeoutExpired:
             raise AssertionError(f"still runs after {patience} s: {self}") from None
         self._reader.join(patience)
+        self.end_of_input()
         if self._process.stdout is not None:
             self._process.stdout.close()
         return status
@@ -112,8 +125,10 @@ class Laboratory:
         self.env.pop("GECOS_BROKER", None)
         self.programs: list[Program] = []
 
-    def start(self, *command: str | Path, ready: str | None = None) -> Program:
-        program = Program(command, self.env)
+    def start(
+        self, *command: str | Path, ready: str | None = None, listens: bool = False
+    ) -> Program:
+        program = Program(command, self.env, listens)
         self.programs.append(program)
         if ready is not None:
             program.wait_for(ready)

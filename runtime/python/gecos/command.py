@@ -81,11 +81,15 @@ class Command(Generic[T, F]):
         return Progress(Detail(detail), position, fraction)
 
     def feedback(self) -> F | None:
-        """The latest that the running command reported; None when nothing has come yet."""
+        """The latest that the running command reported; None when nothing has come yet, or what
+        came does not decode."""
         self._observed = True
         decode = self._method.feedback
         raw = self._core.feedback() if decode is not None else b""
-        return decode(Decoder(raw)) if decode is not None and raw else None
+        try:
+            return decode(Decoder(raw)) if decode is not None and raw else None
+        except DecodeError:
+            return None
 
     def wait(self, timeout: float | None = None) -> State:
         """Waits until it is terminal, at most `timeout` seconds; RUNNING if that was too short."""

@@ -164,13 +164,19 @@ nb::object latest(StreamHandle& self) {
 }
 
 nb::object next(StreamHandle& self, std::optional<double> timeout) {
-  const auto core = self.get();
+  auto core = self.get();
   if (core == nullptr) return nb::str("closed");
   tl::expected<void, StreamEnd> got = tl::unexpected(StreamEnd::Nothing);
   wait_in_slices(timeout, [&](TimePoint until) {
     got = core->next(self.sample(), until);
-    return got || got.error() != StreamEnd::Nothing;
+    if (got || got.error() != StreamEnd::Nothing) return true;
+    const nb::gil_scoped_acquire gil;
+    return self.get() == nullptr;  // closed meanwhile
   });
+  if (self.get() == nullptr) {
+    without_gil([last = std::move(core)]() mutable { last.reset(); });
+    return nb::str("closed");
+  }
   if (got) return as_tuple(*core, self.sample());
   if (got.error() == StreamEnd::Nothing) return nb::str("nothing");
   return nb::str(got.error() == StreamEnd::Closed ? "closed" : "lost");

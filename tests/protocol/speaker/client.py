@@ -1,108 +1,23 @@
-"""A client: the connection to one server, and a session with its calls over it."""
+"""A client: a session with one object, and its calls."""
 
 from __future__ import annotations
 
 import os
 import secrets
 import time
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 from . import packets
-from .frames import HEADER, Frame, Header, Inner, Kind, Link
-from .lcm import Again, Ear, Loop, parse_place
-from .noise import Initiation, Keys
+from .connection import Connection
+from .frames import Frame, Inner
+from .lcm import Again, Loop
+from .noise import Keys
 from .packets import Detail, Packet, Reader, Status, Welcome
 from .streams import Share, StreamReader
 
-HANDSHAKE_S = 5.0
 UNREACHABLE_S = 0.5
 LOST_S = 1.5
 OLDEST_NS = 750_000_000
-
-
-class Connection:
-    """Makes the channel, then carries frames; takes part in a loop."""
-
-    def __init__(self, loop: Loop, address: str, keys: Keys) -> None:
-        self.place, _, key = address.partition("#")
-        self.port, self.channel = parse_place(self.place)
-        self.keys = keys
-        self.client = secrets.randbelow(2**64 - 1) + 1
-        self.reply_port = 20000 + secrets.randbelow(12001)
-        self.ear = Ear(self.reply_port, f"GC{self.client:016x}")
-        self.link: Link | None = None
-        self.on_frame: Callable[[Frame, float], None] = lambda frame, age: None
-        self.on_tick: Callable[[float], None] = lambda now: None
-        self.closed = False
-        self._loop = loop
-        self._fixed = bytes.fromhex(key)
-        self.server = self._fixed
-        self._initiation: Initiation | None = None
-        self._again, self._began = Again(), time.monotonic()
-        loop.join(self)
-
-    def header(self, kind: Kind) -> Header:
-        return Header(kind, self.reply_port, self.client)
-
-    def publish(self, payload: bytes) -> None:
-        self._loop.mouth.publish(self.port, self.channel, payload)
-
-    def heard(self, payload: bytes) -> None:
-        header = Header.of(payload)
-        if header is None or header.client != self.client or header.reply_port != 0:
-            return
-        rest = payload[HEADER:]
-        if header.kind == Kind.KEY and len(rest) == 32 and not self.server:
-            if self.keys.admits(rest):
-                self.server, self._again = rest, Again()
-        elif header.kind == Kind.SECOND and self._initiation and self.link is None:
-            channel = self._initiation.finish(rest)
-            if channel:
-                self._again = Again()
-                self.link = Link(channel, self.header(Kind.SEALED), self.publish)
-        elif header.kind == Kind.SEALED and self.link:
-            opened = self.link.receive(payload)
-            if opened:
-                self._take(*opened)
-
-    def _take(self, frame: Frame, age: float) -> None:
-        if frame.kind == Inner.BYE:
-            self.closed = True
-        else:
-            self.on_frame(frame, age)
-
-    def tick(self, now: float) -> None:
-        if self.closed:
-            return
-        if self.link is None:
-            self._shake_hands(now)
-        elif self.link.heard_at is None:  # the server does not know yet that we are here
-            if self._again.due(now):
-                self.link.send(Inner.BEAT)
-        else:
-            self.link.tick(now)
-        self.on_tick(now)
-
-    def _shake_hands(self, now: float) -> None:
-        if now - self._began > HANDSHAKE_S:
-            self.server, self._initiation = self._fixed, None
-            self._again, self._began = Again(), now
-        if not self._again.due(now):
-            return
-        if not self.server:
-            self.publish(self.header(Kind.ASK).pack())
-            return
-        header = self.header(Kind.FIRST).pack()
-        if self._initiation is None:
-            self._initiation = Initiation(self.keys.secret, self.server, self.place, header)
-        self.publish(header + self._initiation.first)
-
-    def close(self) -> None:
-        """Ends it in order."""
-        if self.link and not self.closed:
-            self.link.send(Inner.BYE)
-        self._loop.leave(self)
 
 
 @dataclass(slots=True)
@@ -197,6 +112,8 @@ class Session:
         try:
             packet = Packet.of(frame.body)
         except packets.Malformed:
+            return
+        if packet.version != packets.VERSION:
             return
         self.received.append(packet)
         if packet.kind == packets.Kind.WELCOME and not self.welcome:

@@ -197,6 +197,7 @@ class Link:
 
     def __init__(self, channel: Channel, header: Header, publish: Callable[[bytes], None]) -> None:
         self.channel = channel
+        self.header = header
         self._header = header.pack()
         self._publish = publish
         self._numbers = 0

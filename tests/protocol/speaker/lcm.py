@@ -119,13 +119,15 @@ class Loop:
     def turn(self) -> None:
         """Waits a moment for datagrams, hands them out, and lets everybody see the time."""
         parties = list(self.parties)
-        readable, _, _ = select.select([party.ear for party in parties], [], [], TICK_S)
+        select.select([party.ear for party in parties], [], [], TICK_S)
+        now = time.monotonic()  # before all is read: nobody is silent who was only not read
         for party in parties:
-            if party.ear in readable:
-                for payload in party.ear.waiting():
-                    party.heard(payload)
+            if party not in self.parties:
+                continue
+            for payload in party.ear.waiting():
+                party.heard(payload)
             if party in self.parties:
-                party.tick(time.monotonic())
+                party.tick(now)
 
     def until(self, happened: Callable[[], bool], what: str, patience: float = PATIENCE_S) -> None:
         end = time.monotonic() + patience

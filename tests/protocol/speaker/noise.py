@@ -149,10 +149,8 @@ class Opener:
         return key
 
     def _advance(self, generation: int, key: bytes) -> None:
-        before = self._keys[self._newest]
-        for _ in range(generation - 1 - self._newest):
-            before = next_key(before)
-        self._keys = {generation - 1: before, generation: key}
+        """Keeps the one that was the newest, for what it sealed may still be on its way."""
+        self._keys = {self._newest: self._keys[self._newest], generation: key}
         self._windows = {g: w for g, w in self._windows.items() if g in self._keys}
         self._newest = generation
 

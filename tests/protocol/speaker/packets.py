@@ -11,6 +11,7 @@ from typing import TypeVar
 T = TypeVar("T")
 
 FINGERPRINT = 0x90A18DA222518B52
+VERSION = 1
 _HEAD = struct.Struct(">QBBBBIQQQQqi")
 
 
@@ -35,13 +36,17 @@ class Detail(IntEnum):
     BAD_PARAMETER = 7
     UNKNOWN_OPERATION = 8
     DENIED = 9
+    QUEUE_FULL = 10
     EXPIRED = 11
     TIMED_OUT = 12
     FAULT = 13
     CANCELED = 14
+    PREEMPTED = 15
     STOPPED = 16
     LEASE_LOST = 17
+    PRESENCE_LOST = 18
     OUTCOME_UNKNOWN = 20
+    NOT_STARTED = 21
     REFUSED = 23
 
 
@@ -51,7 +56,7 @@ class Status(IntEnum):
     MASTER = 2
 
 
-HOLDERS, STOP, PING, DESCRIBE, ACQUIRE, RELEASE, SUBSCRIBE, UNSUBSCRIBE = range(1, 9)
+HOLDERS, STOP, PING, DESCRIBE, ACQUIRE, RELEASE, SUBSCRIBE, UNSUBSCRIBE, OUTCOME = range(1, 10)
 
 
 class Malformed(ValueError):
@@ -163,26 +168,35 @@ class Packet:
     epoch: int = 0
     deadline_ns: int = 0
     body: bytes = b""
+    version: int = VERSION
 
     def pack(self) -> bytes:
         numbers = self.session, self.counter, self.acknowledged, self.epoch, self.deadline_ns
         head = _HEAD.pack(
-            FINGERPRINT, 1, self.kind, self.detail, 0, self.code, *numbers, len(self.body)
+            FINGERPRINT,
+            self.version,
+            self.kind,
+            self.detail,
+            0,
+            self.code,
+            *numbers,
+            len(self.body),
         )
         return head + self.body + u32(0)
 
     @staticmethod
     def of(raw: bytes) -> Packet:
+        """Of any version: a server refuses a Hello of another one, all else is dropped."""
         reader = Reader(raw)
         head = _HEAD.unpack(reader.take(_HEAD.size))
         fingerprint, version, kind, detail, _, code = head[:6]
         session, counter, acknowledged, epoch, deadline_ns, size = head[6:]
         body, tag = reader.take(size), reader.u32()
         reader.end()
-        if fingerprint != FINGERPRINT or version != 1 or tag != 0 or deadline_ns < 0:
+        if fingerprint != FINGERPRINT or tag != 0 or deadline_ns < 0:
             raise Malformed(f"no packet: {raw[:60].hex()}")
         numbers = session, counter, acknowledged, epoch, deadline_ns
-        return Packet(kind, detail, code, *numbers, body)
+        return Packet(kind, detail, code, *numbers, body, version)
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import hashlib
+import secrets
 import struct
 import time
 from collections import deque
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from cryptography.exceptions import InvalidSignature, InvalidTag
 from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey, Ed25519PublicKey
 from cryptography.hazmat.primitives.ciphers.aead import ChaCha20Poly1305
 
 from .frames import HEADER, Header, Kind
-from .lcm import Ear
+from .lcm import Ear, Mouth
 from .noise import nonce_of
 
 _SHARE = struct.Struct(">IIHHQ32s32s")
@@ -45,7 +46,7 @@ class Share:
         if len(body) != _SHARE.size:
             return None
         share = Share(*_SHARE.unpack(body))
-        return share if share.keep and share.port else None
+        return share if 1 <= share.keep <= 1024 and share.port else None
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,6 +85,37 @@ def open_sample(share: Share, payload: bytes) -> Sample | None:
         return None
     (stamp,) = _STAMP.unpack_from(text)
     return Sample(counter + 1, stamp, text[_STAMP.size :])
+
+
+class StreamWriter:
+    """One stream of a server, sent once for all its readers."""
+
+    def __init__(self, mouth: Mouth, largest: int, keep: int = 8) -> None:
+        self._mouth = mouth
+        self._signer = Ed25519PrivateKey.generate()
+        where = largest, keep, 20000 + secrets.randbelow(12001), secrets.randbits(64)
+        signer = self._signer.public_key().public_bytes_raw()
+        self._shared = Share(0, *where, secrets.token_bytes(32), signer)
+        self._counter = 0
+        self.last = b""
+        """The newest datagram."""
+
+    def share(self, number: int) -> Share:
+        return replace(self._shared, id=number)
+
+    def seal(self, value: bytes, skip: int = 0) -> bytes:
+        """The datagram of the next sample, or of a later one."""
+        self._counter += skip
+        self.last = seal(self._shared, self._signer, self._counter, value)
+        self._counter += 1
+        return self.last
+
+    def publish(self, payload: bytes) -> None:
+        self._mouth.publish(self._shared.port, channel_of(self._shared.number), payload)
+
+    def again(self) -> None:
+        if self.last:
+            self.publish(self.last)
 
 
 class StreamReader:

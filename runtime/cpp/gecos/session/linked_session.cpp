@@ -271,6 +271,7 @@ void LinkedSession::look_for_loss() {
 void LinkedSession::take_packet(ByteView bytes) {
   const auto packet = wire::decode_packet(bytes);
   if (!packet || packet->header.session != id_) return;
+  if (packet->header.version != wire::packet_version) return;
   switch (packet->header.kind) {
     case wire::PacketKind::Reply:
     case wire::PacketKind::Progress:
@@ -316,7 +317,7 @@ void LinkedSession::take_progress(const wire::PacketView& packet) {
   }
   const auto detail = detail_from(static_cast<std::uint8_t>(packet.header.flags));
   const auto body = wire::from_bytes<ProgressBody>(packet.body);
-  if (!body || !detail || project(*detail) != State::Running) return;
+  if (!body || !detail || *detail < Detail::Queued || *detail > Detail::Canceling) return;
   command->report(*detail, *body);
 }
 

@@ -14,6 +14,18 @@ void frame(Bytes& into, const wire::PacketHeader& header, std::size_t size) {
   wire::encode_packet_tail(bytes.last<wire::packet_tail_size>(), 0);
 }
 
+/// Whether a server may say it of a call that it is over. The others a client finds out by itself: that
+/// a call is CONNECTION_FAILED, which lets it be sent again, is no server's to say but of one not started.
+bool ends_a_call(Detail detail) {
+  switch (detail) {
+    case Detail::ServerCrashed:
+    case Detail::NoServer:
+    case Detail::Refused:
+    case Detail::QosUnavailable: return false;
+    default: return detail > Detail::Done;
+  }
+}
+
 }  // namespace
 
 void write_packet(Bytes& into, const wire::PacketHeader& header, ByteView body) {
@@ -40,7 +52,7 @@ Failure failure_from(std::optional<Detail> detail, ByteView body) {
   }
   Failure failure{Detail::Fault, std::move(decoded->text), std::move(decoded->exception),
                   std::move(decoded->evidence)};
-  if (detail && *detail > Detail::Done) failure.detail = *detail;
+  if (detail && ends_a_call(*detail)) failure.detail = *detail;
   return failure;
 }
 

@@ -73,6 +73,7 @@ void ServedObject::take_packet(const std::shared_ptr<ServerSession>& session, By
   if (!packet) return;
   const auto& header = packet->header;
   if (header.kind == wire::PacketKind::Hello) return greet(session, *packet);
+  if (header.version != wire::packet_version) return;  // no session of another version was opened
   const bool theirs = session->greeted() && header.session == session->id();
   if (header.kind == wire::PacketKind::Goodbye) {
     if (theirs) {

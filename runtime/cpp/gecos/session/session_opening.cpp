@@ -76,7 +76,10 @@ tl::expected<std::shared_ptr<LinkedSession>, NotOpened> LinkedSession::open(
         const auto detail = detail_from(static_cast<std::uint8_t>(packet->header.flags));
         return tl::unexpected(NotOpened{Detail::Refused, failure_from(detail, packet->body).text});
       }
-      if (packet->header.kind != wire::PacketKind::Welcome) continue;
+      if (packet->header.kind != wire::PacketKind::Welcome ||
+          packet->header.version != wire::packet_version) {
+        continue;
+      }
       auto welcome = wire::from_bytes<Welcome>(packet->body);
       if (!welcome || packet->header.session == SessionId{} || welcome->credits == 0) {
         return tl::unexpected(NotOpened{Detail::Refused, "its welcome does not decode"});
