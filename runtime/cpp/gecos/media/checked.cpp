@@ -4,6 +4,8 @@
 #include <array>
 #include <utility>
 
+#include "gecos/media/layer.hpp"
+
 namespace gecos::media {
 namespace {
 
@@ -26,16 +28,12 @@ Offer offer_of(const Medium& inner) {
   return offer;
 }
 
-class CheckedLink final : public Link {
+class CheckedLink final : public LinkLayer {
  public:
-  CheckedLink(std::unique_ptr<Link> inner, const Offer& offer)
-      : inner_(std::move(inner)), offer_(offer) {}
-
-  const Offer& offer() const override { return offer_; }
-  const Peer& peer() const override { return inner_->peer(); }
+  using LinkLayer::LinkLayer;
 
   tl::expected<std::uint64_t, SendProblem> send(ByteView head, ByteView body) override {
-    if (head.size() + body.size() > offer_.largest_packet) {
+    if (head.size() + body.size() > offer().largest_packet) {
       return tl::unexpected(SendProblem::TooLarge);
     }
     const std::uint32_t sum = crc32c(body, crc32c(head));
@@ -45,11 +43,11 @@ class CheckedLink final : public Link {
     }
     outgoing_.resize(check_size + head.size());
     std::ranges::copy(head, std::ranges::copy(check, outgoing_.begin()).out);
-    return inner_->send(outgoing_, body);
+    return inner().send(outgoing_, body);
   }
 
   std::optional<ByteView> receive() override {
-    while (const auto packet = inner_->receive()) {
+    while (const auto packet = inner().receive()) {
       if (packet->size() < check_size) continue;
       std::uint32_t sum = 0;
       for (const std::byte byte : packet->first(check_size)) {
@@ -61,75 +59,8 @@ class CheckedLink final : public Link {
     return std::nullopt;
   }
 
-  Duration age() override { return inner_->age(); }
-  std::optional<std::uint64_t> taken_by_peer() override { return inner_->taken_by_peer(); }
-  bool arm() override { return inner_->arm(); }
-  void disarm() override { inner_->disarm(); }
-  std::span<const int> descriptors() const override { return inner_->descriptors(); }
-  void beat() override { inner_->beat(); }
-  std::uint64_t beats_seen() override { return inner_->beats_seen(); }
-  Loss loss() override { return inner_->loss(); }
-  std::string loss_text() const override { return inner_->loss_text(); }
-  tl::expected<void, SendProblem> share(std::uint32_t id, StreamWriter& stream) override {
-    return inner_->share(id, stream);
-  }
-  void unshare(std::uint32_t id) override { inner_->unshare(id); }
-  std::unique_ptr<StreamReader> open_stream(std::uint32_t id) override {
-    return inner_->open_stream(id);
-  }
-
  private:
-  const std::unique_ptr<Link> inner_;
-  const Offer offer_;
   Bytes outgoing_;  ///< sending: reused
-};
-
-class CheckedAcceptor final : public Acceptor {
- public:
-  CheckedAcceptor(std::unique_ptr<Acceptor> inner, const Offer& offer)
-      : inner_(std::move(inner)), offer_(offer) {}
-
-  const Offer& offer() const override { return offer_; }
-  const std::string& address() const override { return inner_->address(); }
-  std::unique_ptr<Link> accept() override {
-    auto link = inner_->accept();
-    if (link == nullptr) return nullptr;
-    return std::make_unique<CheckedLink>(std::move(link), offer_);
-  }
-  std::span<const int> descriptors() const override { return inner_->descriptors(); }
-  std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth) override {
-    return inner_->make_stream(largest, depth);
-  }
-
- private:
-  const std::unique_ptr<Acceptor> inner_;
-  const Offer offer_;
-};
-
-class Checked final : public Medium {
- public:
-  explicit Checked(std::unique_ptr<Medium> inner)
-      : inner_(std::move(inner)), offer_(offer_of(*inner_)) {}
-
-  const Offer& offer() const override { return offer_; }
-  tl::expected<std::unique_ptr<Acceptor>, MediumError> listen(std::string_view name,
-                                                              bool well_known) override {
-    auto acceptor = inner_->listen(name, well_known);
-    if (!acceptor) return acceptor;
-    return std::make_unique<CheckedAcceptor>(std::move(*acceptor), offer_);
-  }
-  tl::expected<std::unique_ptr<Link>, MediumError> connect(std::string_view address) override {
-    auto link = inner_->connect(address);
-    if (!link) return link;
-    return std::make_unique<CheckedLink>(std::move(*link), offer_);
-  }
-  std::string well_known_address(std::string_view name) const override {
-    return inner_->well_known_address(name);
-  }
-
- private:
-  const std::unique_ptr<Medium> inner_;
-  const Offer offer_;
 };
 
 }  // namespace
@@ -144,7 +75,11 @@ std::uint32_t crc32c(ByteView bytes, std::uint32_t before) {
 }
 
 std::unique_ptr<Medium> make_checked(std::unique_ptr<Medium> inner) {
-  return std::make_unique<Checked>(std::move(inner));
+  const Offer offer = offer_of(*inner);
+  return make_layer(std::move(inner), offer,
+                    [](std::unique_ptr<Link> link, const Offer& offered, End) {
+                      return std::make_unique<CheckedLink>(std::move(link), offered);
+                    });
 }
 
 }  // namespace gecos::media

@@ -5,7 +5,6 @@
 #include "gecos/base/log.hpp"
 #include "gecos/base/recycling_allocator.hpp"
 #include "gecos/media/waiting.hpp"
-#include "gecos/session/client_stream.hpp"
 #include "gecos/session/function_code.hpp"
 #include "gecos/session/runtime.hpp"
 #include "gecos/session/packets.hpp"
@@ -319,82 +318,6 @@ void LinkedSession::take_progress(const wire::PacketView& packet) {
   const auto body = wire::from_bytes<ProgressBody>(packet.body);
   if (!body || !detail || *detail < Detail::Queued || *detail > Detail::Canceling) return;
   command->report(*detail, *body);
-}
-
-void LinkedSession::take_closed(FunctionCode stream) {
-  const std::lock_guard lock(mutex_);
-  for (ClientStream* open : streams_) {
-    if (open->code() == stream) open->close();
-  }
-}
-
-// Streams
-
-tl::expected<std::shared_ptr<StreamCore>, Failure> LinkedSession::subscribe(
-    const StreamDescription& stream) {
-  const OperationDescription operation = reserved_operation(Reserved::Subscribe);
-  const auto code = number(stream.code);
-  std::shared_ptr<CommandCore> command;
-  if (auto refused = differs(stream.code, stream.name)) return tl::unexpected(std::move(*refused));
-  {
-    const std::lock_guard lock(subscribing_);
-    ++subscriptions_[stream.code];
-    command = call(operation, sizeof code, [&](wire::Encoder& to) { to.put(code); }, {});
-  }
-  auto opened = open_subscribed(stream, *command);
-  if (!opened) unsubscribe(stream.code);
-  return opened;
-}
-
-tl::expected<std::shared_ptr<StreamCore>, Failure> LinkedSession::open_subscribed(
-    const StreamDescription& stream, CommandCore& subscribed) {
-  subscribed.wait_until(TimePoint::max());
-  if (subscribed.progress().detail != Detail::Done) return tl::unexpected(subscribed.failure());
-  std::uint32_t id = 0;
-  if (wire::Decoder from(subscribed.result()); !from.get(id, "id")) {
-    return tl::unexpected(Failure{Detail::Fault, "the reply does not decode: " +
-                                                     from.error().message(), {}, {}});
-  }
-  std::unique_ptr<media::StreamReader> reader;
-  wait(nullptr,
-       [&] {
-         if (!reader) reader = open_stream(id);
-         return reader != nullptr || lost();
-       },
-       deadline_after(runtime_->options().grace));
-  if (!reader) {
-    return tl::unexpected(Failure{Detail::OutcomeUnknown,
-                                  "stream '" + std::string(stream.name) + "' of " +
-                                      welcome_.object + " did not arrive over " +
-                                      std::string(media::to_string(link_->offer().kind)), {}, {}});
-  }
-  auto opened = std::make_shared<ClientStream>(shared_from_this(), stream.code, std::move(reader));
-  const std::lock_guard lock(mutex_);
-  streams_.push_back(opened.get());
-  return opened;
-}
-
-std::unique_ptr<media::StreamReader> LinkedSession::open_stream(std::uint32_t id) {
-  return link_->open_stream(id);
-}
-
-void LinkedSession::stream_closed(ClientStream& stream) {
-  {
-    const std::lock_guard lock(mutex_);
-    streams_.erase(std::remove(streams_.begin(), streams_.end(), &stream), streams_.end());
-  }
-  unsubscribe(stream.code());
-}
-
-void LinkedSession::unsubscribe(FunctionCode stream) {
-  const std::lock_guard lock(subscribing_);
-  const auto found = subscriptions_.find(stream);
-  if (--found->second != 0) return;
-  subscriptions_.erase(found);
-  if (lost()) return;
-  const auto code = number(stream);
-  call(reserved_operation(Reserved::Unsubscribe), sizeof code,
-       [&](wire::Encoder& to) { to.put(code); }, {});
 }
 
 // The end

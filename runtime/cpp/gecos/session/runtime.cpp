@@ -1,10 +1,12 @@
 #include "gecos/session/runtime.hpp"
 
+#include <pthread.h>
 #include <pwd.h>
 #include <sys/random.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <system_error>
 
@@ -63,17 +65,27 @@ class OpenRuntimes {
   std::vector<std::weak_ptr<Runtime>> runtimes_;
 };
 
+std::atomic<std::uint64_t> boot_of_this_process{0};  // 0: not drawn yet; publishes nothing but itself
+
+std::uint64_t random_boot() {
+  std::uint64_t number = 0;
+  while (number == 0) {
+    if (::getrandom(&number, sizeof number, 0) != sizeof number) number = 0;
+  }
+  return number;
+}
+
 }  // namespace
 
 BootId process_boot() {
-  static const BootId boot = [] {
-    std::uint64_t number = 0;
-    while (number == 0) {
-      if (getrandom(&number, sizeof number, 0) != sizeof number) number = 0;
-    }
-    return BootId{number};
-  }();
-  return boot;
+  [[maybe_unused]] static const int told_of_forks =
+      ::pthread_atfork(nullptr, nullptr, [] { boot_of_this_process.store(0); });
+  std::uint64_t known = boot_of_this_process.load();
+  if (known == 0) {
+    const std::uint64_t drawn = random_boot();
+    if (boot_of_this_process.compare_exchange_strong(known, drawn)) known = drawn;
+  }
+  return BootId{known};
 }
 
 Runtime::Runtime(LabOptions options, const Clock& clock)

@@ -18,7 +18,7 @@ namespace gecos::session {
 
 class LinkedSession;
 
-/// This life of this process.
+/// This life of this process: drawn at random at first use. A forked child has one of its own.
 BootId process_boot();
 
 /// What sessions and servers of one lab stand on: settings, the clock, the media and the
