@@ -106,7 +106,8 @@ Received IncomingTransfers::take(const Piece& piece) {
   if (piece.transfer < number_) return {piece.transfer, pieces_of(piece.size), 0};  // long whole
   if (missing_ != 0 && piece.size == packet_.size() && !arrived_[piece.index]) {
     arrived_[piece.index] = true;
-    std::ranges::copy(piece.content, packet_.begin() + std::ptrdiff_t{piece.index} * piece_bytes);
+    const std::size_t at = piece.index * piece_bytes;
+    std::ranges::copy(piece.content, packet_.begin() + static_cast<std::ptrdiff_t>(at));
     ready_ = --missing_ == 0;
   }
   while (all_before_ < arrived_.size() && arrived_[all_before_]) ++all_before_;
