@@ -37,4 +37,4 @@ endif()
 find_package(lcm 1.5.3 CONFIG REQUIRED PATHS "${gecos_lcm_dir}/lib/lcm/cmake" NO_DEFAULT_PATH)
 
 # None of LCM's symbols leaves a binary of ours, so that one process may also `import lcm`.
-set_property(TARGET lcm-static APPEND PROPERTY INTERFACE_LINK_OPTIONS "LINKER:--exclude-libs,ALL")
+set_property(TARGET lcm-static APPEND PROPERTY INTERFACE_LINK_OPTIONS "LINKER:--exclude-libs,liblcm.a")

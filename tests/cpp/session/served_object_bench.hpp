@@ -78,6 +78,9 @@ class ServedObjects : public ::testing::Test {
     object_->join();
   }
 
+  std::shared_ptr<ServedObject> make_object() {
+    return std::make_shared<ServedObject>(runtime_, "PROBE", servant_, ObjectOptions{});
+  }
   /// Another session takes the place of the one that the packets below are of. Gives the one before.
   std::shared_ptr<ServerSession> connect() {
     auto before = session_;
@@ -148,8 +151,7 @@ class ServedObjects : public ::testing::Test {
   const bool reliable_;
   Servant servant_;
   std::shared_ptr<Runtime> runtime_ = Runtime::make({}, system_clock());
-  std::shared_ptr<ServedObject> object_ =
-      std::make_shared<ServedObject>(runtime_, "PROBE", servant_, ObjectOptions{});
+  std::shared_ptr<ServedObject> object_ = make_object();
   std::shared_ptr<ServerSession> session_;
   TestLink* link_ = nullptr;
   std::uint64_t acknowledged_ = 0;

@@ -45,6 +45,24 @@ TEST_F(ServedObjects, StopsWhatAnswersLaterToo) {
   EXPECT_TRUE(servant_.kept[0].interrupted());
 }
 
+TEST_F(ServedObjects, AreForgottenThoughTheyEndedBeforeAThreadCameToACallThatHadStarted) {
+  for (int time = 0; time < 200; ++time) {
+    acquire(1);
+    servant_.keep = true;
+    call(2, probe::move_code, {}, granted());
+    object_->close();
+    object_->join();
+    servant_.kept.clear();
+    EXPECT_EQ(reply_to(2), Detail::Stopped);
+    object_->depart(session_, ServedObject::Departure::Lost);
+    session_.reset();
+    const std::weak_ptr<ServedObject> before = object_;
+    object_ = make_object();
+    ASSERT_TRUE(before.expired()) << "with its sessions and their descriptors";
+    connect();
+  }
+}
+
 TEST_F(ServedObjects, PartsFromAClientThatAsksAndNeverListens) {
   ASSERT_FALSE(object_->judge_silence(session_));
   link_->full = true;

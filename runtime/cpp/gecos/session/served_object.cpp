@@ -30,9 +30,11 @@ void ServedObject::run_ready(Starter starter, std::shared_ptr<ServerCall> starte
   auto call = started ? std::move(started) : next();
   while (call) {
     if (starter == Starter::Other || runs_long(call->operation())) {
-      workers_.post([self = shared_from_this(), call] {
-        self->run_ready(Starter::Worker, self->execute(call, Starter::Worker));
+      const bool posted = workers_.post([self = shared_from_this(), call] {
+        self->run_ready(Starter::Worker,
+                        self->begins(*call) ? self->execute(call, Starter::Worker) : nullptr);
       });
+      if (!posted) begins(*call);  // all has been ended before the threads are
       call = next();
     } else {
       call = execute(call, starter);
@@ -55,6 +57,19 @@ std::shared_ptr<ServerCall> ServedObject::execute(const std::shared_ptr<ServerCa
   return start_next(starter);
 }
 
+/// False for one that was ended before a thread came to it: its caller was told, so it does not begin.
+bool ServedObject::begins(ServerCall& call) {
+  const Lock lock(mutex_);
+  if (call.terminal) never_began(call);
+  return !call.terminal;
+}
+
+void ServedObject::never_began(ServerCall& call) {
+  call.answered = call.returned = true;
+  queue_.returned(call);
+  finished(call);
+}
+
 std::shared_ptr<ServerCall> ServedObject::start_next(Starter starter) {
   ready_.store(false, std::memory_order_relaxed);
   while (auto ticket = queue_.next()) {
@@ -65,9 +80,7 @@ std::shared_ptr<ServerCall> ServedObject::start_next(Starter starter) {
       if (is_long) call->listener().report(*call, Detail::Executing, 0);
       return call;
     }
-    call->answered = call->returned = true;
-    queue_.returned(*call);
-    finished(*call);
+    never_began(*call);
   }
   return nullptr;
 }

@@ -114,6 +114,7 @@ class ServedObject final : public Publisher, public std::enable_shared_from_this
   std::shared_ptr<ServerCall> start_next(Starter starter);
   std::vector<std::shared_ptr<ServerCall>> actor_commands() const;
   bool starts_on_time(ServerCall& call);
+  void never_began(ServerCall& call);
   void end(ServerCall& call, const Failure& failure);
   void end(ServerCall& call, ByteView result);
   void settle(ServerCall& call, Detail detail, const std::string& text);
@@ -128,6 +129,7 @@ class ServedObject final : public Publisher, public std::enable_shared_from_this
   void tell(ServerCall& call, TimePoint now);
   void note_ready() { ready_.store(true, std::memory_order_release); }
 
+  bool begins(ServerCall& call);
   /// Gives what may start after it.
   std::shared_ptr<ServerCall> execute(const std::shared_ptr<ServerCall>& call, Starter starter);
   void interrupt(ServerCall& call);

@@ -6,15 +6,16 @@
 
 namespace gecos::session {
 
-void WorkerPool::post(std::function<void()> job) {
+bool WorkerPool::post(std::function<void()> job) {
   const std::lock_guard lock(mutex_);
-  if (ended_) return;
+  if (ended_) return false;
   jobs_.push_back(std::move(job));
   if (jobs_.size() > idle_) {
     threads_.push_back(start_thread(name_, [this] { run(); }));
   } else {
     work_.notify_one();
   }
+  return true;
 }
 
 void WorkerPool::run() {
@@ -23,11 +24,12 @@ void WorkerPool::run() {
     ++idle_;
     work_.wait(lock, [this] { return ended_ || !jobs_.empty(); });
     --idle_;
-    if (ended_) return;
-    const auto job = std::move(jobs_.front());
+    if (jobs_.empty()) return;
+    auto job = std::move(jobs_.front());
     jobs_.pop_front();
     lock.unlock();
     job();
+    job = nullptr;
     lock.lock();
   }
 }
@@ -37,7 +39,6 @@ void WorkerPool::join() {
   {
     const std::lock_guard lock(mutex_);
     ended_ = true;
-    jobs_.clear();
     threads.swap(threads_);
   }
   work_.notify_all();

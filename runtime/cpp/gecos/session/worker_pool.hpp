@@ -19,9 +19,9 @@ class WorkerPool {
   WorkerPool(const WorkerPool&) = delete;
   WorkerPool& operator=(const WorkerPool&) = delete;
 
-  /// Runs it soon; dropped after `join` began.
-  void post(std::function<void()> job);
-  /// Waits for what runs; what waits is dropped. @pre not on one of these threads.
+  /// Runs it soon; false, and it is not run, after `join` began.
+  bool post(std::function<void()> job);
+  /// Waits until all that was posted has run. @pre not on one of these threads.
   void join();
 
  private:
