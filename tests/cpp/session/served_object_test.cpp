@@ -45,6 +45,28 @@ TEST_F(ServedObjects, StopsWhatAnswersLaterToo) {
   EXPECT_TRUE(servant_.kept[0].interrupted());
 }
 
+TEST_F(ServedObjects, TakeAStatusBackUnderTheEpochItWasGivenHoweverOftenItsHolderStoppedSince) {
+  const auto stop = FunctionCode{static_cast<std::uint32_t>(Reserved::Stop)};
+  acquire(1);
+  const Epoch given = granted();
+  for (std::uint64_t counter = 2; counter < 5; ++counter) call(counter, stop);
+  acquire(5);
+  const Epoch later = granted();
+  ASSERT_NE(later, given);
+  release(6, given);
+  call(7, probe::set_code, {}, later);
+  EXPECT_EQ(reply_to(7), Detail::Done) << "it was acquired twice";
+  release(8, later);
+  call(9, probe::set_code, {}, later);
+  EXPECT_EQ(reply_to(9), Detail::LeaseLost);
+
+  acquire(10);
+  const Epoch new_hold = granted();
+  release(11, given);
+  call(12, probe::set_code, {}, new_hold);
+  EXPECT_EQ(reply_to(12), Detail::Done) << "what ended before is not given back again";
+}
+
 TEST_F(ServedObjects, AreForgottenThoughTheyEndedBeforeAThreadCameToACallThatHadStarted) {
   for (int time = 0; time < 200; ++time) {
     acquire(1);

@@ -109,9 +109,11 @@ void ServedObject::acquire(ServerSession& session, std::uint64_t counter, wire::
                                           {}, {}});
   }
   const TimePoint now = watched_.now();
+  const bool held_before = leases_.status_of(session.id()) != access::Status::Sensor;
   auto granted = leases_.acquire(session.id(), session.client(), status_of(wanted),
                                  access::plain_proof(password.value_or("")), now);
   if (granted) {
+    if (!held_before) session.held_from = number(granted->epoch);
     return session.reply(counter,
                          block_bytes(Grant{status_of(granted->status), number(granted->epoch)}));
   }
@@ -129,10 +131,8 @@ void ServedObject::release(ServerSession& session, std::uint64_t counter, wire::
   if (!from.get(epoch, "epoch") || !from.get(now, "now")) {
     return session.reply(counter, undecodable(from));
   }
-  for (auto at = session.renewed.find(epoch); at != session.renewed.end();
-       at = session.renewed.find(epoch)) {
-    epoch = at->second;
-  }
+  const std::uint64_t held_now = number(leases_.epoch());
+  if (session.held_from <= epoch && epoch < held_now) epoch = held_now;  // stops of its own renewed it
   if (now && Epoch{epoch} == leases_.epoch() &&
       leases_.status_of(session.id()) != access::Status::Sensor) {
     end_commands([&](const ServerCall& call) { return call.client == session.id(); },
@@ -145,10 +145,8 @@ void ServedObject::release(ServerSession& session, std::uint64_t counter, wire::
 
 /// Acted on here, whatever a handler is doing: status, queue and interruption are the session's.
 void ServedObject::stop(ServerSession& by, std::uint64_t counter) {
-  const Epoch before = leases_.epoch();
   leases_.stop(by.id());
   const bool still_holds = leases_.status_of(by.id()) != access::Status::Sensor;
-  if (still_holds) by.renewed[number(before)] = number(leases_.epoch());
   end_commands([](const ServerCall&) { return true; },
                Failure{Detail::Stopped, "stopped by " + who(by.caller()), {}, {}});
   if (options_.on_stop) tell_user(options_.on_stop);

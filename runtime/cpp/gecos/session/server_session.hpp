@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <deque>
+#include <limits>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -76,7 +77,8 @@ class ServerSession {
   const std::shared_ptr<ReplyCache> replies = std::make_shared<ReplyCache>();
   std::map<std::uint64_t, EarlyCall> early;  ///< by counter: calls that overtook one before them
   std::map<FunctionCode, std::uint32_t> subscriptions;  ///< stream and the id it is shared under
-  std::map<std::uint64_t, std::uint64_t> renewed;       ///< epochs that a stop of its own replaced
+  /// Since which epoch it has held a status; its own stops renew it.
+  std::uint64_t held_from = std::numeric_limits<std::uint64_t>::max();
   std::size_t commands = 0;    ///< actor commands that have not reached their end
   std::size_t unreturned = 0;  ///< calls that wait, or whose handler has not answered and returned
   Duration accept_within{0};  ///< as its client asked: what is older is not taken up; 0: however old
