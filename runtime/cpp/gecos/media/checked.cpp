@@ -77,7 +77,7 @@ std::uint32_t crc32c(ByteView bytes, std::uint32_t before) {
 std::unique_ptr<Medium> make_checked(std::unique_ptr<Medium> inner) {
   const Offer offer = offer_of(*inner);
   return make_layer(std::move(inner), offer,
-                    [](std::unique_ptr<Link> link, const Offer& offered, End) {
+                    [](std::unique_ptr<Link> link, const Offer& offered, Role) {
                       return std::make_unique<CheckedLink>(std::move(link), offered);
                     });
 }

@@ -142,8 +142,8 @@ std::unique_ptr<Medium> make_faulty(std::unique_ptr<Medium> inner, Faults faults
   auto clients = std::make_shared<std::atomic<std::uint64_t>>(0);
   auto servers = std::make_shared<std::atomic<std::uint64_t>>(0);
   return make_layer(std::move(inner), offer,
-                    [=, &clock](std::unique_ptr<Link> link, const Offer& offered, End end) {
-                      const std::uint64_t number = end == End::Client
+                    [=, &clock](std::unique_ptr<Link> link, const Offer& offered, Role role) {
+                      const std::uint64_t number = role == Role::Client
                                                        ? 2 * clients->fetch_add(1)
                                                        : 2 * servers->fetch_add(1) + 1;
                       return std::make_unique<FaultyLink>(std::move(link), offered, faults, number,

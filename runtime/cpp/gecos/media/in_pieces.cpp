@@ -109,7 +109,7 @@ class LinkInPieces final : public LinkLayer {
 std::unique_ptr<Medium> make_in_pieces(std::unique_ptr<Medium> inner, const Clock& clock) {
   const Offer offer = offer_of(*inner);
   return make_layer(std::move(inner), offer,
-                    [&clock](std::unique_ptr<Link> link, const Offer& offered, End) {
+                    [&clock](std::unique_ptr<Link> link, const Offer& offered, Role) {
                       return std::make_unique<LinkInPieces>(std::move(link), offered, clock);
                     });
 }

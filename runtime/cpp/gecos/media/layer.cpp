@@ -16,7 +16,7 @@ class AcceptorLayer final : public Acceptor {
   std::unique_ptr<Link> accept() override {
     auto link = inner_->accept();
     if (link == nullptr) return nullptr;
-    return (*put_)(std::move(link), offer_, End::Server);
+    return (*put_)(std::move(link), offer_, Role::Server);
   }
   std::span<const int> descriptors() const override { return inner_->descriptors(); }
   std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth) override {
@@ -46,7 +46,7 @@ class MediumLayer final : public Medium {
   tl::expected<std::unique_ptr<Link>, MediumError> connect(std::string_view address) override {
     auto link = inner_->connect(address);
     if (!link) return link;
-    return (*put_)(std::move(*link), offer_, End::Client);
+    return (*put_)(std::move(*link), offer_, Role::Client);
   }
   std::string well_known_address(std::string_view name) const override {
     return inner_->well_known_address(name);

@@ -44,11 +44,11 @@ class LinkLayer : public Link {
   const Offer offer_;
 };
 
-enum class End : std::uint8_t { Client, Server };
+enum class Role : std::uint8_t { Client, Server };
 
-/// Puts the layer on a link of that end, which from then on promises what the Offer says. Any thread
+/// Puts the layer on a link of that role, which from then on promises what the Offer says. Any thread
 /// may call it.
-using PutLayer = std::function<std::unique_ptr<Link>(std::unique_ptr<Link>, const Offer&, End)>;
+using PutLayer = std::function<std::unique_ptr<Link>(std::unique_ptr<Link>, const Offer&, Role)>;
 
 /// A medium on top of `inner` whose links all wear the layer. Streams that an acceptor makes are
 /// those of `inner`.

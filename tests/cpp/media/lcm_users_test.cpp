@@ -1,0 +1,138 @@
+// Who is met over lcm: users and the keys that they admit.
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <filesystem>
+
+#include "gecos/media/lcm/keys.hpp"
+#include "lcm_recorder.hpp"
+
+namespace gecos::media {
+namespace {
+
+/// Two users: each has a key directory.
+class LcmUsers : public testing::Test {
+ protected:
+  void admit(const std::string& whom, const std::string& by) {
+    const auto key = LcmKeys::open(options(whom).key_directory).value()->own.public_key();
+    ASSERT_NE(LcmKeys::open(options(by).key_directory).value(), nullptr);
+    const std::string file = "/" + key.to_string() + ".public";
+    std::filesystem::copy(options(whom).key_directory + file, options(by).key_directory + file);
+  }
+  LcmOptions options(const std::string& whose) { return with_keys(directory_, whose); }
+  /// What the client says of a server that it cannot meet.
+  std::string trouble(Acceptor& door, Link& client, const std::string& expected) {
+    const TimePoint end = too_late();
+    while (client.loss_text().find(expected) == std::string::npos &&
+           std::chrono::steady_clock::now() < end) {
+      client.beat();
+      EXPECT_EQ(client.loss(), Loss::None);
+      EXPECT_EQ(door.accept(), nullptr);
+    }
+    return client.loss_text();
+  }
+
+  const ScratchDirectory directory_;
+  const std::unique_ptr<Medium> ada_ = make_lcm(options("ada"));
+  const std::unique_ptr<Medium> bob_ = make_lcm(options("bob"));
+};
+
+TEST_F(LcmUsers, AServerWhoseKeyIsNotAdmittedIsRefusedAtOnce) {
+  const auto door = ada_->listen("RX90", false).value();
+  const auto refused = bob_->connect(door->address());
+  ASSERT_FALSE(refused);
+  const auto key = LcmAddress::parse(door->address())->key.value();
+  EXPECT_NE(refused.error().text.find("its key " + key.short_name() + " is not admitted here"),
+            std::string::npos)
+      << refused.error().text;
+  EXPECT_NE(refused.error().text.find(options("bob").key_directory), std::string::npos);
+}
+
+TEST_F(LcmUsers, AClientWhoseKeyIsNotAdmittedIsNotMetAndToldWhatToDo) {
+  admit("ada", "bob");
+  const auto door = ada_->listen("RX90", false).value();
+  auto client = std::move(*bob_->connect(door->address()));
+  ASSERT_TRUE(client->send(bytes_of("let me in"), {}));
+  for (int i = 0; i < 20; ++i) EXPECT_EQ(door->accept(), nullptr);
+  const std::string text = trouble(*door, *client, "is not admitted there");
+  EXPECT_NE(text.find(options("bob").key_directory + "/"), std::string::npos) << text;
+  admit("bob", "ada");
+  EXPECT_NE(wait_for_client(*door, *client), nullptr) << "from now on, with the same link";
+}
+
+TEST_F(LcmUsers, AnImpostorAtAWellKnownPlaceIsRefused) {
+  const auto impostor = ada_->listen("BROKER", true).value();
+  auto client = std::move(*bob_->connect(bob_->well_known_address("BROKER")));
+  const std::string text = trouble(*impostor, *client, "who answered there was refused");
+  EXPECT_NE(text.find("is not admitted here"), std::string::npos) << text;
+}
+
+TEST_F(LcmUsers, AKeyDirectoryThatOthersMayReadIsAnErrorThatSaysSo) {
+  ASSERT_TRUE(std::filesystem::create_directory(options("eve").key_directory));
+  ASSERT_EQ(::chmod(options("eve").key_directory.c_str(), 0755), 0);
+  const auto medium = make_lcm(options("eve"));
+  const auto door = medium->listen("RX90", false);
+  ASSERT_FALSE(door);
+  EXPECT_NE(door.error().text.find("lcm needs a key"), std::string::npos) << door.error().text;
+  EXPECT_NE(door.error().text.find("chmod 700"), std::string::npos) << door.error().text;
+  ASSERT_EQ(::chmod(options("eve").key_directory.c_str(), 0700), 0);
+  EXPECT_TRUE(medium->listen("RX90", false)) << "mended, it works without another medium";
+}
+
+TEST_F(LcmUsers, EachOfTwoUsersWhoAdmitEachOtherProvesItsKey) {
+  admit("ada", "bob");
+  admit("bob", "ada");
+  const auto door = ada_->listen("RX90", false).value();
+  End client(std::move(*bob_->connect(door->address())));
+  End server(wait_for_client(*door, *client.link), door.get());
+  ASSERT_NE(server.link, nullptr);
+  const auto bob = LcmKeys::open(options("bob").key_directory).value()->own.public_key();
+  EXPECT_TRUE(server.link->peer().description.starts_with("key " + bob.short_name()));
+  ASSERT_TRUE(client.send("hello"));
+  EXPECT_EQ(server.receive(), "hello");
+}
+
+TEST_F(LcmUsers, BothSidesMayBeginAgain) {
+  for (int life = 0; life < 3; ++life) {
+    const auto door = ada_->listen("BROKER", true).value();
+    for (int client_life = 0; client_life < 3; ++client_life) {
+      End client(std::move(*ada_->connect(door->address())));
+      End server(wait_for_client(*door, *client.link), door.get());
+      ASSERT_NE(server.link, nullptr);
+      ASSERT_TRUE(client.send("hello"));
+      ASSERT_EQ(server.receive(), "hello");
+      if (client_life == 1) {
+        client.link.reset();
+        EXPECT_EQ(server.wait_for_loss(), Loss::Closed);
+      } else {
+        server.link.reset();
+        EXPECT_EQ(client.wait_for_loss(), Loss::Closed);
+      }
+    }
+  }
+}
+
+TEST_F(LcmUsers, ARecordingPlayedToTheNextLifeOfAServerMakesNoLink) {
+  std::vector<Bytes> recorded;
+  const LcmAddress place = LcmAddress::parse(ada_->well_known_address("BROKER")).value();
+  Recorder stranger(place.port, place.channel);
+  {
+    const auto door = ada_->listen("BROKER", true).value();
+    End client(std::move(*ada_->connect(door->address())));
+    End server(wait_for_client(*door, *client.link), door.get());
+    ASSERT_TRUE(client.send("move"));
+    ASSERT_EQ(server.receive(), "move");
+    ASSERT_FALSE(stranger.of(DatagramKind::Sealed).empty());
+    recorded = stranger.all();
+  }
+  const auto door = ada_->listen("BROKER", true).value();
+  for (const Bytes& datagram : recorded) stranger.say(place.channel, datagram);
+  End client(std::move(*ada_->connect(door->address())));
+  End server(wait_for_client(*door, *client.link), door.get());
+  ASSERT_TRUE(client.send("hello"));
+  EXPECT_EQ(server.receive(), "hello");
+  EXPECT_TRUE(server.others.empty());
+}
+
+}  // namespace
+}  // namespace gecos::media
