@@ -1,17 +1,22 @@
 # gecos_test(<name> SOURCES <file>... [LIBRARIES <target>...])
 #
 # A GoogleTest binary whose every TEST becomes a ctest of its own, named <name>.<Suite>.<Test>.
-# Each gets 60 s before it is killed: a test that hangs is a test that failed.
+# Each gets 60 s before it is killed, under a sanitizer 300: a test that hangs is a test that failed.
 function(gecos_test name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;LIBRARIES")
   if(NOT arg_SOURCES OR arg_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR "gecos_test(${name}): write gecos_test(<name> SOURCES <file>... LIBRARIES <target>...)")
   endif()
   add_executable(${name} ${arg_SOURCES})
-  target_compile_options(${name} PRIVATE -O0)  # compiled a third faster; what it tests is optimised
+  set(longest 60)
+  if(GECOS_SANITIZE)
+    set(longest 300)
+  else()
+    target_compile_options(${name} PRIVATE -O0)  # compiled a third faster; what it tests is optimised
+  endif()
   target_link_libraries(${name} PRIVATE ${arg_LIBRARIES} GTest::gtest_main Threads::Threads)
   include(GoogleTest)
-  gtest_discover_tests(${name} TEST_PREFIX "${name}." 
-                        PROPERTIES TIMEOUT 60 ENVIRONMENT "GECOS_KEY_DIR=${CMAKE_BINARY_DIR}/tests/keys"
+  gtest_discover_tests(${name} TEST_PREFIX "${name}."
+                        PROPERTIES TIMEOUT ${longest} ENVIRONMENT "GECOS_KEY_DIR=${CMAKE_BINARY_DIR}/tests/keys"
                         DISCOVERY_TIMEOUT 60)
 endfunction()
