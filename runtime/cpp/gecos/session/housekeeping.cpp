@@ -48,8 +48,9 @@ std::vector<std::shared_ptr<Tended>> Housekeeping::Shared::look_at() {
 
 void Housekeeping::Shared::run() {
   std::vector<pollfd> descriptors;
-  while (!ended.load()) {
-    wakeup.quiet();
+  for (;;) {
+    wakeup.quiet();  // before looking at what it was rung for, or a ring between the two is lost
+    if (ended.load()) return;
     for (const auto& job : take_jobs()) job();
     auto alive = look_at();
     const TimePoint now = clock.now();

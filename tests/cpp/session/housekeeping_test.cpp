@@ -1,0 +1,20 @@
+#include "gecos/session/housekeeping.hpp"
+
+#include <gtest/gtest.h>
+
+#include "gecos/session/packets.hpp"
+
+namespace gecos::session {
+namespace {
+
+// Its end meets its thread at every point of the thread's way to its first sleep.
+TEST(Housekeeping, EndsHoweverSoonAfterItsBeginning) {
+  const Clock& clock = system_clock();
+  for (int i = 0; i < 10'000; ++i) {
+    const Housekeeping brief(clock);
+    for (int wait = i % 500; wait > 0; --wait) clock.now();
+  }
+}
+
+}  // namespace
+}  // namespace gecos::session
