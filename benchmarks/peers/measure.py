@@ -72,7 +72,7 @@ def _once(
     setting: Setting, line: Line, pace: Pace, cores: list[int], env: dict[str, str]
 ) -> Measured:
     mine, servers = cores[0], cores[0 if setting.one_core else 1]
-    with Pair(line.candidate, servers, env) as pair:
+    with contextlib.closing(Pair(line.candidate, servers, env)) as pair:
         for _ in range(line.idle_clients):
             pair.client(cores)
         client = pair.client([mine])

@@ -12,7 +12,6 @@ import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from types import TracebackType
 from typing import IO
 
 PATIENCE_S = 60.0
@@ -89,7 +88,8 @@ class Process:
     def close_input(self) -> None:
         """A client ends by itself at the end of its input."""
         assert self._process.stdin is not None
-        self._process.stdin.close()
+        with contextlib.suppress(BrokenPipeError):  # it ended before it took what it was asked
+            self._process.stdin.close()
 
     def end(self) -> None:
         """Asks it to end, by SIGTERM; kills what does not."""
@@ -124,15 +124,7 @@ class Pair:
         self._clients.append(client)
         return client
 
-    def __enter__(self) -> Pair:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def close(self) -> None:
         for client in reversed(self._clients):
             client.close_input()
         for client in reversed(self._clients):
