@@ -21,9 +21,15 @@ std::string words(const Configuration& configuration) {
   return text.str();
 }
 
-class ClosedForm : public ::testing::TestWithParam<ArmModel (*)()> {
+struct Arm {
+  const char* name;
+  ArmModel (*model)();
+};
+void PrintTo(const Arm& arm, std::ostream* out) { *out << arm.name; }
+
+class ClosedForm : public ::testing::TestWithParam<Arm> {
  protected:
-  const ArmModel model_ = GetParam()();
+  const ArmModel model_ = GetParam().model();
   Kinematics forward_{model_};
   const std::unique_ptr<SphericalWristInverse> inverse_ = SphericalWristInverse::for_arm(model_);
 };
@@ -80,8 +86,8 @@ TEST_P(ClosedForm, StaysWhereItStandsWhenTheGoalIsWhereItStands) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(OnArms, ClosedForm, ::testing::Values(&rx90, &puma560),
-                         [](const auto& arm) { return arm.index == 0 ? "Rx90" : "Puma560"; });
+INSTANTIATE_TEST_SUITE_P(OnArms, ClosedForm, ::testing::Values(Arm{"Rx90", rx90}, Arm{"Puma560", puma560}),
+                         [](const auto& made) { return made.param.name; });
 
 class Rx90Inverse : public ::testing::Test {
  protected:

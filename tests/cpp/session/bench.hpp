@@ -5,30 +5,21 @@
 
 #include <filesystem>
 #include <iterator>
-#include <thread>
 
+#include "../settles.hpp"
 #include "gecos/broker/broker.hpp"
 #include "gecos/gecos.hpp"
 #include "probe.hpp"
 
 namespace probe {
 
-/// Returns once the server has said that `command` waits in the queue.
-template <class Command>
-void await_queued(const Command& command) {
-  while (command.progress().detail != gecos::Detail::Queued) std::this_thread::yield();
-}
-
 /// Counted before the first member is made and after the last is gone: nothing may be left open.
 class NothingLeftOpen : public ::testing::Test {
  public:
   ~NothingLeftOpen() override {
     // What was issued last may still be under way, and keeps its session until it has ended.
-    const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(10);
-    while (open_now() > before_ && std::chrono::steady_clock::now() < give_up) {
-      std::this_thread::yield();
-    }
-    EXPECT_LE(open_now(), before_) << "descriptors were left open";
+    EXPECT_TRUE(settles([this] { return open_now() <= before_; }))
+        << open_now() - before_ << " descriptors were left open";
   }
 
  private:

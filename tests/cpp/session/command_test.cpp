@@ -6,6 +6,7 @@
 #include <mutex>
 #include <thread>
 
+#include "await_detail.hpp"
 #include "over_media.hpp"
 
 namespace {
@@ -32,7 +33,7 @@ TEST_P(Commands, AreCanceledWhileTheyQueue) {
   const auto first = probe_.move(1);
   const auto second = probe_.move(2);
   servant_.await_moves(1);
-  probe::await_queued(second);
+  probe::await_detail(second, Detail::Queued);
   EXPECT_EQ(second.progress().position, 1u);
   second.cancel();
   EXPECT_EQ(second.get().error().detail, Detail::Canceled);
@@ -142,7 +143,7 @@ TEST_P(Commands, EndWhenTheirServerEndsInOrder) {
   const auto move = probe_.move(1);
   const auto set = probe_.set(2);
   servant_.await_moves(1);
-  probe::await_queued(set);
+  probe::await_detail(set, Detail::Queued);
   server_.reset();
   EXPECT_EQ(move.get().error().detail, Detail::Stopped);
   EXPECT_EQ(set.get().error().detail, Detail::Stopped);

@@ -4,14 +4,13 @@
 
 #include <algorithm>
 #include <csignal>
-#include <cstdlib>
-#include <filesystem>
 #include <fstream>
 
 #include "../media/kind_names.hpp"
+#include "await_detail.hpp"
 #include "child.hpp"
-#include "gecos/broker/broker.hpp"
 #include "gecos/gecos.hpp"
+#include "place.hpp"
 #include "probe.hpp"
 
 namespace {
@@ -20,32 +19,11 @@ using namespace std::chrono_literals;
 using gecos::Detail;
 using gecos::State;
 using gecos::media::Kind;
+using probe::await_detail;
+using probe::BrokerHere;
 using probe::Child;
+using probe::Place;
 using Clock = std::chrono::steady_clock;
-
-/// A directory of this test's own, so that its broker is nobody else's.
-class Place {
- public:
-  Place() {
-    char name[] = "/tmp/gecos-test-XXXXXX";
-    path_ = mkdtemp(name);
-    setenv("GECOS_RUNTIME_DIR", path_.c_str(), 1);
-  }
-  ~Place() { std::filesystem::remove_all(path_); }
-
- private:
-  std::string path_;
-};
-
-struct BrokerHere {
-  BrokerHere() {
-    const auto served = broker.serve(server, {Kind::Inproc, Kind::Shm});
-    if (!served) throw std::runtime_error(served.error().text);
-  }
-  gecos::Lab lab;
-  gecos::broker::Broker broker;
-  gecos::Server server{lab};
-};
 
 gecos::ObjectOptions simulated(Kind kind) {
   gecos::ObjectOptions options;
@@ -158,7 +136,7 @@ TEST_F(ServerStandsStill, AndWhatWasIssuedMeanwhileIsProvedNotToHaveStarted) {
   ASSERT_TRUE(lease) << lease.error();
   child_.signal(SIGSTOP);
   const auto sent = robot.set(98);
-  while (sent.progress().detail != Detail::Unreachable) std::this_thread::yield();
+  await_detail(sent, Detail::Unreachable);
   const auto never_sent = robot.set(99);
   EXPECT_EQ(never_sent.wait(), State::ConnectionFailed);
   EXPECT_EQ(never_sent.progress().detail, Detail::NotStarted);

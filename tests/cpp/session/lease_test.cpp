@@ -1,6 +1,7 @@
 // Who may command: leases through sessions, over every medium.
 #include <unistd.h>
 
+#include "await_detail.hpp"
 #include "over_media.hpp"
 
 namespace {
@@ -146,7 +147,7 @@ TEST_P(Leases, EndWhenAnybodyStopsTheDevice) {
   const auto move = mover.move(1);
   const auto set = mover.set(2);
   servant_.await_moves(1);
-  probe::await_queued(set);  // what comes after the stop is LEASE_LOST
+  probe::await_detail(set, Detail::Queued);  // what comes after the stop is LEASE_LOST
   ASSERT_TRUE(gecos::stop(other).get());
   const auto stopped = move.get();
   ASSERT_FALSE(stopped);

@@ -1,4 +1,5 @@
 // What became of a command, asked by somebody who was not told.
+#include "await_detail.hpp"
 #include "over_media.hpp"
 
 namespace {
@@ -44,7 +45,7 @@ TEST_P(Outcomes, SayWhereACommandStands) {
   const auto move = robot.move(1);
   const auto set = robot.set(2);
   servant_.await_moves(1);
-  probe::await_queued(set);
+  probe::await_detail(set, Detail::Queued);
   EXPECT_EQ(ask(move.id()).detail, Detail::Executing);
   EXPECT_EQ(ask(set.id()).detail, Detail::Queued);
   servant_.open_gate();

@@ -1,13 +1,11 @@
 // What becomes of @idempotent readings whose server dies: another one carries them out.
 #include <gtest/gtest.h>
 
-#include <csignal>
-#include <cstdlib>
-#include <filesystem>
-
+#include "../media/kind_names.hpp"
+#include "await_detail.hpp"
 #include "child.hpp"
-#include "gecos/broker/broker.hpp"
 #include "gecos/gecos.hpp"
+#include "place.hpp"
 #include "probe.hpp"
 
 namespace {
@@ -16,24 +14,13 @@ using namespace std::chrono_literals;
 using gecos::Detail;
 using gecos::State;
 using gecos::media::Kind;
+using probe::await_detail;
+using probe::BrokerHere;
 using probe::Child;
+using probe::Place;
 using Clock = std::chrono::steady_clock;
 
 const auto grace = gecos::LabOptions{}.grace;
-
-/// A directory of this test's own, so that its broker is nobody else's.
-class Place {
- public:
-  Place() {
-    char name[] = "/tmp/gecos-test-XXXXXX";
-    path_ = mkdtemp(name);
-    setenv("GECOS_RUNTIME_DIR", path_.c_str(), 1);
-  }
-  ~Place() { std::filesystem::remove_all(path_); }
-
- private:
-  std::string path_;
-};
 
 /// Serves PROBE; says each look that comes. With `answers` it gives 40 and which it was asked for, else
 /// nothing, ever.
@@ -64,8 +51,6 @@ void serve_probe(Child::Line& line, Kind kind, bool answers) {
 class Renewal : public ::testing::TestWithParam<Kind> {
  protected:
   void SetUp() override {
-    const auto served = broker_.broker.serve(broker_.server, {Kind::Inproc, Kind::Shm});
-    ASSERT_TRUE(served) << served.error().text;
     go(first_);
     auto created = lab_.create<probe::Probe>("PROBE");
     ASSERT_TRUE(created) << created.error();
@@ -75,26 +60,16 @@ class Renewal : public ::testing::TestWithParam<Kind> {
     child.line().say("go");
     ASSERT_EQ(child.line().hear(), "ready");
   }
-  /// While the one of the second server is not there yet.
-  static bool runs_unreachable(const gecos::Command<std::int32_t>& command) {
-    return command.progress().detail == Detail::Unreachable;
-  }
 
   Place place_;
   Child first_{[](Child::Line& line) { serve_probe(line, GetParam(), false); }};
   Child second_{[](Child::Line& line) { serve_probe(line, GetParam(), true); }};
-  struct {
-    gecos::Lab lab;
-    gecos::broker::Broker broker;
-    gecos::Server server{lab};
-  } broker_;
+  const BrokerHere broker_;
   gecos::Lab lab_;
   probe::Probe robot_;
 };
 INSTANTIATE_TEST_SUITE_P(Over, Renewal, ::testing::Values(Kind::Shm, Kind::Lcm),
-                         [](const auto& made) {
-                           return std::string(gecos::media::to_string(made.param));
-                         });
+                         gecos::media::name_of);
 
 TEST_P(Renewal, SendsReadingsAgainThatMayBeAndNothingElse) {
   const auto look = robot_.look(1);
@@ -130,7 +105,7 @@ TEST_P(Renewal, ShowsThatNobodyHasItAndEndsWithGraceWhenNobodyComes) {
   ASSERT_EQ(first_.line().hear(), "look 1");
   const auto killed = Clock::now();
   first_.kill_at_once();
-  while (!runs_unreachable(look) && look.state() == State::Running) std::this_thread::yield();
+  await_detail(look, Detail::Unreachable);
   EXPECT_EQ(look.wait(), State::CommandFailed);
   const auto took = Clock::now() - killed;
   EXPECT_GE(took, grace - 100ms);
@@ -154,7 +129,7 @@ TEST_P(Renewal, IsEndedByCancelWhileNobodyHasIt) {
   const auto look = robot_.look(1);
   ASSERT_EQ(first_.line().hear(), "look 1");
   first_.kill_at_once();
-  while (!runs_unreachable(look)) std::this_thread::yield();
+  await_detail(look, Detail::Unreachable);
   look.cancel();
   if (GetParam() == Kind::Shm) {
     EXPECT_EQ(look.progress().detail, Detail::Canceled);
@@ -193,7 +168,7 @@ TEST_P(Renewal, EndsWithItsLab) {
   const auto look = robot->look(1);
   ASSERT_EQ(first_.line().hear(), "look 1");
   first_.kill_at_once();
-  while (!runs_unreachable(look) && look.state() == State::Running) std::this_thread::yield();
+  await_detail(look, Detail::Unreachable);
   lab.reset();
   EXPECT_EQ(look.wait(), State::CommandFailed);
 }

@@ -14,20 +14,6 @@ class SentAgain : public ServedObjects, public ::testing::WithParamInterface<boo
     object_->depart(session_, ServedObject::Departure::Lost);
     return connect()->id();
   }
-  void again(std::uint64_t counter, SessionId lost, std::uint64_t before,
-             FunctionCode code = probe::look_code) {
-    wire::PacketHeader header;
-    header.kind = wire::PacketKind::Call;
-    header.flags = sent_again;
-    header.session = session_->id();
-    header.counter = counter;
-    header.code = code;
-    Bytes body(sent_before_size);
-    wire::Encoder to(body);
-    to.put(number(lost));
-    to.put(before);
-    take(header, body);
-  }
   Bytes last_body() const {
     const auto packet = wire::decode_packet(link_->sent.back());
     return Bytes(packet->body.begin(), packet->body.end());
@@ -96,13 +82,7 @@ TEST_P(SentAgain, WhatIsNotIdempotentIsACallOfItsOwn) {
 }
 
 TEST_P(SentAgain, WhatDoesNotSayOfWhichItIsRefused) {
-  wire::PacketHeader header;
-  header.kind = wire::PacketKind::Call;
-  header.flags = sent_again;
-  header.session = session_->id();
-  header.counter = 1;
-  header.code = probe::look_code;
-  take(header, Bytes(sent_before_size - 1));
+  packet(wire::PacketKind::Call, 1, probe::look_code, Bytes(sent_before_size - 1), {}, sent_again);
   EXPECT_EQ(reply_to(1), Detail::BadParameter);
   EXPECT_EQ(servant_.calls, 0);
 }
@@ -112,34 +92,14 @@ TEST_F(OverALossyLine, WhatEndedBeforeTheLossIsAnsweredAgain) {
   ASSERT_EQ(servant_.calls, 1);
   object_->depart(session_, ServedObject::Departure::Lost);
   const auto lost = connect();
-  wire::PacketHeader header;
-  header.kind = wire::PacketKind::Call;
-  header.flags = sent_again;
-  header.session = session_->id();
-  header.counter = 1;
-  header.code = probe::look_code;
-  Bytes body(sent_before_size);
-  wire::Encoder to(body);
-  to.put(number(lost->id()));
-  to.put(std::uint64_t{1});
-  take(header, body);
+  again(1, lost->id(), 1);
   EXPECT_EQ(reply_to(1), Detail::Done);
   EXPECT_EQ(servant_.calls, 1);
 }
 
 TEST_F(OverALossyLine, WhatWasSentAgainDoesNotComeInItsFirstSessionAnyMore) {
   const auto first = connect();
-  wire::PacketHeader header;
-  header.kind = wire::PacketKind::Call;
-  header.flags = sent_again;
-  header.session = session_->id();
-  header.counter = 1;
-  header.code = probe::look_code;
-  Bytes body(sent_before_size);
-  wire::Encoder to(body);
-  to.put(number(first->id()));
-  to.put(std::uint64_t{1});
-  take(header, body);
+  again(1, first->id(), 1);
   ASSERT_EQ(servant_.calls, 1);
   session_ = first;
   call(1, probe::look_code);

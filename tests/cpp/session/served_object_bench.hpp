@@ -103,9 +103,10 @@ class ServedObjects : public ::testing::Test {
     object_->run_ready(Starter::Poller);
   }
   void packet(wire::PacketKind kind, std::uint64_t counter, FunctionCode code = {},
-              ByteView body = {}, Epoch epoch = {}) {
+              ByteView body = {}, Epoch epoch = {}, std::int8_t flags = 0) {
     wire::PacketHeader header;
     header.kind = kind;
+    header.flags = flags;
     header.session = session_->id();
     header.counter = counter;
     header.code = code;
@@ -115,6 +116,15 @@ class ServedObjects : public ::testing::Test {
   }
   void call(std::uint64_t counter, FunctionCode code, ByteView body = {}, Epoch epoch = {}) {
     packet(wire::PacketKind::Call, counter, code, body, epoch);
+  }
+  /// A call that was sent under `before` in the session `lost` already.
+  void again(std::uint64_t counter, SessionId lost, std::uint64_t before,
+             FunctionCode code = probe::look_code) {
+    Bytes body(sent_before_size);
+    wire::Encoder to(body);
+    to.put(number(lost));
+    to.put(before);
+    packet(wire::PacketKind::Call, counter, code, body, {}, sent_again);
   }
   void acquire(std::uint64_t counter) {
     Bytes body(4 + 1);

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <chrono>
+#include <thread>
+
+/// Whether `holds` within ten seconds. It is asked again and again: for what the kernel shows of a process
+/// under /proc, whose changes it tells nobody. Whoever has a descriptor, a condition or a line waits for that.
+template <class Holds>
+bool settles(Holds holds) {
+  const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+  while (!holds()) {
+    if (std::chrono::steady_clock::now() >= give_up) return false;
+    std::this_thread::yield();
+  }
+  return true;
+}
