@@ -22,8 +22,9 @@ from hosts import Hosts
 from lateness import Lateness
 
 HERE = Path(__file__).resolve().parent
-PATIENCE_S = 30.0
-"""How long somebody may take to end in order who has no reason to wait: a miss is a defect."""
+sys.path.append(str(HERE.parent / "system"))  # processes.py
+
+from processes import Program, await_ends  # noqa: E402
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,58 +59,36 @@ class Role:
     """One place in the laboratory, and the program that fills it now."""
 
     def __init__(
-        self, name: str, command: Callable[[], Sequence[str]], env: Mapping[str, str], output: Path
+        self, name: str, command: Callable[[], Sequence[str]], env: Mapping[str, str]
     ) -> None:
         self.name = name
         self._command = command
         self._env = dict(env)
-        self._output = output
         self.start()
 
     def start(self) -> None:
-        self.words = list(self._command())
-        with self._output.open("w") as output:
-            self.process = subprocess.Popen(
-                self.words,
-                env=self._env,
-                stdin=subprocess.DEVNULL,
-                stdout=output,
-                stderr=subprocess.STDOUT,
-            )
-
-    def said(self) -> str:
-        return self._output.read_text()
+        self.program = Program(self._command(), self._env)
+        self._ready = False
 
     def wait_ready(self) -> None:
-        give_up = time.monotonic() + PATIENCE_S
-        while "ready" not in self.said():
-            assert self.process.poll() is None, f"{self} ended before it was ready"
-            assert time.monotonic() < give_up, f"{self} is not ready"
-            time.sleep(0.005)
+        if not self._ready:
+            self.program.wait_for("ready")
+        self._ready = True
 
     def kill(self) -> int:
         """Gives the time in ns when it was gone."""
-        assert self.process.poll() is None, f"{self} ended by itself"
-        self.process.kill()
-        self.process.wait()
-        return time.monotonic_ns()
+        assert self.program.running(), f"it ended by itself: {self.program}"
+        return self.program.kill()
 
-    def end(self) -> str:
-        """In order; gives what it said."""
-        self.process.terminate()
-        return self.finish()
+    def end(self) -> None:
+        """In order."""
+        self.program.signal(signal.SIGTERM)
+        self.finish()
 
-    def finish(self) -> str:
-        """Was told to end; gives what it said."""
-        try:
-            status = self.process.wait(PATIENCE_S)
-        except subprocess.TimeoutExpired:
-            raise AssertionError(f"{self} does not end") from None
-        assert status == 0, f"{self} ended with {status}"
-        return self.said()
-
-    def __str__(self) -> str:
-        return f"{' '.join(self.words)}\n--- its output ---\n{self.said()}\n---"
+    def finish(self) -> None:
+        """Was told to end."""
+        status = self.program.finish()
+        assert status == 0, f"it ended with {status}: {self.program}"
 
 
 class Rampage:
@@ -167,7 +146,6 @@ class Rampage:
         ]
 
     def add(self, name: str, command: Callable[[], Sequence[str]]) -> Role:
-        output = self.records / f"output.{len(self.roles)}.txt"
         env = self._env
         if self._hosts is not None:
             host = 0 if name in ("broker", "server") else 1
@@ -177,7 +155,7 @@ class Rampage:
             place.mkdir(exist_ok=True, mode=0o700)
             env = {**env, "GECOS_RUNTIME_DIR": str(place), "GECOS_LCM_TTL": "1"}
             env["GECOS_BROKER"] = "lcm"
-        role = Role(name, command, env, output)
+        role = Role(name, command, env)
         self.roles.append(role)
         return role
 
@@ -205,6 +183,7 @@ class Rampage:
     # What is done to them
 
     def _pause(self) -> None:
+        """So that what follows comes at a random instant."""
         time.sleep(self._random.expovariate(1 / self.plan.pause_s))
 
     def _victim(self) -> Role:
@@ -224,7 +203,7 @@ class Rampage:
             self._kill(self._victim())
 
     def _kill(self, victim: Role) -> None:
-        pid = victim.process.pid
+        pid = victim.program.pid
         with (self.records / "kills.log").open("a") as kills:
             kills.write(f"{victim.kill()} kill {pid}\n")
         self._note_orphan(pid)
@@ -241,14 +220,16 @@ class Rampage:
                 role.wait_ready()
 
     def freeze(self) -> None:
+        """Each stands still for a random while."""
         for _ in range(self.plan.freezes):
             self._pause()
             victim = self._victim()
-            victim.process.send_signal(signal.SIGSTOP)
+            victim.program.signal(signal.SIGSTOP)
             time.sleep(self._random.uniform(0.0, self.plan.longest_freeze_s))
-            victim.process.send_signal(signal.SIGCONT)
+            victim.program.signal(signal.SIGCONT)
 
     def cut(self) -> None:
+        """Each for a random while."""
         for _ in range(self.plan.cuts if self._hosts is not None else 0):
             assert self._hosts is not None
             self._pause()
@@ -267,7 +248,8 @@ class Rampage:
             self._await_ready(name)
             for role in self.roles:
                 if role.name == name:
-                    leftover(role, role.end())
+                    role.end()
+                    leftover(role)
         left = [str(path) for path in self.place.rglob("*") if not path.is_dir()]
         assert not left, f"left behind: {left}"
 
@@ -287,58 +269,61 @@ class Rampage:
 
     def _kill_orphaned(self) -> None:
         """Until they are gone: who dies still holds all it held."""
-        give_up = time.monotonic() + PATIENCE_S
         for group in self._orphaned:
+            those = members(group)
             with contextlib.suppress(ProcessLookupError):
                 os.killpg(group, signal.SIGKILL)
-            while lives(group):
-                assert time.monotonic() < give_up, f"what is in group {group} does not die"
-                time.sleep(0.001)
+            await_ends(those)
         self._orphaned = []
 
     def _end_waiters(self) -> None:
         """They end with what they wait for, so their server goes first."""
         waiters = [role for role in self.roles if role.name == "waiter"]
         for role in waiters:
-            role.process.terminate()
+            role.program.signal(signal.SIGTERM)
         for server in self._servers_now() if waiters else ():
             server.wait_ready()
             self._kill(server)
         for role in waiters:
-            leftover(role, role.finish())
+            role.finish()
+            leftover(role)
 
     def give_up(self) -> None:
         """Leaves nothing running, whatever happened."""
         for role in self.roles:
-            if role.process.poll() is None:
+            if role.program.running():
                 role.kill()
-                self._note_orphan(role.process.pid)
+                self._note_orphan(role.program.pid)
+            role.program.finish()
         self._kill_orphaned()
         shutil.rmtree(self.place, ignore_errors=True)
 
 
-def lives(group: int) -> bool:
-    """Is anybody in that process group who has not died?"""
+def members(group: int) -> list[int]:
+    """Who is in that process group."""
+    found = []
     for stat in Path("/proc").glob("[0-9]*/stat"):
         with contextlib.suppress(OSError):  # it has gone meanwhile
-            state, _parent, of = stat.read_text().rpartition(")")[2].split()[:3]
-            if int(of) == group and state not in "ZX":
-                return True
-    return False
+            _state, _parent, of = stat.read_text().rpartition(")")[2].split()[:3]
+            if int(of) == group:
+                found.append(int(stat.parent.name))
+    return found
 
 
-def leftover(role: Role, said: str) -> None:
+def leftover(role: Role) -> None:
     """Compares what a program had open at its beginning with what it has open at its end."""
     census = {
         line.split()[0]: [int(count) for count in line.split()[1:]]
-        for line in said.splitlines()
+        for line in role.program.lines
         if line.startswith(("before ", "after "))
     }
     if role.name == "broker":
         return
     before, after = census["before"], census["after"]
     for what, had, has in zip(("descriptors", "threads", "memfds"), before, after, strict=True):
-        assert has <= had, f"{role.name} began with {had} {what} and ends with {has}:\n{said}"
+        assert has <= had, (
+            f"{role.name} began with {had} {what} and ends with {has}: {role.program}"
+        )
 
 
 @contextlib.contextmanager

@@ -10,7 +10,8 @@
 #include <fstream>
 #include <iterator>
 #include <system_error>
-#include <thread>
+
+#include "../cpp/settles.hpp"
 
 namespace stress {
 namespace {
@@ -82,12 +83,8 @@ Census census() {
 Balance::Balance() { say("before", before_); }
 
 void Balance::close() const {
-  const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(10);
-  Census now = census();
-  while (now != before_ && std::chrono::steady_clock::now() < give_up) {
-    std::this_thread::yield();
-    now = census();
-  }
+  Census now;
+  settles([&] { return (now = census()) == before_; });
   say("after", now);
 }
 

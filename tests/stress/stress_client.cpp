@@ -13,6 +13,7 @@
 #include <random>
 #include <thread>
 
+#include "another_try.hpp"
 #include "gecos/gecos.hpp"
 #include "record.hpp"
 #include "setting.hpp"
@@ -77,7 +78,7 @@ class Client {
     auto created = lab_.create<stress::Workbench>(
         "BENCH", {.medium = setting_.medium(), .patience = 500ms});
     if (!created) {
-      std::this_thread::sleep_for(5ms);  // a pause between tries, nothing is awaited
+      stress::rest_before_another_try();
       return false;
     }
     const auto about = gecos::describe(*created).get();
@@ -211,7 +212,7 @@ class Client {
     for (const auto& issued : ended_) record_.note(about("see ", issued));
   }
 
-  /// Until there is room for more, and a moment longer.
+  /// Until there is room for more; every other time a random moment longer, for calls after silence too.
   void rest() {
     {
       std::unique_lock lock(mutex_);

@@ -71,13 +71,14 @@ void make_what_stays() {
   server.run();
 }
 
-/// A copy of this process that outlives it and has all its descriptors: made behind the back of
-/// pthread_atfork, as a library might. It is found in the process group of this one, which is alone in
-/// it, and so ends with who started it.
+/// A copy of this process that outlives it and has all its descriptors but 0 to 2, so that the output ends with
+/// this process: made behind the back of pthread_atfork, as a library might. It is found in the process group
+/// of this one, which is alone in it, and so ends with who started it.
 void leave_a_child() {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   const long child = syscall(SYS_clone, SIGCHLD, nullptr, nullptr, nullptr, nullptr);
   if (child == 0) {
+    for (const int standard : {0, 1, 2}) ::close(standard);
     alarm(600);  // it is killed before, unless the test itself was
     for (;;) pause();
   }

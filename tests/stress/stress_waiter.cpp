@@ -4,8 +4,8 @@
 #include <atomic>
 #include <csignal>
 #include <cstdio>
-#include <thread>
 
+#include "another_try.hpp"
 #include "gecos/gecos.hpp"
 #include "record.hpp"
 #include "setting.hpp"
@@ -52,7 +52,7 @@ int main(int count, char** words) {
   {
     gecos::Lab lab(setting.lab());
     for (std::uint64_t turn = 1; !told_to_end; ++turn) {
-      if (!wait_once(lab, setting, record, turn)) std::this_thread::sleep_for(2ms);
+      if (!wait_once(lab, setting, record, turn)) stress::rest_before_another_try();
     }
   }
   record.note("done");

@@ -31,12 +31,6 @@ class Laboratory:
     def events(self) -> list[str]:
         return [line.split(" ", 1)[1] for line in self._record.read_text().splitlines()]
 
-    def await_event(self, event: str) -> None:
-        give_up = time.monotonic() + 30.0
-        while event not in self.events():
-            assert time.monotonic() < give_up, f"no '{event}' in {self.events()}"
-            time.sleep(0.002)
-
 
 @pytest.fixture(params=["shm", "lcm"])
 def laboratory(
@@ -69,7 +63,7 @@ def test_it_is_stopped_and_nothing_starts_until_it_returns(
         lease = gecos.actor(bench)
         endless = bench.tap(1, 0) if operation == "tap" else bench.file(1, 0, 0.0)
         waiting = bench.tap(2, 1)
-        laboratory.await_event("start 1")
+        laboratory.server.program.wait_for("started 1")
 
         began = time.monotonic()
         gecos.stop(other).result()
@@ -90,7 +84,7 @@ def test_it_is_stopped_and_nothing_starts_until_it_returns(
             assert third.state is gecos.State.RUNNING
             assert laboratory.events() == ["start 1"]
 
-            laboratory.server.process.send_signal(signal.SIGUSR1)
+            laboratory.server.program.signal(signal.SIGUSR1)
             assert third.result() == 1
         assert laboratory.events() == ["start 1", "finish 1", "start 3", "finish 3"]
         assert endless.progress().detail is gecos.Detail.STOPPED, "it never changes"

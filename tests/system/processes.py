@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import os
 import queue
+import select
 import signal
 import subprocess
 import threading
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 PATIENCE_S = 30.0
@@ -21,6 +22,20 @@ def until(happened: Callable[[], bool], what: str, patience: float = PATIENCE_S)
     while not happened():
         assert time.monotonic() - began < patience, f"not within {patience} s: {what}"
     return time.monotonic() - began
+
+
+def await_ends(pids: Iterable[int], patience: float = PATIENCE_S) -> None:
+    """Of processes that are somebody else's children. Who has ended holds nothing any more."""
+    for pid in pids:
+        try:
+            process = os.pidfd_open(pid)
+        except ProcessLookupError:
+            continue  # it has ended, and its parent knows
+        try:
+            ended, _, _ = select.select([process], [], [], patience)
+            assert ended, f"process {pid} still runs after {patience} s"
+        finally:
+            os.close(process)
 
 
 class Program:
@@ -97,9 +112,13 @@ class Program:
         if self.running():
             self._process.send_signal(number)
 
-    def kill(self) -> None:
+    def kill(self) -> int:
+        """Gives the time in ns, by time.monotonic_ns(), when it was gone."""
         self.signal(signal.SIGKILL)
+        self._process.wait()  # with a time-out it looks only now and then
+        gone = time.monotonic_ns()
         self.finish()
+        return gone
 
     def terminate(self) -> int:
         self.signal(signal.SIGTERM)

@@ -9,20 +9,21 @@ from pathlib import Path
 
 import gecos
 import pytest
-from processes import PATIENCE_S, Laboratory, until
+from processes import PATIENCE_S, Laboratory, await_ends, until
 from robcl.world import World
 
 TREE = Path(__file__).resolve().parents[2]
 DEMO = TREE / "examples" / "demo.py"
 
 
-def alive_with(marker: str) -> list[str]:
+def alive_with(marker: str) -> dict[int, str]:
     """Command lines of the processes that have inherited `marker` in their environment."""
-    found = []
+    found = {}
     for process in Path("/proc").glob("[0-9]*"):
         try:
             if marker.encode() in (process / "environ").read_bytes():
-                found.append((process / "cmdline").read_bytes().replace(b"\0", b" ").decode())
+                words = (process / "cmdline").read_bytes().replace(b"\0", b" ").decode()
+                found[int(process.name)] = words
         except OSError:
             continue  # it has ended, or is somebody else's
     return found
@@ -49,12 +50,13 @@ def test_however_it_is_ended_it_leaves_nothing_running(
     lab.env["GECOS_TEST_MARKER"] = marker
     demo = lab.start(sys.executable, DEMO, "--build", lab.build)
     demo.wait_for("approach: RUNNING/EXECUTING")
-    assert len(alive_with(marker)) >= 7, "the demo, its five servers and the program"
+    alive = alive_with(marker)
+    assert len(alive) >= 7, "the demo, its five servers and the program"
     demo.signal(number)
     assert demo.finish() == status, str(demo)
     if number == signal.SIGKILL:  # nobody waits for them
-        until(lambda: alive_with(marker) == [], "its processes have ended")
-    assert alive_with(marker) == []
+        await_ends(alive)
+    assert alive_with(marker) == {}
 
 
 @pytest.mark.usefixtures("here")

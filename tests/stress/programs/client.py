@@ -5,12 +5,11 @@ from __future__ import annotations
 import contextlib
 import random
 import signal
-import time
 from collections import deque
 from collections.abc import Callable
 
 import gecos
-from record import Balance, Record, answer, answer_salt, settings
+from record import Balance, Record, answer, answer_salt, rest_before_another_try, settings
 from stress.workbench import Workbench
 
 MOST_OPEN = 16
@@ -33,7 +32,7 @@ class Client:
         while not told_to_end:
             bench = bench or self._connect(lab)
             if bench is None:
-                time.sleep(0.01)  # a pause between tries, nothing is awaited
+                rest_before_another_try()
             elif not self._turn(bench):
                 self._finish_all()  # each end is noted when it comes, not after connecting anew
                 bench = None

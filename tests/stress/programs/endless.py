@@ -1,4 +1,4 @@
-"""Serves a Workbench whose commands with salt 0 never return, until SIGUSR1."""
+"""Serves a Workbench whose commands with salt 0 never return, until SIGUSR1. Says which started."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ class Workbench(WorkbenchServant):
 
     def _run(self, command: int, salt: int) -> int:
         self._record.note(f"start {command}")
+        print("started", command, flush=True)
         while salt == 0 and not let_go:
             pass
         self._record.note(f"finish {command}")

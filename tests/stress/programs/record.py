@@ -43,8 +43,15 @@ def census() -> str:
     return f"{descriptors} {threads} {memfds}"
 
 
+def rest_before_another_try() -> None:
+    """As in another_try.hpp."""
+    time.sleep(0.005)
+
+
 class Balance:
-    """Says "before …" now, and "after …" when it is told to: Balance of record.hpp."""
+    """Says "before …" now, and "after …" when it is told to, once as much is open as before, else
+    after ten seconds: a thread that lets go of the last session ends a moment later, and /proc
+    tells nobody. Balance of record.hpp."""
 
     def __init__(self) -> None:
         self._before = census()

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import signal
-import time
 
 import gecos
-from record import Balance, Record, answer_salt, settings
+from record import Balance, Record, answer_salt, rest_before_another_try, settings
 from stress.workbench import Workbench
 
 told_to_end = False
@@ -46,7 +45,7 @@ def main() -> None:
         while not told_to_end:
             turn += 1
             if not wait_once(lab, setting, record, turn):
-                time.sleep(0.002)  # a pause between tries, nothing is awaited
+                rest_before_another_try()
     record.note("done")
     balance.close()
 
