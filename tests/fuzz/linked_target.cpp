@@ -44,7 +44,7 @@ class Server {
     if (!welcomed_) return greeting();
     wire::PacketHeader header;
     static constexpr std::array usual = {Kind::Reply, Kind::Reply, Kind::Reply, Kind::Progress,
-                                         Kind::Progress, Kind::Closed};
+                                         Kind::Progress, static_cast<Kind>(16)};  // reserved
     header.kind = script_.one_in(16) ? static_cast<Kind>(script_.byte())
                                      : usual[script_.below(usual.size())];
     header.flags = static_cast<std::int8_t>(script_.one_in(4)   ? script_.byte()

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import struct
 
-from partner import Partner
+from partner import Partner, code
 from speaker.frames import HEADER, Header, Inner
 from speaker.frames import Kind as Datagram
 from speaker.listener import Line
-from speaker.packets import Kind, Packet
+from speaker.packets import Kind, Packet, f64, u32
 from told import Client
 
 FROM_CLIENTS = {Kind.HELLO, Kind.CALL, Kind.CANCEL, Kind.QUERY, Kind.GOODBYE}
@@ -98,6 +98,23 @@ def test_every_packet_has_its_form(partner: Partner, client: Client) -> None:
     deadlines = {call.code: call.deadline_ns for call in partner.packets(Kind.CALL)}
     walked = partner.task("walk").call
     assert 0 < walked.deadline_ns <= 20 * 10**9 and deadlines[walked.code] > 0
+
+
+def test_packets_of_reserved_kinds_are_dropped(partner: Partner, client: Client) -> None:
+    partner.answers_by_hand("read")
+    client.opens(partner.name)
+    client.tell("follow")
+    client.says("follows")
+    client.issues("a", "read 1")
+    task = partner.task("read")
+    about = {"code": code("level"), "session": task.session.id, "counter": task.call.counter}
+    for kind in (0, 8, 9, 10, 13, 14, 15, 16, 17, 127, 255):
+        task.session.visitor.link.send_packet(Packet(kind, 5, **about).pack())
+    for number in (1, 2):
+        partner.level.publish(partner.level.seal(f64(number)))
+        assert client.says("sample") == f"{number} 0 {number}"
+    task.done(u32(7))
+    assert client.ends("a") == "FINISHED DONE 7"
 
 
 def test_the_reserved_byte_of_a_packet_is_not_looked_at(partner: Partner, client: Client) -> None:

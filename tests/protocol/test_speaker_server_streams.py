@@ -69,6 +69,16 @@ def test_a_sample_that_is_forged_old_or_cut_is_not_read(partner: Partner, client
     assert client.says("sample") == "3 0 3"
 
 
+def test_a_sample_that_does_not_decode_is_passed_over(partner: Partner, client: Client) -> None:
+    follows(partner, client)
+    level = partner.level
+    level.publish(level.seal(f64(1.0)))
+    assert client.says("sample") == "1 0 1"
+    level.publish(level.seal(f64(2.0)[:-1]))
+    level.publish(level.seal(f64(3.0)))
+    assert client.says("sample") == "3 1 3"
+
+
 def test_another_stream_under_the_same_id_is_the_one_that_is_opened_next(
     partner: Partner, client: Client
 ) -> None:

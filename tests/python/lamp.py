@@ -161,6 +161,9 @@ class LampServant(gecos.Servant):
     def publish_level(self, value: float, stamp: float | None = None) -> None:
         self._gecos_publish(0x1002, [_DOUBLE.pack(value)], stamp)
 
+    def publish_damaged_level(self) -> None:
+        self._gecos_publish(0x1002, [_DOUBLE.pack(0.0)[:-1]], None)
+
 
 class PlainLamp(LampServant):
     """Does at once what it is asked; `burn_in` lasts until it is interrupted or `finish` is set."""

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import AsyncIterator, Callable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Generic, TypeVar
 
 from gecos.errors import StreamLost
-from gecos.wire import Decoder
+from gecos.wire import DecodeError, Decoder
 
 if TYPE_CHECKING:
     from gecos import _core
@@ -29,10 +30,12 @@ class Sample(Generic[T]):
 
 class Stream(Generic[T]):
     """Samples as they come, from the newest there is at first. A slow reader loses old ones and is
-    told how many.
+    told how many. A sample that does not decode is passed over: it counts as lost, and as
+    `unreadable`.
 
-    Iterating waits for each next sample and ends when the server closes the stream; a server that
-    is gone or silent raises StreamLost. One thread or task reads at a time; others wait for it.
+    Iterating waits for each next sample and ends with `close()`; a server that is gone or silent,
+    or closed the session, raises StreamLost. One thread or task reads at a time; others wait for
+    it.
     """
 
     def __init__(self, core: _core.Stream, decode: Callable[[Decoder], T], name: str) -> None:
@@ -41,9 +44,12 @@ class Stream(Generic[T]):
         self._name = name
         self._reading = threading.Lock()
         self._read = 0
+        self._last_unreadable = 0
+        self._unreadable = 0
 
     def latest(self) -> Sample[T] | None:
-        """The newest sample, again if need be; None before the first. Never waits."""
+        """The newest sample, again if need be; None before the first, and while the newest does not
+        decode. Never waits."""
         with self._reading:
             raw = self._core.latest()
             return None if raw is None else self._sample(*raw)
@@ -57,8 +63,14 @@ class Stream(Generic[T]):
         """
         sample = self._next(timeout)
         if sample is None:
-            raise EOFError(f"stream {self._name} was closed by its server")
+            raise EOFError(f"stream {self._name} was closed")
         return sample
+
+    @property
+    def unreadable(self) -> int:
+        """How many samples came that do not decode. Their server is broken: one that means another
+        type is refused when the stream is opened."""
+        return self._unreadable
 
     def __iter__(self) -> Iterator[Sample[T]]:
         while (sample := self._next(None)) is not None:
@@ -81,21 +93,34 @@ class Stream(Generic[T]):
         self._core.close()
 
     def _next(self, timeout: float | None) -> Sample[T] | None:
+        end = None if timeout is None else time.monotonic() + timeout
+        left = timeout
         with self._reading:
-            raw = self._core.next(timeout)
-            if isinstance(raw, tuple):
-                return self._sample(*raw)
-        if raw == "closed":
-            return None
-        if raw == "lost":
-            raise StreamLost(f"stream {self._name}: its server is gone or silent")
+            while True:
+                raw = self._core.next(left)
+                if raw == "closed":
+                    return None
+                if raw == "lost":
+                    raise StreamLost(f"stream {self._name}: its server is gone or silent")
+                if raw == "nothing":
+                    break
+                if (sample := self._sample(*raw)) is not None:
+                    return sample
+                if end is not None and (left := end - time.monotonic()) <= 0:
+                    break
         raise TimeoutError(f"stream {self._name}: no sample within {timeout} s")
 
-    def _sample(self, raw: bytes, sequence: int, stamp_ns: int, now_ns: int) -> Sample[T]:
+    def _sample(self, raw: bytes, sequence: int, stamp_ns: int, now_ns: int) -> Sample[T] | None:
+        try:
+            value = self._decode(Decoder(raw))
+        except DecodeError:
+            self._unreadable += sequence != self._last_unreadable
+            self._last_unreadable = sequence
+            return None
         lost = sequence - self._read - 1 if 0 < self._read < sequence else 0
         self._read = sequence
         return Sample(
-            value=self._decode(Decoder(raw)),
+            value=value,
             sequence=sequence,
             lost=lost,
             stamp=stamp_ns * 1e-9,

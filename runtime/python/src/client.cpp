@@ -178,8 +178,7 @@ nb::object next(StreamHandle& self, std::optional<double> timeout) {
     return nb::str("closed");
   }
   if (got) return as_tuple(*core, self.sample());
-  if (got.error() == StreamEnd::Nothing) return nb::str("nothing");
-  return nb::str(got.error() == StreamEnd::Closed ? "closed" : "lost");
+  return nb::str(got.error() == StreamEnd::Nothing ? "nothing" : "lost");
 }
 
 }  // namespace

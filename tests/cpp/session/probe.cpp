@@ -138,6 +138,10 @@ void ProbeServant::publish(std::int32_t value, std::int64_t stamp_ns) {
   gecos_publisher_->publish(description().streams[0], bytes_of(value), stamp_ns);
 }
 
+void ProbeServant::publish_damaged() {
+  gecos_publisher_->publish(description().streams[0], gecos::Bytes(3), gecos::unix_now_ns());
+}
+
 void ProbeServant::on_read(std::function<void(gecos::IncomingCall)> handler) {
   const std::lock_guard lock(mutex_);
   on_read_ = std::move(handler);

@@ -76,6 +76,8 @@ class ProbeServant : public gecos::Servant {
   void gecos_dispatch(gecos::IncomingCall call) override;
 
   void publish(std::int32_t value, std::int64_t stamp_ns = gecos::unix_now_ns());
+  /// A sample that is no value of the stream's type.
+  void publish_damaged();
 
   /// Waits until `count` moves have started since the beginning.
   void await_moves(int count);

@@ -41,6 +41,38 @@ TEST_P(Streams, KeepTheLatestForWhoComesLater) {
   EXPECT_EQ(sample->value, 42);
 }
 
+TEST_P(Streams, GoOnBehindASampleThatDoesNotDecode) {
+  auto level = probe_.level(gecos::stream);
+  ASSERT_TRUE(level) << level.error();
+  servant_.publish(1);
+  ASSERT_TRUE(level->next(10s));
+  servant_.publish_damaged();
+  servant_.publish_damaged();
+  EXPECT_EQ(level->unreadable(), 0u) << "it has not come to them";
+  servant_.publish(4);
+  const auto sample = level->next(10s);
+  ASSERT_TRUE(sample) << to_string(sample.error());
+  EXPECT_EQ(sample->value, 4);
+  EXPECT_EQ(sample->lost, 2u);
+  EXPECT_EQ(level->unreadable(), 2u);
+}
+
+TEST_P(Streams, HaveNoLatestWhileTheNewestDoesNotDecode) {
+  auto level = probe_.level(gecos::stream);
+  ASSERT_TRUE(level) << level.error();
+  servant_.publish_damaged();
+  const auto nothing = level->next(100ms);
+  ASSERT_FALSE(nothing);
+  EXPECT_EQ(nothing.error(), StreamEnd::Nothing) << "the stream goes on";
+  EXPECT_FALSE(level->latest());
+  EXPECT_FALSE(level->latest());
+  EXPECT_LE(level->unreadable(), 1u) << "each counts once";
+  servant_.publish(2);
+  ASSERT_TRUE(level->next(10s));
+  EXPECT_EQ(level->latest()->value, 2);
+  EXPECT_EQ(level->unreadable(), 1u);
+}
+
 TEST_P(Streams, SayThatNothingCame) {
   auto level = probe_.level(gecos::stream);
   ASSERT_TRUE(level) << level.error();

@@ -10,7 +10,6 @@ namespace gecos {
 std::string_view to_string(StreamEnd end) {
   switch (end) {
     case StreamEnd::Nothing: return "NOTHING";
-    case StreamEnd::Closed: return "CLOSED";
     case StreamEnd::Lost: return "LOST";
   }
   return "?";
@@ -24,7 +23,7 @@ ClientStream::ClientStream(std::shared_ptr<LinkedSession> session, FunctionCode 
                            std::unique_ptr<media::StreamReader> reader)
     : session_(std::move(session)), code_(code), reader_(std::move(reader)) {}
 
-ClientStream::~ClientStream() { session_->stream_closed(*this); }
+ClientStream::~ClientStream() { session_->unsubscribe(code_); }
 
 namespace {
 
@@ -49,15 +48,14 @@ tl::expected<void, StreamEnd> ClientStream::next(media::StreamSample& into, Time
       nullptr,
       [&] {
         got = got || reader_->next(into.sequence, into);
-        return got || closed_.load(std::memory_order_acquire) || session_->lost();
+        return got || session_->lost();
       },
       deadline);
   if (got) {
     bound_stamp(into);
     return {};
   }
-  if (session_->lost()) return tl::unexpected(StreamEnd::Lost);
-  return tl::unexpected(closed_.load() ? StreamEnd::Closed : StreamEnd::Nothing);
+  return tl::unexpected(session_->lost() ? StreamEnd::Lost : StreamEnd::Nothing);
 }
 
 std::int64_t ClientStream::now_ns() const { return unix_now_ns(); }

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <atomic>
 #include <memory>
 
 #include "gecos/session/object.hpp"
@@ -21,15 +20,11 @@ class ClientStream final : public StreamCore {
   tl::expected<void, StreamEnd> next(media::StreamSample& into, TimePoint deadline) override;
   std::int64_t now_ns() const override;
 
-  FunctionCode code() const { return code_; }
-  /// The server closed it.
-  void close() { closed_.store(true, std::memory_order_release); }
 
  private:
   const std::shared_ptr<LinkedSession> session_;
   const FunctionCode code_;
   const std::unique_ptr<media::StreamReader> reader_;
-  std::atomic<bool> closed_{false};  // publishes nothing but itself
 };
 
 }  // namespace gecos::session

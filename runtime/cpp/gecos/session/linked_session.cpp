@@ -277,7 +277,6 @@ void LinkedSession::take_packet(ByteView bytes) {
       if (packet->header.counter == 0) return;  // counts no call: damage, or malice
       return packet->header.kind == wire::PacketKind::Reply ? take_reply(*packet)
                                                             : take_progress(*packet);
-    case wire::PacketKind::Closed: return take_closed(packet->header.code);
     case wire::PacketKind::Goodbye:
       goodbye_heard_.store(true, std::memory_order_release);
       return lose(Ending::Closed, "the server closed the session with " + welcome_.object +

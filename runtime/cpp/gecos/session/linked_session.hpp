@@ -89,7 +89,6 @@ class LinkedSession final : public ClientSession,
   bool cancel(PendingCommand& command, std::uint64_t counter);
   /// Somebody sleeps on a descriptor: from now on packets are read though nobody waits here.
   void attend() { attended_.store(true, std::memory_order_relaxed); house_wake(); }
-  void stream_closed(ClientStream& stream);
 
   TimePoint tend(TimePoint now) override;
   void watch(std::vector<pollfd>& into) override;
@@ -105,7 +104,6 @@ class LinkedSession final : public ClientSession,
   void take_packet(ByteView bytes);
   void take_reply(const wire::PacketView& packet);
   void take_progress(const wire::PacketView& packet);
-  void take_closed(FunctionCode stream);
   void look_for_loss();
 
   std::shared_ptr<LinkedSession> next();
@@ -167,7 +165,6 @@ class LinkedSession final : public ClientSession,
   Mutex mutex_;
   std::uint64_t next_counter_ = 1;
   CallTable<PendingCommand> calls_;
-  std::vector<ClientStream*> streams_;
   Bytes packet_;  ///< sending: reused
   std::string loss_text_;
   std::shared_ptr<LinkedSession> follower_;

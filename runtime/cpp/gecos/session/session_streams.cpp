@@ -1,6 +1,4 @@
 // What a session does for the streams that its client reads.
-#include <algorithm>
-
 #include "gecos/session/client_stream.hpp"
 #include "gecos/session/linked_session.hpp"
 #include "gecos/session/packets.hpp"
@@ -46,22 +44,11 @@ tl::expected<std::shared_ptr<StreamCore>, Failure> LinkedSession::open_subscribe
                                       welcome_.object + " did not arrive over " +
                                       std::string(media::to_string(link_->offer().kind)), {}, {}});
   }
-  auto opened = std::make_shared<ClientStream>(shared_from_this(), stream.code, std::move(reader));
-  const std::lock_guard lock(mutex_);
-  streams_.push_back(opened.get());
-  return opened;
+  return std::make_shared<ClientStream>(shared_from_this(), stream.code, std::move(reader));
 }
 
 std::unique_ptr<media::StreamReader> LinkedSession::open_stream(std::uint32_t id) {
   return link_->open_stream(id);
-}
-
-void LinkedSession::stream_closed(ClientStream& stream) {
-  {
-    const std::lock_guard lock(mutex_);
-    streams_.erase(std::remove(streams_.begin(), streams_.end(), &stream), streams_.end());
-  }
-  unsubscribe(stream.code());
 }
 
 void LinkedSession::unsubscribe(FunctionCode stream) {
@@ -73,13 +60,6 @@ void LinkedSession::unsubscribe(FunctionCode stream) {
   const auto code = number(stream);
   call(reserved_operation(Reserved::Unsubscribe), sizeof code,
        [&](wire::Encoder& to) { to.put(code); }, {});
-}
-
-void LinkedSession::take_closed(FunctionCode stream) {
-  const std::lock_guard lock(mutex_);
-  for (ClientStream* open : streams_) {
-    if (open->code() == stream) open->close();
-  }
 }
 
 }  // namespace gecos::session

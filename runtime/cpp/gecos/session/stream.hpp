@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -27,9 +28,8 @@ struct Sample {
 
 /// Why a stream gives nothing more.
 enum class StreamEnd : std::uint8_t {
-  Nothing,  ///< no new sample within the patience given; the stream goes on
-  Closed,   ///< the server closed it, or the lease that it needs is gone
-  Lost,     ///< the server is gone or silent
+  Nothing,  ///< no new sample that decodes within the patience given; the stream goes on
+  Lost,     ///< the server is gone or silent, or has closed the session
 };
 std::string_view to_string(StreamEnd end);
 
@@ -48,7 +48,8 @@ class StreamCore {
 }  // namespace session
 
 /// A subscription to an outward stream. One thread reads at a time. Ends with its last copy.
-/// A slow reader loses old samples and is told how many; it never slows the writer.
+/// A slow reader loses old samples and is told how many; it never slows the writer. A sample that does not
+/// decode is passed over: it counts as lost, and as `unreadable`.
 template <class T>
 class Stream {
  public:
@@ -56,7 +57,7 @@ class Stream {
   Stream(std::shared_ptr<session::StreamCore> core, Decode decode)
       : core_(std::move(core)), decode_(decode) {}
 
-  /// The newest sample; nothing before the first. Never waits.
+  /// The newest sample; nothing before the first, and nothing while the newest does not decode. Never waits.
   std::optional<Sample<T>> latest() {
     if (!core_->latest(raw_)) return std::nullopt;
     return decoded();
@@ -64,19 +65,26 @@ class Stream {
   /// The next unread sample, waiting for it at most `patience`. It is old when you read more slowly
   /// than the server publishes; for what is true now, ask `latest()`.
   tl::expected<Sample<T>, StreamEnd> next(Duration patience) {
-    if (auto got = core_->next(raw_, deadline_after(patience)); !got) {
-      return tl::unexpected(got.error());
+    const TimePoint deadline = deadline_after(patience);
+    for (;;) {
+      if (auto got = core_->next(raw_, deadline); !got) return tl::unexpected(got.error());
+      if (auto sample = decoded()) return *std::move(sample);
+      if (std::chrono::steady_clock::now() >= deadline) return tl::unexpected(StreamEnd::Nothing);
     }
-    auto sample = decoded();
-    if (!sample) return tl::unexpected(StreamEnd::Closed);
-    return *sample;
   }
+  /// How many samples came that do not decode. Their server is broken: one that means another type is
+  /// refused when the stream is opened.
+  std::uint64_t unreadable() const { return unreadable_; }
 
  private:
   std::optional<Sample<T>> decoded() {
     wire::Decoder from(raw_.bytes);
     Sample<T> sample;
-    if (!decode_(from, sample.value)) return std::nullopt;
+    if (!decode_(from, sample.value)) {
+      if (raw_.sequence != last_unreadable_) ++unreadable_;
+      last_unreadable_ = raw_.sequence;
+      return std::nullopt;
+    }
     sample.sequence = raw_.sequence;
     sample.lost = raw_.sequence > read_ + 1 && read_ != 0 ? raw_.sequence - read_ - 1 : 0;
     read_ = raw_.sequence;
@@ -89,6 +97,8 @@ class Stream {
   Decode decode_;
   media::StreamSample raw_;
   std::uint64_t read_ = 0;
+  std::uint64_t last_unreadable_ = 0;
+  std::uint64_t unreadable_ = 0;
 };
 
 }  // namespace gecos

@@ -15,24 +15,17 @@
 namespace gecos::wire {
 
 /// What a packet is about. New kinds may be added at the end; a receiver ignores those it does not
-/// know.
+/// know. 8, 9, 10 and 13 to 16 are reserved.
 enum class PacketKind : std::int8_t {
-  Hello = 1,         ///< client asks for a session
-  Welcome = 2,       ///< server opens it
-  Refused = 3,       ///< server does not, the body says why
-  Call = 4,          ///< an operation with its parameters
-  Reply = 5,         ///< its one terminal outcome
-  Progress = 6,      ///< how far a running one is, with feedback
-  Cancel = 7,        ///< client asks to end a running one
-  Acknowledge = 8,   ///< nothing but the `acknowledged` field
-  Beat = 9,          ///< sign of life
-  Sample = 10,       ///< one value of a stream
-  Goodbye = 11,      ///< the session ends in order
-  Query = 12,        ///< what became of a counter?
-  Answer = 13,       ///< to a Query
-  Subscribe = 14,    ///< client wants a stream's samples
-  Unsubscribe = 15,  ///< no longer
-  Closed = 16,       ///< a stream ended, the body says why
+  Hello = 1,     ///< client asks for a session
+  Welcome = 2,   ///< server opens it
+  Refused = 3,   ///< server does not, the body says why
+  Call = 4,      ///< an operation with its parameters
+  Reply = 5,     ///< its one terminal outcome
+  Progress = 6,  ///< how far a running one is, with feedback
+  Cancel = 7,    ///< client asks to end a running one
+  Goodbye = 11,  ///< the session ends in order
+  Query = 12,    ///< what became of a counter?
 };
 
 inline constexpr std::int8_t packet_version = 1;
