@@ -26,6 +26,7 @@ class History {
     Detail detail = Detail::OutcomeUnknown;
     std::string text;
   };
+  History() { entries_.reserve(most_entries); }  // the end of a command does not wait for memory
   void ended(Entry entry);
   const Entry* find(SessionId session, std::uint64_t counter) const;
 

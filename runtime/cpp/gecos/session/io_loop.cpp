@@ -164,7 +164,6 @@ void IoLoop::cool_down(TimePoint now) {
 
 /// False when something arrived meanwhile.
 bool IoLoop::arm_all() {
-  std::vector<std::shared_ptr<ServerSession>> still;
   for (const auto& session : hot_) {
     session->hot = false;
     if (session->gone.load() || session->link().arm()) continue;
@@ -172,9 +171,10 @@ bool IoLoop::arm_all() {
     part_if_lost(session);
     if (session->gone.load()) continue;
     session->hot = true;
-    still.push_back(session);
+    still_hot_.push_back(session);
   }
-  hot_.swap(still);
+  hot_.swap(still_hot_);
+  still_hot_.clear();
   return hot_.empty();
 }
 

@@ -74,6 +74,7 @@ class IoLoop {
   media::SpinPolicy spin_;
   std::vector<std::unique_ptr<Door>> doors_;  ///< null where an object was withdrawn
   std::vector<std::shared_ptr<ServerSession>> hot_;
+  std::vector<std::shared_ptr<ServerSession>> still_hot_;  ///< of arm_all: kept, so that a wake-up needs no memory
   std::uint64_t next_key_ = 1;
   unsigned turns_ = 0;
   std::thread::id main_id_;

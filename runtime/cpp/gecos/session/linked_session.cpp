@@ -2,9 +2,7 @@
 
 #include <algorithm>
 
-#include "gecos/base/log.hpp"
 #include "gecos/base/recycling_allocator.hpp"
-#include "gecos/media/waiting.hpp"
 #include "gecos/session/function_code.hpp"
 #include "gecos/session/runtime.hpp"
 #include "gecos/session/packets.hpp"
@@ -188,135 +186,6 @@ void LinkedSession::let_go(std::uint64_t held) {
 std::uint64_t LinkedSession::finished_up_to() const {
   const auto open = calls_.lowest();
   return open != 0 ? open - 1 : next_counter_ - 1;
-}
-
-// Waiting
-
-void LinkedSession::glance() {
-  if (!baton_.try_take()) return;
-  read_all();
-  baton_.drop();
-}
-
-bool LinkedSession::wait(const void* subject, FunctionRef<bool()> done, TimePoint deadline) {
-  if (done()) return true;
-  for (;;) {
-    if (baton_.try_take()) {
-      const bool finished = lead(done, deadline);
-      baton_.drop();
-      return finished;
-    }
-    switch (baton_.follow(subject, done, deadline)) {
-      case Baton::Woken::Done: return true;
-      case Baton::Woken::TimedOut: return done();
-      case Baton::Woken::Poked: break;
-    }
-  }
-}
-
-bool LinkedSession::lead(FunctionRef<bool()> done, TimePoint deadline) {
-  spin_.begin();
-  for (;;) {
-    const std::size_t taken = read_all();
-    if (done()) return true;
-    if (taken != 0) {
-      baton_.poke(nullptr);
-      spin_.begin();
-    } else if (!spin_.again()) {
-      if (std::chrono::steady_clock::now() >= deadline) return false;
-      sleep(done, deadline);
-      baton_.poke(nullptr);
-      spin_.begin();
-    }
-  }
-}
-
-void LinkedSession::sleep(FunctionRef<bool()> done, TimePoint deadline) {
-  leader_wakeup_.quiet();
-  if (link_->arm() && !done()) {
-    descriptors_.assign(link_->descriptors().begin(), link_->descriptors().end());
-    descriptors_.push_back(leader_wakeup_.descriptor());
-    media::sleep_on(descriptors_, deadline);
-  }
-  link_->disarm();
-  look_for_loss();
-}
-
-std::size_t LinkedSession::read_all() {
-  std::size_t taken = 0;
-  while (const auto packet = link_->receive()) {
-    take_packet(*packet);
-    ++taken;
-  }
-  return taken;
-}
-
-void LinkedSession::look_for_loss() {
-  const media::Loss loss = link_->loss();
-  if (loss == media::Loss::None || lost()) return;
-  read_all();  // what it answered before it went
-  const std::string who = welcome_.object + " (" + link_->peer().description + ")";
-  switch (loss) {
-    case media::Loss::Died: return lose(Ending::Died, "the server of " + who + " died");
-    case media::Loss::Broken:
-      return lose(Ending::Broken, "the server of " + who + " broke the rules of its medium: " +
-                                      link_->loss_text());
-    default: return lose(Ending::Closed, "the server closed the session with " + who);
-  }
-}
-
-// What arrives
-
-void LinkedSession::take_packet(ByteView bytes) {
-  const auto packet = wire::decode_packet(bytes);
-  if (!packet || packet->header.session != id_) return;
-  if (packet->header.version != wire::packet_version) return;
-  switch (packet->header.kind) {
-    case wire::PacketKind::Reply:
-    case wire::PacketKind::Progress:
-      if (packet->header.counter == 0) return;  // counts no call: damage, or malice
-      return packet->header.kind == wire::PacketKind::Reply ? take_reply(*packet)
-                                                            : take_progress(*packet);
-    case wire::PacketKind::Goodbye:
-      goodbye_heard_.store(true, std::memory_order_release);
-      return lose(Ending::Closed, "the server closed the session with " + welcome_.object +
-                                      text_of(packet->body));
-    default: return;  // newer kinds, and answers to what is over
-  }
-}
-
-void LinkedSession::take_reply(const wire::PacketView& packet) {
-  std::shared_ptr<PendingCommand> command;
-  {
-    const std::lock_guard lock(mutex_);
-    command = calls_.take(packet.header.counter);
-  }
-  if (!command) return;  // a repeated reply
-  if (packet.header.epoch != Epoch{}) {  // a stop renewed it
-    epoch_.store(number(packet.header.epoch), std::memory_order_relaxed);
-  }
-  const auto detail = detail_from(static_cast<std::uint8_t>(packet.header.flags));
-  if (detail == Detail::Done) {
-    command->finish(packet.body);
-  } else {
-    command->fail(failure_from(detail, packet.body));
-  }
-  baton_.poke(command.get());
-}
-
-void LinkedSession::take_progress(const wire::PacketView& packet) {
-  std::shared_ptr<PendingCommand> command;
-  {
-    const std::lock_guard lock(mutex_);
-    const auto* found = calls_.find(packet.header.counter);
-    if (found == nullptr) return;
-    command = *found;
-    command->retry.arrived = true;
-  }
-  const auto detail = detail_from(static_cast<std::uint8_t>(packet.header.flags));
-  const auto body = wire::from_bytes<ProgressBody>(packet.body);
-  if (!body || !detail || *detail < Detail::Queued || *detail > Detail::Canceling) return;
-  command->report(*detail, *body);
 }
 
 // The end
