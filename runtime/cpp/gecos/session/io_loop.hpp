@@ -51,7 +51,6 @@ class IoLoop {
   /// One look at everything hot; sleeps when nothing is.
   void turn(Polling& polling);
   bool look_at_hot(Polling& polling);
-  void read(const std::shared_ptr<ServerSession>& session, Polling& polling);
   bool arm_all();
   void cool_down(TimePoint now);
   void heat(const std::shared_ptr<ServerSession>& session);
@@ -82,7 +81,7 @@ class IoLoop {
   std::mutex list_mutex_;  ///< held for moments; the map is written by who polls
   std::unordered_map<std::uint64_t, std::shared_ptr<ServerSession>> sessions_;  ///< by watch key
   std::vector<std::unique_ptr<Door>> new_doors_;
-  std::atomic<bool> suspects_{false};  // publishes ServerSession::suspect to who polls
+  std::atomic<bool> suspects_{false};  // tells who polls that some sessions may be gone
 
   std::mutex standby_mutex_;
   std::condition_variable standby_called_;

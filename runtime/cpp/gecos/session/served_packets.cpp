@@ -261,7 +261,9 @@ void ServedObject::admit(const std::shared_ptr<ServerSession>& session,
     }
   }
   if (operation.on_new == OnNew::Reject && !queue_.running().empty()) {
-    return refuse(Detail::Rejected, "was not started: another command runs");
+    return refuse(Detail::Rejected, "was not started: '" +
+                                        std::string(queue_.running().front()->operation.name) +
+                                        "' runs; wait until it has ended, or cancel it");
   }
   auto call = make_recycled<ServerCall>(session, operation, packet.header.counter,
                                         packet.header.epoch, packet.body);

@@ -46,15 +46,17 @@ class ServerSession {
     return {caller_.user, caller_.host, caller_.program, caller_.pid};
   }
 
-  // Any thread.
-  /// Sends now, or as soon as the client has room. Order is kept.
-  void send(wire::PacketHeader header, ByteView body);
+  // With the object's mutex.
   void reply(std::uint64_t counter, const Failure& failure);
   void reply(std::uint64_t counter, ByteView result, Epoch epoch = {});
   /// As it was answered in another session.
   void reply_as(std::uint64_t counter, const wire::PacketView& before);
   /// The latest progress; dropped when there is no room. True when it was sent.
   bool report(const ServerCall& call, Detail detail, std::size_t position);
+
+  // Any thread.
+  /// Sends now, or as soon as the client has room, as the replies above. Order is kept.
+  void send(wire::PacketHeader header, ByteView body);
   void send_again(const Bytes& packet);
   void flush();
   /// It sends and takes no answers, so that more wait than any client of ours can have asked for.

@@ -21,7 +21,8 @@ struct LcmMessage {
 };
 
 /// Hears a UDP port of a multicast group. LCM's own receiver runs a thread for each port, which hands
-/// every message on through a pipe: two wake-ups where one will do. This one is a socket, read by who waits for it. One thread at a time.
+/// every message on through a pipe: two wake-ups where one will do. This one is a socket, read by who
+/// waits for it. One thread at a time.
 class LcmReceiver {
  public:
   /// Fails with a text that says what to do.
