@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 #include <numeric>
 #include <random>
 #include <vector>
@@ -40,6 +41,33 @@ TEST(DuplicateWindow, RefusesWhatItCouldNotRemember) {
   EXPECT_EQ(window.arrived(1025), Verdict::Beyond);
   EXPECT_EQ(window.arrived(1), Verdict::New);
   EXPECT_EQ(window.arrived(1025), Verdict::New);
+}
+
+TEST(DuplicateWindow, WaitsNoMoreForWhatWasGivenUp) {
+  DuplicateWindow window;
+  for (const std::uint64_t counter : {1, 4, 5, 7}) EXPECT_EQ(window.arrived(counter), Verdict::New);
+  window.given_up(3);
+  EXPECT_EQ(window.all_up_to(), 5u) << "those after it are there";
+  EXPECT_EQ(window.arrived(2), Verdict::Seen);
+  window.given_up(2);
+  EXPECT_EQ(window.all_up_to(), 5u);
+  EXPECT_EQ(window.arrived(6), Verdict::New);
+  EXPECT_EQ(window.all_up_to(), 7u);
+  window.given_up(5000);
+  EXPECT_EQ(window.arrived(5000), Verdict::Seen);
+  EXPECT_EQ(window.arrived(5001), Verdict::New);
+}
+
+TEST(DuplicateWindow, HoldsForAnyNumber) {
+  constexpr std::uint64_t last = std::numeric_limits<std::uint64_t>::max();
+  DuplicateWindow window;
+  EXPECT_EQ(window.arrived(last), Verdict::Beyond);
+  window.given_up(last - 2);
+  EXPECT_EQ(window.arrived(last), Verdict::New);
+  EXPECT_TRUE(window.seen(last));
+  EXPECT_FALSE(window.seen(last - 1));
+  window.given_up(last);
+  EXPECT_EQ(window.arrived(last), Verdict::Seen);
 }
 
 TEST(ReplyCache, KeepsRepliesUntilTheyAreAcknowledged) {

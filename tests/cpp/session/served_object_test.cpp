@@ -218,6 +218,30 @@ TEST_F(OverALossyLine, ACommandThatOvertakesAnotherWaitsForIt) {
   EXPECT_EQ(answered, (std::vector<std::uint64_t>{2, 3, 4}));
 }
 
+TEST_F(OverALossyLine, ACommandWaitsNoMoreForOneThatItsClientHasGivenUp) {
+  acquire(1);
+  const Epoch epoch = granted();
+  call(4, probe::set_code, {}, epoch);
+  EXPECT_EQ(reply_to(4), std::nullopt);
+  acknowledged_ = 3;  // 2 and 3 were readings, say, that are asked for elsewhere by now
+  call(5, probe::set_code, {}, epoch);
+  EXPECT_EQ(reply_to(4), Detail::Done);
+  EXPECT_EQ(reply_to(5), Detail::Done);
+  const int before = servant_.calls;
+  call(2, probe::read_code);
+  EXPECT_EQ(servant_.calls, before) << "given up, it does not start late";
+}
+
+TEST_F(OverALossyLine, WhatIsTooFarAheadHasNotArrivedAndIsNotAnswered) {
+  constexpr std::uint64_t far = 2 + 1024;
+  call(far, probe::read_code);
+  EXPECT_EQ(reply_to(far), std::nullopt) << "an answered one must never start, and this one may";
+  for (std::uint64_t counter = 1; counter < 3; ++counter) call(counter, probe::read_code);
+  call(far, probe::read_code);
+  EXPECT_EQ(reply_to(far), Detail::Done);
+  EXPECT_EQ(servant_.calls, 3);
+}
+
 TEST_F(OverALossyLine, AReadingWaitsForNothing) {
   call(2, probe::read_code);
   EXPECT_EQ(reply_to(2), Detail::Done);

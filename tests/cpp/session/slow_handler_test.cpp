@@ -38,4 +38,30 @@ TEST_F(SlowHandler, DelaysNobodyAtAnotherObjectHoweverOftenItHappens) {
   }
 }
 
+TEST_F(SlowHandler, DelaysNobodyAtAThirdObjectWhenTwoAreSlowAtOnce) {
+  serve("SLOW", slow_);
+  probe::ProbeServant slow_too;
+  serve("SLOW_TOO", slow_too);
+  serve("QUICK", servant_);
+  std::latch inside(2);
+  std::latch leave(1);
+  const auto slowly = [&](gecos::IncomingCall call) {
+    inside.count_down();
+    leave.wait();
+    call.fail(gecos::Fault::rejected("slowly").failure());
+  };
+  slow_.on_read(slowly);
+  slow_too.on_read(slowly);
+  const auto one = connect(lab_, "SLOW").read();
+  const auto other = connect(lab_, "SLOW_TOO").read();
+  inside.wait();
+  const auto quick_probe = connect(second_lab_, "QUICK");
+  EXPECT_EQ(quick_probe.read().wait_for(5s), State::Finished);
+  EXPECT_EQ(gecos::stop(quick_probe).wait_for(5s), State::Finished);
+  leave.count_down();
+  EXPECT_EQ(one.wait(), State::CommandFailed);
+  EXPECT_EQ(other.wait(), State::CommandFailed);
+  server_.reset();
+}
+
 }  // namespace

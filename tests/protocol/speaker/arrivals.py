@@ -25,6 +25,16 @@ class Arrivals:
     def take(self, counter: int) -> None:
         assert not self.has(counter) and not self.beyond(counter)
         self._ahead.add(counter)
+        self._close_up()
+
+    def given_up(self, upto: int) -> None:
+        """The client has no call up to it any more: it counts as arrived."""
+        if upto > self.whole:
+            self.whole = upto
+            self._ahead = {counter for counter in self._ahead if counter > upto}
+            self._close_up()
+
+    def _close_up(self) -> None:
         while self.whole + 1 in self._ahead:
             self.whole += 1
             self._ahead.remove(self.whole)

@@ -135,7 +135,7 @@ class Session:
             self._say_goodbye(self.id)
             self.end()
             return
-        self.replies.acknowledge(packet.acknowledged)
+        self._acknowledge(packet.acknowledged)
         if packet.counter == 0:
             return
         if packet.kind == Kind.CALL:
@@ -155,8 +155,7 @@ class Session:
         if self.arrivals.has(call.counter):
             self._query(call.counter)
         elif self.arrivals.beyond(call.counter):
-            body = Failure("too far ahead").pack()
-            self.send(Packet(Kind.REPLY, Detail.REJECTED, counter=call.counter, body=body))
+            return  # the client sends it again
         elif self._must_wait(call):
             if call.code != packets.RELEASE:
                 self._held.setdefault(call.counter, (call, age_ns))
@@ -168,9 +167,18 @@ class Session:
         in_order = call.code == packets.RELEASE or (operation is not None and operation.queued)
         return in_order and self.arrivals.whole + 1 < call.counter
 
+    def _acknowledge(self, upto: int) -> None:
+        self.replies.acknowledge(upto)
+        self.arrivals.given_up(upto)
+        self._held = {counter: held for counter, held in self._held.items() if counter > upto}
+        self._arrive_next()
+
     def _arrive(self, call: Packet, age_ns: float) -> None:
         self.arrivals.take(call.counter)
         self.served.judge(self, call, age_ns)
+        self._arrive_next()
+
+    def _arrive_next(self) -> None:
         ready = [counter for counter, (held, _) in self._held.items() if not self._must_wait(held)]
         if ready:
             self._arrive(*self._held.pop(min(ready)))

@@ -7,6 +7,7 @@
 #include <deque>
 #include <map>
 #include <mutex>
+#include <new>
 #include <utility>
 
 #include "gecos/media/bell.hpp"
@@ -67,9 +68,13 @@ class InprocAreas final : public AreaMaker {
  public:
   explicit InprocAreas(BulkReader& reader) : reader_(reader) {}
   std::shared_ptr<Mapping> make_area(std::uint64_t number) override {
-    auto area = std::make_shared<Mapping>(Mapping::anonymous(area_bytes));
-    reader_.know(number, area);
-    return area;
+    try {
+      auto area = std::make_shared<Mapping>(Mapping::anonymous(area_bytes));
+      reader_.know(number, area);
+      return area;
+    } catch (const std::bad_alloc&) {
+      return nullptr;
+    }
   }
   bool give_back(std::uint64_t number) override {
     reader_.end(number);

@@ -7,19 +7,31 @@ namespace gecos::session {
 
 DuplicateWindow::Verdict DuplicateWindow::arrived(std::uint64_t counter) {
   if (counter <= all_up_to_) return Verdict::Seen;
-  if (counter > all_up_to_ + width) return Verdict::Beyond;
+  if (counter - all_up_to_ > width) return Verdict::Beyond;
   if (later_[counter % width]) return Verdict::Seen;
   later_[counter % width] = true;
+  advance();
+  return Verdict::New;
+}
+
+void DuplicateWindow::given_up(std::uint64_t counter) {
+  if (counter <= all_up_to_) return;
+  const std::uint64_t steps = std::min<std::uint64_t>(counter - all_up_to_, width);
+  for (std::uint64_t step = 1; step <= steps; ++step) later_[(all_up_to_ + step) % width] = false;
+  all_up_to_ = counter;
+  advance();
+}
+
+void DuplicateWindow::advance() {
   while (later_[(all_up_to_ + 1) % width]) {
     ++all_up_to_;
     later_[all_up_to_ % width] = false;
   }
-  return Verdict::New;
 }
 
 bool DuplicateWindow::seen(std::uint64_t counter) const {
   if (counter <= all_up_to_) return true;
-  return counter <= all_up_to_ + width && later_[counter % width];
+  return counter - all_up_to_ <= width && later_[counter % width];
 }
 
 void ReplyCache::keep(std::uint64_t counter, Bytes packet) {

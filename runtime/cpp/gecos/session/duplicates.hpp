@@ -16,17 +16,21 @@ class DuplicateWindow {
   enum class Verdict : std::uint8_t {
     New,
     Seen,
-    Beyond,  ///< too far ahead of what is missing: refused, it cannot be remembered
+    Beyond,  ///< too far ahead of what is missing: it cannot be remembered, so it has not arrived
   };
   /// Notes that `counter` arrived.
   Verdict arrived(std::uint64_t counter);
   /// Likewise, over a medium that neither loses nor repeats: all before it arrived too.
   void arrived_in_order(std::uint64_t counter) { all_up_to_ = counter; }
+  /// Who sends has given up what has not arrived up to `counter`: from now on it counts as arrived.
+  void given_up(std::uint64_t counter);
   bool seen(std::uint64_t counter) const;
   /// Highest counter up to which all arrived.
   std::uint64_t all_up_to() const { return all_up_to_; }
 
  private:
+  void advance();
+
   static constexpr std::size_t width = 1024;
   std::uint64_t all_up_to_ = 0;
   std::bitset<width> later_;  ///< later_[c % width]: c arrived, for all_up_to_ < c <= all_up_to_ + width

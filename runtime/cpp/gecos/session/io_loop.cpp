@@ -98,12 +98,12 @@ void IoLoop::run_standby() {
 }
 
 void IoLoop::run_handlers(ServedObject& object, std::shared_ptr<ServerCall> started,
-                          Polling& polling) {
-  const bool main = std::this_thread::get_id() == main_id_;
+                          Starter starter, Polling& polling) {
+  const bool main = starter == Starter::Poller;
   const auto turn = handler_turn_.load(std::memory_order_relaxed);
   if (main) handler_turn_.store(turn + 1, std::memory_order_release);
   polling.unlock();
-  object.run_ready(Starter::Poller, std::move(started));
+  object.run_ready(starter, std::move(started));
   if (main) handler_turn_.store(turn + 2, std::memory_order_release);
   if (polling.try_lock()) return;
   wakeup_.ring();  // a standby polls, and sleeps perhaps: it lets go of what is ours again
@@ -126,21 +126,23 @@ void IoLoop::turn(Polling& polling) {
 
 bool IoLoop::look_at_hot(Polling& polling) {
   bool something = false;
+  // Behind a standby nobody polls while it is inside a handler: it leaves them to workers.
+  const auto starter = std::this_thread::get_id() == main_id_ ? Starter::Poller : Starter::Other;
   for (std::size_t at = 0; at < hot_.size(); ++at) {
     ServerSession& session = *hot_[at];
     std::shared_ptr<ServerCall> started;
     if (const auto packet = session.link().receive()) {
       something = true;
       session.quiet_looks = 0;
-      started = session.object()->take_and_start(hot_[at], *packet);
+      started = session.object()->take_and_start(hot_[at], *packet, starter);
     }
     // A standby may part from the session meanwhile: the call keeps it, or we keep the object.
     if (started) {
-      run_handlers(*session.object(), std::move(started), polling);
+      run_handlers(*session.object(), std::move(started), starter, polling);
     } else if (session.object()->ready()) {
       something = true;
       const auto object = session.object();
-      run_handlers(*object, nullptr, polling);
+      run_handlers(*object, nullptr, starter, polling);
     }
   }
   return something;

@@ -46,7 +46,8 @@ class IoLoop {
   void run();
   void run_standby();
   /// Gives polling up meanwhile.
-  void run_handlers(ServedObject& object, std::shared_ptr<ServerCall> started, Polling& polling);
+  void run_handlers(ServedObject& object, std::shared_ptr<ServerCall> started, Starter starter,
+                    Polling& polling);
   bool main_is_inside() const { return handler_turn_.load() % 2 == 1; }
   /// One look at everything hot; sleeps when nothing is.
   void turn(Polling& polling);

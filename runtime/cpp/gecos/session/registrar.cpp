@@ -139,17 +139,20 @@ bool Registrar::enlist_again() {
 }
 
 void Registrar::end() {
-  std::shared_ptr<LinkedSession> broker;
-  std::vector<Entry> entries;
   {
     const std::lock_guard lock(mutex_);
     if (ended_) return;
     ended_ = true;
+  }
+  changed_.notify_one();
+  thread_.join();  // it may just have enlisted them with another broker
+  std::shared_ptr<LinkedSession> broker;
+  std::vector<Entry> entries;
+  {
+    const std::lock_guard lock(mutex_);
     broker = std::move(broker_);
     entries.swap(entries_);
   }
-  changed_.notify_one();
-  thread_.join();
   for (const auto& entry : entries) {
     if (!broker->lost()) withdraw(*broker, entry.name);
   }

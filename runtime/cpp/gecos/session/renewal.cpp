@@ -37,9 +37,17 @@ void append(std::vector<T>& to, std::vector<T> from) {
 
 }  // namespace
 
+Renewal::Renewal(LabCore& lab) : lab_(lab), owner_(getpid()) {}
+
 Renewal::~Renewal() { end(); }
 
 void Renewal::take(const std::shared_ptr<LinkedSession>& from, std::vector<Adrift> commands) {
+  if (getpid() != owner_) {
+    for (Adrift& adrift : commands) {
+      end_as(adrift, "it is not sent again: its Lab belongs to the process that forked this one: make your own");
+    }
+    return;
+  }
   std::vector<Adrift> refused;
   std::string why = "it is not sent again: its Lab is closed";
   {
@@ -65,7 +73,6 @@ void Renewal::look_for_another(const std::shared_ptr<LinkedSession>& from) {
 /// With the mutex.
 Renewal::Search& Renewal::search_of(const std::shared_ptr<LinkedSession>& from) {
   if (!ended_ && !thread_.joinable()) {
-    owner_ = getpid();
     thread_ = start_thread("gecos-renewal", [this] { run(); });
     lab_.runtime()->housekeeping().tend(weak_from_this());
   }

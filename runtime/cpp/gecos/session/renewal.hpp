@@ -46,7 +46,7 @@ class Renewal final : public Tended, public std::enable_shared_from_this<Renewal
   /// So many of one session wait for a server.
   static constexpr std::size_t most_adrift = 256;
 
-  explicit Renewal(LabCore& lab) : lab_(lab) {}
+  explicit Renewal(LabCore& lab);
   ~Renewal() override;
 
   /// Has to be sent again: `from` is lost. They belong to nobody else.
@@ -74,12 +74,12 @@ class Renewal final : public Tended, public std::enable_shared_from_this<Renewal
   std::vector<Adrift> send_to(LinkedSession& found, std::vector<Adrift> commands);
 
   LabCore& lab_;
+  const pid_t owner_;  ///< a forked child has none of the threads that end what is adrift
   std::mutex mutex_;  ///< guards what follows
   std::condition_variable changed_;
   std::vector<Search> searches_;
   bool ended_ = false;
   std::thread thread_;
-  pid_t owner_ = 0;  ///< of the thread
 };
 
 }  // namespace gecos::session

@@ -1,11 +1,28 @@
 #include "gecos/session/served_object.hpp"
 
 #include <algorithm>
+#include <exception>
 
+#include "gecos/base/log.hpp"
 #include "gecos/session/function_code.hpp"
 #include "gecos/session/packets.hpp"
 
 namespace gecos::session {
+
+namespace {
+
+/// What the user gave, where no caller could be told that it threw.
+void run_for_user(const std::string& object, const std::function<void()>& what) {
+  try {
+    what();
+  } catch (const std::exception& error) {
+    log_error("session", object + ": on_stop or gecos_session_ended threw: " + error.what());
+  } catch (...) {
+    log_error("session", object + ": on_stop or gecos_session_ended threw what is no std::exception");
+  }
+}
+
+}  // namespace
 
 ServedObject::ServedObject(std::shared_ptr<Runtime> runtime, std::string name, Servant& servant,
                            ObjectOptions options)
@@ -178,7 +195,7 @@ void ServedObject::tell_user(std::function<void()> what) {
     const auto self = weak.lock();
     if (self == nullptr) return;
     const std::lock_guard lock(self->user_mutex_);
-    if (!self->joined_) what();
+    if (!self->joined_) run_for_user(self->name_, what);
   });
 }
 
@@ -323,7 +340,8 @@ void ServedObject::depart(const std::shared_ptr<ServerSession>& session, Departu
     }
     calls_are_over = session->unreturned == 0;
   }
-  if (session->greeted() && calls_are_over) servant_.gecos_session_ended(number(session->id()));
+  if (!session->greeted() || !calls_are_over) return;
+  run_for_user(name_, [&] { servant_.gecos_session_ended(number(session->id())); });
 }
 
 void ServedObject::lose_status(SessionId session, const std::string& why) {

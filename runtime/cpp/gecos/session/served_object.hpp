@@ -26,7 +26,7 @@ namespace gecos::session {
 enum class Starter : std::uint8_t {
   Poller,  ///< runs short handlers itself
   Worker,  ///< likewise
-  Other,   ///< runs none: a thread of the user, or housekeeping
+  Other,   ///< runs none: a thread of the user, housekeeping, or a standby that polls
 };
 
 /// One object of a server: admits calls, keeps its leases, queues commands, runs handlers, answers.
@@ -45,7 +45,7 @@ class ServedObject final : public Publisher, public std::enable_shared_from_this
   void take(const std::shared_ptr<ServerSession>& session, ByteView packet);
   /// Likewise, and starts what may start now: it is to be passed to `run_ready` soon.
   std::shared_ptr<ServerCall> take_and_start(const std::shared_ptr<ServerSession>& session,
-                                             ByteView packet);
+                                             ByteView packet, Starter starter);
   /// Runs the handler of `started`, if it is one, and of all that may start.
   void run_ready(Starter starter, std::shared_ptr<ServerCall> started = nullptr);
   /// True when `run_ready` may have something to do; a hint that spares the lock.
@@ -80,6 +80,7 @@ class ServedObject final : public Publisher, public std::enable_shared_from_this
 
   // Packets; with the mutex.
   void take_packet(const std::shared_ptr<ServerSession>& session, ByteView bytes);
+  void acknowledge(const std::shared_ptr<ServerSession>& session, std::uint64_t counter);
   void greet(const std::shared_ptr<ServerSession>& session, const wire::PacketView& packet);
   void arrive(const std::shared_ptr<ServerSession>& session, const wire::PacketView& packet);
   void take_call(const std::shared_ptr<ServerSession>& session, const wire::PacketView& packet);

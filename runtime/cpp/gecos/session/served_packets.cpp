@@ -62,10 +62,10 @@ void ServedObject::take(const std::shared_ptr<ServerSession>& session, ByteView 
 }
 
 std::shared_ptr<ServerCall> ServedObject::take_and_start(
-    const std::shared_ptr<ServerSession>& session, ByteView bytes) {
+    const std::shared_ptr<ServerSession>& session, ByteView bytes, Starter starter) {
   const Lock lock(mutex_);
   take_packet(session, bytes);
-  return ready() ? start_next(Starter::Poller) : nullptr;
+  return ready() ? start_next(starter) : nullptr;
 }
 
 void ServedObject::take_packet(const std::shared_ptr<ServerSession>& session, ByteView bytes) {
@@ -84,7 +84,7 @@ void ServedObject::take_packet(const std::shared_ptr<ServerSession>& session, By
   }
   if (!theirs || session->departed) return say_goodbye(*session, header.session, "it is not known here");
 
-  if (session->repeats()) session->replies->acknowledged(header.acknowledged);
+  if (session->repeats()) acknowledge(session, header.acknowledged);
   if (header.counter == 0) return;  // counts no call: damage, or malice
   switch (header.kind) {
     case wire::PacketKind::Call: return arrive(session, *packet);
@@ -92,6 +92,15 @@ void ServedObject::take_packet(const std::shared_ptr<ServerSession>& session, By
     case wire::PacketKind::Query: return answer_again(*session, header.counter);
     default: return;  // a newer client's
   }
+}
+
+/// What its client has given up comes no more: nothing waits for it.
+void ServedObject::acknowledge(const std::shared_ptr<ServerSession>& session, std::uint64_t counter) {
+  session->replies->acknowledged(counter);
+  if (counter <= session->window.all_up_to()) return;
+  session->early.erase(session->early.begin(), session->early.upper_bound(counter));
+  session->window.given_up(counter);
+  take_early(session);
 }
 
 void ServedObject::greet(const std::shared_ptr<ServerSession>& session,
@@ -161,9 +170,7 @@ void ServedObject::arrive(const std::shared_ptr<ServerSession>& session,
     switch (session->window.arrived(counter)) {
       case DuplicateWindow::Verdict::New: break;
       case DuplicateWindow::Verdict::Seen: return answer_again(*session, counter);
-      case DuplicateWindow::Verdict::Beyond:
-        return session->reply(counter, Failure{Detail::Rejected,
-                                               "too many calls are missing before this one", {}, {}});
+      case DuplicateWindow::Verdict::Beyond: return;  // answered now, a copy of it could still start later
     }
   } else {
     session->window.arrived_in_order(counter);

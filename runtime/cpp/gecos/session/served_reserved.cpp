@@ -185,7 +185,9 @@ OutcomeRecord ServedObject::outcome_of(SessionId asked, std::uint64_t counter) {
     }
     if (!session->window.seen(counter)) {
       if (!session->repeats()) return {number_of(Detail::Sent), "it is on its way"};
-      session->window.arrived(counter);
+      if (session->window.arrived(counter) == DuplicateWindow::Verdict::Beyond) {
+        return {number_of(Detail::Sent), "it is on its way, far behind one that is missing"};
+      }
       session->reply(counter, Failure{Detail::NotStarted, never.text, {}, {}});
       take_early(session);
       return never;

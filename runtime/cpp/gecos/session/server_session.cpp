@@ -56,7 +56,14 @@ void ServerSession::reply_as(std::uint64_t counter, const wire::PacketView& befo
   auto header = before.header;
   header.session = id_;
   header.counter = counter;
-  write_packet(packet_, header, before.body);
+  if (const std::size_t carried = link_->offer().largest_packet;
+      wire::packet_size(before.body.size()) > carried) {
+    write_failure(packet_, header,
+                  {Detail::Fault, "the answer takes " + std::to_string(before.body.size()) +
+                                      " bytes and the medium carries " + std::to_string(carried), {}, {}});
+  } else {
+    write_packet(packet_, header, before.body);
+  }
   if (repeats_ || departed) replies->keep(counter, packet_);
   deliver(packet_);
 }

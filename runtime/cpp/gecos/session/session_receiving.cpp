@@ -34,6 +34,8 @@ bool LinkedSession::lead(FunctionRef<bool()> done, TimePoint deadline) {
     if (done()) return true;
     if (taken != 0) {
       baton_.poke(nullptr);
+      // Others' answers may go on coming for as long as they call.
+      if (deadline != TimePoint::max() && std::chrono::steady_clock::now() >= deadline) return false;
       spin_.begin();
     } else if (!spin_.again()) {
       if (std::chrono::steady_clock::now() >= deadline) return false;
@@ -101,10 +103,10 @@ void LinkedSession::take_reply(const wire::PacketView& packet) {
   {
     const std::lock_guard lock(mutex_);
     command = calls_.take(packet.header.counter);
-  }
-  if (!command) return;  // a repeated reply
-  if (packet.header.epoch != Epoch{}) {  // a stop renewed it
-    epoch_.store(number(packet.header.epoch), std::memory_order_relaxed);
+    if (!command) return;  // a repeated reply
+    if (packet.header.epoch != Epoch{} && leases_ != 0) {  // a stop renewed it
+      epoch_.store(number(packet.header.epoch), std::memory_order_relaxed);
+    }
   }
   const auto detail = detail_from(static_cast<std::uint8_t>(packet.header.flags));
   if (detail == Detail::Done) {

@@ -1,7 +1,9 @@
 #include "gecos/session/worker_pool.hpp"
 
+#include <system_error>
 #include <utility>
 
+#include "gecos/base/log.hpp"
 #include "gecos/session/thread.hpp"
 
 namespace gecos::session {
@@ -10,11 +12,17 @@ bool WorkerPool::post(std::function<void()> job) {
   const std::lock_guard lock(mutex_);
   if (ended_) return false;
   jobs_.push_back(std::move(job));
-  if (jobs_.size() > idle_) {
-    threads_.push_back(start_thread(name_, [this] { run(); }));
-  } else {
-    work_.notify_one();
+  if (jobs_.size() > idle_ && threads_.size() < most_threads) {
+    try {
+      threads_.push_back(start_thread(name_, [this] { run(); }));
+      return true;
+    } catch (const std::system_error& failed) {
+      log_warning("session", name_ + ": no thread can be had for a handler (" + failed.what() +
+                                 "); it waits for another to return, see `ulimit -u`");
+      if (threads_.empty()) throw;
+    }
   }
+  work_.notify_one();
   return true;
 }
 

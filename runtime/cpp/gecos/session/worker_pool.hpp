@@ -11,9 +11,12 @@
 namespace gecos::session {
 
 /// The threads of one object's handlers that take long. An idle one takes the next job, else a new
-/// one is started: as many as handlers may run at once, and none before the first job.
+/// one is started, up to `most_threads`; none before the first job.
 class WorkerPool {
  public:
+  /// More handlers than these wait for one of them to return.
+  static constexpr std::size_t most_threads = 256;
+
   explicit WorkerPool(std::string name) : name_(std::move(name)) {}
   ~WorkerPool() { join(); }
   WorkerPool(const WorkerPool&) = delete;
