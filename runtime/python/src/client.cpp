@@ -167,12 +167,13 @@ nb::object next(StreamHandle& self, std::optional<double> timeout) {
   auto core = self.get();
   if (core == nullptr) return nb::str("closed");
   tl::expected<void, StreamEnd> got = tl::unexpected(StreamEnd::Nothing);
-  wait_in_slices(timeout, [&](TimePoint until) {
-    got = core->next(self.sample(), until);
-    if (got || got.error() != StreamEnd::Nothing) return true;
-    const nb::gil_scoped_acquire gil;
-    return self.get() == nullptr;  // closed meanwhile
-  });
+  wait_in_slices(
+      timeout,
+      [&](TimePoint until) {
+        got = core->next(self.sample(), until);
+        return got || got.error() != StreamEnd::Nothing;
+      },
+      [&] { return self.get() == nullptr; });  // closed meanwhile
   if (self.get() == nullptr) {
     without_gil([last = std::move(core)]() mutable { last.reset(); });
     return nb::str("closed");

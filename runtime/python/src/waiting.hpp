@@ -11,6 +11,7 @@
 
 #include "gecos/base/clock.hpp"
 #include "gecos/session/thread.hpp"
+#include "gil.hpp"
 
 /// Waiting as Python wants it: without the GIL, and never deaf to signals for longer than a slice.
 namespace gecos::python {
@@ -24,22 +25,28 @@ inline Duration patience_of(std::optional<double> seconds) {
   return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(*seconds));
 }
 
-/// Calls `wait(until)` in slices, without the GIL, until it gives true or the time is over. Between
-/// them Python's signal handlers run: what they raise (KeyboardInterrupt) ends the wait.
-template <class Wait>
-bool wait_in_slices(std::optional<double> seconds, Wait wait) {
+/// Calls `wait(until)` in slices, without the GIL, until it gives true, the time is over or
+/// `given_up`, asked with the GIL, gives true. Between them Python's signal handlers run: what they
+/// raise (KeyboardInterrupt) ends the wait. Whether `wait` gave true.
+template <class Wait, class GivenUp>
+bool wait_in_slices(std::optional<double> seconds, Wait wait, GivenUp given_up) {
   const Duration patience = patience_of(seconds);
   const TimePoint begin = SystemClock().now();
   for (Duration passed{};;) {
     {
-      const nanobind::gil_scoped_release without_gil;
+      const WithoutGil released;
       const auto slice = std::clamp(patience - passed, Duration::zero(), longest_deafness);
       if (wait(begin + passed + slice)) return true;
       passed = SystemClock().now() - begin;
     }
     if (PyErr_CheckSignals() != 0) throw nanobind::python_error();
-    if (passed >= patience) return false;
+    if (passed >= patience || given_up()) return false;
   }
+}
+
+template <class Wait>
+bool wait_in_slices(std::optional<double> seconds, Wait wait) {
+  return wait_in_slices(seconds, std::move(wait), [] { return false; });
 }
 
 /// Runs `work`, which blocks and touches no Python, on a thread of its own, so that a signal ends
@@ -59,7 +66,7 @@ auto run_interruptibly(Work work) {
 /// Runs `work`, which may block for a moment, without the GIL.
 template <class Work>
 decltype(auto) without_gil(Work work) {
-  const nanobind::gil_scoped_release released;
+  const WithoutGil released;
   return work();
 }
 
