@@ -139,6 +139,19 @@ TEST(ObjectQueue, RefusesEverybodyWhenItIsFull) {
   EXPECT_EQ(refused.error(), ObjectQueue::Full::Object);
 }
 
+TEST(ObjectQueue, HasRoomForOneThatReplacesTheCommandsThoughNotForOneThatFollowsThem) {
+  OperationDescription replacing = moves;
+  replacing.on_new = OnNew::Preempt;
+  ObjectQueue queue(LaneThreads::Many);
+  while (queue.push(ticket(moves))) continue;
+  EXPECT_TRUE(queue.push(ticket(replacing)));
+  EXPECT_FALSE(queue.push(ticket(moves)));
+
+  ObjectQueue reading(LaneThreads::Many);
+  while (reading.push(ticket(reads))) continue;
+  EXPECT_FALSE(reading.push(ticket(replacing))) << "what it does not replace stays";
+}
+
 TEST(ObjectQueue, TakesOutWhatHasNotStarted) {
   ObjectQueue queue(LaneThreads::Many);
   const auto first = ticket(moves);

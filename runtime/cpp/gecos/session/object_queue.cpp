@@ -3,13 +3,21 @@
 #include <algorithm>
 
 namespace gecos::session {
+namespace {
+
+/// The commands before it end when it is queued, so their room is its own.
+bool replaces(const Ticket& ticket) { return ticket.operation.on_new == OnNew::Preempt; }
+
+}  // namespace
 
 tl::expected<void, ObjectQueue::Full> ObjectQueue::push(std::shared_ptr<Ticket> ticket) {
-  const std::size_t waiting = safety_.size() + sensor_.size() + actor_.size();
+  const std::size_t commands = replaces(*ticket) ? 0 : actor_.size();
+  const std::size_t waiting = safety_.size() + sensor_.size() + commands;
   if (waiting != 0 && !ticket->operation.safety) {
     if (waiting >= most_of_object) return tl::unexpected(Full::Object);
     std::ptrdiff_t of_client = 0;
     for (const Lane* lane : {&sensor_, &actor_}) {
+      if (lane == &actor_ && commands == 0) continue;
       of_client += std::count_if(lane->begin(), lane->end(),
                                  [&](const auto& other) { return other->client == ticket->client; });
     }
@@ -36,6 +44,7 @@ std::optional<ObjectQueue::Full> ObjectQueue::too_large(const Ticket& ticket) co
   std::size_t of_object = 0;
   std::size_t of_client = 0;
   for (const Ticket* const other : large_) {
+    if (replaces(ticket) && other->lane == Ticket::Place::Actor) continue;
     of_object += other->bytes;
     if (other->client == ticket.client) of_client += other->bytes;
   }

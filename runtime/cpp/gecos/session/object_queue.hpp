@@ -48,6 +48,7 @@ class ObjectQueue {
   explicit ObjectQueue(LaneThreads threads) : threads_(threads) {}
 
   enum class Full : std::uint8_t { Object, Client, BytesOfObject, BytesOfClient };
+  /// One that preempts needs no room beside the commands that it replaces; its owner ends them then.
   tl::expected<void, Full> push(std::shared_ptr<Ticket> ticket);
 
   /// The next call that may start now; from then on it counts as started. Null when none may.

@@ -278,7 +278,6 @@ void ServedObject::admit(const std::shared_ptr<ServerSession>& session,
     const TimePoint now = runtime_->clock().now();  // in centuries: none
     if (packet.header.deadline < TimePoint::max() - now) call->deadline = now + packet.header.deadline;
   }
-  if (operation.on_new == OnNew::Preempt) preempt(*call);
   if (const auto queued = queue_.push(call); !queued) {
     return refuse(Detail::QueueFull, "was not queued: " + text_of(queued.error(), packet.body.size()));
   }
@@ -286,6 +285,7 @@ void ServedObject::admit(const std::shared_ptr<ServerSession>& session,
   ++session->unreturned;
   if (call->lane == Ticket::Place::Actor) {
     ++session->commands;
+    if (operation.on_new == OnNew::Preempt) preempt(*call);
     const auto position = queue_.position(*call).value_or(0);
     if (position != 0 || session->repeats() || runs_long(operation)) {
       call->told_position = position;
@@ -301,7 +301,7 @@ void ServedObject::preempt(const ServerCall& by) {
                         "replaced by '" + std::string(by.operation().name) + "' of " +
                             by.caller().program + " (pid " + std::to_string(by.caller().pid) + ")",
                         {}, {}};
-  end_commands([](const ServerCall&) { return true; }, failure);
+  end_commands([&](const ServerCall& other) { return &other != &by; }, failure);
 }
 
 void ServedObject::answer_again(ServerSession& session, std::uint64_t counter) {
