@@ -244,6 +244,33 @@ def test_a_deadline_that_passes_ends_the_command(held: Lamp, servant: PlainLamp)
     assert burning.progress().detail in (Detail.TIMED_OUT, Detail.EXPIRED)
 
 
+@pytest.mark.parametrize("seconds", [0.0, -0.5, -1e12])
+def test_a_deadline_that_has_passed_sends_nothing(
+    held: Lamp, servant: PlainLamp, seconds: float
+) -> None:
+    late = gecos.with_deadline(held, seconds)
+    with pytest.raises(
+        gecos.CommandFailed,
+        match="the deadline of 'burn_in' passed before it was sent; it was not carried out",
+    ) as caught:
+        late.burn_in().result()
+    assert caught.value.detail is Detail.EXPIRED
+    with pytest.raises(gecos.CommandFailed, match="the deadline of 'label' passed"):
+        late.label().result()
+    held.dim(1.0).result()
+    assert servant.starts == ["dim"]
+
+
+def test_the_shortest_deadline_is_one(held: Lamp) -> None:
+    assert gecos.with_deadline(held, 1e-12).burn_in().wait() is State.COMMAND_FAILED
+
+
+@pytest.mark.parametrize("seconds", [float("nan"), float("inf"), float("-inf")])
+def test_a_deadline_that_is_no_time_is_refused(lamp: Lamp, seconds: float) -> None:
+    with pytest.raises(ValueError, match=f"a finite number of seconds, not {seconds}; calls of"):
+        gecos.with_deadline(lamp, seconds)
+
+
 def test_the_detail_projects_onto_one_of_four_states() -> None:
     assert {detail.state for detail in Detail} == set(State)
     assert Detail.UNREACHABLE.state is State.RUNNING

@@ -174,7 +174,7 @@ class LeaseRefused(PermissionError):
 
 
 class StreamLost(ConnectionError):
-    """The server of a stream is gone or silent."""
+    """The server of a stream is gone or silent, or the Lab of its reader was closed."""
 
 
 class ServeError(RuntimeError):

@@ -25,6 +25,7 @@ functions (`gecos.stop(robot)`). What this module brings begins with `_gecos`. W
 from __future__ import annotations
 
 import copy
+import math
 from typing import TYPE_CHECKING, ClassVar, Generic, TypeVar
 
 from gecos.command import Command
@@ -50,7 +51,7 @@ class Object:
 
     def __init__(self, gecos_session: _core.Session) -> None:
         self._gecos_session = gecos_session
-        self._gecos_deadline = 0.0
+        self._gecos_deadline: float | None = None
 
     if not TYPE_CHECKING:  # type checkers know it already, and would take it as leave
 
@@ -109,7 +110,16 @@ def reference(proxy: Object) -> ObjectRef:
 
 
 def with_deadline(proxy: P, seconds: float) -> P:
-    """The same object, whose calls give up when they did not complete `seconds` after sending."""
+    """The same object, whose calls give up when they did not complete `seconds` after sending.
+
+    With 0 or less, as `end - time.time()` is when time is over, they are not sent and end EXPIRED.
+    Raises ValueError for what is no finite number.
+    """
+    if not math.isfinite(seconds):
+        raise ValueError(
+            f"a deadline is a finite number of seconds, not {seconds}; "
+            "calls of the proxy itself have none but their operation's own"
+        )
     twin = copy.copy(proxy)
     twin._gecos_deadline = seconds
     return twin

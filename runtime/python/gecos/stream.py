@@ -33,9 +33,9 @@ class Stream(Generic[T]):
     told how many. A sample that does not decode is passed over: it counts as lost, and as
     `unreadable`.
 
-    Iterating waits for each next sample and ends with `close()`; a server that is gone or silent,
-    or closed the session, raises StreamLost. One thread or task reads at a time; others wait for
-    it.
+    Iterating waits for each next sample and ends with `close()`. A server that is gone or silent,
+    or closed the session, raises StreamLost, and so does a Lab that is closed. One thread or task
+    reads at a time; others wait for it.
     """
 
     def __init__(self, core: _core.Stream, decode: Callable[[Decoder], T], name: str) -> None:
@@ -59,7 +59,7 @@ class Stream(Generic[T]):
         For what is true now, ask `latest()`.
 
         Raises TimeoutError after `timeout` seconds without one, EOFError when the stream was
-        closed, StreamLost when the server is gone.
+        closed, StreamLost when the server is gone or the Lab was closed.
         """
         sample = self._next(timeout)
         if sample is None:
@@ -101,7 +101,9 @@ class Stream(Generic[T]):
                 if raw == "closed":
                     return None
                 if raw == "lost":
-                    raise StreamLost(f"stream {self._name}: its server is gone or silent")
+                    raise StreamLost(
+                        f"stream {self._name}: its server is gone or silent, or its Lab is closed"
+                    )
                 if raw == "nothing":
                     break
                 if (sample := self._sample(*raw)) is not None:

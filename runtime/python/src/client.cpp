@@ -70,7 +70,15 @@ nb::object broker(LabHandle& self, nb::handle interface, double patience) {
 
 // Session ----------------------------------------------------------------------------------------
 
-CommandHandle call(SessionHandle& self, std::uint32_t code, nb::bytes arguments, double deadline) {
+/// None is the operation's own; with nothing left it has passed.
+Duration deadline_of(std::optional<double> seconds) {
+  if (!seconds) return Duration{};
+  if (!(*seconds > 0)) return Duration{-1};
+  return std::max(patience_of(seconds), Duration{1});
+}
+
+CommandHandle call(SessionHandle& self, std::uint32_t code, nb::bytes arguments,
+                   std::optional<double> deadline) {
   const OperationDescription* const operation = self.table().find(FunctionCode{code});
   if (operation == nullptr) {
     throw nb::key_error(
@@ -79,7 +87,7 @@ CommandHandle call(SessionHandle& self, std::uint32_t code, nb::bytes arguments,
   const ByteView body = from_python(arguments);
   return CommandHandle(self.get()->call(
       *operation, body.size(), [&](wire::Encoder& to) { to.put_bytes(body); },
-      CallOptions{patience_of(deadline)}));
+      CallOptions{deadline_of(deadline)}));
 }
 
 nb::tuple reference(const SessionHandle& self) {
@@ -209,7 +217,8 @@ void bind_client(nb::module_& module) {
                      return std::string(media::to_string(s.about().offer().kind));
                    })
       .def("reference", &reference)
-      .def("call", &call, nb::arg("code"), nb::arg("arguments"), nb::arg("deadline"))
+      .def("call", &call, nb::arg("code"), nb::arg("arguments"),
+           nb::arg("deadline").none())
       .def("subscribe", &subscribe, nb::arg("code"))
       .def("reserved", &reserved, nb::arg("code"))
       .def("outcome", &outcome, nb::arg("command"))

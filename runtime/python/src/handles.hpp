@@ -93,7 +93,11 @@ class LabHandle {
     sessions_.push_back(session);
     return session;
   }
+  /// Ends every session, whoever keeps it.
   void close() {
+    if (lab_ != nullptr && !owner_.inherited()) {
+      without_gil([lab = lab_] { lab->close(); });
+    }
     for (const auto& known : std::exchange(sessions_, {})) {
       if (const auto session = known.lock()) session->close();
     }

@@ -76,6 +76,22 @@ TEST_P(Commands, ExpireWhenTheirDeadlinePassesInTheQueue) {
   EXPECT_EQ(servant_.events(), (std::vector<std::string>{"start 1", "end 1"}));
 }
 
+TEST_P(Commands, AreNotSentWhenTheirDeadlineHasPassedAlready) {
+  for (const gecos::Duration left : {gecos::Duration(-1), gecos::Duration::min()}) {
+    const auto late = gecos::with(probe_, {.deadline = left});
+    for (const auto& [command, name] : {std::pair(late.set(2), "set"), std::pair(late.look(), "look")}) {
+      const auto ended = command.get();
+      ASSERT_FALSE(ended);
+      EXPECT_EQ(ended.error().detail, Detail::Expired);
+      EXPECT_EQ(ended.error().text, "the deadline of '" + std::string(name) +
+                                        "' passed before it was sent; it was not carried out");
+      EXPECT_EQ(command.id(), gecos::CommandId{});
+    }
+  }
+  EXPECT_EQ(gecos::with(probe_, {.deadline = 0s}).set(3).get().value(), 3) << "zero is none";
+  EXPECT_EQ(servant_.events(), std::vector<std::string>{"set 3"});
+}
+
 TEST_P(Commands, TimeOutWhenTheirDeadlinePassesWhileTheyExecute) {
   const auto move = gecos::with(probe_, {.deadline = 30ms}).move(1);
   EXPECT_EQ(move.get().error().detail, Detail::TimedOut);

@@ -36,6 +36,7 @@ void bound_stamp(media::StreamSample& sample) {
 }  // namespace
 
 bool ClientStream::latest(media::StreamSample& into) {
+  if (session_->closed()) return false;
   session_->glance();
   reader_->latest(into.sequence, into);
   bound_stamp(into);
@@ -47,6 +48,7 @@ tl::expected<void, StreamEnd> ClientStream::next(media::StreamSample& into, Time
   session_->wait(
       nullptr,
       [&] {
+        if (session_->closed()) return true;  // others may read on here
         got = got || reader_->next(into.sequence, into);
         return got || session_->lost();
       },
@@ -55,7 +57,8 @@ tl::expected<void, StreamEnd> ClientStream::next(media::StreamSample& into, Time
     bound_stamp(into);
     return {};
   }
-  return tl::unexpected(session_->lost() ? StreamEnd::Lost : StreamEnd::Nothing);
+  const bool over = session_->lost() || session_->closed();
+  return tl::unexpected(over ? StreamEnd::Lost : StreamEnd::Nothing);
 }
 
 std::int64_t ClientStream::now_ns() const { return unix_now_ns(); }

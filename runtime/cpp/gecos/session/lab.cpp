@@ -30,10 +30,16 @@ Lab::Lab(LabOptions options)
 
 Lab::~Lab() = default;
 
+void Lab::close() { core_->close(std::chrono::seconds(1)); }
+
 namespace session {
 namespace {
 
 using Attempt = CreateError::Attempt;
+
+Attempt closed_lab(const std::string& name) {
+  return {name, Detail::NoServer, "this Lab is closed; make a new one"};
+}
 
 bool entry_is_a(const Entry& entry, std::string_view interface_name) {
   return entry.interface_name == interface_name ||
@@ -48,6 +54,7 @@ tl::expected<std::shared_ptr<LinkedSession>, CreateError::Attempt> open_object(
   if (name.empty()) {
     return tl::unexpected(Attempt{"(nil)", Detail::NoServer, "an empty name is no object"});
   }
+  if (lab.closed()) return tl::unexpected(closed_lab(name));
   const TimePoint deadline = deadline_after(options.patience);
   const auto entry = look_up(lab, name, deadline);
   if (!entry) return tl::unexpected(Attempt{name, Detail::NoServer, entry.error()});
@@ -73,7 +80,8 @@ tl::expected<std::shared_ptr<LinkedSession>, CreateError::Attempt> open_object(
   Attempt failed{name, Detail::NoServer, {}};
   for (const auto& address : *addresses) {
     auto session = lab.runtime()->connect(address, wanted, deadline, &failed.detail, renewable);
-    if (session) return std::move(*session);
+    if (session && lab.keep(*session)) return std::move(*session);
+    if (session) return tl::unexpected(closed_lab(name));  // meanwhile
     failed.reason += (failed.reason.empty() ? "" : "; ") + session.error();
     if (failed.detail == Detail::Refused) break;
   }

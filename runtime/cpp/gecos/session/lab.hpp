@@ -71,6 +71,14 @@ class Lab {
   Lab(const Lab&) = delete;
   Lab& operator=(const Lab&) = delete;
 
+  /// Says goodbye to every object, although proxies, leases or streams are still alive: leases are given
+  /// back, what was issued under them still finishes, calls that wait and readers of streams end, and
+  /// what is called afterwards is CONNECTION_FAILED. `create` gives nothing any more. Servers of this
+  /// lab go on. Takes at most about a second; more than once does nothing.
+  ///
+  /// The destructor does none of this: a proxy keeps what it stands on, and its session ends with it.
+  void close();
+
   /// The first of `names` that is online and of the right type.
   template <class Proxy>
   tl::expected<Proxy, CreateError> create(const std::vector<std::string>& names,

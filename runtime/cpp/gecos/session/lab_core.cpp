@@ -1,6 +1,7 @@
 #include "gecos/session/lab_core.hpp"
 
 #include <cstdlib>
+#include <utility>
 
 #include "gecos/session/linked_session.hpp"
 #include "gecos/session/registry.hpp"
@@ -12,6 +13,35 @@ LabCore::LabCore(std::shared_ptr<Runtime> runtime)
     : runtime_(std::move(runtime)), renewal_(std::make_shared<Renewal>(*this)) {}
 
 LabCore::~LabCore() { renewal_->end(); }
+
+bool LabCore::keep(const std::shared_ptr<LinkedSession>& session) {
+  const std::lock_guard lock(keeping_);
+  if (closed_) return false;
+  std::erase_if(kept_, [](const auto& known) { return known.expired(); });
+  kept_.push_back(session);
+  return true;
+}
+
+bool LabCore::closed() const {
+  const std::lock_guard lock(keeping_);
+  return closed_;
+}
+
+void LabCore::close(Duration patience) {
+  const TimePoint give_up = deadline_after(patience);
+  std::vector<std::weak_ptr<LinkedSession>> kept;
+  {
+    const std::lock_guard lock(keeping_);
+    closed_ = true;
+    kept.swap(kept_);
+  }
+  for (const auto& known : kept) {
+    if (const auto session = known.lock()) {
+      session->close(give_up - std::chrono::steady_clock::now());
+    }
+  }
+  renewal_->end();
+}
 
 std::vector<std::string> LabCore::broker_addresses() {
   std::string named = runtime_->options().broker;

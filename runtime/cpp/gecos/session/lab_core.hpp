@@ -23,6 +23,13 @@ class LabCore : public std::enable_shared_from_this<LabCore> {
   /// The session with this lab's broker, opened when there is none; else what was tried.
   tl::expected<std::shared_ptr<LinkedSession>, std::string> broker(TimePoint deadline);
 
+  /// `session` belongs to a proxy: it ends with `close`. False once that was called.
+  bool keep(const std::shared_ptr<LinkedSession>& session);
+  bool closed() const;
+  /// Says goodbye in every session that is kept, for which it takes at most about `patience`; what waits
+  /// in them ends. No more are kept. Servers go on, and so does the session with the broker.
+  void close(Duration patience);
+
  private:
   std::vector<std::string> broker_addresses();
 
@@ -30,6 +37,10 @@ class LabCore : public std::enable_shared_from_this<LabCore> {
   const std::shared_ptr<Renewal> renewal_;
   std::mutex mutex_;  ///< one thread at a time looks for the broker
   std::shared_ptr<LinkedSession> broker_;
+
+  mutable std::mutex keeping_;  ///< guards what follows
+  std::vector<std::weak_ptr<LinkedSession>> kept_;
+  bool closed_ = false;
 };
 
 /// A session with the object of that name, or why there is none.

@@ -40,6 +40,11 @@ std::shared_ptr<CommandCore> LinkedSession::call(const OperationDescription& ope
                                                  FunctionRef<void(wire::Encoder&)> encode,
                                                  const CallOptions& options) {
   if (auto refused = differs(operation.code, operation.name)) return ended(std::move(*refused));
+  if (options.deadline < Duration{}) {
+    return ended({Detail::Expired,
+                  "the deadline of '" + std::string(operation.name) +
+                      "' passed before it was sent; it was not carried out", {}, {}});
+  }
   if (renewal_ && operation.idempotent && operation.status == access::Status::Sensor) {
     return call_repeatable(operation, size, encode, options);
   }
@@ -227,6 +232,7 @@ Failure LinkedSession::failure_of(const PendingCommand& command, Ending how,
 }
 
 void LinkedSession::close(Duration patience) {
+  closed_.store(true, std::memory_order_relaxed);
   if (lost()) return;
   const TimePoint give_up = deadline_after(patience);
   if (repeats_ && patience > Duration{}) {
@@ -244,7 +250,7 @@ void LinkedSession::close(Duration patience) {
     const TimePoint next = deadline_after(retry_after(tries++));
     wait(nullptr, [this] { return goodbye_heard_.load() || lost(); }, std::min(next, give_up));
   } while (!lost() && std::chrono::steady_clock::now() < give_up);
-  lose(Ending::ByUs, "this program closed the session");
+  lose(Ending::ByUs, closed_by_us);
 }
 
 bool LinkedSession::everything_arrived() {

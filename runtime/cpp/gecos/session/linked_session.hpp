@@ -63,6 +63,8 @@ class LinkedSession final : public ClientSession,
   Runtime& runtime() { return *runtime_; }
   const Welcome& welcome() const { return welcome_; }
   bool lost() const { return lost_.load(std::memory_order_acquire); }
+  /// This program has closed it, or is about to.
+  bool closed() const { return closed_.load(std::memory_order_relaxed); }
   bool unreachable() const { return unreachable_.load(std::memory_order_relaxed); }
 
   // For the sending again of what may be.
@@ -129,6 +131,7 @@ class LinkedSession final : public ClientSession,
   std::uint64_t finished_up_to() const;
 
   enum class Ending : std::uint8_t { Died, Closed, Silent, Broken, ByUs };
+  static constexpr const char* closed_by_us = "this program closed the session";
   void lose(Ending how, const std::string& text);
   Failure failure_of(const PendingCommand& command, Ending how, const std::string& text) const;
   std::vector<Adrift> cast_off(Ending how, const std::string& text);
@@ -153,6 +156,7 @@ class LinkedSession final : public ClientSession,
   std::vector<int> descriptors_;  ///< whoever has the baton: reused
   Wakeup leader_wakeup_;
   std::atomic<bool> lost_{false};         // publishes loss_text_
+  std::atomic<bool> closed_{false};       // publishes nothing but itself
   std::atomic<bool> unreachable_{false};  // publishes nothing but itself
   std::atomic<TimePoint> silent_since_{};  // publishes nothing but itself; while it is unreachable
   std::atomic<bool> attended_{false};     // publishes nothing but itself

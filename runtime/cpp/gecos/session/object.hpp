@@ -17,7 +17,8 @@ namespace gecos {
 /// How calls through one copy of a proxy are made.
 struct CallOptions {
   /// Time from sending to completion; the server is told, and gives up when it is over. Zero: the
-  /// operation's own `@qos(deadline=…)`, or none.
+  /// operation's own `@qos(deadline=…)`, or none. Negative, as `end - now` is when time is over: the
+  /// call is not sent and ends EXPIRED.
   Duration deadline{};
 };
 

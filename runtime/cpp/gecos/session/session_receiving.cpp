@@ -92,6 +92,7 @@ void LinkedSession::take_packet(ByteView bytes) {
                                                             : take_progress(*packet);
     case wire::PacketKind::Goodbye:
       goodbye_heard_.store(true, std::memory_order_release);
+      if (closed()) return lose(Ending::ByUs, closed_by_us);  // the answer to ours
       return lose(Ending::Closed, "the server closed the session with " + welcome_.object +
                                       text_of(packet->body));
     default: return;  // newer kinds, and answers to what is over

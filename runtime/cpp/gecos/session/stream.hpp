@@ -29,7 +29,7 @@ struct Sample {
 /// Why a stream gives nothing more.
 enum class StreamEnd : std::uint8_t {
   Nothing,  ///< no new sample that decodes within the patience given; the stream goes on
-  Lost,     ///< the server is gone or silent, or has closed the session
+  Lost,     ///< the server is gone or silent, or has closed the session, or the Lab was closed
 };
 std::string_view to_string(StreamEnd end);
 
@@ -57,7 +57,8 @@ class Stream {
   Stream(std::shared_ptr<session::StreamCore> core, Decode decode)
       : core_(std::move(core)), decode_(decode) {}
 
-  /// The newest sample; nothing before the first, and nothing while the newest does not decode. Never waits.
+  /// The newest sample; nothing before the first, nothing while the newest does not decode, and nothing
+  /// once the Lab was closed. Never waits.
   std::optional<Sample<T>> latest() {
     if (!core_->latest(raw_)) return std::nullopt;
     return decoded();
