@@ -40,7 +40,6 @@ def a_session_with_everything(partner: Partner, client: Client) -> None:
     client.ends("w")
     client.tell("follow")
     client.says("follows")
-    client.tell("deadline 0")
     client.tell("release")
     client.says("released")
     client.tell("close")

@@ -12,6 +12,7 @@ from speaker.lcm import Loop
 
 PROGRAMS = Path(__file__).resolve().parent / "programs"
 LANGUAGES = ["cpp", "python"]
+OPEN = ("SENT", "QUEUED", "EXECUTING", "CANCELING", "UNREACHABLE")
 
 
 def command_of(lab: Laboratory, language: str) -> list[str | Path]:
@@ -73,6 +74,7 @@ class Client:
             at = self.says(f"{tag} stands")
             if at.startswith(like):
                 return at
+            assert at.startswith(OPEN), f"{tag} ended {at!r}, was not {like!r}: {self.program}"
 
     def acquires(self) -> int:
         self.tell("acquire")

@@ -86,6 +86,7 @@ class Client {
     commands_.clear();
     lease_.reset();
     partner_ = {};
+    deadline_ = {};
     reader_ = {};
     say("closed");
   }

@@ -55,7 +55,7 @@ class Client:
     def __init__(self, lab: gecos.Lab) -> None:
         self._lab = lab
         self._partner: Partner | None = None
-        self._limit = 0.0
+        self._limit: float | None = None
         self._lease: gecos.Lease | None = None
         self._streams: list[tuple[gecos.Stream[float], threading.Thread]] = []
         self._things = constants()
@@ -77,7 +77,7 @@ class Client:
             stream.close()
             reader.join()
         self._streams.clear()
-        self._partner = self._lease = None
+        self._partner = self._lease = self._limit = None
         say("closed")
 
     def _deadline(self, seconds: str) -> None:
@@ -102,6 +102,8 @@ class Client:
 
     def _open_one(self) -> Partner:
         assert self._partner is not None
+        if self._limit is None:
+            return self._partner
         return gecos.with_deadline(self._partner, self._limit)
 
     def _called(
