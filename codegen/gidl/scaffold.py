@@ -89,7 +89,10 @@ def write_mock(
     _write(folder, texts)
     served = ", ".join(i.name for i in chosen)
     if language == "python":
-        run = f"PYTHONPATH=<its generated Python> python {folder}/{source}"
+        run = (
+            f"gidl gen -I {root} --lang python --out generated {place}; "
+            f"PYTHONPATH=generated/python python {folder}/{source}"
+        )
     else:
         run = f"cmake -B build -S {folder} -Drobcl_DIR=<build folder of robcl>; build/server"
     return f"gidl: {folder}/{source} stands in for {served}\ngidl: after `gecos broker`: {run}"

@@ -261,6 +261,30 @@ def test_a_call_that_waits_for_its_handler_when_the_server_closes_was_not_starte
     assert running.wait(30) is not State.RUNNING
 
 
+def test_a_handler_that_closing_waits_for_is_named(
+    lamp: Lamp,
+    server: gecos.Server,
+    servant: PlainLamp,
+    capfd: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("gecos.server._PATIENCE_WITH_HANDLERS", 0.01)
+    begun, go_on = threading.Event(), threading.Event()
+    servant.before_label = lambda: (begun.set(), go_on.wait(30))
+    running = lamp.label()
+    assert begun.wait(30)
+    closing = threading.Thread(target=server.close)
+    closing.start()
+    said = ""
+    while "closing waits for the handler PlainLamp.label" not in said:
+        assert closing.is_alive(), said
+        said += capfd.readouterr().err
+    go_on.set()
+    closing.join(30)
+    assert not closing.is_alive()
+    assert running.wait(30) is not State.RUNNING
+
+
 def test_a_server_may_be_closed_twice(server: gecos.Server) -> None:
     server.close()
     server.close()
@@ -293,10 +317,17 @@ def test_many_threads_may_call_through_one_proxy(lamp: Lamp) -> None:
     assert labels == ["a lamp"] * 200
 
 
-def test_a_server_waits_for_a_broker_that_is_starting(place: object) -> None:
+def test_a_server_waits_for_a_broker_that_is_starting(
+    place: object, capfd: pytest.CaptureFixture[str]
+) -> None:
     with gecos.Lab() as ours, gecos.Server(ours) as server:
         with pytest.raises(gecos.ServeError, match="no broker answers"):
             server.await_broker(0.0)
+        assert not capfd.readouterr().err
+        with pytest.raises(gecos.ServeError, match="no broker answers"):
+            server.await_broker(1.5)
+        told = capfd.readouterr().err
+        assert told.count("no broker answers") == 1 and "tried again" in told
         adding = threading.Thread(target=server.add, args=("EARLY", PlainLamp()))
         adding.start()
         with gecos.Lab() as theirs, gecos.Broker(theirs):

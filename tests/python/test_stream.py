@@ -119,6 +119,24 @@ def test_a_stream_ends_when_its_server_closes(lamp: Lamp, server: gecos.Server) 
         stream.next(10.0)
 
 
+def test_who_only_asks_for_the_newest_is_told_that_the_server_is_gone(
+    lamp: Lamp, servant: PlainLamp, server: gecos.Server
+) -> None:
+    stream = lamp.level.stream()
+    servant.publish_level(1.0)
+    while stream.latest() is None:
+        stream.next(10.0)
+    server.close()
+
+    def ends() -> None:
+        end = time.monotonic() + 10.0
+        while time.monotonic() < end:
+            stream.latest()
+
+    with pytest.raises(gecos.StreamLost, match=r"stream LAMP\.level: its server is gone"):
+        ends()
+
+
 def test_a_closed_stream_gives_nothing(lamp: Lamp, servant: PlainLamp) -> None:
     stream = lamp.level.stream()
     servant.publish_level(1.0)

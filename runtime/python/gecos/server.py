@@ -23,6 +23,7 @@ _FIFO_LANE = 1
 _LONGEST_TEXT = 10_000  # characters of a failure
 
 BROKER_PATIENCE = 10.0
+_PATIENCE_WITH_HANDLERS = 1.0
 """How long a server waits for a broker that is starting, in seconds."""
 
 
@@ -38,6 +39,7 @@ class Server:
     def __init__(self, lab: Lab) -> None:
         self._core = _core.Server(lab._core)
         self._servants: list[Servant] = []
+        self._answering: dict[int, _core.IncomingCall] = {}  # by lane
         self._adding = threading.Lock()
         self._threads = [
             threading.Thread(target=self._work, args=(lane,), name=f"gecos-{name}", daemon=True)
@@ -81,10 +83,14 @@ class Server:
         servant._gecos_core = added
 
     def close(self) -> None:
-        """Withdraws all objects; running handlers are interrupted and waited for."""
+        """Withdraws all objects; running handlers are interrupted and waited for. One that does not
+        look whether it is interrupted is named on stderr, and still waited for."""
         self._core.close()
-        for thread in self._threads:
+        for thread, lane in zip(self._threads, (_SENSOR_LANE, _FIFO_LANE), strict=True):
             if thread is not threading.current_thread():
+                thread.join(_PATIENCE_WITH_HANDLERS)
+                if thread.is_alive():
+                    self._tell_running(lane)
                 thread.join()
         for servant in self._servants:
             servant._gecos_core = None
@@ -104,9 +110,24 @@ class Server:
         while not self._core.closed:
             task = self._core.next(lane, None)
             if isinstance(task, _core.IncomingCall):
+                self._answering[lane] = task
                 _answer(self._servants[task.servant], task)
+                self._answering.pop(lane)
             elif task is not None:
                 _stopped(self._servants[task])
+
+    def _tell_running(self, lane: int) -> None:
+        task = self._answering.get(lane)
+        if task is None:
+            return
+        servant = self._servants[task.servant]
+        handler = servant._gecos_handlers.get(task.code)
+        name = f"{type(servant).__name__}.{handler.method if handler else '?'}"
+        log.error(
+            "server",
+            f"closing waits for the handler {name}, which was interrupted and has not returned; a "
+            "handler that takes long looks at `execution.interrupted()`. Only SIGKILL ends it now",
+        )
 
 
 def serve(

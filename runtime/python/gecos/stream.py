@@ -48,10 +48,15 @@ class Stream(Generic[T]):
         self._unreadable = 0
 
     def latest(self) -> Sample[T] | None:
-        """The newest sample, again if need be; None before the first, and while the newest does not
-        decode. Never waits."""
+        """The newest sample, again if need be; None before the first, while the newest does not
+        decode, and after `close()`. Never waits.
+
+        Raises StreamLost when the server is gone or silent, or the Lab was closed.
+        """
         with self._reading:
             raw = self._core.latest()
+            if isinstance(raw, str):
+                raise self._lost()
             return None if raw is None else self._sample(*raw)
 
     def next(self, timeout: float | None = None) -> Sample[T]:
@@ -101,9 +106,7 @@ class Stream(Generic[T]):
                 if raw == "closed":
                     return None
                 if raw == "lost":
-                    raise StreamLost(
-                        f"stream {self._name}: its server is gone or silent, or its Lab is closed"
-                    )
+                    raise self._lost()
                 if raw == "nothing":
                     break
                 if (sample := self._sample(*raw)) is not None:
@@ -111,6 +114,11 @@ class Stream(Generic[T]):
                 if end is not None and (left := end - time.monotonic()) <= 0:
                     break
         raise TimeoutError(f"stream {self._name}: no sample within {timeout} s")
+
+    def _lost(self) -> StreamLost:
+        return StreamLost(
+            f"stream {self._name}: its server is gone or silent, or its Lab is closed"
+        )
 
     def _sample(self, raw: bytes, sequence: int, stamp_ns: int, now_ns: int) -> Sample[T] | None:
         try:

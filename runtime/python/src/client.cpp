@@ -167,8 +167,10 @@ nb::tuple as_tuple(const session::StreamCore& core, const media::StreamSample& s
 
 nb::object latest(StreamHandle& self) {
   const auto core = self.get();
-  if (core == nullptr || !core->latest(self.sample())) return nb::none();
-  return as_tuple(*core, self.sample());
+  if (core == nullptr) return nb::none();
+  if (core->latest(self.sample())) return as_tuple(*core, self.sample());
+  if (core->lost()) return nb::str("lost");
+  return nb::none();
 }
 
 nb::object next(StreamHandle& self, std::optional<double> timeout) {

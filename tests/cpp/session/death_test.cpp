@@ -83,6 +83,7 @@ TEST_P(ServerDies, AndEveryCommandEndsInAStateThatSaysWhatIsKnown) {
   ASSERT_FALSE(later);
   EXPECT_EQ(later.error().state(), State::ConnectionFailed) << later.error();
   EXPECT_EQ(stream->next(1s).error(), gecos::StreamEnd::Lost);
+  EXPECT_TRUE(stream->lost() && !stream->latest());
   EXPECT_EQ(move.state(), State::CommandFailed) << "it never changes";
 }
 

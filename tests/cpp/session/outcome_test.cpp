@@ -16,9 +16,13 @@ class Outcomes : public probe::OverMedia {
     EXPECT_TRUE(answer) << answer.error();
     return answer.value_or(gecos::Outcome{});
   }
-  bool lossy() const { return kind_ == gecos::media::Kind::Lcm; }
 };
 PROBE_OVER_MEDIA(Outcomes);
+
+/// Elsewhere nothing overtakes, and what is on its way arrives.
+using OutcomesOverLossyMedia = Outcomes;
+INSTANTIATE_TEST_SUITE_P(Over, OutcomesOverLossyMedia, ::testing::Values(gecos::media::Kind::Lcm),
+                         gecos::media::name_of);
 
 TEST_P(Outcomes, AreToldToOthersWhoKnowTheCommand) {
   servant_.open_gate();
@@ -75,8 +79,7 @@ TEST_P(Outcomes, OutliveTheSession) {
   EXPECT_EQ(outcome.state(), State::ConnectionFailed) << "sending it again is safe";
 }
 
-TEST_P(Outcomes, ThatSayNotStartedAreKept) {
-  if (!lossy()) return;  // elsewhere nothing overtakes, and what is on its way arrives
+TEST_P(OutcomesOverLossyMedia, ThatSayNotStartedAreKept) {
   const auto robot = connect(lab_);
   const auto lease = gecos::actor(robot);
   ASSERT_TRUE(lease) << lease.error();

@@ -1,5 +1,6 @@
 #include <thread>
 
+#include "../settles.hpp"
 #include "over_media.hpp"
 
 namespace {
@@ -124,6 +125,17 @@ TEST_P(Streams, EndWithTheirServer) {
   const auto sample = level->next(10s);
   ASSERT_FALSE(sample);
   EXPECT_EQ(sample.error(), StreamEnd::Lost);
+}
+
+TEST_P(Streams, WhoOnlyAsksForTheNewestIsToldThatTheServerIsGone) {
+  auto level = probe_.level(gecos::stream);
+  ASSERT_TRUE(level) << level.error();
+  servant_.publish(8);
+  ASSERT_TRUE(settles([&] { return level->latest().has_value(); }));
+  EXPECT_FALSE(level->lost());
+  server_.reset();
+  EXPECT_TRUE(settles([&] { return !level->latest(); })) << "nobody waits on this session";
+  EXPECT_TRUE(level->lost());
 }
 
 TEST_P(Streams, GoOnForOneReaderWhenAnotherEnds) {

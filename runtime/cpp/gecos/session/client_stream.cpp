@@ -36,8 +36,9 @@ void bound_stamp(media::StreamSample& sample) {
 }  // namespace
 
 bool ClientStream::latest(media::StreamSample& into) {
-  if (session_->closed()) return false;
+  if (session_->closed()) return false;  // others may read on here
   session_->glance();
+  if (session_->lost()) return false;
   reader_->latest(into.sequence, into);
   bound_stamp(into);
   return into.sequence != 0;
@@ -48,7 +49,7 @@ tl::expected<void, StreamEnd> ClientStream::next(media::StreamSample& into, Time
   session_->wait(
       nullptr,
       [&] {
-        if (session_->closed()) return true;  // others may read on here
+        if (session_->closed()) return true;
         got = got || reader_->next(into.sequence, into);
         return got || session_->lost();
       },
@@ -57,9 +58,10 @@ tl::expected<void, StreamEnd> ClientStream::next(media::StreamSample& into, Time
     bound_stamp(into);
     return {};
   }
-  const bool over = session_->lost() || session_->closed();
-  return tl::unexpected(over ? StreamEnd::Lost : StreamEnd::Nothing);
+  return tl::unexpected(lost() ? StreamEnd::Lost : StreamEnd::Nothing);
 }
+
+bool ClientStream::lost() const { return session_->lost() || session_->closed(); }
 
 std::int64_t ClientStream::now_ns() const { return unix_now_ns(); }
 

@@ -18,8 +18,8 @@ class ClientStream final : public StreamCore {
 
   bool latest(media::StreamSample& into) override;
   tl::expected<void, StreamEnd> next(media::StreamSample& into, TimePoint deadline) override;
+  bool lost() const override;
   std::int64_t now_ns() const override;
-
 
  private:
   const std::shared_ptr<LinkedSession> session_;

@@ -126,10 +126,6 @@ class CommandAwaiter {
   Command command_;
 };
 
-}  // namespace session
-
-namespace session {
-
 /// What every command has, whatever its result.
 template <class Feedback>
 class AnyCommand {

@@ -18,6 +18,8 @@ namespace {
 constexpr Duration patience = std::chrono::seconds(2);
 constexpr Duration between_tries = std::chrono::milliseconds(200);
 constexpr Duration between_looks = std::chrono::milliseconds(20);
+/// Server and broker are often started together.
+constexpr Duration before_told = std::chrono::seconds(1);
 
 }  // namespace
 
@@ -26,12 +28,25 @@ Registrar::Registrar(std::shared_ptr<LabCore> lab) : lab_(std::move(lab)) {
 }
 
 tl::expected<void, std::string> Registrar::await_broker(TimePoint deadline) {
-  for (bool told = false;; told = true) {
+  for (;;) {
     const auto broker = lab_->broker(std::min(deadline, deadline_after(patience)));
+    note_broker(broker ? std::string() : broker.error());
     if (broker) return {};
-    if (!told) log_info("session", "waiting for a broker: " + broker.error());
     if (!rest(between_tries, deadline)) return tl::unexpected(broker.error());
   }
+}
+
+void Registrar::note_broker(const std::string& missing) {
+  const TimePoint now = lab_->runtime()->clock().now();
+  const std::lock_guard lock(mutex_);
+  if (missing.empty()) {
+    missing_since_.reset();
+    return;
+  }
+  if (!missing_since_) missing_since_ = now;
+  if (now < *missing_since_ + before_told) return;
+  log_warning("session", missing + "; it is tried again and again");
+  missing_since_ = TimePoint::max() - before_told;
 }
 
 bool Registrar::rest(Duration length, TimePoint deadline) {

@@ -3,6 +3,7 @@
 #include <condition_variable>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -36,6 +37,8 @@ class Registrar {
   tl::expected<std::shared_ptr<LinkedSession>, std::string> enlist_first(const Entry& entry,
                                                                          TimePoint deadline);
   bool enlist_again();
+  /// Tells the user once why there is none when that lasts; empty when there is one.
+  void note_broker(const std::string& missing);
   /// Of this host, for of others it cannot be told. Whoever has no pid here counts as ended too.
   bool holder_has_ended(const std::string& name, TimePoint deadline) const;
   /// False when it is over: the deadline has come, or the end.
@@ -46,6 +49,7 @@ class Registrar {
   std::condition_variable changed_;
   std::vector<Entry> entries_;
   std::shared_ptr<LinkedSession> broker_;  ///< where they are enlisted
+  std::optional<TimePoint> missing_since_;
   bool wanted_ = false;
   bool ended_ = false;
   std::thread thread_;  ///< looking for a broker blocks, so it has a thread of its own

@@ -39,8 +39,10 @@ namespace session {
 class StreamCore {
  public:
   virtual ~StreamCore() = default;  ///< unsubscribes
+  /// False before the first sample, and when the stream is lost.
   virtual bool latest(media::StreamSample& into) = 0;
   virtual tl::expected<void, StreamEnd> next(media::StreamSample& into, TimePoint deadline) = 0;
+  virtual bool lost() const = 0;
   /// Now, by the clock that stamps samples, Unix ns.
   virtual std::int64_t now_ns() const = 0;
 };
@@ -57,8 +59,8 @@ class Stream {
   Stream(std::shared_ptr<session::StreamCore> core, Decode decode)
       : core_(std::move(core)), decode_(decode) {}
 
-  /// The newest sample; nothing before the first, nothing while the newest does not decode, and nothing
-  /// once the Lab was closed. Never waits.
+  /// The newest sample, again if need be; nothing before the first, while the newest does not decode, and
+  /// once the stream is lost: what a dead server said last is nobody's news. Never waits.
   std::optional<Sample<T>> latest() {
     if (!core_->latest(raw_)) return std::nullopt;
     return decoded();
@@ -73,6 +75,8 @@ class Stream {
       if (std::chrono::steady_clock::now() >= deadline) return tl::unexpected(StreamEnd::Nothing);
     }
   }
+  /// It gives nothing more, as `StreamEnd::Lost` says.
+  bool lost() const { return core_->lost(); }
   /// How many samples came that do not decode. Their server is broken: one that means another type is
   /// refused when the stream is opened.
   std::uint64_t unreadable() const { return unreadable_; }
