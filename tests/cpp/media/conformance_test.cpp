@@ -222,6 +222,17 @@ TEST_P(Conformance, NoWakeUpIsLost) {
   echoing.join();
 }
 
+TEST_P(Conformance, WhoAsksForALossTakesNoWakeUpFromASleeper) {
+  ASSERT_TRUE(server_.link->arm());
+  ASSERT_TRUE(client_.send("before it has heard of the server"));
+  EXPECT_EQ(server_.link->loss(), Loss::None) << "as housekeeping asks, beside the thread that sleeps";
+  std::vector<int> all(server_.link->descriptors().begin(), server_.link->descriptors().end());
+  all.insert(all.end(), door_->descriptors().begin(), door_->descriptors().end());
+  EXPECT_EQ(sleep_on(all, too_late()), Wake::Ready);
+  server_.link->disarm();
+  EXPECT_EQ(server_.receive(), "before it has heard of the server");
+}
+
 TEST_P(Conformance, HousekeepingMayBeatBesideEverything) {
   std::atomic<bool> done{false};
   std::thread housekeeping([&] {

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <atomic>
+#include <utility>
 #include <vector>
 
 #include "gecos/media/bell.hpp"
@@ -37,6 +38,12 @@ int looks_of_one_wait(SpinPolicy& spin) {
   spin.begin();
   while (spin.again()) ++looks;
   return looks;
+}
+
+void lose_core(SpinPolicy& spin, SteppingClock& clock) {
+  const Duration step = std::exchange(clock.step, 300us);
+  looks_of_one_wait(spin);
+  clock.step = step;
 }
 
 TEST(SpinPolicy, SpinsForItsBudgetThenSleeps) {
@@ -78,7 +85,7 @@ TEST(SpinPolicy, YieldsAfterEveryLookWhereSomebodyElseRuns) {
   EXPECT_EQ(looks_of_one_wait(spin), 8 + 49);
 }
 
-TEST(SpinPolicy, ALostCoreStopsSpinningForAWhileThatDoubles) {
+TEST(SpinPolicy, ALostCoreStopsYieldsForAWhileThatDoubles) {
   SteppingClock clock;
   SpinPolicy spin(clock, {.looks_alone = 0});
   Duration expected = 20ms;
@@ -86,14 +93,57 @@ TEST(SpinPolicy, ALostCoreStopsSpinningForAWhileThatDoubles) {
     clock.step = 300us;
     EXPECT_LE(looks_of_one_wait(spin), 1);
     const TimePoint now = clock.now() - clock.step;
-    EXPECT_EQ(spin.paused_until() - now, expected);
+    EXPECT_EQ(spin.crowded_until() - now, expected);
     expected = std::min<Duration>(2 * expected, 1s);
 
-    clock.step = 1ns;
-    EXPECT_EQ(looks_of_one_wait(spin), 0) << "no spinning during the pause";
-    clock.step = spin.paused_until() - now;
+    clock.step = spin.crowded_until() - now;
     clock.now();
   }
+}
+
+TEST(SpinPolicy, BesideABusyProgramItLooksForItsBudgetAndDoesNotYield) {
+  SteppingClock clock;
+  SpinPolicy spin(clock, {.longest = 10us, .looks_alone = 7});
+  lose_core(spin, clock);
+  clock.step = 1us;
+  const int before = clock.readings;
+  // Eight looks, then the clock is read once; a yield would be timed by a second reading.
+  EXPECT_EQ(looks_of_one_wait(spin), 10 * 8);
+  EXPECT_EQ(clock.readings - before, 11);
+}
+
+TEST(SpinPolicy, LooksThatAreAlwaysInVainAreGivenUpUntilYieldsAreTriedAgain) {
+  SteppingClock clock;
+  SpinPolicy spin(clock, {.longest = 10us, .vain_in_row = 3, .looks_alone = 7});
+  lose_core(spin, clock);
+  clock.step = 1us;
+  for (int wait = 0; wait < 3; ++wait) {
+    EXPECT_FALSE(spin.in_vain());
+    EXPECT_GT(looks_of_one_wait(spin), 0);
+  }
+  EXPECT_TRUE(spin.in_vain());
+  EXPECT_EQ(looks_of_one_wait(spin), 0);
+  clock.step = 20ms;
+  clock.now();
+  clock.step = 100ns;
+  EXPECT_GT(looks_of_one_wait(spin), 0);
+  EXPECT_FALSE(spin.in_vain());
+}
+
+TEST(SpinPolicy, WhatComesWhileItLooksIsWhyItGoesOnLooking) {
+  SteppingClock clock;
+  SpinPolicy spin(clock, {.longest = 10us, .vain_in_row = 3, .looks_alone = 7});
+  lose_core(spin, clock);
+  clock.step = 1us;
+  for (int wait = 0; wait < 30; ++wait) {
+    if (wait % 3 != 0) {
+      EXPECT_GT(looks_of_one_wait(spin), 0);
+      continue;
+    }
+    spin.begin();
+    EXPECT_TRUE(spin.again());  // and then it came
+  }
+  EXPECT_FALSE(spin.in_vain());
 }
 
 TEST(SpinPolicy, AQuietSpinForgetsTheLostCores) {
@@ -107,7 +157,7 @@ TEST(SpinPolicy, AQuietSpinForgetsTheLostCores) {
   EXPECT_GT(looks_of_one_wait(spin), 1);
   clock.step = 300us;
   looks_of_one_wait(spin);
-  EXPECT_EQ(spin.paused_until() - (clock.now() - clock.step), 20ms);
+  EXPECT_EQ(spin.crowded_until() - (clock.now() - clock.step), 20ms);
 }
 
 TEST(SpinPolicy, WhereTheCoreIsSharedAWaitOfOneYieldReadsTheClockOnce) {
@@ -132,7 +182,7 @@ TEST(SpinPolicy, ALongTimeBetweenTwoWaitsIsNoLostCore) {
     clock.now();
     clock.step = 100ns;
   }
-  EXPECT_EQ(spin.paused_until(), TimePoint{});
+  EXPECT_EQ(spin.crowded_until(), TimePoint{});
 }
 
 TEST(SpinPolicy, ALostCoreInWaitsOfOneYieldIsNoticedByTheSecond) {
@@ -145,7 +195,7 @@ TEST(SpinPolicy, ALostCoreInWaitsOfOneYieldIsNoticedByTheSecond) {
   EXPECT_TRUE(spin.again()) << "it might have been what went before";
   spin.begin();
   EXPECT_FALSE(spin.again());
-  EXPECT_NE(spin.paused_until(), TimePoint{});
+  EXPECT_NE(spin.crowded_until(), TimePoint{});
 }
 
 TEST(SpinPolicy, ABudgetOfZeroNeverSpins) {

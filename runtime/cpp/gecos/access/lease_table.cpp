@@ -42,22 +42,18 @@ Epoch LeaseTable::epoch() const {
   return Epoch{life | changes_};
 }
 
-std::vector<LeaseTable::Member>::iterator LeaseTable::find(SessionId session) {
-  return std::ranges::find_if(members_,
-                              [&](const Member& m) { return m.holder.session == session; });
-}
-
 const LeaseTable::Member* LeaseTable::find(SessionId session) const {
-  for (const Member& member : members_) {
-    if (member.holder.session == session) return &member;
-  }
-  return nullptr;
+  const auto found = members_.find(session);
+  return found == members_.end() ? nullptr : &found->second;
 }
 
 std::vector<Holder> LeaseTable::roster() const {
   std::vector<Holder> holders;
   holders.reserve(members_.size());
-  for (const Member& member : members_) holders.push_back(member.holder);
+  for (const auto& [session, member] : members_) holders.push_back(member.holder);
+  std::ranges::sort(holders, {}, [](const Holder& holder) {
+    return std::pair(holder.since, holder.session);
+  });
   return holders;
 }
 
@@ -73,15 +69,16 @@ tl::expected<Grant, LeaseRefusal> LeaseTable::acquire(SessionId session, const C
                                                       TimePoint now) {
   using Reason = LeaseRefusal::Reason;
   const std::string status(to_string(wanted));
-  const auto mine = find(session);
-  const Status target = mine == members_.end() ? wanted : std::max(wanted, mine->holder.status);
-  for (const Member& other : members_) {
-    if (other.holder.session == session) continue;
+  const auto mine = members_.find(session);
+  const bool member = mine != members_.end();
+  const Status target = member ? std::max(wanted, mine->second.holder.status) : wanted;
+  for (const auto& [id, other] : members_) {
+    if (id == session) continue;
     if (other.holder.status != target) {
       return tl::unexpected(refuse(Reason::HeldByOther,
                                    status + " status refused while others have another one", now));
     }
-    if (mine != members_.end()) continue;  // a member already: it knew the password
+    if (member) continue;  // it has joined already: it knew the password
     if (password_.empty()) {
       return tl::unexpected(
           refuse(Reason::HeldByOther, status + " status refused: it is not shared", now));
@@ -94,24 +91,26 @@ tl::expected<Grant, LeaseRefusal> LeaseTable::acquire(SessionId session, const C
     }
   }
 
-  if (mine != members_.end()) {
-    mine->claims = mine->holder.releasing ? 1 : mine->claims + 1;
-    mine->holder.releasing = false;
-    mine->holder.status = target;
-    mine->holder.expires = now + ttl_;
+  if (member) {
+    auto& [holder, claims] = mine->second;
+    claims = holder.releasing ? 1 : claims + 1;
+    holder.releasing = false;
+    holder.status = target;
+    holder.expires = now + ttl_;
     if (members_.size() == 1 && !password.empty()) password_ = password;
   } else {
     if (members_.empty()) password_ = password;
-    members_.push_back({{session, wanted, client, now, now + ttl_, false}, 1});
+    members_.emplace(session, Member{{session, wanted, client, now, now + ttl_, false}, 1});
   }
   return Grant{target, epoch()};
 }
 
 void LeaseTable::renew(SessionId session, TimePoint now) {
-  if (const auto mine = find(session); mine != members_.end()) mine->holder.expires = now + ttl_;
+  const auto mine = members_.find(session);
+  if (mine != members_.end()) mine->second.holder.expires = now + ttl_;
 }
 
-void LeaseTable::remove(std::vector<Member>::iterator member) {
+void LeaseTable::remove(Members::iterator member) {
   members_.erase(member);
   if (!members_.empty()) return;
   ++changes_;
@@ -119,12 +118,13 @@ void LeaseTable::remove(std::vector<Member>::iterator member) {
 }
 
 bool LeaseTable::release(SessionId session, Epoch epoch, Commands commands) {
-  const auto mine = find(session);
+  const auto mine = members_.find(session);
   if (mine == members_.end()) return true;
-  if (epoch != this->epoch() || mine->holder.releasing) return false;
-  if (--mine->claims > 0) return false;
+  auto& [holder, claims] = mine->second;
+  if (epoch != this->epoch() || holder.releasing) return false;
+  if (--claims > 0) return false;
   if (commands == Commands::Pending) {
-    mine->holder.releasing = true;
+    holder.releasing = true;
     return false;
   }
   remove(mine);
@@ -132,31 +132,32 @@ bool LeaseTable::release(SessionId session, Epoch epoch, Commands commands) {
 }
 
 void LeaseTable::drained(SessionId session) {
-  const auto mine = find(session);
-  if (mine != members_.end() && mine->holder.releasing) remove(mine);
+  const auto mine = members_.find(session);
+  if (mine != members_.end() && mine->second.holder.releasing) remove(mine);
 }
 
 bool LeaseTable::lose(SessionId session) {
-  const auto mine = find(session);
-  if (mine == members_.end() || mine->holder.releasing) return false;
+  const auto mine = members_.find(session);
+  if (mine == members_.end() || mine->second.holder.releasing) return false;
   remove(mine);
   return true;
 }
 
 std::vector<Holder> LeaseTable::expire(TimePoint now) {
   std::vector<Holder> silent;
-  for (const Member& member : members_) {
+  for (const auto& [session, member] : members_) {
     if (!member.holder.releasing && member.holder.expires <= now) silent.push_back(member.holder);
   }
-  for (const Holder& holder : silent) remove(find(holder.session));
+  for (const Holder& holder : silent) remove(members_.find(holder.session));
   return silent;
 }
 
 std::vector<Holder> LeaseTable::stop(SessionId by) {
   std::vector<Holder> ended;
-  std::erase_if(members_, [&](const Member& member) {
-    if (member.holder.session == by && !member.holder.releasing) return false;
-    ended.push_back(member.holder);
+  std::erase_if(members_, [&](const auto& entry) {
+    const Holder& holder = entry.second.holder;
+    if (holder.session == by && !holder.releasing) return false;
+    ended.push_back(holder);
     return true;
   });
   ++changes_;
@@ -167,11 +168,13 @@ std::vector<Holder> LeaseTable::stop(SessionId by) {
 tl::expected<void, Denial> LeaseTable::authorise(const Member* member, SessionId session,
                                                  Epoch epoch, Status needed, TimePoint now) const {
   using Reason = Denial::Reason;
-  for (const Member& other : members_) {
-    if (other.holder.session == session || other.holder.status != Status::Master) continue;
-    if (member != nullptr) continue;  // master is shared with this session
-    return tl::unexpected(
-        Denial{Reason::OthersMaster, "is refused to everybody else: " + describe(other.holder, now)});
+  const auto is_master = [](const auto& entry) { return entry.second.holder.status == Status::Master; };
+  if (member == nullptr) {  // else master is shared with it
+    const auto other = std::ranges::find_if(members_, is_master);
+    if (other != members_.end()) {
+      return tl::unexpected(Denial{Reason::OthersMaster, "is refused to everybody else: " +
+                                                             describe(other->second.holder, now)});
+    }
   }
   if (needed == Status::Sensor) return {};
   if (epoch != Epoch{} && epoch != this->epoch()) {
@@ -181,8 +184,8 @@ tl::expected<void, Denial> LeaseTable::authorise(const Member* member, SessionId
   }
   if (member != nullptr && member->holder.status >= needed && epoch != Epoch{}) return {};
   Denial denial{Reason::NeedsStatus, needs(needed)};
-  for (const Member& other : members_) {
-    if (other.holder.session != session) denial.text += "; " + describe(other.holder, now);
+  for (const Holder& other : roster()) {
+    if (other.session != session) denial.text += "; " + describe(other, now);
   }
   if (members_.empty() || member != nullptr) denial.text += "; " + how_to_get(needed);
   return tl::unexpected(std::move(denial));

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <vector>
 
 #include "gecos/access/proof.hpp"
@@ -103,7 +104,7 @@ class LeaseTable {
   tl::expected<void, Denial> may_start(SessionId session, Epoch epoch, Status needed,
                                        TimePoint now) const;
 
-  std::vector<Holder> roster() const;
+  std::vector<Holder> roster() const;  ///< who has been there longest first
   Epoch epoch() const;
   /// What the session holds; Sensor when nothing more.
   Status status_of(SessionId session) const;
@@ -114,9 +115,9 @@ class LeaseTable {
     Holder holder;
     std::uint32_t claims = 1;  ///< how often it acquired and did not release
   };
-  std::vector<Member>::iterator find(SessionId session);
+  using Members = std::unordered_map<SessionId, Member>;
   const Member* find(SessionId session) const;
-  void remove(std::vector<Member>::iterator member);
+  void remove(Members::iterator member);
   LeaseRefusal refuse(LeaseRefusal::Reason reason, std::string_view why, TimePoint now) const;
   tl::expected<void, Denial> authorise(const Member* member, SessionId session, Epoch epoch,
                                        Status needed, TimePoint now) const;
@@ -124,7 +125,7 @@ class LeaseTable {
   const BootId boot_;
   const Duration ttl_;
   std::uint32_t changes_ = 1;
-  std::vector<Member> members_;
+  Members members_;
   Proof password_;
 };
 

@@ -16,18 +16,43 @@ SpinPolicy::SpinPolicy(const Clock& clock, SpinOptions options)
       options_(options),
       looks_between_yields_(options.looks_alone),
       quickest_yield_(options.quick_yield),
-      next_pause_(options.pause_first) {}
+      next_crowded_(options.crowded_first) {}
 
-bool SpinPolicy::begin_spinning() {
-  const bool paused = paused_until_ != TimePoint{} && clock_.now() < paused_until_;
-  if (paused || options_.longest <= Duration::zero()) {
-    state_ = State::Over;
-    return false;
+bool SpinPolicy::over() {
+  state_ = State::Over;
+  return false;
+}
+
+bool SpinPolicy::go_on() {
+  if (state_ == State::Fresh) {
+    begin_spinning();
+    if (looks_ != 0) return true;
+  }
+  if (state_ == State::Spinning) return yield();
+  if (state_ == State::Over) return false;
+  if (clock_.now() - began_ >= options_.longest) {
+    ++vain_;
+    return over();
+  }
+  looks_ = options_.looks_alone;
+  return true;
+}
+
+void SpinPolicy::begin_spinning() {
+  state_ = State::Over;
+  if (options_.longest <= Duration::zero()) return;
+  const TimePoint now = crowded_until_ == TimePoint{} ? TimePoint{} : clock_.now();
+  if (now < crowded_until_) {
+    if (vain_ >= options_.vain_in_row) return;
+    state_ = State::Crowded;
+    began_ = now;
+    looks_ = options_.looks_alone;
+    return;
   }
   state_ = State::Spinning;
+  vain_ = 0;
   first_ = true;
   looks_ = looks_between_yields_;
-  return true;
 }
 
 /// Else it took at most what passed since the clock was read last.
@@ -36,11 +61,6 @@ bool SpinPolicy::timed_by_itself() {
 }
 
 bool SpinPolicy::yield() {
-  if (state_ == State::Over) return false;
-  if (state_ == State::Fresh) {
-    if (!begin_spinning()) return false;
-    if (looks_ != 0) return true;
-  }
   const bool exact = timed_by_itself();
   const bool just_read = !first_ && looks_between_yields_ == 0;
   const TimePoint before = exact && !just_read ? clock_.now() : last_;
@@ -51,19 +71,18 @@ bool SpinPolicy::yield() {
   doubtful_ = !exact && took >= options_.lost_core;
   if (exact) {
     if (took >= options_.lost_core) {
-      paused_until_ = now + next_pause_;
-      next_pause_ = std::min(2 * next_pause_, options_.pause_longest);
-      state_ = State::Over;
-      return false;
+      crowded_until_ = now + next_crowded_;
+      next_crowded_ = std::min(2 * next_crowded_, options_.crowded_longest);
+      vain_ = 0;
+      return over();
     }
     // Somebody else ran here, perhaps the peer: every look before the next yield would delay it.
     quickest_yield_ = std::min(quickest_yield_, took);
     looks_between_yields_ = took >= 2 * quickest_yield_ ? 0 : options_.looks_alone;
   }
   if (now - began_ >= options_.longest) {
-    next_pause_ = options_.pause_first;  // a whole spin in which the core stayed ours
-    state_ = State::Over;
-    return false;
+    next_crowded_ = options_.crowded_first;  // a whole spin in which the core stayed ours
+    return over();
   }
   looks_ = looks_between_yields_;
   return true;

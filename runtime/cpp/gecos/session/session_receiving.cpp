@@ -1,9 +1,19 @@
 // How a client's session waits and what it does with what arrives: of whoever holds the baton.
+#include <algorithm>
+#include <array>
+
 #include "gecos/media/waiting.hpp"
 #include "gecos/session/linked_session.hpp"
 #include "gecos/session/packets.hpp"
 
 namespace gecos::session {
+
+namespace {
+
+constexpr std::size_t many_calls = 32;
+constexpr Duration rest_of_many = std::chrono::microseconds(400);
+
+}  // namespace
 
 void LinkedSession::glance() {
   if (!baton_.try_take()) return;
@@ -28,6 +38,7 @@ bool LinkedSession::wait(const void* subject, FunctionRef<bool()> done, TimePoin
 }
 
 bool LinkedSession::lead(FunctionRef<bool()> done, TimePoint deadline) {
+  bool rested = false;
   spin_.begin();
   for (;;) {
     const std::size_t taken = read_all();
@@ -36,14 +47,30 @@ bool LinkedSession::lead(FunctionRef<bool()> done, TimePoint deadline) {
       baton_.poke(nullptr);
       // Others' answers may go on coming for as long as they call.
       if (deadline != TimePoint::max() && std::chrono::steady_clock::now() >= deadline) return false;
+      rested = false;
       spin_.begin();
     } else if (!spin_.again()) {
       if (std::chrono::steady_clock::now() >= deadline) return false;
-      sleep(done, deadline);
+      rested = !rested && rest(deadline);
+      if (!rested) sleep(done, deadline);
       baton_.poke(nullptr);
       spin_.begin();
     }
   }
+}
+
+/// Who keeps many calls going beside its server on one core leaves it the core for a while: woken by each
+/// answer, it would take the core from the server for one call, and from all its other clients.
+bool LinkedSession::rest(TimePoint deadline) {
+  if (!spin_.in_vain()) return false;
+  {
+    const std::lock_guard lock(mutex_);
+    if (calls_.size() < many_calls) return false;
+  }
+  leader_wakeup_.quiet();
+  const std::array woken_by{leader_wakeup_.descriptor()};
+  media::sleep_on(woken_by, std::min(deadline, std::chrono::steady_clock::now() + rest_of_many));
+  return true;
 }
 
 void LinkedSession::sleep(FunctionRef<bool()> done, TimePoint deadline) {

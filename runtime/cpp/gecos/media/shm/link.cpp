@@ -302,6 +302,8 @@ void ShmLink::take_control(ReceivedControl& control) {
   std::string problem;
   switch (message.type) {
     case ControlType::Poke:
+      // Read here by who only asked for a loss, it is gone from the socket on which another sleeps.
+      if (own_.control->asleep.load(std::memory_order_seq_cst) != 0) ring_bell(bell_.descriptor());
       return;
     case ControlType::Bye: {
       const std::string why = message.words();
