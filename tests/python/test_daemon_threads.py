@@ -5,6 +5,7 @@ from __future__ import annotations
 import gecos
 import pytest
 from lamp import Lamp, PlainLamp
+from test_close import comes_true
 from test_process import running
 
 # The main thread ends once the calls have begun. What a module holds dies when the interpreter no
@@ -144,6 +145,5 @@ def test_a_program_ends_in_order_while_a_daemon_thread(
             out, err = client.communicate(timeout=60)
             assert (out, err, client.returncode) == ("the end\n", "", 0)
         servant.finish.set()  # what it had begun
-        while gecos.holders(lamp).result():
-            pass
+        assert comes_true(lambda: not gecos.holders(lamp).result())
         servant.finish.clear()

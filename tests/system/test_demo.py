@@ -55,7 +55,7 @@ def test_however_it_is_ended_it_leaves_nothing_running(
     demo.signal(number)
     assert demo.finish() == status, str(demo)
     if number == signal.SIGKILL:  # nobody waits for them
-        await_ends(alive)
+        await_ends(alive | alive_with(marker))
     assert alive_with(marker) == {}
 
 

@@ -70,9 +70,10 @@ class Lab:
     def close(self) -> None:
         """Says goodbye to every object, whoever still has proxies, leases or streams of it.
 
-        Leases are given back, and what was issued under them still finishes; who waits for it is
+        Leases are given back, and what has arrived under them still finishes; who waits for it is
         told OUTCOME_UNKNOWN. Readers of streams raise StreamLost. Proxies made by it are dead
-        afterwards; its servers go on. Takes at most about a second.
+        afterwards; its servers go on. Takes at most about a second, and 0.2 s more for
+        each server over lcm that does not answer.
         """
         self._core.close()
 

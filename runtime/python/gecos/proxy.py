@@ -112,7 +112,8 @@ def reference(proxy: Object) -> ObjectRef:
 def with_deadline(proxy: P, seconds: float) -> P:
     """The same object, whose calls give up when they did not complete `seconds` after sending.
 
-    With 0 or less, as `end - time.time()` is when time is over, they are not sent and end EXPIRED.
+    With 0 or less, as `end - time.monotonic()` is when time is over, they are not sent and end
+    EXPIRED.
     Raises ValueError for what is no finite number.
     """
     if not math.isfinite(seconds):

@@ -23,8 +23,8 @@ _FIFO_LANE = 1
 _LONGEST_TEXT = 10_000  # characters of a failure
 
 BROKER_PATIENCE = 10.0
-_PATIENCE_WITH_HANDLERS = 1.0
 """How long a server waits for a broker that is starting, in seconds."""
+_PATIENCE_WITH_HANDLERS = 1.0  # s, until close() names the one that it waits for
 
 
 class Server:
@@ -123,10 +123,15 @@ class Server:
         servant = self._servants[task.servant]
         handler = servant._gecos_handlers.get(task.code)
         name = f"{type(servant).__name__}.{handler.method if handler else '?'}"
+        advice = (
+            "let it look at `run.interrupted`, or sleep in `run.wait_interrupted(…)`"
+            if handler and handler.operation.cancelable
+            else "make its operation @cancelable: only such a handler is told to end"
+        )
         log.error(
             "server",
-            f"closing waits for the handler {name}, which was interrupted and has not returned; a "
-            "handler that takes long looks at `execution.interrupted()`. Only SIGKILL ends it now",
+            f"closing waits for the handler {name}, which has not returned; {advice}. Until it "
+            "returns only SIGKILL ends this process",
         )
 
 

@@ -30,8 +30,8 @@ class Sample(Generic[T]):
 
 class Stream(Generic[T]):
     """Samples as they come, from the newest there is at first. A slow reader loses old ones and is
-    told how many. A sample that does not decode is passed over: it counts as lost, and as
-    `unreadable`.
+    told how many. A sample that does not decode is passed over: it counts as lost (once one was
+    read), and as `unreadable`.
 
     Iterating waits for each next sample and ends with `close()`. A server that is gone or silent,
     or closed the session, raises StreamLost, and so does a Lab that is closed. One thread or task
@@ -51,7 +51,8 @@ class Stream(Generic[T]):
         """The newest sample, again if need be; None before the first, while the newest does not
         decode, and after `close()`. Never waits.
 
-        Raises StreamLost when the server is gone or silent, or the Lab was closed.
+        Raises StreamLost when the server is gone or silent, or the Lab was closed. A silent one is
+        noticed only when its silence has lasted 1.3 s: until then look at `age`.
         """
         with self._reading:
             raw = self._core.latest()
@@ -117,7 +118,8 @@ class Stream(Generic[T]):
 
     def _lost(self) -> StreamLost:
         return StreamLost(
-            f"stream {self._name}: its server is gone or silent, or its Lab is closed"
+            f"stream {self._name}: its server is gone, silent or has closed the session, or its "
+            "Lab is closed; create a new proxy and open the stream again"
         )
 
     def _sample(self, raw: bytes, sequence: int, stamp_ns: int, now_ns: int) -> Sample[T] | None:

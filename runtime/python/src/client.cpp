@@ -70,11 +70,9 @@ nb::object broker(LabHandle& self, nb::handle interface, double patience) {
 
 // Session ----------------------------------------------------------------------------------------
 
-/// None is the operation's own; with nothing left it has passed.
-Duration deadline_of(std::optional<double> seconds) {
-  if (!seconds) return Duration{};
-  if (!(*seconds > 0)) return Duration{-1};
-  return std::max(patience_of(seconds), Duration{1});
+std::optional<Duration> deadline_of(std::optional<double> seconds) {
+  if (!seconds) return std::nullopt;
+  return *seconds > 0 ? std::max(patience_of(seconds), Duration{1}) : Duration{};
 }
 
 CommandHandle call(SessionHandle& self, std::uint32_t code, nb::bytes arguments,

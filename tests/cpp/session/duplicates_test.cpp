@@ -35,7 +35,7 @@ TEST(DuplicateWindow, TakesEveryCounterOnceInAnyOrderOfArrival) {
   EXPECT_EQ(window.all_up_to(), 10000u);
 }
 
-TEST(DuplicateWindow, RefusesWhatItCouldNotRemember) {
+TEST(DuplicateWindow, DoesNotTakeWhatItCouldNotRemember) {
   DuplicateWindow window;
   EXPECT_EQ(window.arrived(1024), Verdict::New);
   EXPECT_EQ(window.arrived(1025), Verdict::Beyond);

@@ -4,6 +4,7 @@
 
 #include "gecos/session/lab_core.hpp"
 #include "gecos/session/linked_session.hpp"
+#include "../settles.hpp"
 #include "over_media.hpp"
 
 namespace {

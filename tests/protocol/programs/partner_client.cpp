@@ -196,7 +196,7 @@ class Client {
 
   gecos::Lab lab_;
   speaking::Partner partner_;
-  gecos::Duration deadline_{};
+  std::optional<gecos::Duration> deadline_;
   std::optional<gecos::Lease> lease_;
   speaking::Things things_ = constants();
   std::map<std::string, std::shared_ptr<gecos::session::CommandCore>> commands_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <utility>
 
 namespace gecos::access {
 namespace {
@@ -168,13 +169,10 @@ std::vector<Holder> LeaseTable::stop(SessionId by) {
 tl::expected<void, Denial> LeaseTable::authorise(const Member* member, SessionId session,
                                                  Epoch epoch, Status needed, TimePoint now) const {
   using Reason = Denial::Reason;
-  const auto is_master = [](const auto& entry) { return entry.second.holder.status == Status::Master; };
-  if (member == nullptr) {  // else master is shared with it
-    const auto other = std::ranges::find_if(members_, is_master);
-    if (other != members_.end()) {
-      return tl::unexpected(Denial{Reason::OthersMaster, "is refused to everybody else: " +
-                                                             describe(other->second.holder, now)});
-    }
+  if (member == nullptr && !members_.empty() &&
+      members_.begin()->second.holder.status == Status::Master) {
+    return tl::unexpected(Denial{Reason::OthersMaster, "is refused to everybody else: " +
+                                                           describe(roster().front(), now)});
   }
   if (needed == Status::Sensor) return {};
   if (epoch != Epoch{} && epoch != this->epoch()) {

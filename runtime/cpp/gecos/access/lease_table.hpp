@@ -91,7 +91,7 @@ class LeaseTable {
   /// The session is gone without a word, revoked, or gave up at once: its share ends now. A
   /// releasing one goes on draining, for it was given back in order. True when something was lost.
   bool lose(SessionId session);
-  /// Ends the share of everybody silent for the TTL and names them.
+  /// Ends the share of everybody silent for the TTL and names them, in no order.
   std::vector<Holder> expire(TimePoint now);
   /// Ends every lease but that of `by`, which goes on under the new epoch. Names those who lost
   /// theirs.
@@ -125,7 +125,7 @@ class LeaseTable {
   const BootId boot_;
   const Duration ttl_;
   std::uint32_t changes_ = 1;
-  Members members_;
+  Members members_;  ///< all of one status
   Proof password_;
 };
 

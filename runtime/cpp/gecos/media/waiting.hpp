@@ -13,7 +13,7 @@ struct SpinOptions {
   Duration lost_core = std::chrono::microseconds(200);    ///< a yield this long gave the core away
   Duration crowded_first = std::chrono::milliseconds(20); ///< no yield after a lost core …
   Duration crowded_longest = std::chrono::seconds(1);     ///< … doubling up to this while it recurs
-  unsigned vain_in_row = 8;                               ///< spins without yields, before none is tried
+  unsigned vain_in_row = 8;                               ///< looks in vain of so many waits in a row: then sleep at once
   Duration quick_yield = std::chrono::microseconds(1);    ///< the longest that a yield to nobody takes
   std::uint32_t looks_alone = 256;                        ///< looks between yields on a core of our own
 };
@@ -35,7 +35,7 @@ struct SpinOptions {
 /// Beside a busy program a yield gives the core away for a whole time slice. It is noticed by its time, and
 /// then there are no yields for a while: what comes soon comes while we look, and what does not costs a
 /// wake-up, not what the neighbour likes. Where the peer needs this very core, looking without yields is
-/// always in vain; that is noticed too, and then a wait sleeps at once.
+/// always in vain; that is noticed too, and then a wait sleeps at once, until yields are tried again.
 ///
 /// One thread at a time; keep one per waiting thread, for what it has learned.
 class SpinPolicy {

@@ -36,7 +36,7 @@ void bound_stamp(media::StreamSample& sample) {
 }  // namespace
 
 bool ClientStream::latest(media::StreamSample& into) {
-  if (session_->closed()) return false;  // others may read on here
+  if (session_->closed()) return false;  // the medium would still give samples
   session_->glance();
   if (session_->lost()) return false;
   reader_->latest(into.sequence, into);

@@ -72,9 +72,10 @@ class Lab {
   Lab& operator=(const Lab&) = delete;
 
   /// Says goodbye to every object, although proxies, leases or streams are still alive: leases are given
-  /// back, what was issued under them still finishes, calls that wait and readers of streams end, and
+  /// back, what has arrived under them still finishes, calls that wait and readers of streams end, and
   /// what is called afterwards is CONNECTION_FAILED. `create` gives nothing any more. Servers of this
-  /// lab go on. Takes at most about a second; more than once does nothing.
+  /// lab go on. Takes at most about a second, and .2 s more for each server over lcm that does not answer;
+  /// more than once does nothing.
   ///
   /// The destructor does none of this: a proxy keeps what it stands on, and its session ends with it.
   void close();

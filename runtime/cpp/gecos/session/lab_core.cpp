@@ -37,7 +37,8 @@ void LabCore::close(Duration patience) {
   }
   for (const auto& known : kept) {
     if (const auto session = known.lock()) {
-      session->close(give_up - std::chrono::steady_clock::now());
+      const Duration left = give_up - std::chrono::steady_clock::now();
+      session->close(std::max(left, 2 * runtime_->options().heartbeat));  // who is stuck takes no other's share
     }
   }
   renewal_->end();

@@ -40,7 +40,7 @@ std::shared_ptr<CommandCore> LinkedSession::call(const OperationDescription& ope
                                                  FunctionRef<void(wire::Encoder&)> encode,
                                                  const CallOptions& options) {
   if (auto refused = differs(operation.code, operation.name)) return ended(std::move(*refused));
-  if (options.deadline < Duration{}) {
+  if (options.deadline && *options.deadline <= Duration{}) {
     return ended({Detail::Expired,
                   "the deadline of '" + std::string(operation.name) +
                       "' passed before it was sent; it was not carried out", {}, {}});
@@ -54,7 +54,7 @@ std::shared_ptr<CommandCore> LinkedSession::call(const OperationDescription& ope
   header.code = operation.code;
   header.session = id_;
   header.epoch = Epoch{epoch_.load(std::memory_order_relaxed)};
-  header.deadline = options.deadline.count() > 0 ? options.deadline : operation.quality.deadline;
+  header.deadline = options.deadline.value_or(operation.quality.deadline);
 
   auto sent = send_call(header, size, encode, command);
   if (!sent && sent.error() == media::SendProblem::Full) {

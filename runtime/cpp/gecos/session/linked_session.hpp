@@ -102,7 +102,7 @@ class LinkedSession final : public ClientSession,
   // With the baton.
   bool lead(FunctionRef<bool()> done, TimePoint deadline);
   std::size_t read_all();
-  bool rest(TimePoint deadline);
+  bool rest(FunctionRef<bool()> done, TimePoint deadline);
   void sleep(FunctionRef<bool()> done, TimePoint deadline);
   void take_packet(ByteView bytes);
   void take_reply(const wire::PacketView& packet);

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "gecos/base/clock.hpp"
@@ -16,10 +17,10 @@ namespace gecos {
 
 /// How calls through one copy of a proxy are made.
 struct CallOptions {
-  /// Time from sending to completion; the server is told, and gives up when it is over. Zero: the
-  /// operation's own `@qos(deadline=…)`, or none. Negative, as `end - now` is when time is over: the
+  /// Time from sending to completion; the server is told, and gives up when it is over. Nothing: the
+  /// operation's own `@qos(deadline=…)`, or none. Zero or less, as `end - now` is when time is over: the
   /// call is not sent and ends EXPIRED.
-  Duration deadline{};
+  std::optional<Duration> deadline{};
 };
 
 namespace session {

@@ -41,12 +41,13 @@ void Registrar::note_broker(const std::string& missing) {
   const std::lock_guard lock(mutex_);
   if (missing.empty()) {
     missing_since_.reset();
+    told_missing_ = false;
     return;
   }
   if (!missing_since_) missing_since_ = now;
-  if (now < *missing_since_ + before_told) return;
-  log_warning("session", missing + "; it is tried again and again");
-  missing_since_ = TimePoint::max() - before_told;
+  if (told_missing_ || now < *missing_since_ + before_told) return;
+  told_missing_ = true;
+  log_warning("session", missing + "; this server goes on asking, and until then nobody new finds its objects");
 }
 
 bool Registrar::rest(Duration length, TimePoint deadline) {
@@ -133,6 +134,7 @@ void Registrar::run() {
 bool Registrar::enlist_again() {
   const TimePoint deadline = deadline_after(patience);
   auto broker = lab_->broker(deadline);
+  note_broker(broker ? std::string() : broker.error());
   if (!broker) return false;
   std::vector<Entry> entries;
   {

@@ -50,6 +50,7 @@ class Registrar {
   std::vector<Entry> entries_;
   std::shared_ptr<LinkedSession> broker_;  ///< where they are enlisted
   std::optional<TimePoint> missing_since_;
+  bool told_missing_ = false;
   bool wanted_ = false;
   bool ended_ = false;
   std::thread thread_;  ///< looking for a broker blocks, so it has a thread of its own

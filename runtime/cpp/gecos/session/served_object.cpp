@@ -51,7 +51,7 @@ void ServedObject::run_ready(Starter starter, std::shared_ptr<ServerCall> starte
         self->run_ready(Starter::Worker,
                         self->begins(*call) ? self->execute(call, Starter::Worker) : nullptr);
       });
-      if (!posted) begins(*call);  // all has been ended before the threads are
+      if (!posted) not_begun(*call);
       call = next();
     } else {
       call = execute(call, starter);
@@ -79,6 +79,16 @@ bool ServedObject::begins(ServerCall& call) {
   const Lock lock(mutex_);
   if (call.terminal) never_began(call);
   return !call.terminal;
+}
+
+/// All was ended before, or there is no thread for it.
+void ServedObject::not_begun(ServerCall& call) {
+  const Lock lock(mutex_);
+  if (!call.terminal) {
+    end(call, Failure{Detail::Rejected, "it was not started: no thread can be had for its handler, see "
+                                        "`ulimit -u` of the server", {}, {}});
+  }
+  never_began(call);
 }
 
 void ServedObject::never_began(ServerCall& call) {

@@ -115,6 +115,7 @@ class ServedObject final : public Publisher, public std::enable_shared_from_this
   std::shared_ptr<ServerCall> start_next(Starter starter);
   std::vector<std::shared_ptr<ServerCall>> actor_commands() const;
   bool starts_on_time(ServerCall& call);
+  void not_begun(ServerCall& call);
   void never_began(ServerCall& call);
   void end(ServerCall& call, const Failure& failure);
   void end(ServerCall& call, ByteView result);

@@ -186,7 +186,8 @@ OutcomeRecord ServedObject::outcome_of(SessionId asked, std::uint64_t counter) {
     if (!session->window.seen(counter)) {
       if (!session->repeats()) return {number_of(Detail::Sent), "it is on its way"};
       if (session->window.arrived(counter) == DuplicateWindow::Verdict::Beyond) {
-        return {number_of(Detail::Sent), "it is on its way, far behind one that is missing"};
+        return {number_of(Detail::Sent),
+                "it has not arrived, and is too far ahead of a missing one to be barred; ask again"};
       }
       session->reply(counter, Failure{Detail::NotStarted, never.text, {}, {}});
       take_early(session);

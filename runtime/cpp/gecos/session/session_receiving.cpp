@@ -10,8 +10,10 @@ namespace gecos::session {
 
 namespace {
 
-constexpr std::size_t many_calls = 32;
-constexpr Duration rest_of_many = std::chrono::microseconds(400);
+/// From so many unanswered calls on a client rests …
+constexpr std::size_t calls_of_a_flood = 32;
+/// … about as long as the looks in vain took that are behind it.
+constexpr Duration rest_of_a_flood = std::chrono::microseconds(400);
 
 }  // namespace
 
@@ -51,7 +53,7 @@ bool LinkedSession::lead(FunctionRef<bool()> done, TimePoint deadline) {
       spin_.begin();
     } else if (!spin_.again()) {
       if (std::chrono::steady_clock::now() >= deadline) return false;
-      rested = !rested && rest(deadline);
+      rested = !rested && rest(done, deadline);
       if (!rested) sleep(done, deadline);
       baton_.poke(nullptr);
       spin_.begin();
@@ -61,15 +63,16 @@ bool LinkedSession::lead(FunctionRef<bool()> done, TimePoint deadline) {
 
 /// Who keeps many calls going beside its server on one core leaves it the core for a while: woken by each
 /// answer, it would take the core from the server for one call, and from all its other clients.
-bool LinkedSession::rest(TimePoint deadline) {
+bool LinkedSession::rest(FunctionRef<bool()> done, TimePoint deadline) {
   if (!spin_.in_vain()) return false;
   {
     const std::lock_guard lock(mutex_);
-    if (calls_.size() < many_calls) return false;
+    if (calls_.size() < calls_of_a_flood) return false;
   }
   leader_wakeup_.quiet();
+  if (done()) return true;
   const std::array woken_by{leader_wakeup_.descriptor()};
-  media::sleep_on(woken_by, std::min(deadline, std::chrono::steady_clock::now() + rest_of_many));
+  media::sleep_on(woken_by, std::min(deadline, std::chrono::steady_clock::now() + rest_of_a_flood));
   return true;
 }
 

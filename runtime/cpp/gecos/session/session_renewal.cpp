@@ -49,7 +49,7 @@ std::shared_ptr<CommandCore> LinkedSession::call_repeatable(
   again.arguments.resize(size);
   wire::Encoder to(again.arguments);
   encode(to);
-  const Duration within = options.deadline.count() > 0 ? options.deadline : operation.quality.deadline;
+  const Duration within = options.deadline.value_or(operation.quality.deadline);
   if (within.count() > 0) {
     const TimePoint now = runtime_->clock().now();  // in centuries: none
     if (within < TimePoint::max() - now) again.deadline = now + within;

@@ -29,7 +29,7 @@ struct Sample {
 /// Why a stream gives nothing more.
 enum class StreamEnd : std::uint8_t {
   Nothing,  ///< no new sample that decodes within the patience given; the stream goes on
-  Lost,     ///< the server is gone or silent, or has closed the session, or the Lab was closed
+  Lost,     ///< as Stream::lost(), and what had come before is read
 };
 std::string_view to_string(StreamEnd end);
 
@@ -41,6 +41,7 @@ class StreamCore {
   virtual ~StreamCore() = default;  ///< unsubscribes
   /// False before the first sample, and when the stream is lost.
   virtual bool latest(media::StreamSample& into) = 0;
+  /// What had come before a loss is still given, but nothing after the Lab was closed.
   virtual tl::expected<void, StreamEnd> next(media::StreamSample& into, TimePoint deadline) = 0;
   virtual bool lost() const = 0;
   /// Now, by the clock that stamps samples, Unix ns.
@@ -51,7 +52,7 @@ class StreamCore {
 
 /// A subscription to an outward stream. One thread reads at a time. Ends with its last copy.
 /// A slow reader loses old samples and is told how many; it never slows the writer. A sample that does not
-/// decode is passed over: it counts as lost, and as `unreadable`.
+/// decode is passed over: it counts as lost (once one was read), and as `unreadable`.
 template <class T>
 class Stream {
  public:
@@ -60,7 +61,8 @@ class Stream {
       : core_(std::move(core)), decode_(decode) {}
 
   /// The newest sample, again if need be; nothing before the first, while the newest does not decode, and
-  /// once the stream is lost: what a dead server said last is nobody's news. Never waits.
+  /// once the stream is lost(). A server that is gone is noticed within a heartbeat where the kernel reports
+  /// it, else only after its silence has lasted `grace`: until then look at `age`. Never waits.
   std::optional<Sample<T>> latest() {
     if (!core_->latest(raw_)) return std::nullopt;
     return decoded();
@@ -75,7 +77,8 @@ class Stream {
       if (std::chrono::steady_clock::now() >= deadline) return tl::unexpected(StreamEnd::Nothing);
     }
   }
-  /// It gives nothing more, as `StreamEnd::Lost` says.
+  /// The server is gone, silent or has closed the session, or the Lab was closed: latest() gives nothing any
+  /// more, next() what had come before, but nothing of a Lab that was closed.
   bool lost() const { return core_->lost(); }
   /// How many samples came that do not decode. Their server is broken: one that means another type is
   /// refused when the stream is opened.

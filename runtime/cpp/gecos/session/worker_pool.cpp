@@ -19,7 +19,10 @@ bool WorkerPool::post(std::function<void()> job) {
     } catch (const std::system_error& failed) {
       log_warning("session", name_ + ": no thread can be had for a handler (" + failed.what() +
                                  "); it waits for another to return, see `ulimit -u`");
-      if (threads_.empty()) throw;
+      if (threads_.empty()) {
+        jobs_.pop_back();
+        return false;
+      }
     }
   }
   work_.notify_one();

@@ -22,7 +22,7 @@ class WorkerPool {
   WorkerPool(const WorkerPool&) = delete;
   WorkerPool& operator=(const WorkerPool&) = delete;
 
-  /// Runs it soon; false, and it is not run, after `join` began.
+  /// Runs it soon; false, and it is not run, after `join` began or when not one thread can be had.
   bool post(std::function<void()> job);
   /// Waits until all that was posted has run. @pre not on one of these threads.
   void join();
