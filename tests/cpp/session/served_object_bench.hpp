@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <vector>
 
 #include "gecos/session/function_code.hpp"
@@ -62,7 +63,7 @@ class Servant final : public probe::ProbeServant {
   }
   void gecos_session_ended(std::uint64_t) override { ++sessions_ended; }
 
-  int calls = 0;  ///< that were carried out, or begun
+  std::atomic<int> calls = 0;  ///< that were carried out, or begun
   bool keep = false;
   Bytes result;
   std::vector<IncomingCall> kept;

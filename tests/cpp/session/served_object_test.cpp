@@ -1,4 +1,5 @@
 // What a served object does with packets that no client of ours would send, or not so late.
+#include "../settles.hpp"
 #include "served_object_bench.hpp"
 
 namespace gecos::session {
@@ -136,6 +137,20 @@ TEST_F(ServedObjects, AnswersThatTheOutcomeOfNoCallIsNotKnown) {
   wire::Decoder from(packet->body);
   ASSERT_TRUE(wire::get_block(from, record, "outcome"));
   EXPECT_EQ(detail_from(record.detail), Detail::OutcomeUnknown);
+}
+
+TEST_F(ServedObjects, WhatNobodyLooksAtStartsWithTheNextTick) {
+  wire::PacketHeader header;
+  header.kind = wire::PacketKind::Call;
+  header.session = session_->id();
+  header.counter = 1;
+  header.code = probe::read_code;
+  Bytes packet;
+  write_packet(packet, header, {});
+  object_->take(session_, packet);  // and its client is gone, and the poller sleeps
+  EXPECT_EQ(servant_.calls, 0);
+  object_->tend(system_clock().now());
+  EXPECT_TRUE(settles([this] { return servant_.calls == 1; }));
 }
 
 TEST_F(ServedObjects, ADeadlineInCenturiesIsNone) {

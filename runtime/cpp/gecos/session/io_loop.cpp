@@ -18,7 +18,9 @@ namespace {
 constexpr std::uint64_t wakeup_key = 0;
 constexpr std::uint64_t door_bit = std::uint64_t{1} << 63;
 constexpr Duration stays_hot = std::chrono::milliseconds(10);
-constexpr unsigned turns_between_events = 64;
+/// So a session that was silent waits neither for 64 packets of others nor, where those come slowly, long.
+constexpr unsigned turns_between_events = 8192;
+constexpr unsigned busy_turn = turns_between_events / 64;
 
 int make_epoll() {
   const int descriptor = epoll_create1(EPOLL_CLOEXEC);
@@ -111,15 +113,15 @@ void IoLoop::run_handlers(ServedObject& object, std::shared_ptr<ServerCall> star
 }
 
 void IoLoop::turn(Polling& polling) {
-  if (look_at_hot(polling)) {
-    spin_.begin();
-    if (++turns_ % turns_between_events == 0) {
-      cool_down(runtime_->clock().now());
-      take_events(0, polling);
-    }
-    return;
+  const bool busy = look_at_hot(polling);
+  turns_ += busy ? busy_turn : 1;
+  if (turns_ >= turns_between_events) {
+    turns_ = 0;
+    cool_down(runtime_->clock().now());
+    take_events(0, polling);
   }
-  if (!hot_.empty() && spin_.again()) return;
+  if (busy) spin_.begin();
+  if (busy || (!hot_.empty() && spin_.again())) return;
   if (arm_all()) take_events(-1, polling);
   spin_.begin();
 }
@@ -181,7 +183,11 @@ bool IoLoop::arm_all() {
 }
 
 void IoLoop::heat(const std::shared_ptr<ServerSession>& session) {
-  if (session->hot || session->gone.load()) return;
+  if (session->gone.load()) return;
+  if (session->hot) {
+    session->link().loss();  // or nobody would see it: an event comes once, and arm() asks not the kernel
+    return;
+  }
   session->link().disarm();
   session->hot = true;
   session->quiet_looks = 0;
@@ -243,6 +249,7 @@ void IoLoop::part_if_lost(const std::shared_ptr<ServerSession>& session) {
   session->object()->depart(session, loss == media::Loss::Closed
                                          ? ServedObject::Departure::InOrder
                                          : ServedObject::Departure::Lost);
+  if (session->object()->ready()) session->object()->run_ready(Starter::Other);  // what it sent last
 }
 
 /// Housekeeping saw that they are lost; what they sent before is still to be read, here.

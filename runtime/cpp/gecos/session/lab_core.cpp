@@ -68,7 +68,10 @@ std::vector<std::string> LabCore::broker_addresses() {
 }
 
 tl::expected<std::shared_ptr<LinkedSession>, std::string> LabCore::broker(TimePoint deadline) {
-  const std::lock_guard one_looks(mutex_);
+  std::unique_lock one_looks(mutex_, std::defer_lock);
+  if (!one_looks.try_lock_until(deadline)) {
+    return tl::unexpected(std::string("no broker was found in time: another thread of this program still asks one"));
+  }
   if (broker_ && !broker_->lost()) return broker_;
   broker_.reset();
   std::string tried;

@@ -35,7 +35,7 @@ class LabCore : public std::enable_shared_from_this<LabCore> {
 
   const std::shared_ptr<Runtime> runtime_;
   const std::shared_ptr<Renewal> renewal_;
-  std::mutex mutex_;  ///< one thread at a time looks for the broker
+  std::timed_mutex mutex_;  ///< one thread at a time looks for the broker
   std::shared_ptr<LinkedSession> broker_;
 
   mutable std::mutex keeping_;  ///< guards what follows

@@ -30,6 +30,7 @@ ObjectRef LinkedSession::reference() const {
 }
 
 LinkedSession::~LinkedSession() {
+  if (watching_) baton_.drop();  // housekeeping slept for it, and cannot give it back any more
   close(runtime_->housekeeping().on_this_thread() ? Duration{} : runtime_->options().heartbeat * 2);
 }
 

@@ -111,7 +111,7 @@ void Registrar::look() {
   const std::unique_lock lock(mutex_, std::try_to_lock);
   if (!lock || !broker_ || !broker_->lost() || wanted_) return;
   wanted_ = true;
-  changed_.notify_one();
+  changed_.notify_all();  // who rests for a while waits on it too
 }
 
 void Registrar::run() {

@@ -283,6 +283,12 @@ void ServedObject::tell_positions() {
 // Time and losses
 
 void ServedObject::tend(TimePoint now) {
+  look_at_time(now);
+  // What has become free, and what nobody else looks at: its client is gone, its poller sleeps.
+  if (ready()) run_ready(Starter::Other);
+}
+
+void ServedObject::look_at_time(TimePoint now) {
   const Lock lock(mutex_);
   for (const auto& holder : leases_.expire(watched_.look(now))) {
     lose_status(holder.session, "its holder has been silent for " +

@@ -57,7 +57,8 @@ class ServedObject final : public Publisher, public std::enable_shared_from_this
   void depart(const std::shared_ptr<ServerSession>& session, Departure how);
   /// Heartbeat seen from it, or not, judged every tick. True: it ends, silent for so long or deaf.
   bool judge_silence(const std::shared_ptr<ServerSession>& session);
-  /// Deadlines, leases, progress that waits to be told. On the housekeeping thread.
+  /// Deadlines, leases, progress that waits to be told, and what may start and nobody looks at. On the
+  /// housekeeping thread.
   void tend(TimePoint now);
 
   void answered(ServerCall& call, ByteView result);
@@ -77,6 +78,8 @@ class ServedObject final : public Publisher, public std::enable_shared_from_this
 
  private:
   using Lock = std::lock_guard<Mutex>;
+
+  void look_at_time(TimePoint now);
 
   // Packets; with the mutex.
   void take_packet(const std::shared_ptr<ServerSession>& session, ByteView bytes);

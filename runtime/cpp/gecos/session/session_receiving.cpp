@@ -29,6 +29,7 @@ bool LinkedSession::wait(const void* subject, FunctionRef<bool()> done, TimePoin
     if (baton_.try_take()) {
       const bool finished = lead(done, deadline);
       baton_.drop();
+      if (attended_.load(std::memory_order_relaxed)) house_wake();  // it reads on for who sleeps elsewhere
       return finished;
     }
     switch (baton_.follow(subject, done, deadline)) {

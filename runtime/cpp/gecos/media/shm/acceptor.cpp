@@ -229,8 +229,7 @@ bool ShmAcceptor::let_in() {
   guest.socket =
       Descriptor(::accept4(listener_.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
   if (!guest.socket) {
-    if (errno == EMFILE || errno == ENFILE) turn_away();
-    return false;
+    return (errno == EMFILE || errno == ENFILE) && turn_away();
   }
   auto peer = peer_of(guest.socket.get());
   if (!peer) {
@@ -253,13 +252,15 @@ bool ShmAcceptor::let_in() {
   return true;
 }
 
-void ShmAcceptor::turn_away() {
+/// False when nobody was there.
+bool ShmAcceptor::turn_away() {
   // Left in the queue the client would keep us awake for ever.
   spare_.reset();
   const Descriptor unwanted(::accept4(listener_.get(), nullptr, nullptr, SOCK_CLOEXEC));
   if (unwanted) say_goodbye(unwanted.get(), no_descriptors);
   spare_ = Descriptor(::open("/dev/null", O_RDONLY | O_CLOEXEC));
-  log_turned_away();
+  if (unwanted) log_turned_away();
+  return static_cast<bool>(unwanted);
 }
 
 void ShmAcceptor::log_turned_away() const {

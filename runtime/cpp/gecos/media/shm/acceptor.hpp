@@ -35,7 +35,7 @@ class ShmAcceptor final : public Acceptor {
     Descriptor death;
   };
   bool let_in();
-  void turn_away();
+  bool turn_away();
   void log_turned_away() const;
   std::unique_ptr<Link> hear(std::size_t guest);
   void drop(std::size_t guest);
