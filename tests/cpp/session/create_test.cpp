@@ -1,6 +1,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <future>
+
 #include "bench.hpp"
 #include "gecos/session/linked_session.hpp"
 #include "gecos/session/registry.hpp"
@@ -29,6 +31,20 @@ TEST_F(Create, TakesTheFirstThatIsThereAndSaysWhyNotTheOthers) {
   ASSERT_EQ(created->passed_over.attempts.size(), 1u);
   EXPECT_EQ(created->passed_over.attempts[0].name, "REAL");
   EXPECT_EQ(created->passed_over.attempts[0].reason, "no object is called REAL; known are SIM");
+}
+
+TEST(CreateWithoutBroker, WaitsNoLongerThanAskedThoughAnotherThreadLooksLonger) {
+  gecos::LabOptions options;
+  options.broker = "lcm:239.255.76.67:7679/GOnobody";
+  gecos::Lab lab(options);
+  const auto create = [&](gecos::Duration patience) {
+    const auto begin = std::chrono::steady_clock::now();
+    EXPECT_FALSE(lab.create<probe::Probe>("PROBE", {.patience = patience}));
+    return std::chrono::steady_clock::now() - begin;
+  };
+  auto patient = std::async(std::launch::async, [&] { return create(std::chrono::seconds(2)); });
+  for (int i = 0; i < 3; ++i) EXPECT_LT(create(std::chrono::milliseconds(100)), std::chrono::seconds(1));
+  EXPECT_GE(patient.get(), std::chrono::seconds(1));
 }
 
 TEST_F(Create, NamesBothTypesWhenTheObjectIsOfAnother) {

@@ -68,10 +68,24 @@ std::vector<std::string> LabCore::broker_addresses() {
 }
 
 tl::expected<std::shared_ptr<LinkedSession>, std::string> LabCore::broker(TimePoint deadline) {
-  std::unique_lock one_looks(mutex_, std::defer_lock);
-  if (!one_looks.try_lock_until(deadline)) {
+  std::unique_lock lock(mutex_);
+  if (!looked_.wait_until(lock, deadline, [this] { return !looking_; })) {
     return tl::unexpected(std::string("no broker was found in time: another thread of this program still asks one"));
   }
+  looking_ = true;
+  lock.unlock();
+  struct Looking {
+    ~Looking() {
+      const std::lock_guard again(lab.mutex_);
+      lab.looking_ = false;
+      lab.looked_.notify_one();
+    }
+    LabCore& lab;
+  } const looking{*this};
+  return look_for_broker(deadline);
+}
+
+tl::expected<std::shared_ptr<LinkedSession>, std::string> LabCore::look_for_broker(TimePoint deadline) {
   if (broker_ && !broker_->lost()) return broker_;
   broker_.reset();
   std::string tried;

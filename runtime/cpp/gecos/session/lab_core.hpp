@@ -1,5 +1,6 @@
 #pragma once
 
+#include <condition_variable>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -32,10 +33,13 @@ class LabCore : public std::enable_shared_from_this<LabCore> {
 
  private:
   std::vector<std::string> broker_addresses();
+  tl::expected<std::shared_ptr<LinkedSession>, std::string> look_for_broker(TimePoint deadline);
 
   const std::shared_ptr<Runtime> runtime_;
   const std::shared_ptr<Renewal> renewal_;
-  std::timed_mutex mutex_;  ///< one thread at a time looks for the broker
+  std::mutex mutex_;
+  std::condition_variable looked_;
+  bool looking_ = false;  ///< one thread at a time looks for the broker; guarded by mutex_
   std::shared_ptr<LinkedSession> broker_;
 
   mutable std::mutex keeping_;  ///< guards what follows
