@@ -286,6 +286,21 @@ def test_details_have_the_numbers_of_the_runtime() -> None:
     assert _core.detail_name(len(Detail)) == ""
 
 
+def test_a_callback_may_issue_any_number_of_commands_with_callbacks(lamp: Lamp) -> None:
+    labels: list[gecos.Command[str]] = []
+    told: queue.Queue[str] = queue.Queue()
+
+    def many(_: gecos.Command[str]) -> None:
+        for _ in range(1000):  # more than a socket's buffer holds bells of
+            labels.append(lamp.label())
+            labels[-1].add_done_callback(lambda _: told.put("over"))
+            labels[-1].wait(30)
+
+    lamp.label().add_done_callback(many)
+    for _ in range(1000):
+        assert told.get(timeout=30) == "over"
+
+
 def test_a_callback_is_told_of_the_end(held: Lamp, servant: PlainLamp) -> None:
     told: queue.Queue[State] = queue.Queue()
     held.burn_in().add_done_callback(lambda command: told.put(command.state))

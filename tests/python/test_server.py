@@ -285,6 +285,40 @@ def test_a_handler_that_closing_waits_for_is_named(
     assert running.wait(30) is not State.RUNNING
 
 
+class Unspeakable(Exception):
+    def __str__(self) -> str:
+        raise SystemExit("not even its text")
+
+
+def test_whatever_the_text_of_an_exception_does_the_lane_goes_on(
+    lamp: Lamp, servant: PlainLamp
+) -> None:
+    def raises() -> None:
+        raise Unspeakable
+
+    servant.before_label = raises
+    with pytest.raises(
+        gecos.CommandFailed, match="Unspeakable: its text cannot be had: SystemExit"
+    ):
+        lamp.label().result(30)
+    servant.before_label = lambda: None
+    assert lamp.label().result(30) == "a lamp"
+
+
+def test_one_servant_is_one_object(server: gecos.Server, servant: PlainLamp) -> None:
+    with pytest.raises(gecos.ServeError, match="TWIN: this PlainLamp is served already"):
+        server.add("TWIN", servant)
+    server.close()
+    with pytest.raises(gecos.ServeError, match=r"its gecos\.Server was closed"):
+        servant.publish_level(1.0)
+
+
+@pytest.mark.parametrize("name", ["", "LA\0MP"])
+def test_a_name_that_is_none_is_refused(server: gecos.Server, name: str) -> None:
+    with pytest.raises(gecos.ServeError, match="at least one character, and none that is NUL"):
+        server.add(name, PlainLamp())
+
+
 def test_a_server_may_be_closed_twice(server: gecos.Server) -> None:
     server.close()
     server.close()

@@ -137,6 +137,26 @@ def test_who_only_asks_for_the_newest_is_told_that_the_server_is_gone(
         ends()
 
 
+def test_while_another_thread_waits_for_the_next_one_is_told_instead_of_waiting_too(
+    lamp: Lamp, servant: PlainLamp
+) -> None:
+    stream = lamp.level.stream()
+    got: list[float] = []
+    reader = threading.Thread(target=lambda: got.append(stream.next(30.0).value))
+    reader.start()
+    while True:  # it may not have begun yet
+        try:
+            stream.latest()
+        except RuntimeError as refused:
+            assert "open a stream for each of them" in str(refused)
+            break
+    with pytest.raises(TimeoutError, match="another thread waits"):
+        stream.next(0.01)
+    servant.publish_level(5.0)
+    reader.join(30)
+    assert got == [5.0]
+
+
 def test_a_closed_stream_gives_nothing(lamp: Lamp, servant: PlainLamp) -> None:
     stream = lamp.level.stream()
     servant.publish_level(1.0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import selectors
 import socket
@@ -32,13 +33,15 @@ class _Watch:
         self._lock = threading.Lock()
         self._new: list[_Awaited] = []
         self._here, self._there = socket.socketpair()
+        self._there.setblocking(False)  # this thread itself may add more than it has read of
         thread = threading.Thread(target=self._run, name="gecos-callbacks", daemon=True)
         thread.start()
 
     def add(self, ending: Ending, callback: Callable[[], object]) -> None:
         with self._lock:
             self._new.append(_Awaited(ending, os.dup(ending.fileno()), callback))
-        self._there.send(b"!")
+        with contextlib.suppress(BlockingIOError):  # it has been told often enough
+            self._there.send(b"!")
 
     def _run(self) -> None:
         with selectors.DefaultSelector() as selector:

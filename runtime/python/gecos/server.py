@@ -72,6 +72,11 @@ class Server:
             )
         self.await_broker()
         with self._adding:
+            if servant._gecos_core is not None:
+                raise ServeError(
+                    f"{name}: this {type(servant).__name__} is served already under another name, "
+                    "and would publish for one of them only; make one for each object"
+                )
             self._servants.append(servant)  # it is called by its place here
             try:
                 added = self._core.add(name, servant._gecos_interface, simulated, list(media))
@@ -208,7 +213,7 @@ def _raised(call: _core.IncomingCall, handler: Handler, error: BaseException) ->
         if isinstance(error, Rejected | Interrupted):
             call.fail(error.detail, _sendable(str(error.text)), "", b"")
             return
-    except Exception as unsendable:  # a member, or the text, of a type that it must not have
+    except BaseException as unsendable:  # a member, or the text, of a type that it must not have
         unsendable.__cause__ = error
         error = unsendable
     _fault(call, handler, error)
@@ -224,7 +229,7 @@ def _fault(call: _core.IncomingCall, handler: Handler, error: BaseException) -> 
 def _text(error: BaseException) -> str:
     try:
         return str(error)
-    except Exception as unspeakable:
+    except BaseException as unspeakable:
         return f"its text cannot be had: {type(unspeakable).__name__}"
 
 

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from gecos import _core
 
 T = TypeVar("T")
+_MOMENT = 0.01  # s, that another reader takes who does not wait
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +36,7 @@ class Stream(Generic[T]):
 
     Iterating waits for each next sample and ends with `close()`. A server that is gone or silent,
     or closed the session, raises StreamLost, and so does a Lab that is closed. One thread or task
-    reads at a time; others wait for it.
+    reads at a time: others wait for it in `next`, within their timeout, and `latest` refuses.
     """
 
     def __init__(self, core: _core.Stream, decode: Callable[[Decoder], T], name: str) -> None:
@@ -52,13 +53,21 @@ class Stream(Generic[T]):
         decode, and after `close()`. Never waits.
 
         Raises StreamLost when the server is gone or silent, or the Lab was closed. A silent one is
-        noticed only when its silence has lasted 1.3 s: until then look at `age`.
+        noticed only when its silence has lasted 1.3 s: until then look at `age`. Raises
+        RuntimeError while another thread or task waits in `next` of the same stream.
         """
-        with self._reading:
+        if not self._reading.acquire(timeout=_MOMENT):
+            raise RuntimeError(
+                f"stream {self._name}: another thread or task waits for its next sample, and this "
+                "would wait with it; open a stream for each of them"
+            )
+        try:
             raw = self._core.latest()
             if isinstance(raw, str):
                 raise self._lost()
             return None if raw is None else self._sample(*raw)
+        finally:
+            self._reading.release()
 
     def next(self, timeout: float | None = None) -> Sample[T]:
         """The next unread sample; it is old when you read more slowly than the server publishes.
@@ -100,8 +109,13 @@ class Stream(Generic[T]):
 
     def _next(self, timeout: float | None) -> Sample[T] | None:
         end = None if timeout is None else time.monotonic() + timeout
-        left = timeout
-        with self._reading:
+        patience = -1 if timeout is None else min(max(0.0, timeout), threading.TIMEOUT_MAX)
+        if not self._reading.acquire(timeout=patience):
+            raise TimeoutError(
+                f"stream {self._name}: no sample within {timeout} s, for which another thread waits"
+            )
+        try:
+            left = None if end is None else max(0.0, end - time.monotonic())
             while True:
                 raw = self._core.next(left)
                 if raw == "closed":
@@ -114,6 +128,8 @@ class Stream(Generic[T]):
                     return sample
                 if end is not None and (left := end - time.monotonic()) <= 0:
                     break
+        finally:
+            self._reading.release()
         raise TimeoutError(f"stream {self._name}: no sample within {timeout} s")
 
     def _lost(self) -> StreamLost:

@@ -1,6 +1,7 @@
 // shm between two processes: calls, and every way in which the other one can go.
 
 #include <gtest/gtest.h>
+#include <sys/epoll.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
@@ -12,6 +13,7 @@
 
 #include "child_process.hpp"
 #include "gecos/media/bulk.hpp"
+#include "gecos/media/shm/acceptor.hpp"
 #include "gecos/media/shm/shm.hpp"
 #include "media_under_test.hpp"
 
@@ -313,6 +315,21 @@ TEST_F(ShmProcess, NothingIsNamedInDevShm) {
   const auto server = wait_for_client(*door);
   const auto writer = door->make_stream(64, 4);
   EXPECT_EQ(count(), before);
+}
+
+TEST_F(ShmProcess, WhoStandsBehindManyThatAreSilentIsLetInThoughEventsAreEdges) {
+  const auto door = listen();
+  const int watched = ::epoll_create1(EPOLL_CLOEXEC);
+  epoll_event event{.events = EPOLLIN | EPOLLET, .data = {}};
+  ASSERT_EQ(::epoll_ctl(watched, EPOLL_CTL_ADD, door->descriptors()[0], &event), 0);
+  const std::string address = door->address();
+  std::vector<Descriptor> silent;
+  for (int i = 0; i < 200; ++i) silent.push_back(shm::connect_to(address.substr(address.find(':') + 1)));
+  End client = connect();
+  std::unique_ptr<Link> server;
+  while (!server && ::epoll_wait(watched, &event, 1, 0) == 1) server = door->accept();
+  EXPECT_NE(server, nullptr);
+  ::close(watched);
 }
 
 TEST_F(ShmProcess, AClientIsTurnedAwayWhenNoDescriptorIsLeft) {

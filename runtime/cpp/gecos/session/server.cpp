@@ -121,6 +121,9 @@ tl::expected<void, ServeError> Server::Core::await_broker(Duration patience) {
 
 tl::expected<void, ServeError> Server::Core::add(std::string name, Servant& servant,
                                                  ObjectOptions options) {
+  if (name.empty() || name.find('\0') != std::string::npos) {
+    return tl::unexpected(ServeError{"an object's name has at least one character, and none that is NUL"});
+  }
   const bool well_known = options.well_known;
   if (!well_known) {
     if (const auto found = await_broker(options.patience); !found) {

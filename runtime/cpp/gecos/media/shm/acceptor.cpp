@@ -189,8 +189,9 @@ ShmAcceptor::ShmAcceptor(std::string path, Descriptor listener, bool other_users
       spare_(::open("/dev/null", O_RDONLY | O_CLOEXEC)),
       descriptors_{epoll_.get()},
       fork_watch_(this, [](void* owner) noexcept { static_cast<ShmAcceptor*>(owner)->abandon(); }) {
-  epoll_event event{EPOLLIN, {.fd = listener_.get()}};
-  if (!epoll_ || ::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, listener_.get(), &event) != 0) {
+  for (const int descriptor : {listener_.get(), more_.descriptor()}) {
+    epoll_event event{EPOLLIN, {.fd = descriptor}};
+    if (epoll_ && ::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, descriptor, &event) == 0) continue;
     const int why = errno;
     ::unlink(path_.c_str());
     throw std::system_error(why, std::generic_category(), "epoll for " + path_);
@@ -213,14 +214,17 @@ std::unique_ptr<Link> ShmAcceptor::accept() {
   const int count =
       ::epoll_wait(epoll_.get(), events.data(), static_cast<int>(events.size()), 0);
   if (count <= 0) return nullptr;
+  more_.quiet();
   for (std::size_t guest = guests_.size(); guest-- > 0;) {
     if (auto link = hear(guest)) return link;
   }
   // A client says Hello with the first breath, so most are let in and heard at once.
-  for (int i = 0; i < most_at_once && let_in(); ++i) {
+  for (int i = 0; i < most_at_once; ++i) {
+    if (!let_in()) return nullptr;
     if (guests_.empty()) continue;
     if (auto link = hear(guests_.size() - 1)) return link;
   }
+  ring_bell(more_.descriptor());  // who watches for edges would not come again
   return nullptr;
 }
 
@@ -308,6 +312,7 @@ void ShmAcceptor::abandon() noexcept {
   inherited_ = true;
   listener_.reset();
   epoll_.reset();
+  more_.close();
   spare_.reset();
   for (Guest& guest : guests_) {
     guest.socket.reset();

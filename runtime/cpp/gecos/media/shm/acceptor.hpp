@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "gecos/media/bell.hpp"
 #include "gecos/media/forked.hpp"
 #include "gecos/media/shm/control.hpp"
 #include "gecos/media/shm/shm.hpp"
@@ -46,6 +47,7 @@ class ShmAcceptor final : public Acceptor {
   const bool other_users_;
   Descriptor listener_;
   Descriptor epoll_;
+  Bell more_;         // rung by us: more may wait than are let in at once
   Descriptor spare_;  // given up for a moment to turn a client away when no other is left
   std::vector<Guest> guests_;
   const std::array<int, 1> descriptors_;
