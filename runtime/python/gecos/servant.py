@@ -56,8 +56,8 @@ class Servant(ABC):  # noqa: B024  # the skeletons declare what is abstract
     def _gecos_publish(self, code: int, sample: Parts, stamp: float | None) -> None:
         if self._gecos_core is None:
             raise ServeError(
-                f"{self._gecos_interface.name}: publishes while it is not served: not yet, or its "
-                "gecos.Server was closed"
+                f"{self._gecos_interface.name}: publishes while it is not served; add it to a "
+                "gecos.Server first (one that is closed serves nothing any more)"
             )
         stamp_ns = time.time_ns() if stamp is None else round(stamp * 1e9)
         self._gecos_core.publish(code, b"".join(sample), stamp_ns)
