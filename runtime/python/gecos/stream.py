@@ -50,7 +50,7 @@ class Stream(Generic[T]):
 
     def latest(self) -> Sample[T] | None:
         """The newest sample, again if need be; None before the first, while the newest does not
-        decode, and after `close()`. Never waits.
+        decode, and after `close()`. Never waits for a sample.
 
         Raises StreamLost when the server is gone or silent, or the Lab was closed. A silent one is
         noticed only when its silence has lasted 1.3 s: until then look at `age`. Raises

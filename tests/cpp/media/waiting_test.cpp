@@ -7,7 +7,6 @@
 
 #include <array>
 #include <atomic>
-#include <utility>
 #include <vector>
 
 #include "gecos/media/bell.hpp"
@@ -40,11 +39,17 @@ int looks_of_one_wait(SpinPolicy& spin) {
   return looks;
 }
 
-void lose_core(SpinPolicy& spin, SteppingClock& clock) {
-  const Duration step = std::exchange(clock.step, 300us);
-  looks_of_one_wait(spin);
-  clock.step = step;
-}
+/// It has given its core away, and every reading of the clock takes a microsecond.
+class BesideABusyProgram : public ::testing::Test {
+ protected:
+  BesideABusyProgram() {
+    clock_.step = 300us;
+    looks_of_one_wait(spin_);
+    clock_.step = 1us;
+  }
+  SteppingClock clock_;
+  SpinPolicy spin_{clock_, {.longest = 10us, .vain_in_row = 3, .looks_alone = 7}};
+};
 
 TEST(SpinPolicy, SpinsForItsBudgetThenSleeps) {
   SteppingClock clock;
@@ -101,49 +106,37 @@ TEST(SpinPolicy, ALostCoreStopsYieldsForAWhileThatDoubles) {
   }
 }
 
-TEST(SpinPolicy, BesideABusyProgramItLooksForItsBudgetAndDoesNotYield) {
-  SteppingClock clock;
-  SpinPolicy spin(clock, {.longest = 10us, .looks_alone = 7});
-  lose_core(spin, clock);
-  clock.step = 1us;
-  const int before = clock.readings;
+TEST_F(BesideABusyProgram, ItLooksForItsBudgetAndDoesNotYield) {
+  const int before = clock_.readings;
   // Eight looks, then the clock is read once; a yield would be timed by a second reading.
-  EXPECT_EQ(looks_of_one_wait(spin), 10 * 8);
-  EXPECT_EQ(clock.readings - before, 11);
+  EXPECT_EQ(looks_of_one_wait(spin_), 10 * 8);
+  EXPECT_EQ(clock_.readings - before, 11);
 }
 
-TEST(SpinPolicy, LooksThatAreAlwaysInVainAreGivenUpUntilYieldsAreTriedAgain) {
-  SteppingClock clock;
-  SpinPolicy spin(clock, {.longest = 10us, .vain_in_row = 3, .looks_alone = 7});
-  lose_core(spin, clock);
-  clock.step = 1us;
+TEST_F(BesideABusyProgram, LooksThatAreAlwaysInVainAreGivenUpUntilYieldsAreTriedAgain) {
   for (int wait = 0; wait < 3; ++wait) {
-    EXPECT_FALSE(spin.in_vain());
-    EXPECT_GT(looks_of_one_wait(spin), 0);
+    EXPECT_FALSE(spin_.in_vain());
+    EXPECT_GT(looks_of_one_wait(spin_), 0);
   }
-  EXPECT_TRUE(spin.in_vain());
-  EXPECT_EQ(looks_of_one_wait(spin), 0);
-  clock.step = 20ms;
-  clock.now();
-  clock.step = 100ns;
-  EXPECT_GT(looks_of_one_wait(spin), 0);
-  EXPECT_FALSE(spin.in_vain());
+  EXPECT_TRUE(spin_.in_vain());
+  EXPECT_EQ(looks_of_one_wait(spin_), 0);
+  clock_.step = 20ms;
+  clock_.now();
+  clock_.step = 100ns;
+  EXPECT_GT(looks_of_one_wait(spin_), 0);
+  EXPECT_FALSE(spin_.in_vain());
 }
 
-TEST(SpinPolicy, WhatComesWhileItLooksIsWhyItGoesOnLooking) {
-  SteppingClock clock;
-  SpinPolicy spin(clock, {.longest = 10us, .vain_in_row = 3, .looks_alone = 7});
-  lose_core(spin, clock);
-  clock.step = 1us;
+TEST_F(BesideABusyProgram, WhatComesWhileItLooksIsWhyItGoesOnLooking) {
   for (int wait = 0; wait < 30; ++wait) {
     if (wait % 3 != 0) {
-      EXPECT_GT(looks_of_one_wait(spin), 0);
+      EXPECT_GT(looks_of_one_wait(spin_), 0);
       continue;
     }
-    spin.begin();
-    EXPECT_TRUE(spin.again());  // and then it came
+    spin_.begin();
+    EXPECT_TRUE(spin_.again());  // and then it came
   }
-  EXPECT_FALSE(spin.in_vain());
+  EXPECT_FALSE(spin_.in_vain());
 }
 
 TEST(SpinPolicy, AQuietSpinForgetsTheLostCores) {

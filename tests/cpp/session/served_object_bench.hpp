@@ -103,14 +103,18 @@ class ServedObjects : public ::testing::Test {
     object_->take(session_, packet);
     object_->run_ready(Starter::Poller);
   }
-  void packet(wire::PacketKind kind, std::uint64_t counter, FunctionCode code = {},
-              ByteView body = {}, Epoch epoch = {}, std::int8_t flags = 0) {
+  wire::PacketHeader header_of(wire::PacketKind kind, std::uint64_t counter, FunctionCode code) const {
     wire::PacketHeader header;
     header.kind = kind;
-    header.flags = flags;
     header.session = session_->id();
     header.counter = counter;
     header.code = code;
+    return header;
+  }
+  void packet(wire::PacketKind kind, std::uint64_t counter, FunctionCode code = {},
+              ByteView body = {}, Epoch epoch = {}, std::int8_t flags = 0) {
+    auto header = header_of(kind, counter, code);
+    header.flags = flags;
     header.epoch = epoch;
     header.acknowledged = acknowledged_;
     take(header, body);

@@ -140,13 +140,8 @@ TEST_F(ServedObjects, AnswersThatTheOutcomeOfNoCallIsNotKnown) {
 }
 
 TEST_F(ServedObjects, WhatNobodyLooksAtStartsWithTheNextTick) {
-  wire::PacketHeader header;
-  header.kind = wire::PacketKind::Call;
-  header.session = session_->id();
-  header.counter = 1;
-  header.code = probe::read_code;
   Bytes packet;
-  write_packet(packet, header, {});
+  write_packet(packet, header_of(wire::PacketKind::Call, 1, probe::read_code), {});
   object_->take(session_, packet);  // and its client is gone, and the poller sleeps
   EXPECT_EQ(servant_.calls, 0);
   object_->tend(system_clock().now());
@@ -154,11 +149,7 @@ TEST_F(ServedObjects, WhatNobodyLooksAtStartsWithTheNextTick) {
 }
 
 TEST_F(ServedObjects, ADeadlineInCenturiesIsNone) {
-  wire::PacketHeader header;
-  header.kind = wire::PacketKind::Call;
-  header.session = session_->id();
-  header.counter = 1;
-  header.code = probe::read_code;
+  auto header = header_of(wire::PacketKind::Call, 1, probe::read_code);
   header.deadline = Duration::max();
   take(header);
   EXPECT_EQ(reply_to(1), Detail::Done);

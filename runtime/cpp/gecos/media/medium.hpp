@@ -118,7 +118,8 @@ class Link {
   virtual bool arm() = 0;
   virtual void disarm() = 0;
   /// Readable when a packet or sample may be there or the link was lost. Valid for the link's life;
-  /// may be watched level- or edge-triggered; disarm() makes them quiet again. A lost link may stay
+  /// may be watched level- or edge-triggered; disarm() makes them quiet again. Who watches for edges asks
+  /// loss() when one comes while the link is not armed: it may be all that tells of it. A lost link may stay
   /// readable: arm() says false then. Of links that an acceptor made on lcm the packets come through
   /// the acceptor's descriptors: watch those as well, and call accept() when they are readable.
   virtual std::span<const int> descriptors() const = 0;

@@ -18,7 +18,8 @@ namespace {
 constexpr std::uint64_t wakeup_key = 0;
 constexpr std::uint64_t door_bit = std::uint64_t{1} << 63;
 constexpr Duration stays_hot = std::chrono::milliseconds(10);
-/// So a session that was silent waits neither for 64 packets of others nor, where those come slowly, long.
+/// Events are looked at after 64 turns that found something, or so many that did not: who was silent waits
+/// for neither long.
 constexpr unsigned turns_between_events = 8192;
 constexpr unsigned busy_turn = turns_between_events / 64;
 
@@ -185,7 +186,7 @@ bool IoLoop::arm_all() {
 void IoLoop::heat(const std::shared_ptr<ServerSession>& session) {
   if (session->gone.load()) return;
   if (session->hot) {
-    session->link().loss();  // or nobody would see it: an event comes once, and arm() asks not the kernel
+    session->link().loss();  // the event comes once, and arm() does not ask the kernel
     return;
   }
   session->link().disarm();

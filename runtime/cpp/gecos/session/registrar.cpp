@@ -111,7 +111,7 @@ void Registrar::look() {
   const std::unique_lock lock(mutex_, std::try_to_lock);
   if (!lock || !broker_ || !broker_->lost() || wanted_) return;
   wanted_ = true;
-  changed_.notify_all();  // who rests for a while waits on it too
+  changed_.notify_all();
 }
 
 void Registrar::run() {
@@ -161,7 +161,7 @@ void Registrar::end() {
     if (ended_) return;
     ended_ = true;
   }
-  changed_.notify_one();
+  changed_.notify_all();
   thread_.join();  // it may just have enlisted them with another broker
   std::shared_ptr<LinkedSession> broker;
   std::vector<Entry> entries;

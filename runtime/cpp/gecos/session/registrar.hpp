@@ -46,7 +46,7 @@ class Registrar {
 
   const std::shared_ptr<LabCore> lab_;
   std::mutex mutex_;
-  std::condition_variable changed_;
+  std::condition_variable changed_;  ///< of our thread and of all that rest: always told to all
   std::vector<Entry> entries_;
   std::shared_ptr<LinkedSession> broker_;  ///< where they are enlisted
   std::optional<TimePoint> missing_since_;
