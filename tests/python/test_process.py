@@ -192,3 +192,30 @@ def test_a_server_without_descriptors_tells_the_client_so_and_serves_the_others(
                 continue
             break
         assert again.label().result(30) == "a lamp"
+
+
+CREATING_WITH_FEW_DESCRIPTORS = """
+import errno, resource, gecos
+from lamp import Lamp
+resource.setrlimit(resource.RLIMIT_NOFILE, (40, 40))
+lamps, labs = [], []
+try:
+    while True: lamps.append(gecos.Lab().create(Lamp, "LAMP", medium="shm"))
+except gecos.CreateError as error:
+    print(error, flush=True)
+try:
+    while True: labs.append(gecos.Lab())
+except OSError as error:
+    print(error, flush=True)
+    assert error.errno == errno.EMFILE
+print(lamps[0].label().result(30), flush=True)
+"""
+
+
+def test_a_client_without_descriptors_says_so_and_goes_on_with_what_it_has(
+    server: gecos.Server,
+) -> None:
+    with running(CREATING_WITH_FEW_DESCRIPTORS) as client:
+        assert "Too many open files (see `ulimit -n`" in says(client)
+        assert "Too many open files" in says(client)
+        assert says(client) == "a lamp\n", client.communicate()[1]

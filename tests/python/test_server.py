@@ -8,7 +8,7 @@ import sys
 import threading
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import gecos
 import pytest
@@ -203,6 +203,32 @@ def test_an_object_that_could_not_be_added_answers_for_no_other(
     assert lab.create(Lamp, "LANTERN").label().result() == "a lantern"
 
 
+class BrokenOff:
+    """An extension's server whose `add` has done its work when Ctrl-C comes."""
+
+    def __init__(self, server: gecos.Server) -> None:
+        self._server = server._core
+
+    def add(self, *arguments: Any) -> NoReturn:
+        self._server.add(*arguments)
+        raise KeyboardInterrupt
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._server, name)
+
+
+def test_what_an_add_that_was_broken_off_serves_answers_for_no_other(
+    lab: gecos.Lab, server: gecos.Server, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with monkeypatch.context() as patch:
+        patch.setattr(server, "_core", BrokenOff(server))
+        with pytest.raises(KeyboardInterrupt):
+            server.add("LEFT", LabelledLamp("left"))
+    server.add("RIGHT", LabelledLamp("right"))
+    assert lab.create(Lamp, "LEFT").label().result(30) == "left"
+    assert lab.create(Lamp, "RIGHT").label().result(30) == "right"
+
+
 @pytest.mark.parametrize("given", [PlainLamp, Lamp, None])
 def test_what_is_no_servant_is_not_served(server: gecos.Server, given: Any) -> None:
     with pytest.raises(TypeError, match=r"^TORCH: what is served is an object of a class that you"):
@@ -283,6 +309,29 @@ def test_a_handler_that_closing_waits_for_is_named(
     closing.join(30)
     assert not closing.is_alive()
     assert running.wait(30) is not State.RUNNING
+
+
+def test_a_stop_that_closing_waits_for_is_named(
+    lamp: Lamp,
+    server: gecos.Server,
+    servant: PlainLamp,
+    capfd: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("gecos.server._PATIENCE_WITH_HANDLERS", 0.01)
+    begun, go_on = threading.Event(), threading.Event()
+    monkeypatch.setattr(servant, "gecos_on_stop", lambda: (begun.set(), go_on.wait(30)))
+    gecos.stop(lamp).result(30)
+    assert begun.wait(30)
+    closing = threading.Thread(target=server.close)
+    closing.start()
+    said = ""
+    while "closing waits for the handler PlainLamp.gecos_on_stop" not in said:
+        assert closing.is_alive(), said
+        said += capfd.readouterr().err
+    go_on.set()
+    closing.join(30)
+    assert not closing.is_alive()
 
 
 class Unspeakable(Exception):

@@ -144,12 +144,13 @@ def test_while_another_thread_waits_for_the_next_one_is_told_instead_of_waiting_
     got: list[float] = []
     reader = threading.Thread(target=lambda: got.append(stream.next(30.0).value))
     reader.start()
-    while True:  # it may not have begun yet
+    refused = None
+    while refused is None and reader.is_alive():  # it may not have begun yet
         try:
             stream.latest()
-        except RuntimeError as refused:
-            assert "open a stream for each of them" in str(refused)
-            break
+        except RuntimeError as error:
+            refused = error
+    assert "open a stream for each of them" in str(refused)
     with pytest.raises(TimeoutError, match="another thread waits"):
         stream.next(0.01)
     servant.publish_level(5.0)

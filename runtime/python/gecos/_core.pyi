@@ -81,9 +81,9 @@ class Server:
     def await_broker(self, patience: float) -> str | None:
         """None once a broker answers; where it was looked for when none did for `patience`."""
     def add(
-        self, name: str, interface: Interface, simulated: bool, media: Sequence[str]
+        self, place: int, name: str, interface: Interface, simulated: bool, media: Sequence[str]
     ) -> PulledServant | str:
-        """Who is served from now on, its number rising from 0; or why it cannot be."""
+        """Who is served from now on; or why it cannot be. `next` gives `place` with its calls."""
     def next(self, lane: int, timeout: float | None) -> IncomingCall | int | None:
         """The next call of a lane (0 sensor and safety, 1 the FIFOs), the number of a servant that
         was stopped (lane 0 only), or None: nothing came in time, or the server is closed."""

@@ -56,7 +56,8 @@ def outcome(robot: Object, command: str) -> Command[Outcome]:
     """What became of the actor command with this id, whose own outcome is OUTCOME_UNKNOWN.
 
     Asked through a new proxy; the state of the command itself never changes. NOT_STARTED is a
-    promise: what has not arrived by now never starts. OUTCOME_UNKNOWN: the server was started anew
+    promise: what has not arrived by now never starts. SENT: it has not arrived and may still start;
+    ask again. OUTCOME_UNKNOWN: the server was started anew
     since, or keeps it no more (it keeps the last 1024 of each object). Raises ValueError for what
     is no id.
     """

@@ -18,8 +18,7 @@ from gecos.lab import Lab
 from gecos.servant import Servant
 from gecos.wire import DecodeError, Decoder, to_bytes
 
-_SENSOR_LANE = 0
-_FIFO_LANE = 1
+_LANES = ("sensor", "fifo")  # as the extension numbers them
 _LONGEST_TEXT = 10_000  # characters of a failure
 
 BROKER_PATIENCE = 10.0
@@ -39,11 +38,13 @@ class Server:
     def __init__(self, lab: Lab) -> None:
         self._core = _core.Server(lab._core)
         self._servants: list[Servant] = []
-        self._answering: dict[int, _core.IncomingCall] = {}  # by lane
+        self._running: dict[
+            int, _core.IncomingCall | int
+        ] = {}  # by lane; a stop as its servant's place
         self._adding = threading.Lock()
         self._threads = [
             threading.Thread(target=self._work, args=(lane,), name=f"gecos-{name}", daemon=True)
-            for lane, name in ((_SENSOR_LANE, "sensor"), (_FIFO_LANE, "fifo"))
+            for lane, name in enumerate(_LANES)
         ]
         for thread in self._threads:
             thread.start()
@@ -77,26 +78,31 @@ class Server:
                     f"{name}: this {type(servant).__name__} is served already under another name, "
                     "and would publish for one of them only; make one for each object"
                 )
-            self._servants.append(servant)  # it is called by its place here
-            try:
-                added = self._core.add(name, servant._gecos_interface, simulated, list(media))
-            except BaseException:
-                self._servants.pop()
-                raise
-        if isinstance(added, str):
-            raise ServeError(added)  # which names it
-        servant._gecos_core = added
+            # It is called by its place here, which nobody else gets, also when this is broken off.
+            place = len(self._servants)
+            self._servants.append(servant)
+            added = self._core.add(place, name, servant._gecos_interface, simulated, list(media))
+            if isinstance(added, str):
+                raise ServeError(added)  # which names it
+            servant._gecos_core = added
 
     def close(self) -> None:
         """Withdraws all objects; running handlers are interrupted and waited for. One that does not
         look whether it is interrupted is named on stderr, and still waited for."""
         self._core.close()
-        for thread, lane in zip(self._threads, (_SENSOR_LANE, _FIFO_LANE), strict=True):
-            if thread is not threading.current_thread():
-                thread.join(_PATIENCE_WITH_HANDLERS)
-                if thread.is_alive():
-                    self._tell_running(lane)
-                thread.join()
+        lanes = [
+            (lane, thread)
+            for lane, thread in enumerate(self._threads)
+            if thread is not threading.current_thread()
+        ]
+        until = time.monotonic() + _PATIENCE_WITH_HANDLERS
+        for _, thread in lanes:
+            thread.join(max(0.0, until - time.monotonic()))
+        for lane, thread in lanes:
+            if thread.is_alive():
+                self._tell_running(lane)
+        for _, thread in lanes:
+            thread.join()
         for servant in self._servants:
             servant._gecos_core = None
 
@@ -114,29 +120,36 @@ class Server:
     def _work(self, lane: int) -> None:
         while not self._core.closed:
             task = self._core.next(lane, None)
+            if task is None:
+                continue
+            self._running[lane] = task
             if isinstance(task, _core.IncomingCall):
-                self._answering[lane] = task
                 _answer(self._servants[task.servant], task)
-                self._answering.pop(lane)
-            elif task is not None:
+            else:
                 _stopped(self._servants[task])
+            self._running.pop(lane)
 
     def _tell_running(self, lane: int) -> None:
-        task = self._answering.get(lane)
+        task = self._running.get(lane)
         if task is None:
             return
-        servant = self._servants[task.servant]
-        handler = servant._gecos_handlers.get(task.code)
-        name = f"{type(servant).__name__}.{handler.method if handler else '?'}"
-        advice = (
-            "let it look at `run.interrupted`, or sleep in `run.wait_interrupted(…)`"
-            if handler and handler.operation.cancelable
-            else "make its operation @cancelable: only such a handler is told to end"
-        )
+        if isinstance(task, _core.IncomingCall):
+            servant = self._servants[task.servant]
+            handler = servant._gecos_handlers.get(task.code)
+            method = handler.method if handler else "?"
+            advice = (
+                "let it look at `run.interrupted`, or sleep in `run.wait_interrupted(…)`"
+                if handler and handler.operation.cancelable
+                else "make its operation @cancelable: only such a handler is told to end"
+            )
+        else:
+            servant = self._servants[task]
+            method = "gecos_on_stop"
+            advice = "let it only say that all shall stop, and not wait until it has"
         log.error(
             "server",
-            f"closing waits for the handler {name}, which has not returned; {advice}. Until it "
-            "returns only SIGKILL ends this process",
+            f"closing waits for the handler {type(servant).__name__}.{method}, which has not "
+            f"returned; {advice}. The server is not closed until it returns",
         )
 
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from gecos import _core
 
 T = TypeVar("T")
-_MOMENT = 0.01  # s, that another reader takes who does not wait
+_MOMENT = 0.01  # s
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,6 +44,7 @@ class Stream(Generic[T]):
         self._decode = decode
         self._name = name
         self._reading = threading.Lock()
+        self._waiting = False  # who reads does so until a sample comes
         self._read = 0
         self._last_unreadable = 0
         self._unreadable = 0
@@ -56,11 +57,12 @@ class Stream(Generic[T]):
         noticed only when its silence has lasted 1.3 s: until then look at `age`. Raises
         RuntimeError while another thread or task waits in `next` of the same stream.
         """
-        if not self._reading.acquire(timeout=_MOMENT):
-            raise RuntimeError(
-                f"stream {self._name}: another thread or task waits for its next sample, and this "
-                "would wait with it; open a stream for each of them"
-            )
+        while self._waiting or not self._reading.acquire(timeout=_MOMENT):
+            if self._waiting:
+                raise RuntimeError(
+                    f"stream {self._name}: another thread or task waits for its next sample, and "
+                    "this would wait with it; open a stream for each of them"
+                )
         try:
             raw = self._core.latest()
             if isinstance(raw, str):
@@ -115,6 +117,7 @@ class Stream(Generic[T]):
                 f"stream {self._name}: no sample within {timeout} s, for which another thread waits"
             )
         try:
+            self._waiting = True
             left = None if end is None else max(0.0, end - time.monotonic())
             while True:
                 raw = self._core.next(left)
@@ -129,6 +132,7 @@ class Stream(Generic[T]):
                 if end is not None and (left := end - time.monotonic()) <= 0:
                     break
         finally:
+            self._waiting = False
             self._reading.release()
         raise TimeoutError(f"stream {self._name}: no sample within {timeout} s")
 

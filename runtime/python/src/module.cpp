@@ -1,12 +1,29 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>
 
+#include <exception>
+#include <system_error>
+
 #include "bind.hpp"
 #include "gecos/session/command.hpp"
 #include "lineage.hpp"
 
+namespace {
+
+void as_os_error(const std::exception_ptr& raised, void*) {
+  try {
+    std::rethrow_exception(raised);
+  } catch (const std::system_error& failed) {
+    const auto arguments = nanobind::make_tuple(failed.code().value(), failed.what());
+    PyErr_SetObject(PyExc_OSError, arguments.ptr());
+  }
+}
+
+}  // namespace
+
 NB_MODULE(_core, module) {
   module.doc() = "The C++ runtime at the byte seam: untyped names that `gecos` gives their types.";
+  nanobind::register_exception_translator(as_os_error);
   gecos::python::count_forks();
   gecos::python::bind_client(module);
   gecos::python::bind_server(module);

@@ -70,7 +70,8 @@ class ServerHandle {
   ServerHandle& operator=(const ServerHandle&) = delete;
   ~ServerHandle() { close(); }
 
-  nb::object add(const std::string& name, nb::handle interface, bool simulated,
+  /// `place`: the servant's number in the calls and stops that `next` gives.
+  nb::object add(std::size_t place, const std::string& name, nb::handle interface, bool simulated,
                  const std::vector<std::string>& media) {
     owner_.demand("this Server");
     const auto server = server_;  // another thread may close meanwhile
@@ -88,7 +89,7 @@ class ServerHandle {
       options.media.push_back(*kind);
     }
     PulledServant& servant = *served_->servants.emplace_back(std::make_unique<PulledServant>(
-        description_of(interface), served_->tasks, served_->servants.size()));
+        description_of(interface), served_->tasks, place));
     options.on_stop = [&servant] { servant.stopped(); };
     const auto added = without_gil([&] { return server->add(name, servant, std::move(options)); });
     if (!added) return nb::str(added.error().text.c_str());
@@ -234,8 +235,8 @@ void bind_server(nb::module_& module) {
   nb::class_<ServerHandle>(module, "Server")
       .def(nb::init<const LabHandle&>(), nb::arg("lab"))
       .def("await_broker", &ServerHandle::await_broker, nb::arg("patience"))
-      .def("add", &ServerHandle::add, nb::arg("name"), nb::arg("interface"), nb::arg("simulated"),
-           nb::arg("media"))
+      .def("add", &ServerHandle::add, nb::arg("place"), nb::arg("name"), nb::arg("interface"),
+           nb::arg("simulated"), nb::arg("media"))
       .def("next", &ServerHandle::next, nb::arg("lane"), nb::arg("timeout").none())
       .def_prop_ro("closed", &ServerHandle::closed)
       .def("close", &ServerHandle::close);

@@ -35,13 +35,27 @@ TEST(Directory, NamesWhatItKnowsWhenAskedForSomethingElse) {
   EXPECT_EQ(missing.error().known, (std::vector<std::string>{"LASER", "RX90"}));
 }
 
-TEST(Directory, GivesANameToOneSessionAtATime) {
+TEST(Directory, GivesANameToOneServerAtATime) {
   Directory directory;
   ASSERT_TRUE(directory.enlist(ada, named("RX90")));
-  const auto taken = directory.enlist(bob, named("RX90"));
+  Entry of_another = named("RX90");
+  of_another.boot = 2;
+  const auto taken = directory.enlist(bob, of_another);
   ASSERT_FALSE(taken);
   EXPECT_EQ(taken.error().by, "a robcl::Rx90 of ada on lab1, pid 4711");
   EXPECT_TRUE(directory.enlist(ada, named("RX90"))) << "its own session may say it again";
+}
+
+TEST(Directory, AServerThatLostItsSessionTakesItsNameIntoTheNextOne) {
+  Directory directory;
+  const std::uint64_t lost = 1;
+  const std::uint64_t next = 2;
+  ASSERT_TRUE(directory.enlist(lost, named("RX90")));
+  ASSERT_TRUE(directory.enlist(next, named("RX90")));
+  EXPECT_TRUE(directory.end_session(lost).empty()) << "noticed late, and it has nothing any more";
+  EXPECT_FALSE(directory.withdraw(lost, "RX90"));
+  EXPECT_TRUE(directory.look_up("RX90"));
+  EXPECT_TRUE(directory.withdraw(next, "RX90"));
 }
 
 TEST(Directory, RefusesASecondObjectOfTheSameSessionUnderOneName) {

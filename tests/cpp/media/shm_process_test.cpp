@@ -385,6 +385,20 @@ TEST_F(ShmProcess, AClientHearsThatTheDescriptorsOfTheServerEndedWhileItWasLetIn
   EXPECT_NE(wait_for_client(*door), nullptr) << "later ones are let in";
 }
 
+TEST_F(ShmProcess, AClientForWhomNotEvenTheSpareDescriptorWasLeftIsLetInLater) {
+  const auto door = listen();
+  End client = connect();
+  rlimit before{};
+  ::getrlimit(RLIMIT_NOFILE, &before);
+  const rlimit none{0, before.rlim_max};  // as when another thread was quicker
+  ::setrlimit(RLIMIT_NOFILE, &none);
+  EXPECT_EQ(door->accept(), nullptr);
+  EXPECT_TRUE(door->short_of_descriptors());
+  ::setrlimit(RLIMIT_NOFILE, &before);
+  EXPECT_NE(wait_for_client(*door), nullptr);
+  EXPECT_FALSE(door->short_of_descriptors());
+}
+
 TEST(RuntimeDirectory, IsMadeForThisUserAlone) {
   const ScratchDirectory scratch;
   const std::string path = scratch.path() + "/gecos";

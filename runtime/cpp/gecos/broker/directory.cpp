@@ -4,8 +4,7 @@ namespace gecos::broker {
 
 tl::expected<void, NameTaken> Directory::enlist(std::uint64_t session, const Entry& entry) {
   const auto found = places_.find(entry.name);
-  if (found != places_.end() &&
-      (found->second.session != session || found->second.entry != entry)) {
+  if (found != places_.end() && found->second.entry != entry) {
     const Entry& other = found->second.entry;
     return tl::unexpected(NameTaken{entry.name, "a " + other.interface_name + " of " + other.user +
                                                     " on " + other.hostname + ", pid " +

@@ -5,12 +5,13 @@
 
 #include <cerrno>
 #include <cstdint>
-#include <system_error>
+
+#include "gecos/base/system_error.hpp"
 
 namespace gecos::media {
 
 Bell::Bell() : fd_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
-  if (!fd_) throw std::system_error(errno, std::generic_category(), "eventfd");
+  if (!fd_) throw_system_error("eventfd", errno);
 }
 
 bool Bell::quiet() {

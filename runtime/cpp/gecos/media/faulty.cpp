@@ -6,10 +6,10 @@
 #include <cerrno>
 #include <deque>
 #include <random>
-#include <system_error>
 #include <utility>
 #include <vector>
 
+#include "gecos/base/system_error.hpp"
 #include "gecos/media/descriptor.hpp"
 #include "gecos/media/layer.hpp"
 
@@ -35,7 +35,7 @@ class FaultyLink final : public LinkLayer {
         clock_(clock),
         random_(faults.seed * 0x9e3779b97f4a7c15u + number),
         timer_(::timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK)) {
-    if (!timer_) throw std::system_error(errno, std::generic_category(), "timerfd");
+    if (!timer_) throw_system_error("timerfd", errno);
     descriptors_.assign(LinkLayer::descriptors().begin(), LinkLayer::descriptors().end());
     descriptors_.push_back(timer_.get());
   }

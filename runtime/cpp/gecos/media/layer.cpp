@@ -18,6 +18,7 @@ class AcceptorLayer final : public Acceptor {
     if (link == nullptr) return nullptr;
     return (*put_)(std::move(link), offer_, Role::Server);
   }
+  bool short_of_descriptors() const override { return inner_->short_of_descriptors(); }
   std::span<const int> descriptors() const override { return inner_->descriptors(); }
   std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth) override {
     return inner_->make_stream(largest, depth);

@@ -7,10 +7,10 @@
 
 #include <array>
 #include <cerrno>
-#include <cstring>
 #include <optional>
 #include <utility>
 
+#include "gecos/base/system_error.hpp"
 #include "gecos/media/lcm/port.hpp"
 
 namespace gecos::media {
@@ -26,9 +26,7 @@ std::optional<MediumError> short_of_descriptors() {
   for (Descriptor& one : spare) {
     one = Descriptor(::open("/dev/null", O_RDONLY | O_CLOEXEC));
     if (!one) {
-      return MediumError{std::string("lcm: no descriptors are left (") + std::strerror(errno) +
-                         "); `ulimit -n` shows the limit, and `ls /proc/" +
-                         std::to_string(::getpid()) + "/fd` what is open"};
+      return MediumError{"lcm: " + system_text(errno)};
     }
   }
   return std::nullopt;

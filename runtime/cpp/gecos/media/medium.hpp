@@ -153,6 +153,8 @@ class Acceptor {
   virtual const std::string& address() const = 0;
   /// The next client that came, or null.
   virtual std::unique_ptr<Link> accept() = 0;
+  /// Somebody waits whom it had no descriptor for: call accept() again in a while, nothing tells when.
+  virtual bool short_of_descriptors() const { return false; }
   /// Readable when somebody may have come. (lcm: also when packets for its links are there.)
   virtual std::span<const int> descriptors() const = 0;
   /// A stream that links of this acceptor can share. `largest` in bytes, `depth` samples kept.

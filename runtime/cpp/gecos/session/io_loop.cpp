@@ -9,6 +9,7 @@
 #include <system_error>
 
 #include "gecos/base/log.hpp"
+#include "gecos/base/system_error.hpp"
 #include "gecos/session/packets.hpp"
 #include "gecos/session/thread.hpp"
 
@@ -18,14 +19,14 @@ namespace {
 constexpr std::uint64_t wakeup_key = 0;
 constexpr std::uint64_t door_bit = std::uint64_t{1} << 63;
 constexpr Duration stays_hot = std::chrono::milliseconds(10);
-/// Events are looked at after 64 turns that found something, or so many that did not: who was silent waits
-/// for neither long.
+/// Events are looked at after so many turns; one that found something counts as many of those that did
+/// not, so that who was silent waits long for neither.
 constexpr unsigned turns_between_events = 8192;
-constexpr unsigned busy_turn = turns_between_events / 64;
+constexpr unsigned busy_turn = 128;
 
 int make_epoll() {
   const int descriptor = epoll_create1(EPOLL_CLOEXEC);
-  if (descriptor < 0) throw std::system_error(errno, std::generic_category(), "epoll_create1");
+  if (descriptor < 0) throw_system_error("epoll_create1", errno);
   return descriptor;
 }
 
@@ -72,7 +73,7 @@ void IoLoop::add_descriptor(int descriptor, std::uint64_t key) {
   event.events = EPOLLIN | EPOLLET;
   event.data.u64 = key;
   if (epoll_ctl(epoll_, EPOLL_CTL_ADD, descriptor, &event) != 0 && errno != EEXIST) {
-    throw std::system_error(errno, std::generic_category(), "epoll_ctl");
+    throw_system_error("epoll_ctl", errno);
   }
 }
 
@@ -123,7 +124,8 @@ void IoLoop::turn(Polling& polling) {
   }
   if (busy) spin_.begin();
   if (busy || (!hot_.empty() && spin_.again())) return;
-  if (arm_all()) take_events(-1, polling);
+  // The ring that came with the end may have been taken above.
+  if (arm_all() && !ended_.load()) take_events(-1, polling);
   spin_.begin();
 }
 
@@ -205,6 +207,7 @@ void IoLoop::take_events(int milliseconds, Polling& polling) {
     if (key == wakeup_key) {
       wakeup_.quiet();
       open_doors();
+      if (somebody_waits_.exchange(false)) accept_all();
       part_from_suspects();
     } else if ((key & door_bit) != 0) {
       if (const auto& door = doors_[key & ~door_bit]) accept(*door);
@@ -222,9 +225,16 @@ void IoLoop::accept(Door& door) {
       log_warning("session", door.object->name() + " turned a client away: " + failed.what());
     }
   }
+  if (door.acceptor->short_of_descriptors()) somebody_waits_.store(true);
   // A medium that loses packets brings those of its links through this door.
   for (const auto& [key, session] : sessions_) {
     if (session->repeats() && session->object() == door.object) heat(session);
+  }
+}
+
+void IoLoop::accept_all() {
+  for (const auto& door : doors_) {
+    if (door) accept(*door);
   }
 }
 
@@ -304,9 +314,8 @@ void IoLoop::tend(TimePoint now) {
     suspects = suspects || session->gone.load() ||
                (beat && session->link().loss() != media::Loss::None);
   }
-  if (!suspects) return;
-  suspects_.store(true);
-  wakeup_.ring();
+  if (suspects) suspects_.store(true);
+  if (suspects || (beat && somebody_waits_.load())) wakeup_.ring();
 }
 
 void IoLoop::withdraw(const ServedObject& object) {

@@ -58,6 +58,7 @@ class IoLoop {
   void take_events(int milliseconds, Polling& polling);
   void open_doors();
   void accept(Door& door);
+  void accept_all();
   void watch(const std::shared_ptr<ServerSession>& session);
   void part_from_suspects();
   void shut_doors();
@@ -82,6 +83,7 @@ class IoLoop {
   std::mutex list_mutex_;  ///< held for moments; the map is written by who polls
   std::unordered_map<std::uint64_t, std::shared_ptr<ServerSession>> sessions_;  ///< by watch key
   std::vector<std::unique_ptr<Door>> new_doors_;
+  std::atomic<bool> somebody_waits_{false};  // at a door, and there was no descriptor for him
   std::atomic<bool> suspects_{false};  // tells who polls that some sessions may be gone
 
   std::mutex standby_mutex_;

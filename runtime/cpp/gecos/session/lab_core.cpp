@@ -28,19 +28,16 @@ bool LabCore::closed() const {
 }
 
 void LabCore::close(Duration patience) {
-  const TimePoint give_up = deadline_after(patience);
-  std::vector<std::weak_ptr<LinkedSession>> kept;
+  std::vector<std::shared_ptr<LinkedSession>> open;
   {
     const std::lock_guard lock(keeping_);
     closed_ = true;
-    kept.swap(kept_);
-  }
-  for (const auto& known : kept) {
-    if (const auto session = known.lock()) {
-      const Duration left = give_up - std::chrono::steady_clock::now();
-      session->close(std::max(left, 2 * runtime_->options().heartbeat));  // who is stuck takes no other's share
+    for (const auto& known : kept_) {
+      if (auto session = known.lock()) open.push_back(std::move(session));
     }
+    kept_.clear();
   }
+  close_all(open, patience);
   renewal_->end();
 }
 
@@ -68,30 +65,40 @@ std::vector<std::string> LabCore::broker_addresses() {
 }
 
 tl::expected<std::shared_ptr<LinkedSession>, std::string> LabCore::broker(TimePoint deadline) {
+  const auto known = [this] { return broker_ && !broker_->lost(); };
   std::unique_lock lock(mutex_);
-  if (!looked_.wait_until(lock, deadline, [this] { return !looking_; })) {
-    return tl::unexpected(std::string("no broker was found in time: another thread of this program still asks one"));
+  if (!looked_.wait_until(lock, deadline, [&] { return known() || !looking_; })) {
+    return tl::unexpected("no broker was found in time: another thread of this program still asks" +
+                          (missing_.empty() ? std::string() : "; before it, " + missing_));
   }
+  if (known()) return broker_;
+  const auto lost = std::exchange(broker_, nullptr);  // ends when nobody waits for us
   looking_ = true;
   lock.unlock();
-  struct Looking {
-    ~Looking() {
-      const std::lock_guard again(lab.mutex_);
-      lab.looking_ = false;
-      lab.looked_.notify_one();
-    }
-    LabCore& lab;
-  } const looking{*this};
-  return look_for_broker(deadline);
+  tl::expected<std::shared_ptr<LinkedSession>, std::string> found;
+  try {
+    found = look_for_broker(deadline);
+  } catch (...) {
+    note_broker(nullptr, {});
+    throw;
+  }
+  note_broker(found.value_or(nullptr), found ? std::string() : found.error());
+  return found;
+}
+
+void LabCore::note_broker(std::shared_ptr<LinkedSession> found, std::string missing) {
+  const std::lock_guard lock(mutex_);
+  broker_ = std::move(found);
+  missing_ = std::move(missing);
+  looking_ = false;
+  looked_.notify_all();
 }
 
 tl::expected<std::shared_ptr<LinkedSession>, std::string> LabCore::look_for_broker(TimePoint deadline) {
-  if (broker_ && !broker_->lost()) return broker_;
-  broker_.reset();
   std::string tried;
   for (const auto& address : broker_addresses()) {
     auto session = runtime_->connect(address, broker_interface(), deadline);
-    if (session) return broker_ = std::move(*session);
+    if (session) return session;
     tried += (tried.empty() ? "" : "; ") + session.error();
   }
   return tl::unexpected("no broker answers; start `gecos broker`, or say where it is in GECOS_BROKER" +

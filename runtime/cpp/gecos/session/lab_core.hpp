@@ -34,13 +34,15 @@ class LabCore : public std::enable_shared_from_this<LabCore> {
  private:
   std::vector<std::string> broker_addresses();
   tl::expected<std::shared_ptr<LinkedSession>, std::string> look_for_broker(TimePoint deadline);
+  void note_broker(std::shared_ptr<LinkedSession> found, std::string missing);
 
   const std::shared_ptr<Runtime> runtime_;
   const std::shared_ptr<Renewal> renewal_;
-  std::mutex mutex_;
+  std::mutex mutex_;  ///< guards what follows
   std::condition_variable looked_;
-  bool looking_ = false;  ///< one thread at a time looks for the broker; guarded by mutex_
+  bool looking_ = false;  ///< one thread at a time looks for the broker
   std::shared_ptr<LinkedSession> broker_;
+  std::string missing_;  ///< why there was none when one was looked for last
 
   mutable std::mutex keeping_;  ///< guards what follows
   std::vector<std::weak_ptr<LinkedSession>> kept_;

@@ -254,6 +254,14 @@ void LinkedSession::close(Duration patience) {
   lose(Ending::ByUs, closed_by_us);
 }
 
+void close_all(const std::vector<std::shared_ptr<LinkedSession>>& sessions, Duration patience) {
+  const TimePoint give_up = deadline_after(patience);
+  for (const auto& session : sessions) {
+    const Duration left = give_up - std::chrono::steady_clock::now();
+    session->close(std::max(left, 2 * session->runtime().options().heartbeat));
+  }
+}
+
 bool LinkedSession::everything_arrived() {
   const std::lock_guard lock(mutex_);
   for (const auto& [counter, command] : calls_.all()) {

@@ -89,8 +89,9 @@ class LinkedSession final : public ClientSession,
   bool wait(const void* subject, FunctionRef<bool()> done, TimePoint deadline);
   /// False when it is not here under this counter, or not any more.
   bool cancel(PendingCommand& command, std::uint64_t counter);
-  /// Somebody sleeps on a descriptor: from now on packets are read though nobody waits here.
-  void attend() { attended_.store(true, std::memory_order_relaxed); house_wake(); }
+  /// Somebody sleeps on a descriptor: until `attended_less` packets are read though nobody waits here.
+  void attend() { attended_.fetch_add(1, std::memory_order_relaxed); house_wake(); }
+  void attended_less() { attended_.fetch_sub(1, std::memory_order_relaxed); }
 
   TimePoint tend(TimePoint now) override;
   void watch(std::vector<pollfd>& into) override;
@@ -108,6 +109,7 @@ class LinkedSession final : public ClientSession,
   void take_reply(const wire::PacketView& packet);
   void take_progress(const wire::PacketView& packet);
   void look_for_loss();
+  bool attended() const { return attended_.load(std::memory_order_relaxed) > 0; }
 
   std::shared_ptr<LinkedSession> next();
   std::shared_ptr<CommandCore> call_repeatable(const OperationDescription& operation,
@@ -160,7 +162,8 @@ class LinkedSession final : public ClientSession,
   std::atomic<bool> closed_{false};       // publishes nothing but itself
   std::atomic<bool> unreachable_{false};  // publishes nothing but itself
   std::atomic<TimePoint> silent_since_{};  // publishes nothing but itself; while it is unreachable
-  std::atomic<bool> attended_{false};     // publishes nothing but itself
+  std::atomic<int> attended_{0};          // publishes nothing but itself
+  std::atomic<bool> loss_look_due_{false};  // of whoever holds the baton next; publishes nothing
   std::atomic<bool> goodbye_heard_{false};  // publishes nothing but itself
   std::atomic<std::uint64_t> epoch_{0};   // publishes nothing but itself
 
@@ -184,5 +187,9 @@ class LinkedSession final : public ClientSession,
   TimePoint last_sign_;
   TimePoint next_beat_{};
 };
+
+/// Closes one after the other within `patience`, and two heartbeats more for each that does not answer:
+/// who is stuck takes no other's share.
+void close_all(const std::vector<std::shared_ptr<LinkedSession>>& sessions, Duration patience);
 
 }  // namespace gecos::session

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <mutex>
+#include <utility>
 
 #include "gecos/session/linked_session.hpp"
 #include "gecos/session/runtime.hpp"
@@ -54,32 +55,29 @@ void PendingCommand::cancel() {
 }
 
 int PendingCommand::descriptor() {
-  std::shared_ptr<LinkedSession> session;
-  int descriptor = -1;
-  {
-    const std::lock_guard lock(mutex_);
-    if (!exported_) {
-      exported_ = std::make_unique<Wakeup>();
-      if (terminal()) exported_->ring();
-      session = session_;
-    }
-    descriptor = exported_->descriptor();
+  const std::lock_guard lock(mutex_);
+  if (!exported_) {
+    exported_ = std::make_unique<Wakeup>();
+    if (terminal()) exported_->ring();
+    be_attended();
   }
-  if (session) session->attend();
-  return descriptor;
+  return exported_->descriptor();
 }
 
 void PendingCommand::when_ended(std::function<void()> then) {
-  std::shared_ptr<LinkedSession> session;
   {
     const std::lock_guard lock(mutex_);
     if (!terminal()) {
       callbacks_.push_back(std::move(then));
-      session = session_;
+      return be_attended();
     }
   }
-  if (session) return session->attend();
   then();
+}
+
+void PendingCommand::be_attended() {
+  if (!session_ || std::exchange(attended_, true)) return;
+  session_->attend();
 }
 
 void PendingCommand::report(Detail detail, const ProgressBody& body) {
@@ -101,6 +99,7 @@ void PendingCommand::end(Detail detail, Publish publish) {
   publish();
   position_ = 0;
   released = std::move(session_);
+  if (attended_) released->attended_less();
   if (exported_) exported_->ring();
   if (again) again->moored.notify_all();
   for (auto& callback : callbacks_) released->runtime().callbacks().post(std::move(callback));

@@ -34,7 +34,8 @@ class PendingCommand final : public CommandCore {
   int descriptor() override;
   void when_ended(std::function<void()> then) override;
 
-  bool terminal() const { return project(detail_.load(std::memory_order_acquire)) != State::Running; }
+  /// Asked by who has just said that he follows the baton, so in one order with that (Baton::poke).
+  bool terminal() const { return project(detail_.load(std::memory_order_seq_cst)) != State::Running; }
 
   // For its session.
   void report(Detail detail, const ProgressBody& body);
@@ -74,6 +75,7 @@ class PendingCommand final : public CommandCore {
 
  private:
   std::shared_ptr<LinkedSession> session() const;
+  void be_attended();  // with the mutex
   bool adrift() const { return again != nullptr && home_.load(std::memory_order_acquire) == nullptr; }
   bool wait_in_any_session(TimePoint deadline);
   void cancel_in_any_session();
@@ -87,6 +89,7 @@ class PendingCommand final : public CommandCore {
   Bytes feedback_;
   ShortBytes result_;
   Failure failure_;
+  bool attended_ = false;  ///< by housekeeping of session_, for who sleeps elsewhere
   std::unique_ptr<Wakeup> exported_;
   std::vector<std::function<void()>> callbacks_;
   /// Whose it is; null while it is adrift. Publishes nothing: who waits there has to look elsewhere.

@@ -66,8 +66,8 @@ std::ostream& operator<<(std::ostream& out, const Outcome& outcome);
 
 /// What became of an actor command whose own outcome is OUTCOME_UNKNOWN, through a new proxy. The
 /// command's state stays what it is. NotStarted is a promise: what has not arrived by now never
-/// starts. Sent: it has not arrived and may still start; ask again. OutcomeUnknown: the server was started anew since, or keeps it no more (it keeps the last
-/// 1024 of each object).
+/// starts. Sent: it has not arrived and may still start; ask again. OutcomeUnknown: the server was
+/// started anew since, or keeps it no more (it keeps the last 1024 of each object).
 Command<Outcome> outcome(const Object& object, const CommandId& id);
 
 }  // namespace gecos

@@ -152,9 +152,8 @@ tl::expected<std::shared_ptr<LinkedSession>, std::string> Runtime::connect(
             return failed;
           });
     } catch (const std::system_error& failed) {
-      return tl::unexpected(LinkedSession::NotOpened{
-          Detail::NoServer,
-          address + ": " + failed.what() + "; are descriptors left (ulimit -n)?"});
+      return tl::unexpected(
+          LinkedSession::NotOpened{Detail::NoServer, address + ": " + failed.what()});
     }
   };
   auto session = open();
@@ -180,8 +179,7 @@ void Runtime::close_sessions(Duration patience) {
       if (auto session = known.lock()) open.push_back(std::move(session));
     }
   }
-  const TimePoint give_up = deadline_after(patience);
-  for (const auto& session : open) session->close(give_up - std::chrono::steady_clock::now());
+  close_all(open, patience);
 }
 
 }  // namespace gecos::session

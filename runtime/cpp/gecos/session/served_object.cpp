@@ -77,8 +77,12 @@ std::shared_ptr<ServerCall> ServedObject::execute(const std::shared_ptr<ServerCa
 /// False for one that was ended before a thread came to it: its caller was told, so it does not begin.
 bool ServedObject::begins(ServerCall& call) {
   const Lock lock(mutex_);
-  if (call.terminal) never_began(call);
-  return !call.terminal;
+  if (call.terminal) {
+    never_began(call);
+    return false;
+  }
+  if (runs_long(call.operation())) call.listener().report(call, Detail::Executing, 0);
+  return true;
 }
 
 /// All was ended before, or there is no thread for it.
@@ -102,9 +106,7 @@ std::shared_ptr<ServerCall> ServedObject::start_next(Starter starter) {
   while (auto ticket = queue_.next()) {
     auto call = std::static_pointer_cast<ServerCall>(std::move(ticket));
     if (starts_on_time(*call)) {
-      const bool is_long = runs_long(call->operation());
-      if (is_long || starter == Starter::Other) list(*call);
-      if (is_long) call->listener().report(*call, Detail::Executing, 0);
+      if (starter == Starter::Other || runs_long(call->operation())) list(*call);
       return call;
     }
     never_began(*call);

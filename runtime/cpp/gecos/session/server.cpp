@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <mutex>
+#include <system_error>
 
 #include "gecos/base/log.hpp"
 #include "gecos/session/io_loop.hpp"
@@ -95,7 +96,11 @@ tl::expected<Server::Core::Opened, ServeError> Server::Core::open_places(
       if (!medium) return tl::unexpected(medium.error());
       // A host has one such place; between hosts it is somebody else's, or there is no network.
       needed = needed || (options.well_known && (*medium)->offer().same_host_only);
-      return (*medium)->listen(name, options.well_known);
+      try {
+        return (*medium)->listen(name, options.well_known);
+      } catch (const std::system_error& error) {  // no descriptors
+        return tl::unexpected(media::MediumError{error.what()});
+      }
     }();
     if (acceptor) {
       opened.addresses.push_back((*acceptor)->address());

@@ -20,6 +20,10 @@ constexpr Duration rest_of_a_flood = std::chrono::microseconds(400);
 void LinkedSession::glance() {
   if (!baton_.try_take()) return;
   read_all();
+  if (loss_look_due_.load(std::memory_order_relaxed)) {
+    loss_look_due_.store(false, std::memory_order_relaxed);
+    look_for_loss();
+  }
   baton_.drop();
 }
 
@@ -29,7 +33,7 @@ bool LinkedSession::wait(const void* subject, FunctionRef<bool()> done, TimePoin
     if (baton_.try_take()) {
       const bool finished = lead(done, deadline);
       baton_.drop();
-      if (attended_.load(std::memory_order_relaxed)) house_wake();  // it reads on for who sleeps elsewhere
+      if (attended()) house_wake();  // it reads on for who sleeps elsewhere
       return finished;
     }
     switch (baton_.follow(subject, done, deadline)) {

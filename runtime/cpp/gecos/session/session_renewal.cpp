@@ -160,7 +160,9 @@ void PendingCommand::moor(const std::shared_ptr<LinkedSession>& session, const C
   feedback_.clear();
   home_.store(session.get(), std::memory_order_release);
   again->moored.notify_all();
-  if (before != session && (exported_ || !callbacks_.empty())) session->attend();
+  if (before == session || !attended_) return;
+  if (before) before->attended_less();
+  session->attend();
 }
 
 bool PendingCommand::wait_in_any_session(TimePoint deadline) {

@@ -25,10 +25,11 @@ TimePoint LinkedSession::tend(TimePoint now) {
   if (beat) {
     link_->beat();
     next_beat_ = now + runtime_->options().heartbeat;
+    loss_look_due_.store(true, std::memory_order_relaxed);
   }
   if (baton_.try_take()) {
     const std::size_t taken = read_all();
-    if (beat) look_for_loss();
+    if (loss_look_due_.exchange(false, std::memory_order_relaxed)) look_for_loss();
     baton_.drop();
     if (taken != 0) baton_.poke(nullptr);
   }
@@ -95,7 +96,7 @@ TimePoint LinkedSession::repeat(TimePoint now) {
 }
 
 void LinkedSession::watch(std::vector<pollfd>& into) {
-  if (lost() || !attended_.load(std::memory_order_relaxed) || !baton_.try_take()) return;
+  if (lost() || !attended() || !baton_.try_take()) return;
   watching_ = true;
   if (link_->arm()) {
     for (const int descriptor : link_->descriptors()) into.push_back({descriptor, POLLIN, 0});

@@ -5,12 +5,13 @@
 
 #include <cerrno>
 #include <cstdint>
-#include <system_error>
+
+#include "gecos/base/system_error.hpp"
 
 namespace gecos::session {
 
 Wakeup::Wakeup() : descriptor_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
-  if (descriptor_ < 0) throw std::system_error(errno, std::generic_category(), "eventfd");
+  if (descriptor_ < 0) throw_system_error("eventfd", errno);
 }
 
 Wakeup::~Wakeup() { close(descriptor_); }

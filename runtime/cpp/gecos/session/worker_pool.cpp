@@ -15,10 +15,13 @@ bool WorkerPool::post(std::function<void()> job) {
   if (jobs_.size() > idle_ && threads_.size() < most_threads) {
     try {
       threads_.push_back(start_thread(name_, [this] { run(); }));
+      without_thread_ = false;
       return true;
     } catch (const std::system_error& failed) {
-      log_warning("session", name_ + ": no thread can be had for a handler (" + failed.what() +
-                                 "); it waits for another to return, see `ulimit -u`");
+      if (!std::exchange(without_thread_, true)) {
+        log_warning("session", name_ + ": no thread can be had for a handler (" + failed.what() +
+                                   "); it waits for another to return, see `ulimit -u`");
+      }
       if (threads_.empty()) {
         jobs_.pop_back();
         return false;

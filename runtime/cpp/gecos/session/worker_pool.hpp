@@ -36,6 +36,7 @@ class WorkerPool {
   std::deque<std::function<void()>> jobs_;
   std::vector<std::thread> threads_;
   std::size_t idle_ = 0;
+  bool without_thread_ = false;  ///< the system gave none when one was asked for last
   bool ended_ = false;
 };
 

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstddef>
-#include <cstring>
 #include <stdexcept>
 #include <utility>
 
 #include "gecos/base/log.hpp"
+#include "gecos/base/system_error.hpp"
 #include "gecos/media/lcm.hpp"
 #include "gecos/media/lcm/door.hpp"
 #include "gecos/media/lcm/link.hpp"
@@ -45,7 +45,7 @@ class Claim {
           errno == EADDRINUSE
               ? place.place() + " is served already by another program of this host; `ss -xap | "
                                     "grep gecos/lcm` tells by which"
-              : place.place() + " cannot be claimed: " + std::strerror(errno)});
+              : place.place() + " cannot be claimed: " + system_text(errno)});
     }
     return std::make_unique<Claim>(std::move(held));
   }

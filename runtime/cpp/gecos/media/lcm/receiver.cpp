@@ -7,10 +7,10 @@
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
-#include <cstring>
 #include <utility>
 
 #include "gecos/base/log.hpp"
+#include "gecos/base/system_error.hpp"
 #include "gecos/crypto/big_endian.hpp"
 
 namespace gecos::media {
@@ -42,10 +42,8 @@ void warn_of_small_buffer(int socket, int wanted) {
 MediumError cannot_hear(const LcmOptions& options, std::uint16_t port) {
   const int problem = errno;
   const std::string what = "lcm: cannot hear " + options.group + ":" + std::to_string(port) + ": " +
-                           std::strerror(problem);
-  if (problem == EMFILE || problem == ENFILE) {
-    return {what + "; no descriptors are left, `ulimit -n` shows how many there may be"};
-  }
+                           system_text(problem);
+  if (problem == EMFILE || problem == ENFILE) return {what};
   return {what + multicast_advice(options)};
 }
 

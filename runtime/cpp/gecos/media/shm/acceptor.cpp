@@ -13,12 +13,12 @@
 #include <atomic>
 #include <cctype>
 #include <cerrno>
-#include <cstring>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
 
 #include "gecos/base/log.hpp"
+#include "gecos/base/system_error.hpp"
 #include "gecos/media/shm/link.hpp"
 #include "gecos/media/shm/memory.hpp"
 #include "gecos/media/shm/stream.hpp"
@@ -30,6 +30,8 @@ constexpr std::size_t most_guests = 64;  // who connect and stay silent are drop
 constexpr int most_at_once = 64;
 constexpr std::size_t longest_name = 32;
 constexpr std::string_view no_descriptors = "the server has no descriptors left (ulimit -n)";
+
+bool none_left(int error) { return error == EMFILE || error == ENFILE; }
 
 tl::unexpected<MediumError> error(const std::string& text) {
   return tl::unexpected(MediumError{"shm: " + text});
@@ -174,10 +176,15 @@ tl::expected<std::unique_ptr<Acceptor>, MediumError> ShmAcceptor::open(const Shm
     } while (!listener && errno == EADDRINUSE);
   }
   if (!listener) {
-    return error("cannot listen at " + path + ": " + std::strerror(errno) +
+    return error("cannot listen at " + path + ": " + system_text(errno) +
                  (errno == ENAMETOOLONG ? "; name a shorter directory in GECOS_RUNTIME_DIR" : ""));
   }
-  return std::make_unique<ShmAcceptor>(std::move(path), std::move(listener), options.other_users);
+  try {
+    return std::make_unique<ShmAcceptor>(path, std::move(listener), options.other_users);
+  } catch (const std::system_error&) {
+    ::unlink(path.c_str());
+    throw;
+  }
 }
 
 ShmAcceptor::ShmAcceptor(std::string path, Descriptor listener, bool other_users)
@@ -192,9 +199,7 @@ ShmAcceptor::ShmAcceptor(std::string path, Descriptor listener, bool other_users
   for (const int descriptor : {listener_.get(), more_.descriptor()}) {
     epoll_event event{EPOLLIN, {.fd = descriptor}};
     if (epoll_ && ::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, descriptor, &event) == 0) continue;
-    const int why = errno;
-    ::unlink(path_.c_str());
-    throw std::system_error(why, std::generic_category(), "epoll for " + path_);
+    throw_system_error("epoll for " + path_, errno);
   }
 }
 
@@ -210,6 +215,7 @@ const Offer& ShmAcceptor::offer() const { return shm_offer(); }
 
 std::unique_ptr<Link> ShmAcceptor::accept() {
   if (inherited_) return nullptr;
+  short_of_descriptors_ = false;
   std::array<epoll_event, 16> events;
   const int count =
       ::epoll_wait(epoll_.get(), events.data(), static_cast<int>(events.size()), 0);
@@ -232,9 +238,7 @@ bool ShmAcceptor::let_in() {
   Guest guest;
   guest.socket =
       Descriptor(::accept4(listener_.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
-  if (!guest.socket) {
-    return (errno == EMFILE || errno == ENFILE) && turn_away();
-  }
+  if (!guest.socket) return none_left(errno) && turn_away();
   auto peer = peer_of(guest.socket.get());
   if (!peer) {
     say_goodbye(guest.socket.get(), "refused: " + peer.error());
@@ -256,11 +260,12 @@ bool ShmAcceptor::let_in() {
   return true;
 }
 
-/// False when nobody was there.
+/// False when nobody was there, or another thread took the spare descriptor meanwhile.
 bool ShmAcceptor::turn_away() {
   // Left in the queue the client would keep us awake for ever.
   spare_.reset();
   const Descriptor unwanted(::accept4(listener_.get(), nullptr, nullptr, SOCK_CLOEXEC));
+  short_of_descriptors_ = !unwanted && none_left(errno);
   if (unwanted) say_goodbye(unwanted.get(), no_descriptors);
   spare_ = Descriptor(::open("/dev/null", O_RDONLY | O_CLOEXEC));
   if (unwanted) log_turned_away();

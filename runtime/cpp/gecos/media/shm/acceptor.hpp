@@ -23,6 +23,7 @@ class ShmAcceptor final : public Acceptor {
   const Offer& offer() const override;
   const std::string& address() const override { return address_; }
   std::unique_ptr<Link> accept() override;
+  bool short_of_descriptors() const override { return short_of_descriptors_; }
   std::span<const int> descriptors() const override { return descriptors_; }
   std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth) override;
 
@@ -49,6 +50,7 @@ class ShmAcceptor final : public Acceptor {
   Descriptor epoll_;
   Bell more_;         // rung by us: more may wait than are let in at once
   Descriptor spare_;  // given up for a moment to turn a client away when no other is left
+  bool short_of_descriptors_ = false;
   std::vector<Guest> guests_;
   const std::array<int, 1> descriptors_;
   bool inherited_ = false;

@@ -10,6 +10,8 @@
 #include <cstring>
 #include <type_traits>
 
+#include "gecos/base/system_error.hpp"
+
 namespace gecos::media::shm {
 namespace {
 
@@ -111,8 +113,7 @@ tl::expected<Peer, std::string> peer_of(int socket) {
   ucred named{};
   socklen_t size = sizeof named;
   if (::getsockopt(socket, SOL_SOCKET, SO_PEERCRED, &named, &size) != 0) {
-    return tl::unexpected(std::string("the kernel does not name the peer: ") +
-                          std::strerror(errno));
+    return tl::unexpected("the kernel does not name the peer: " + system_text(errno));
   }
   if (named.pid <= 0 || named.uid == nobody || named.uid == static_cast<uid_t>(-1)) {
     return tl::unexpected<std::string>(

@@ -8,10 +8,11 @@
 #include <cerrno>
 #include <chrono>
 #include <cstdlib>
-#include <cstring>
 #include <ctime>
 #include <fstream>
 #include <utility>
+
+#include "gecos/base/system_error.hpp"
 
 namespace gecos::media::shm {
 namespace {
@@ -45,14 +46,14 @@ bool shared_between_users(const std::string& directory) {
 
 tl::expected<void, MediumError> prepare_directory(const std::string& directory) {
   if (::mkdir(directory.c_str(), 0700) != 0 && errno != EEXIST) {
-    return error("cannot make " + directory + ": " + std::strerror(errno) +
+    return error("cannot make " + directory + ": " + system_text(errno) +
                  "; name another one in GECOS_RUNTIME_DIR");
   }
   struct stat found {};
   // stat, not lstat, where the user may have chosen a link; in /tmp somebody else may have.
   const bool in_tmp = directory.rfind("/tmp/", 0) == 0;
   if ((in_tmp ? ::lstat : ::stat)(directory.c_str(), &found) != 0) {
-    return error("cannot look at " + directory + ": " + std::strerror(errno));
+    return error("cannot look at " + directory + ": " + system_text(errno));
   }
   if (!S_ISDIR(found.st_mode)) {
     return error(directory + " is not a directory; remove it or name another one in "
@@ -86,11 +87,11 @@ tl::expected<std::string, MediumError> host_identity(const std::string& director
 
 tl::expected<DirectoryLock, MediumError> DirectoryLock::take(const std::string& directory) {
   Descriptor opened(::open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (!opened) return error("cannot open " + directory + ": " + std::strerror(errno));
+  if (!opened) return error("cannot open " + directory + ": " + system_text(errno));
   const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(1);
   while (::flock(opened.get(), LOCK_EX | LOCK_NB) != 0) {
     if (errno != EWOULDBLOCK && errno != EINTR) {
-      return error("cannot lock " + directory + ": " + std::strerror(errno));
+      return error("cannot lock " + directory + ": " + system_text(errno));
     }
     if (std::chrono::steady_clock::now() >= patience) {
       return error("another program has kept " + directory +

@@ -4,9 +4,11 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <system_error>
 #include <utility>
 
+#include "gecos/base/system_error.hpp"
 #include "gecos/media/shm/stream.hpp"
 
 namespace gecos::media::shm {
@@ -280,7 +282,7 @@ void ShmLink::read_control() {
     } else if (read == ControlRead::Ended) {
       note_loss(Loss::Died, peer_.description + " closed its socket without a word");
     } else if (read == ControlRead::NoDescriptors) {
-      note_loss(Loss::Broken, "no descriptors are left here for what it sent (ulimit -n)");
+      note_loss(Loss::Broken, "what it sent: " + system_text(EMFILE));
     } else {
       note_loss(Loss::Broken, "it sent something that is no message of ours");
     }

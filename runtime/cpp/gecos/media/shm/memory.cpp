@@ -6,8 +6,9 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstring>
 #include <utility>
+
+#include "gecos/base/system_error.hpp"
 
 namespace gecos::media::shm {
 namespace {
@@ -19,7 +20,7 @@ constexpr int seals = F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_FUTURE_WRITE | F_SEAL
 tl::expected<SealedMemory, MediumError> make_sealed(const char* name, std::size_t size) {
   const auto failed = [&](const char* what) {
     return tl::unexpected(MediumError{"shm: " + std::string(what) + " of " + std::to_string(size) +
-                                      " bytes failed: " + std::strerror(errno)});
+                                      " bytes failed: " + system_text(errno)});
   };
   SealedMemory memory;
   memory.memfd = Descriptor(::memfd_create(name, MFD_CLOEXEC | MFD_ALLOW_SEALING));
@@ -43,7 +44,7 @@ tl::expected<Mapping, std::string> map_received(int memfd, std::size_t size) {
     return tl::unexpected<std::string>("it sent memory of another size than agreed");
   }
   Mapping mapping = Mapping::shared(memfd, size, false);
-  if (!mapping) return tl::unexpected(std::string("mmap failed: ") + std::strerror(errno));
+  if (!mapping) return tl::unexpected("mmap failed: " + system_text(errno));
   return mapping;
 }
 

@@ -3,9 +3,9 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstring>
 #include <utility>
 
+#include "gecos/base/system_error.hpp"
 #include "gecos/media/shm/acceptor.hpp"
 #include "gecos/media/shm/link.hpp"
 
@@ -35,7 +35,7 @@ class Shm final : public Medium {
       if (errno == ENOENT || errno == ECONNREFUSED) return error("no server is there");
       if (errno == EAGAIN) return error("too many clients are waiting there, try again");
       if (errno == EACCES) return error("this user may not connect there");
-      return error(std::strerror(errno));
+      return error(system_text(errno));
     }
     auto server = shm::peer_of(socket.get());
     if (!server) return error(server.error());
