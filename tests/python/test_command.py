@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import asyncio
 import gc
+import pydoc
 import queue
 import select
 import threading
@@ -299,6 +300,53 @@ def test_a_callback_may_issue_any_number_of_commands_with_callbacks(lamp: Lamp) 
     lamp.label().add_done_callback(many)
     for _ in range(1000):
         assert told.get(timeout=30) == "over"
+
+
+@pytest.mark.parametrize("interrupted", ["socket.socketpair", "os.dup", "threading.Thread"])
+def test_a_callback_may_be_added_in_the_midst_of_adding_the_first_as_by_a_signal_handler(
+    held: Lamp, servant: PlainLamp, monkeypatch: pytest.MonkeyPatch, interrupted: str
+) -> None:
+    monkeypatch.setattr("gecos.callbacks._watches", {})
+    told: queue.Queue[str] = queue.Queue()
+    burning = held.burn_in()
+    adding = threading.Thread(
+        target=burning.add_done_callback, args=[lambda _: told.put("outer")], daemon=True
+    )
+    place = f"gecos.callbacks.{interrupted}"
+    original = pydoc.locate(interrupted)
+    assert callable(original)
+
+    def interruption(*arguments: object, **named: object) -> object:
+        monkeypatch.setattr(place, original)
+        burning.add_done_callback(lambda _: told.put("inner"))
+        return original(*arguments, **named)
+
+    monkeypatch.setattr(place, interruption)
+    adding.start()
+    adding.join(10)
+    servant.finish.set()
+    assert {told.get(timeout=10), told.get(timeout=10)} == {"inner", "outer"}
+
+
+def test_callbacks_added_by_many_threads_at_once_are_all_called_on_one(
+    held: Lamp, servant: PlainLamp, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("gecos.callbacks._watches", {})
+    told: queue.Queue[int] = queue.Queue()
+    burning = held.burn_in()
+    all_here = threading.Barrier(16)
+
+    def add() -> None:
+        all_here.wait(30)
+        burning.add_done_callback(lambda _: told.put(threading.get_ident()))
+
+    threads = [threading.Thread(target=add) for _ in range(16)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    servant.finish.set()
+    assert len({told.get(timeout=10) for _ in threads}) == 1
 
 
 def test_a_callback_is_told_of_the_end(held: Lamp, servant: PlainLamp) -> None:

@@ -8,6 +8,7 @@ import selectors
 import socket
 import threading
 import traceback
+from collections import deque
 from collections.abc import Callable
 from typing import NamedTuple, Protocol
 
@@ -27,21 +28,31 @@ class _Awaited(NamedTuple):
 
 
 class _Watch:
-    """A thread that sleeps on all descriptors at once. It ends with the program."""
+    """A thread that sleeps on all descriptors at once. It ends with the program.
+
+    A signal handler or a `__del__` may add in the midst of adding, on the same thread. So nobody
+    waits for a lock here: who was interrupted would never give it back.
+    """
 
     def __init__(self) -> None:
-        self._lock = threading.Lock()
-        self._new: list[_Awaited] = []
+        self._new: deque[_Awaited] = deque()
         self._here, self._there = socket.socketpair()
         self._there.setblocking(False)  # this thread itself may add more than it has read of
-        thread = threading.Thread(target=self._run, name="gecos-callbacks", daemon=True)
-        thread.start()
+        self._runs = False
+        self._taken = threading.Lock()  # by the thread
 
     def add(self, ending: Ending, callback: Callable[[], object]) -> None:
-        with self._lock:
-            self._new.append(_Awaited(ending, os.dup(ending.fileno()), callback))
+        self._new.append(_Awaited(ending, os.dup(ending.fileno()), callback))
         with contextlib.suppress(BlockingIOError):  # it has been told often enough
             self._there.send(b"!")
+        if not self._runs:
+            threading.Thread(target=self._begin, name="gecos-callbacks", daemon=True).start()
+
+    def _begin(self) -> None:
+        """Of several that are started at once one stays."""
+        self._runs = True
+        if self._taken.acquire(blocking=False):
+            self._run()
 
     def _run(self) -> None:
         with selectors.DefaultSelector() as selector:
@@ -58,10 +69,14 @@ class _Watch:
 
     def _welcome(self, selector: selectors.BaseSelector) -> None:
         self._here.recv(4096)
-        with self._lock:
-            new, self._new = self._new, []
-        for awaited in new:
+        while self._new:
+            awaited = self._new.popleft()
             selector.register(awaited.descriptor, selectors.EVENT_READ, awaited)
+
+    def close(self) -> None:
+        """Of one that was never used."""
+        self._here.close()
+        self._there.close()
 
 
 def call(callback: Callable[[], object]) -> None:
@@ -73,23 +88,23 @@ def call(callback: Callable[[], object]) -> None:
         log.error("command", f"a callback of a command failed\n{traceback.format_exc()}")
 
 
-_watch: _Watch | None = None
-_starting = threading.Lock()
+_watches: dict[str, _Watch] = {}  # one, once it is needed
 
 
 def when_ended(ending: Ending, callback: Callable[[], object]) -> None:
-    """Calls it once `ending` is readable."""
-    global _watch
-    with _starting:
-        if _watch is None:
-            _watch = _Watch()
-        _watch.add(ending, callback)
+    """Calls it once `ending` is readable. From everywhere, signal handlers and `__del__` too."""
+    _watch().add(ending, callback)
 
 
-def _forget() -> None:
-    """A forked child has no such thread, and none of its commands either."""
-    global _watch, _starting
-    _watch, _starting = None, threading.Lock()
+def _watch() -> _Watch:
+    known = _watches.get("")
+    if known is None:
+        new = _Watch()
+        known = _watches.setdefault("", new)
+        if known is not new:  # somebody else was faster
+            new.close()
+    return known
 
 
-os.register_at_fork(after_in_child=_forget)
+# A forked child has no such thread, and none of its commands either.
+os.register_at_fork(after_in_child=_watches.clear)
