@@ -334,6 +334,36 @@ def test_a_stop_that_closing_waits_for_is_named(
     assert not closing.is_alive()
 
 
+def test_handlers_may_close_their_server_both_at_once(
+    held: Lamp, server: gecos.Server, servant: PlainLamp, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    inside = threading.Barrier(2)
+
+    def close() -> str:
+        inside.wait(30)
+        server.close()
+        return ""
+
+    monkeypatch.setattr(servant, "label", close)
+    monkeypatch.setattr(servant, "shine", lambda *_: close())
+    running = [held.label(), held.shine(1)]
+    for command in running:
+        assert command.wait(30) is not State.RUNNING
+    server.close()
+
+
+def test_one_that_was_refused_may_be_served_by_another_server(
+    lab: gecos.Lab, server: gecos.Server
+) -> None:
+    lamp = PlainLamp()
+    with pytest.raises(gecos.ServeError):
+        server.add("LAMP", lamp)
+    with gecos.Server(lab) as other:
+        other.add("LAMP2", lamp)
+        server.close()
+        lamp.publish_level(1.0)
+
+
 class Unspeakable(Exception):
     def __str__(self) -> str:
         raise SystemExit("not even its text")

@@ -80,10 +80,12 @@ class Server:
     def __init__(self, lab: Lab) -> None: ...
     def await_broker(self, patience: float) -> str | None:
         """None once a broker answers; where it was looked for when none did for `patience`."""
+    def prepare(self, place: int, interface: Interface) -> PulledServant:
+        """Who may be served. `next` gives `place` with its calls and stops."""
     def add(
-        self, place: int, name: str, interface: Interface, simulated: bool, media: Sequence[str]
-    ) -> PulledServant | str:
-        """Who is served from now on; or why it cannot be. `next` gives `place` with its calls."""
+        self, prepared: PulledServant, name: str, simulated: bool, media: Sequence[str]
+    ) -> str | None:
+        """Serves what was prepared here; else says why it cannot be."""
     def next(self, lane: int, timeout: float | None) -> IncomingCall | int | None:
         """The next call of a lane (0 sensor and safety, 1 the FIFOs), the number of a servant that
         was stopped (lane 0 only), or None: nothing came in time, or the server is closed."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import threading
 import time
 import traceback
@@ -37,7 +38,8 @@ class Server:
 
     def __init__(self, lab: Lab) -> None:
         self._core = _core.Server(lab._core)
-        self._servants: list[Servant] = []
+        self._servants: dict[int, Servant] = {}  # by their places, under which they are called
+        self._places = itertools.count()
         self._running: dict[
             int, _core.IncomingCall | int
         ] = {}  # by lane; a stop as its servant's place
@@ -78,32 +80,33 @@ class Server:
                     f"{name}: this {type(servant).__name__} is served already under another name, "
                     "and would publish for one of them only; make one for each object"
                 )
-            # It is called by its place here, which nobody else gets, also when this is broken off.
-            place = len(self._servants)
-            self._servants.append(servant)
-            added = self._core.add(place, name, servant._gecos_interface, simulated, list(media))
-            if isinstance(added, str):
-                raise ServeError(added)  # which names it
-            servant._gecos_core = added
+            place = next(self._places)  # nobody else's, also when this is broken off
+            self._servants[place] = servant
+            servant._gecos_core = self._core.prepare(place, servant._gecos_interface)
+            try:
+                if why := self._core.add(servant._gecos_core, name, simulated, list(media)):
+                    raise ServeError(why)  # which names it
+            except Exception:  # not Ctrl-C: then it may be served
+                servant._gecos_core = None
+                del self._servants[place]
+                raise
 
     def close(self) -> None:
         """Withdraws all objects; running handlers are interrupted and waited for. One that does not
-        look whether it is interrupted is named on stderr, and still waited for."""
+        look whether it is interrupted is named on stderr, and still waited for; a handler that
+        closes its own server waits for none."""
         self._core.close()
-        lanes = [
-            (lane, thread)
-            for lane, thread in enumerate(self._threads)
-            if thread is not threading.current_thread()
-        ]
+        if threading.current_thread() in self._threads:
+            return
         until = time.monotonic() + _PATIENCE_WITH_HANDLERS
-        for _, thread in lanes:
+        for thread in self._threads:
             thread.join(max(0.0, until - time.monotonic()))
-        for lane, thread in lanes:
+        for lane, thread in enumerate(self._threads):
             if thread.is_alive():
                 self._tell_running(lane)
-        for _, thread in lanes:
+        for thread in self._threads:
             thread.join()
-        for servant in self._servants:
+        for servant in self._servants.values():
             servant._gecos_core = None
 
     def __enter__(self) -> Self:
@@ -122,11 +125,15 @@ class Server:
             task = self._core.next(lane, None)
             if task is None:
                 continue
+            place = task.servant if isinstance(task, _core.IncomingCall) else task
+            servant = self._servants.get(place)
+            if servant is None:  # its add failed in the end
+                continue
             self._running[lane] = task
             if isinstance(task, _core.IncomingCall):
-                _answer(self._servants[task.servant], task)
+                _answer(servant, task)
             else:
-                _stopped(self._servants[task])
+                _stopped(servant)
             self._running.pop(lane)
 
     def _tell_running(self, lane: int) -> None:

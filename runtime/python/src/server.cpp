@@ -25,18 +25,18 @@ namespace nb = nanobind;
 /// What servants and the calls of their queue belong to; as long as one of them lives.
 struct Served {
   TaskQueue tasks;
-  std::vector<std::unique_ptr<PulledServant>> servants;
+  std::vector<std::shared_ptr<PulledServant>> servants;
 };
 
 class ServantHandle {
  public:
-  ServantHandle(std::shared_ptr<Served> served, PulledServant& servant)
-      : served_(std::move(served)), servant_(servant) {}
-  PulledServant& servant() const { return servant_; }
+  ServantHandle(std::shared_ptr<Served> served, std::shared_ptr<PulledServant> servant)
+      : served_(std::move(served)), servant_(std::move(servant)) {}
+  const std::shared_ptr<PulledServant>& servant() const { return servant_; }
 
  private:
   std::shared_ptr<Served> served_;
-  PulledServant& servant_;
+  std::shared_ptr<PulledServant> servant_;
 };
 
 /// A call that Python answers. Answering moves it out; whoever is late is ignored.
@@ -70,8 +70,15 @@ class ServerHandle {
   ServerHandle& operator=(const ServerHandle&) = delete;
   ~ServerHandle() { close(); }
 
-  /// `place`: the servant's number in the calls and stops that `next` gives.
-  nb::object add(std::size_t place, const std::string& name, nb::handle interface, bool simulated,
+  /// `place`: the servant's number in the calls and stops that `next` gives. It is not served yet.
+  ServantHandle prepare(std::size_t place, nb::handle interface) {
+    owner_.demand("this Server");
+    return {served_,
+            std::make_shared<PulledServant>(description_of(interface), served_->tasks, place)};
+  }
+
+  /// Serves what was prepared here; else says why not.
+  nb::object add(const ServantHandle& prepared, const std::string& name, bool simulated,
                  const std::vector<std::string>& media) {
     owner_.demand("this Server");
     const auto server = server_;  // another thread may close meanwhile
@@ -88,12 +95,14 @@ class ServerHandle {
       }
       options.media.push_back(*kind);
     }
-    PulledServant& servant = *served_->servants.emplace_back(std::make_unique<PulledServant>(
-        description_of(interface), served_->tasks, place));
-    options.on_stop = [&servant] { servant.stopped(); };
-    const auto added = without_gil([&] { return server->add(name, servant, std::move(options)); });
-    if (!added) return nb::str(added.error().text.c_str());
-    return nb::cast(ServantHandle(served_, servant));
+    const auto& servant = served_->servants.emplace_back(prepared.servant());
+    options.on_stop = [servant = servant.get()] { servant->stopped(); };
+    const auto added = without_gil([&, servant = servant] {
+      return server->add(name, *servant, std::move(options));
+    });
+    if (added) return nb::none();
+    std::erase(served_->servants, prepared.servant());
+    return nb::str(added.error().text.c_str());
   }
 
   /// Nothing once a broker answers, else where it was looked for.
@@ -209,7 +218,7 @@ void bind_server(nb::module_& module) {
           "publish",
           [](const ServantHandle& self, std::uint32_t code, const nb::bytes& sample,
              std::int64_t stamp_ns) {
-            if (!self.servant().publish(FunctionCode{code}, from_python(sample), stamp_ns)) {
+            if (!self.servant()->publish(FunctionCode{code}, from_python(sample), stamp_ns)) {
               throw nb::key_error("no stream of the interface has this code");
             }
           },
@@ -235,8 +244,9 @@ void bind_server(nb::module_& module) {
   nb::class_<ServerHandle>(module, "Server")
       .def(nb::init<const LabHandle&>(), nb::arg("lab"))
       .def("await_broker", &ServerHandle::await_broker, nb::arg("patience"))
-      .def("add", &ServerHandle::add, nb::arg("place"), nb::arg("name"), nb::arg("interface"),
-           nb::arg("simulated"), nb::arg("media"))
+      .def("prepare", &ServerHandle::prepare, nb::arg("place"), nb::arg("interface"))
+      .def("add", &ServerHandle::add, nb::arg("prepared"), nb::arg("name"), nb::arg("simulated"),
+           nb::arg("media"))
       .def("next", &ServerHandle::next, nb::arg("lane"), nb::arg("timeout").none())
       .def_prop_ro("closed", &ServerHandle::closed)
       .def("close", &ServerHandle::close);

@@ -108,6 +108,26 @@ TEST_P(Commands, AreRefusedWhenTheirClientHasTooManyWaiting) {
   for (const auto& move : moves) EXPECT_EQ(move.wait(), State::Finished);
 }
 
+TEST_P(Commands, OfAClientWithoutCreditsAreStoppedAndItsStatusGivenBack) {
+  std::mutex mutex;
+  std::vector<gecos::IncomingCall> unanswered;
+  servant_.on_read([&](gecos::IncomingCall call) {
+    const std::lock_guard lock(mutex);
+    unanswered.push_back(std::move(call));
+  });
+  const auto move = probe_.move(1);
+  std::vector<gecos::Command<std::int32_t>> reads;
+  for (int at = 1; at < 256; ++at) reads.push_back(probe_.read());
+  EXPECT_EQ(probe_.read().get().error().detail, Detail::QueueFull);
+  EXPECT_TRUE(gecos::stop(probe_).get());
+  EXPECT_EQ(move.get().error().detail, Detail::Stopped);
+  EXPECT_TRUE(probe_.urgent().get());
+  lease_.reset();
+  EXPECT_TRUE(gecos::holders(probe_).get().value().empty());
+  const std::lock_guard lock(mutex);
+  for (auto& call : unanswered) call.fail({Detail::Rejected, "enough", {}, {}});
+}
+
 TEST_P(Commands, RunInTheOrderInWhichTheyWereIssued) {
   std::vector<gecos::Command<std::int32_t>> sets;
   std::vector<std::string> expected;

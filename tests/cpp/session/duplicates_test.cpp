@@ -82,12 +82,12 @@ TEST(ReplyCache, KeepsRepliesUntilTheyAreAcknowledged) {
 
 TEST(ReplyCache, CrowdsOutTheOldest) {
   ReplyCache cache;
-  for (std::uint64_t counter = 1; counter <= 257; ++counter) cache.keep(counter, Bytes(1));
+  for (std::uint64_t counter = 1; counter <= 513; ++counter) cache.keep(counter, Bytes(1));
   EXPECT_EQ(cache.find(1), nullptr);
   EXPECT_NE(cache.find(2), nullptr);
-  cache.keep(300, Bytes(16 * 1024 * 1024));
-  EXPECT_EQ(cache.find(257), nullptr);
-  EXPECT_NE(cache.find(300), nullptr) << "the newest is kept whatever its size";
+  cache.keep(600, Bytes(16 * 1024 * 1024));
+  EXPECT_EQ(cache.find(513), nullptr);
+  EXPECT_NE(cache.find(600), nullptr) << "the newest is kept whatever its size";
 }
 
 TEST(ReplyCache, KeepsLittleOfASessionThatIsLost) {

@@ -167,7 +167,7 @@ TEST_F(OverALossyLine, PacketsThatCountNoCallAreIgnored) {
 }
 
 TEST_F(OverALossyLine, ACallWhoseAnswerWasCrowdedOutStillComesToAnEnd) {
-  constexpr std::uint64_t kept = 256;
+  constexpr std::uint64_t kept = 512;
   for (std::uint64_t counter = 1; counter <= kept + 1; ++counter) call(counter, probe::read_code);
   link_->sent.clear();  // the first answers were lost
   packet(wire::PacketKind::Query, 1);

@@ -13,13 +13,13 @@ tl::expected<void, ServeError> Broker::serve(Server& server, std::vector<media::
 }
 
 void Broker::gecos_dispatch(IncomingCall call) {
-  calling_ = call.caller().session;
+  calling_ = {call.caller().session, call.caller().boot};
   BrokerServant::gecos_dispatch(std::move(call));
 }
 
 Result<void> Broker::enlist(const Entry& what) {
   const std::lock_guard lock(mutex_);
-  if (auto added = directory_.enlist(calling_, what); !added) {
+  if (auto added = directory_.enlist(calling_.session, calling_.boot, what); !added) {
     return tl::unexpected(Fault(added.error()));
   }
   log_info("broker", what.name + " is a " + what.interface_name);
@@ -28,7 +28,7 @@ Result<void> Broker::enlist(const Entry& what) {
 
 Result<void> Broker::withdraw(const std::string& name) {
   const std::lock_guard lock(mutex_);
-  if (auto gone = directory_.withdraw(calling_, name); !gone) {
+  if (auto gone = directory_.withdraw(calling_.session, name); !gone) {
     return tl::unexpected(Fault(gone.error()));
   }
   log_info("broker", name + " was withdrawn");

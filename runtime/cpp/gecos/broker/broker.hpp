@@ -28,7 +28,10 @@ class Broker final : public BrokerServant {
   Result<std::vector<Entry>> list() override;
 
  private:
-  std::uint64_t calling_ = 0;  ///< session of the call that is being answered: handlers run one at a time
+  struct {
+    std::uint64_t session = 0;
+    std::uint64_t boot = 0;
+  } calling_;                  ///< whose call is being answered: handlers run one at a time
   std::mutex mutex_;           ///< sessions end on other threads than calls run on
   Directory directory_;
 };

@@ -2,9 +2,13 @@
 
 namespace gecos::broker {
 
-tl::expected<void, NameTaken> Directory::enlist(std::uint64_t session, const Entry& entry) {
+tl::expected<void, NameTaken> Directory::enlist(std::uint64_t session, std::uint64_t boot,
+                                                const Entry& entry) {
   const auto found = places_.find(entry.name);
-  if (found != places_.end() && found->second.entry != entry) {
+  const auto is_its_own = [&](const Place& place) {
+    return place.entry == entry && (place.session == session || entry.boot == boot);
+  };
+  if (found != places_.end() && !is_its_own(found->second)) {
     const Entry& other = found->second.entry;
     return tl::unexpected(NameTaken{entry.name, "a " + other.interface_name + " of " + other.user +
                                                     " on " + other.hostname + ", pid " +

@@ -7,6 +7,7 @@
 #include <exception>
 #include <mutex>
 #include <string>
+#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -78,7 +79,12 @@ void Callbacks::post(std::function<void()> callback) {
   const std::lock_guard lock(shared_->mutex);
   shared_->waiting.push_back(std::move(callback));
   if (!shared_->thread.joinable()) {
-    shared_->thread = start_thread("gecos-callbacks", [shared = shared_] { shared->run(); });
+    try {
+      shared_->thread = start_thread("gecos-callbacks", [shared = shared_] { shared->run(); });
+    } catch (const std::system_error& failed) {
+      log_error("session", std::string("no thread can be had for the callbacks of commands (") + failed.what() +
+                               "); they wait until the next command with one ends, see `ulimit -u`");
+    }
   }
   shared_->changed.notify_one();
 }

@@ -50,7 +50,7 @@ class ReplyCache {
   void shrink();
 
  private:
-  static constexpr std::size_t most_replies = 256;
+  static constexpr std::size_t most_replies = 512;  ///< more than a client may have unanswered
   static constexpr std::size_t most_bytes = 16 * 1024 * 1024;  ///< two of the largest packets
   static constexpr std::size_t most_bytes_of_lost = 64 * 1024;
   struct Kept {

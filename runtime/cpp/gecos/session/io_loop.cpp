@@ -36,7 +36,15 @@ IoLoop::IoLoop(std::shared_ptr<Runtime> runtime)
     : runtime_(std::move(runtime)), epoll_(make_epoll()), spin_(system_clock()) {
   add_descriptor(wakeup_.descriptor(), wakeup_key);
   main_ = start_thread("gecos-io", [this] { run(); });
-  standby_ = start_thread("gecos-standby", [this] { run_standby(); });
+  try {
+    standby_ = start_thread("gecos-standby", [this] { run_standby(); });
+  } catch (...) {
+    ended_.store(true);
+    wakeup_.ring();
+    main_.join();
+    close(epoll_);
+    throw;
+  }
 }
 
 IoLoop::~IoLoop() {

@@ -57,21 +57,24 @@ std::shared_ptr<CommandCore> LinkedSession::call(const OperationDescription& ope
   header.epoch = Epoch{epoch_.load(std::memory_order_relaxed)};
   header.deadline = options.deadline.value_or(operation.quality.deadline);
 
-  auto sent = send_call(header, size, encode, command);
+  // Who has no credits left can still stop what he started, and give back what he holds.
+  const bool urgent = operation.safety || number(operation.code) <= last_reserved_code;
+  const std::size_t most = welcome_.credits + (urgent ? welcome_.credits / 4 : 0);
+  auto sent = send_call(header, most, size, encode, command);
   if (!sent && sent.error() == media::SendProblem::Full) {
     glance();  // replies that wait may make room
-    sent = send_call(header, size, encode, command);
+    sent = send_call(header, most, size, encode, command);
   }
   if (!sent) command->fail(not_sent(operation.name, size, sent.error()));
   return command;
 }
 
 tl::expected<void, media::SendProblem> LinkedSession::send_call(
-    wire::PacketHeader& header, std::size_t size, FunctionRef<void(wire::Encoder&)> encode,
-    const std::shared_ptr<PendingCommand>& command) {
+    wire::PacketHeader& header, std::size_t most, std::size_t size,
+    FunctionRef<void(wire::Encoder&)> encode, const std::shared_ptr<PendingCommand>& command) {
   const std::lock_guard lock(mutex_);
   if (lost_.load(std::memory_order_relaxed)) return tl::unexpected(media::SendProblem::Lost);
-  if (calls_.size() >= welcome_.credits) return tl::unexpected(media::SendProblem::Full);
+  if (calls_.size() >= most) return tl::unexpected(media::SendProblem::Full);
   if (wire::packet_size(size) > link_->offer().largest_packet) {
     return tl::unexpected(media::SendProblem::TooLarge);
   }

@@ -118,7 +118,8 @@ class LinkedSession final : public ClientSession,
                                                const CallOptions& options);
   tl::expected<void, media::SendProblem> send_repeatable(
       const std::shared_ptr<PendingCommand>& command);
-  tl::expected<void, media::SendProblem> send_call(wire::PacketHeader& header, std::size_t size,
+  tl::expected<void, media::SendProblem> send_call(wire::PacketHeader& header, std::size_t most,
+                                                   std::size_t size,
                                                    FunctionRef<void(wire::Encoder&)> encode,
                                                    const std::shared_ptr<PendingCommand>& command);
   tl::expected<std::uint64_t, media::SendProblem> send_first(ByteView packet);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <utility>
 
 #include "gecos/base/log.hpp"
 #include "gecos/session/linked_session.hpp"
@@ -141,14 +142,14 @@ bool Registrar::enlist_again() {
     const std::lock_guard lock(mutex_);
     entries = entries_;
   }
-  bool all = true;
+  std::string missing;
   for (const auto& entry : entries) {
     const auto enlisted = enlist(**broker, entry, deadline);
-    if (enlisted) continue;
-    log_warning("session", entry.name + " is not findable: " + enlisted.error().text);
-    all = false;  // the others need not wait for it
+    if (enlisted) continue;  // the others need not wait for one that is not
+    missing += (missing.empty() ? "" : "; ") + entry.name + " runs on and is not findable: " + enlisted.error().text;
   }
-  if (!all) return false;
+  if (missing != std::exchange(told_, missing) && !missing.empty()) log_warning("session", missing);
+  if (!missing.empty()) return false;
   log_info("session", "a new broker knows the objects of this server");
   const std::lock_guard lock(mutex_);
   broker_ = std::move(*broker);

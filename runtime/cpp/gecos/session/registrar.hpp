@@ -51,6 +51,7 @@ class Registrar {
   std::shared_ptr<LinkedSession> broker_;  ///< where they are enlisted
   std::optional<TimePoint> missing_since_;
   bool told_missing_ = false;
+  std::string told_;  ///< why some are not findable; of our thread
   bool wanted_ = false;
   bool ended_ = false;
   std::thread thread_;  ///< looking for a broker blocks, so it has a thread of its own

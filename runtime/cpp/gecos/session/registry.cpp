@@ -71,7 +71,7 @@ tl::expected<void, NotEnlisted> enlist(LinkedSession& broker, const Entry& entry
   const Failure& failure = command->failure();
   if (const auto taken = failure.as<NameTaken>()) {
     return tl::unexpected(
-        NotEnlisted{true, false, "the name " + taken->name + " is taken by " + taken->by});
+        NotEnlisted{true, false, "the name " + taken->name + " is taken by " + taken->by + "; end that one, or serve this under another name"});
   }
   return tl::unexpected(NotEnlisted{false, failure.state() == State::ConnectionFailed,
                                      "the broker did not take it: " + failure.text});

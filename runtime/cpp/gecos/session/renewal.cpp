@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <system_error>
 #include <utility>
 
 #include "gecos/session/lab_core.hpp"
@@ -54,6 +55,9 @@ void Renewal::take(const std::shared_ptr<LinkedSession>& from, std::vector<Adrif
     const Lock lock(mutex_);
     if (ended_) {
       refused = std::move(commands);
+    } else if (!started()) {
+      refused = std::move(commands);
+      why = "it is not sent again: no thread can be had for that, see `ulimit -u`";
     } else {
       Search& search = search_of(from);
       for (Adrift& adrift : commands) {
@@ -67,15 +71,23 @@ void Renewal::take(const std::shared_ptr<LinkedSession>& from, std::vector<Adrif
 
 void Renewal::look_for_another(const std::shared_ptr<LinkedSession>& from) {
   const Lock lock(mutex_);
-  if (!ended_) search_of(from);
+  if (!ended_ && started()) search_of(from);
+}
+
+/// With the mutex; not after the end.
+bool Renewal::started() {
+  if (thread_.joinable()) return true;
+  try {
+    thread_ = start_thread("gecos-renewal", [this] { run(); });
+  } catch (const std::system_error&) {
+    return false;
+  }
+  lab_.runtime()->housekeeping().tend(weak_from_this());
+  return true;
 }
 
 /// With the mutex.
 Renewal::Search& Renewal::search_of(const std::shared_ptr<LinkedSession>& from) {
-  if (!ended_ && !thread_.joinable()) {
-    thread_ = start_thread("gecos-renewal", [this] { run(); });
-    lab_.runtime()->housekeeping().tend(weak_from_this());
-  }
   for (Search& search : searches_) {
     if (search.from == from) return search;
   }

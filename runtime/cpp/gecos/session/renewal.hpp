@@ -67,6 +67,7 @@ class Renewal final : public Tended, public std::enable_shared_from_this<Renewal
   };
   using Lock = std::unique_lock<std::mutex>;
 
+  bool started();
   Search& search_of(const std::shared_ptr<LinkedSession>& from);
   void run();
   void look(std::shared_ptr<LinkedSession> from, Lock& lock);

@@ -130,6 +130,7 @@ void ServedObject::greet(const std::shared_ptr<ServerSession>& session,
     caller.host = hello->host;
     caller.program = hello->program;
     caller.pid = session->link().peer().pid.value_or(hello->pid);
+    caller.boot = hello->boot;
     const SessionId id = new_session_id();
     caller.session = number(id);
     session->greet(id, std::move(caller));
@@ -199,7 +200,8 @@ void ServedObject::take_call(const std::shared_ptr<ServerSession>& session,
                                       std::to_string(number(code)) +
                                       "; its server is older than this client's interface", {}, {}});
   }
-  if (session->calls.size() + session->early.size() >= ObjectQueue::most_of_object) {  // which no client of ours does
+  const std::size_t most = ObjectQueue::most_of_object + (operation->safety ? ObjectQueue::most_of_object / 4 : 0);
+  if (session->calls.size() + session->early.size() >= most) {  // which no client of ours does
     return session->reply(counter, Failure{Detail::QueueFull,
                                            "more calls are unanswered than were granted", {}, {}});
   }

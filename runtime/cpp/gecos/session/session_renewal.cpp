@@ -85,7 +85,7 @@ tl::expected<void, media::SendProblem> LinkedSession::send_repeatable(
   // To another process it is a new call; the same one may know what became of it.
   const bool known = again.sessions != 0 && command->boot == welcome_.boot;
   if (known) header.flags = sent_again;
-  return send_call(header, again.arguments.size() + (known ? sent_before_size : 0),
+  return send_call(header, welcome_.credits, again.arguments.size() + (known ? sent_before_size : 0),
                    [&](wire::Encoder& to) {
                      if (known) to.put(command->session_id);
                      if (known) to.put(command->counter);

@@ -8,6 +8,7 @@
 #include <system_error>
 #include <utility>
 
+#include "gecos/base/log.hpp"
 #include "gecos/base/system_error.hpp"
 #include "gecos/media/shm/stream.hpp"
 
@@ -282,7 +283,12 @@ void ShmLink::read_control() {
     } else if (read == ControlRead::Ended) {
       note_loss(Loss::Died, peer_.description + " closed its socket without a word");
     } else if (read == ControlRead::NoDescriptors) {
-      note_loss(Loss::Broken, "what it sent: " + system_text(EMFILE));
+      const std::string why = "there is no descriptor here for what it sent: " + system_text(EMFILE);
+      if (role_ == Role::Client && control.message.type == ControlType::Share) {
+        log_warning("shm", "a stream of " + peer_.description + " cannot be opened: " + why);
+      } else {
+        note_loss(Loss::Broken, why);
+      }
     } else {
       note_loss(Loss::Broken, "it sent something that is no message of ours");
     }
