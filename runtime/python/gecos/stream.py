@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import threading
 import time
+from collections import deque
 from collections.abc import AsyncIterator, Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Generic, TypeVar
 
 from gecos.errors import StreamLost
@@ -13,6 +15,7 @@ from gecos.wire import DecodeError, Decoder
 
 if TYPE_CHECKING:
     from gecos import _core
+    from gecos.reader import Turn
 
 T = TypeVar("T")
 _MOMENT = 0.01  # s
@@ -37,6 +40,9 @@ class Stream(Generic[T]):
     Iterating waits for each next sample and ends with `close()`. A server that is gone or silent,
     or closed the session, raises StreamLost, and so does a Lab that is closed. One thread or task
     reads at a time: others wait for it in `next`, within their timeout, and `latest` refuses.
+
+    `async for` has a thread of its own that waits. What is cancelled loses nothing: a sample that
+    was on its way goes to who reads next, or is counted as lost if somebody has read beyond it.
     """
 
     def __init__(self, core: _core.Stream, decode: Callable[[Decoder], T], name: str) -> None:
@@ -44,8 +50,13 @@ class Stream(Generic[T]):
         self._decode = decode
         self._name = name
         self._reading = threading.Lock()
-        self._waiting = False  # who reads does so until a sample comes
+        self._waits = False  # who reads does so until a sample comes
+        self._turn: Turn[T] | None = None  # of whom that is done, in an `async for`
+        self._closed = False
         self._read = 0
+        self._returned: deque[Sample[T]] = deque()  # their readers had gone
+        self._unread: Sample[T] | None = None  # what was taken last, when it was returned
+        self._missed = 0  # returned when others had read beyond them
         self._last_unreadable = 0
         self._unreadable = 0
 
@@ -57,13 +68,14 @@ class Stream(Generic[T]):
         noticed only when its silence has lasted 1.3 s: until then look at `age`. Raises
         RuntimeError while another thread or task waits in `next` of the same stream.
         """
-        while self._waiting or not self._reading.acquire(timeout=_MOMENT):
-            if self._waiting:
+        while self._occupied() or not self._reading.acquire(timeout=_MOMENT):
+            if self._occupied():
                 raise RuntimeError(
                     f"stream {self._name}: another thread or task waits for its next sample, and "
                     "this would wait with it; open a stream for each of them"
                 )
         try:
+            self._look_back()
             raw = self._core.latest()
             if isinstance(raw, str):
                 raise self._lost()
@@ -93,23 +105,17 @@ class Stream(Generic[T]):
         while (sample := self._next(None)) is not None:
             yield sample
 
-    async def __aiter__(self) -> AsyncIterator[Sample[T]]:
-        import asyncio
+    def __aiter__(self) -> AsyncIterator[Sample[T]]:
+        from gecos.reader import SampleReader  # asyncio takes its time to import
 
-        while True:
-            try:
-                sample = await asyncio.to_thread(self._next, 0.1)
-            except TimeoutError:
-                continue
-            if sample is None:
-                return
-            yield sample
+        return SampleReader(self)
 
     def close(self) -> None:
         """Ends the subscription; a reader that waits gets EOFError."""
+        self._closed = True
         self._core.close()
 
-    def _next(self, timeout: float | None) -> Sample[T] | None:
+    def _next(self, timeout: float | None, turn: Turn[T] | None = None) -> Sample[T] | None:
         end = None if timeout is None else time.monotonic() + timeout
         patience = -1 if timeout is None else min(max(0.0, timeout), threading.TIMEOUT_MAX)
         if not self._reading.acquire(timeout=patience):
@@ -117,9 +123,10 @@ class Stream(Generic[T]):
                 f"stream {self._name}: no sample within {timeout} s, for which another thread waits"
             )
         try:
-            self._waiting = True
+            self._turn, self._waits = turn, True
+            sample = self._returned_one()
             left = None if end is None else max(0.0, end - time.monotonic())
-            while True:
+            while sample is None:
                 raw = self._core.next(left)
                 if raw == "closed":
                     return None
@@ -127,14 +134,44 @@ class Stream(Generic[T]):
                     raise self._lost()
                 if raw == "nothing":
                     break
-                if (sample := self._sample(*raw)) is not None:
-                    return sample
-                if end is not None and (left := end - time.monotonic()) <= 0:
+                sample = self._sample(*raw)
+                if sample is None and end is not None and (left := end - time.monotonic()) <= 0:
                     break
+            if sample is not None:
+                if turn is not None:
+                    turn.taken.append(sample)
+                    if turn.over:  # since then
+                        self._take_back(turn)
+                return sample
         finally:
-            self._waiting = False
+            self._waits, self._turn = False, None
             self._reading.release()
         raise TimeoutError(f"stream {self._name}: no sample within {timeout} s")
+
+    def _occupied(self) -> bool:
+        turn = self._turn
+        return self._waits and not (turn is not None and turn.over)
+
+    def _take_back(self, turn: Turn[T]) -> None:
+        """What it was given and did not take. From any thread."""
+        with contextlib.suppress(IndexError):
+            self._returned.append(turn.taken.pop())
+
+    def _look_back(self) -> None:
+        """By who reads: what became of those that were returned."""
+        while self._returned:
+            sample = self._returned.popleft()
+            if sample.sequence == self._read:
+                self._unread = sample
+            else:
+                self._missed += 1 + sample.lost
+
+    def _returned_one(self) -> Sample[T] | None:
+        self._look_back()
+        if self._unread is None or self._closed:
+            return None
+        sample, self._unread = self._unread, None
+        return replace(sample, age=time.time() - sample.stamp)
 
     def _lost(self) -> StreamLost:
         return StreamLost(
@@ -149,8 +186,12 @@ class Stream(Generic[T]):
             self._unreadable += sequence != self._last_unreadable
             self._last_unreadable = sequence
             return None
-        lost = sequence - self._read - 1 if 0 < self._read < sequence else 0
-        self._read = sequence
+        lost = self._unread.lost if self._unread is not None else 0
+        if sequence != self._read:
+            lost += self._missed + (self._unread is not None)
+            lost += sequence - self._read - 1 if self._read else 0
+            self._missed = 0
+        self._read, self._unread = sequence, None
         return Sample(
             value=value,
             sequence=sequence,

@@ -1,0 +1,92 @@
+"""`async for` over a stream: a thread of its own waits for each sample."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import threading
+import weakref
+from collections import deque
+from collections.abc import AsyncIterator
+from queue import SimpleQueue
+from typing import TYPE_CHECKING, Generic, TypeVar
+
+if TYPE_CHECKING:
+    from gecos.stream import Sample, Stream
+
+T = TypeVar("T")
+_LONGEST = 0.1  # s that the thread does not see that nobody waits any more
+
+
+class Turn(Generic[T]):
+    """One wait for one sample."""
+
+    def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
+        self.over = False  # nobody waits any more
+        self.taken: deque[Sample[T]] = deque()  # at most one; whoever pops it has it
+        self._loop = loop
+        self._ended = loop.create_future()
+        self._error: BaseException | None = None
+
+    async def wait(self) -> Sample[T]:
+        await self._ended
+        if self._error is not None:
+            raise self._error
+        if not self.taken:
+            raise StopAsyncIteration
+        return self.taken.pop()
+
+    def serve(self, stream: Stream[T]) -> None:
+        """On the thread."""
+        while not self.over:
+            try:
+                stream._next(_LONGEST, self)
+            except TimeoutError:
+                continue
+            except BaseException as error:
+                self._error = error
+            break
+        with contextlib.suppress(RuntimeError):  # the loop is closed
+            self._loop.call_soon_threadsafe(_set, self._ended)
+
+
+def _set(future: asyncio.Future[None]) -> None:
+    if not future.done():
+        future.set_result(None)
+
+
+class SampleReader(AsyncIterator["Sample[T]"]):
+    """The thread waits only while somebody does, so it reads nothing ahead; it ends with this.
+
+    Not a thread of the event loop's pool: those are few, and each stream would keep one busy.
+    """
+
+    def __init__(self, stream: Stream[T]) -> None:
+        self._stream = stream
+        self._asked: SimpleQueue[Turn[T] | weakref.ref[SampleReader[T]]] = SimpleQueue()
+        self._begun = False
+
+    async def __anext__(self) -> Sample[T]:
+        if not self._begun:
+            end = weakref.ref(self, self._asked.put)
+            work = (self._stream, self._asked, end)
+            threading.Thread(target=_serve, args=work, name="gecos-reader", daemon=True).start()
+            self._begun = True
+        turn: Turn[T] = Turn(asyncio.get_running_loop())
+        self._asked.put(turn)
+        try:
+            return await turn.wait()
+        finally:
+            turn.over = True
+            self._stream._take_back(turn)
+
+
+def _serve(
+    stream: Stream[T],
+    asked: SimpleQueue[Turn[T] | weakref.ref[SampleReader[T]]],
+    end: weakref.ref[SampleReader[T]],
+) -> None:
+    """Keeps `end`, as a weak reference that is gone itself tells nobody."""
+    while isinstance(turn := asked.get(), Turn):
+        turn.serve(stream)
+        del turn  # and with it the loop
