@@ -23,6 +23,7 @@ using Robot = Oven;  // anything that can be held
 """
 
 PYTHON_BEFORE = """\
+import asyncio
 import time
 import gecos
 from oven import Oven, OvenServant, TooHot

@@ -5,8 +5,11 @@ import gc
 import pydoc
 import queue
 import select
+import sys
 import threading
 import warnings
+from collections.abc import Callable
+from types import FrameType
 
 import gecos
 import pytest
@@ -206,6 +209,45 @@ def test_a_command_that_was_looked_at_may_be_dropped(
         del command
         gc.collect()
     servant.finish.set()
+
+
+def python_run_by(drop: Callable[[], object]) -> list[str]:
+    """The functions of Python that run within it."""
+    functions: list[str] = []
+
+    def note(frame: FrameType, event: str, _: object) -> None:
+        if event == "call":
+            functions.append(frame.f_code.co_name)
+
+    sys.setprofile(note)
+    try:
+        drop()
+    finally:
+        sys.setprofile(None)
+    return functions
+
+
+def test_dropping_what_was_looked_at_runs_no_python_in_which_ctrl_c_would_be_lost(
+    held: Lamp, servant: PlainLamp, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("gecos.command._warned", set())
+    kept = [held.label(), held.burn_in()]
+    kept[0].result()
+    kept[1].detach()
+    assert python_run_by(kept.clear) == []
+    kept = [held.burn_in()]
+    with pytest.warns(gecos.UnobservedCommandWarning):
+        assert python_run_by(kept.clear)[0] == "__del__"
+    kept = [held.burn_in()]  # it has been warned of
+    assert python_run_by(kept.clear) == []
+    servant.finish.set()
+
+
+def test_looking_at_a_command_leaves_it_a_command(held: Lamp) -> None:
+    label = held.label()
+    assert isinstance(label, gecos.Command)
+    label.result()
+    assert type(label) is gecos.Command
 
 
 def test_a_dropped_command_still_runs(held: Lamp, servant: PlainLamp) -> None:

@@ -51,7 +51,7 @@ class Command(Generic[T, F]):
     having looked at it warns, once per operation, because its failure would go unseen.
     """
 
-    __slots__ = ("__weakref__", "_core", "_method", "_observed")
+    __slots__ = ("__weakref__", "_core", "_method")
 
     if not TYPE_CHECKING:
         __class_getitem__ = classmethod(GenericAlias)  # Command[T] is Command[T, None]
@@ -59,12 +59,13 @@ class Command(Generic[T, F]):
     def __init__(self, core: _core.Command, method: Method[T, F]) -> None:
         self._core = core
         self._method = method
-        self._observed = False
+        if method.operation.name not in _warned:
+            self.__class__ = _Unobserved
 
     @property
     def state(self) -> State:
         """RUNNING, or the one of the other three that it has reached."""
-        self._observed = True
+        self._observe()
         return _STATES[self._core.progress()[0]]
 
     @property
@@ -76,14 +77,14 @@ class Command(Generic[T, F]):
         return self._core.id()
 
     def progress(self) -> Progress:
-        self._observed = True
+        self._observe()
         detail, position, fraction = self._core.progress()
         return Progress(Detail(detail), position, fraction)
 
     def feedback(self) -> F | None:
         """The latest that the running command reported; None when nothing has come yet, or what
         came does not decode."""
-        self._observed = True
+        self._observe()
         decode = self._method.feedback
         raw = self._core.feedback() if decode is not None else b""
         try:
@@ -93,7 +94,7 @@ class Command(Generic[T, F]):
 
     def wait(self, timeout: float | None = None) -> State:
         """Waits until it is terminal, at most `timeout` seconds; RUNNING if that was too short."""
-        self._observed = True
+        self._observe()
         self._core.wait(timeout)
         return self.state
 
@@ -103,7 +104,7 @@ class Command(Generic[T, F]):
         Raises a declared exception, CommandFailed or ConnectionFailed; TimeoutError when it still
         runs after `timeout` seconds, which leaves it running.
         """
-        self._observed = True
+        self._observe()
         answer = self._core.answer(timeout)
         if isinstance(answer, int):
             if _STATES[answer] is State.RUNNING:
@@ -123,19 +124,19 @@ class Command(Generic[T, F]):
 
     def cancel(self) -> None:
         """Asks the server to stop it. The state tells whether that came in time."""
-        self._observed = True
+        self._observe()
         self._core.cancel()
 
     def detach(self) -> None:
         """Says that nobody will look: it runs on, and dropping it does not warn."""
-        self._observed = True
+        self._observe()
 
     def fileno(self) -> int:
         """A descriptor that is readable once it is terminal, for `select` and its like.
 
         The command owns it: keep the command as long as it is watched.
         """
-        self._observed = True
+        self._observe()
         return self._core.descriptor()
 
     def add_done_callback(self, callback: Callable[[Self], object]) -> None:
@@ -153,7 +154,7 @@ class Command(Generic[T, F]):
         return self._awaited().__await__()
 
     async def _awaited(self) -> T:
-        self._observed = True
+        self._observe()
         if self.state is State.RUNNING:
             await _readable(self.fileno())
         return self.result()
@@ -177,9 +178,21 @@ class Command(Generic[T, F]):
         more += f", {fraction:.0%}" if detail == Detail.EXECUTING else ""
         return f"<Command {self._name}: {Detail(detail).name}{more}>"
 
+    def _observe(self) -> None:
+        """Somebody looks at it, or says that nobody will."""
+
+
+class _Unobserved(Command[T, F]):
+    """Only what nobody has looked at yet has a `__del__`: Ctrl-C in the midst of one is lost, and
+    in `while True: oven.temperature().result()` it would come there often enough."""
+
+    __slots__ = ()
+
+    def _observe(self) -> None:
+        self.__class__ = Command  # type: ignore[assignment]  # what it is without this class
+
     def __del__(self) -> None:
-        # What a failing constructor left behind has no _observed.
-        if getattr(self, "_observed", True) or self._name in _warned:
+        if self._name in _warned:
             return
         if Detail(self._core.progress()[0]).state is State.RUNNING:
             _warned.add(self._name)
