@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -14,18 +13,8 @@ for folder in ("codegen", "runtime/python", "generated/python", "tests/generated
     if str(TREE / folder) not in sys.path:
         sys.path.insert(0, str(TREE / folder))
 
-from gidl.model import Model  # noqa: E402  (found by the lines above)
-
-
-def generate(out: Path, *files: Path) -> None:
-    """`gidl gen` as a user calls it."""
-    search = ["-I", str(TREE / "idl"), "-I", str(TREE / "tests" / "idl")]
-    subprocess.run(
-        [sys.executable, "-m", "gidl", "gen", *search, "--out", str(out), *map(str, files)],
-        check=True,
-        cwd=TREE,
-        env={"PYTHONPATH": str(TREE / "codegen"), "PATH": "/usr/bin:/bin"},
-    )
+from generating import generate  # noqa: E402  (found by the lines above)
+from gidl.model import Model  # noqa: E402
 
 
 @pytest.fixture(scope="session")

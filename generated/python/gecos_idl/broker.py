@@ -7,26 +7,26 @@ it.
 
 from __future__ import annotations
 
-from abc import abstractmethod
-from collections.abc import Mapping
-from typing import ClassVar
+from abc import abstractmethod as _abstractmethod
+from builtins import len as _len
+from collections.abc import Mapping as _Mapping
+from typing import ClassVar as _ClassVar
 
-from gecos import wire
-from gecos.command import Command
-from gecos.interface import (
-    Access,
-    Handler,
-    Interface,
-    Method,
-    Operation,
-    Quality,
-    no_arguments,
-    no_result,
-    nothing,
-)
-from gecos.proxy import Object
-from gecos.servant import Servant
-from gecos.wire import Decoder, Parts
+from gecos import wire as _wire
+from gecos.command import Command as _Command
+from gecos.interface import Access as _Access
+from gecos.interface import Handler as _Handler
+from gecos.interface import Interface as _Interface
+from gecos.interface import Method as _Method
+from gecos.interface import Operation as _Operation
+from gecos.interface import Quality as _Quality
+from gecos.interface import no_arguments as _no_arguments
+from gecos.interface import no_result as _no_result
+from gecos.interface import nothing as _nothing
+from gecos.proxy import Object as _Object
+from gecos.servant import Servant as _Servant
+from gecos.wire import Decoder as _Decoder
+from gecos.wire import Parts as _Parts
 from gecos_idl.broker_types import Entry, NameTaken, UnknownName
 
 __all__ = [
@@ -38,73 +38,75 @@ __all__ = [
 ]
 
 
-def _broker_enlist_arguments(source: Decoder) -> tuple[Entry]:
+def _broker_enlist_arguments(source: _Decoder) -> tuple[Entry]:
     what: Entry = Entry.decode(source.block("enlist.what"))
     return (what,)
 
 
-def _broker_withdraw_arguments(source: Decoder) -> tuple[str]:
-    name: str = source.string(wire.MAX_COUNT, "withdraw.name")
+def _broker_withdraw_arguments(source: _Decoder) -> tuple[str]:
+    name: str = source.string(_wire.MAX_COUNT, "withdraw.name")
     return (name,)
 
 
-def _broker_lookup_reply(source: Decoder) -> Entry:
+def _broker_lookup_reply(source: _Decoder) -> Entry:
     return Entry.decode(source.block("lookup"))
 
 
-def _broker_lookup_arguments(source: Decoder) -> tuple[str]:
-    name: str = source.string(wire.MAX_COUNT, "lookup.name")
+def _broker_lookup_arguments(source: _Decoder) -> tuple[str]:
+    name: str = source.string(_wire.MAX_COUNT, "lookup.name")
     return (name,)
 
 
-def _broker_lookup_result(value: Entry) -> Parts:
-    out: Parts = []
-    wire.put_block(value, Entry, out, "lookup")
+def _broker_lookup_result(value: Entry) -> _Parts:
+    out: _Parts = []
+    _wire.put_block(value, Entry, out, "lookup")
     return out
 
 
-def _broker_list_reply(source: Decoder) -> list[Entry]:
+def _broker_list_reply(source: _Decoder) -> list[Entry]:
     value: list[
         Entry
-    ] = [Entry.decode(source.block("list")) for _ in range(source.count(4, wire.MAX_COUNT, "list"))]
+    ] = [
+        Entry.decode(source.block("list")) for _ in range(source.count(4, _wire.MAX_COUNT, "list"))
+    ]
     return value
 
 
-def _broker_list_result(value: list[Entry]) -> Parts:
-    out: Parts = []
-    out.append(wire.count(len(value), wire.MAX_COUNT, "list"))
+def _broker_list_result(value: list[Entry]) -> _Parts:
+    out: _Parts = []
+    out.append(_wire.count(_len(value), _wire.MAX_COUNT, "list"))
     for item in value:
-        wire.put_block(item, Entry, out, "list")
+        _wire.put_block(item, Entry, out, "list")
     return out
 
 
-_BROKER_ENLIST: Method[None, None] = Method(
-    Operation(
+_BROKER_ENLIST: _Method[None, None] = _Method(
+    _Operation(
         code=0x17D413CE,
         name="enlist",
-        access=Access.SENSOR,
+        access=_Access.SENSOR,
         presence=False,
         hash=0xFF7A6020C83EDD81,
     ),
-    nothing,
+    _nothing,
     raises=(NameTaken,),
 )
-_BROKER_WITHDRAW: Method[None, None] = Method(
-    Operation(
+_BROKER_WITHDRAW: _Method[None, None] = _Method(
+    _Operation(
         code=0xC5EBB42F,
         name="withdraw",
-        access=Access.SENSOR,
+        access=_Access.SENSOR,
         presence=False,
         hash=0x8875F2F1FE455040,
     ),
-    nothing,
+    _nothing,
     raises=(UnknownName,),
 )
-_BROKER_LOOKUP: Method[Entry, None] = Method(
-    Operation(
+_BROKER_LOOKUP: _Method[Entry, None] = _Method(
+    _Operation(
         code=0x49E3D3E3,
         name="lookup",
-        access=Access.SENSOR,
+        access=_Access.SENSOR,
         presence=False,
         idempotent=True,
         hash=0x5ED8113AB6D833D8,
@@ -112,18 +114,19 @@ _BROKER_LOOKUP: Method[Entry, None] = Method(
     _broker_lookup_reply,
     raises=(UnknownName,),
 )
-_BROKER_LIST: Method[list[Entry], None] = Method(
-    Operation(
+_BROKER_LIST: _Method[list[Entry], None] = _Method(
+    _Operation(
         code=0x8CE83919,
         name="list",
-        access=Access.SENSOR,
+        access=_Access.SENSOR,
         presence=False,
         idempotent=True,
         hash=0xDF31BBF4A9ABB156,
     ),
     _broker_list_reply,
 )
-_BROKER = Interface(
+_list_ = list
+_BROKER = _Interface(
     name="gecos::Broker",
     version="1.0",
     hash=0x8235FAED6F40EB46,
@@ -137,11 +140,11 @@ _BROKER = Interface(
     ),
     streams=(
     ),
-    quality=Quality(),
+    quality=_Quality(),
 )
 
 
-class Broker(Object):
+class Broker(_Object):
     """Knows where objects are. Stands at a well-known place; everything else is found
     through
     it.
@@ -149,75 +152,75 @@ class Broker(Object):
 
     _gecos_interface = _BROKER
 
-    def enlist(self, what: Entry) -> Command[None]:
+    def enlist(self, what: Entry) -> _Command[None]:
         """Makes an object findable until the calling session ends. Named enlist because
         `register`
         is a word of C++.
 
         May raise NameTaken.
         """
-        out: Parts = []
-        wire.put_block(what, Entry, out, "enlist.what")
+        out: _Parts = []
+        _wire.put_block(what, Entry, out, "enlist.what")
         return self._gecos_call(_BROKER_ENLIST, out)
 
-    def withdraw(self, name: str) -> Command[None]:
+    def withdraw(self, name: str) -> _Command[None]:
         """Takes an object of the calling session off the list.
 
         May raise UnknownName.
         """
-        out: Parts = []
-        out.append(wire.string(name, wire.MAX_TEXT, "withdraw.name"))
+        out: _Parts = []
+        out.append(_wire.string(name, _wire.MAX_TEXT, "withdraw.name"))
         return self._gecos_call(_BROKER_WITHDRAW, out)
 
-    def lookup(self, name: str) -> Command[Entry]:
+    def lookup(self, name: str) -> _Command[Entry]:
         """Where an object is that was enlisted.
 
         May raise UnknownName.
         """
-        out: Parts = []
-        out.append(wire.string(name, wire.MAX_TEXT, "lookup.name"))
+        out: _Parts = []
+        out.append(_wire.string(name, _wire.MAX_TEXT, "lookup.name"))
         return self._gecos_call(_BROKER_LOOKUP, out)
 
-    def list(self) -> Command[list[Entry]]:
+    def list(self) -> _Command[_list_[Entry]]:
         """All that is enlisted now, in the order of names."""
         return self._gecos_call(_BROKER_LIST, [])
 
 
-class BrokerServant(Servant):
+class BrokerServant(_Servant):
     """Knows where objects are. Stands at a well-known place; everything else is found
     through
     it.
     """
 
     _gecos_interface = _BROKER
-    _gecos_handlers: ClassVar[Mapping[int, Handler]] = {
-        0x17D413CE: Handler(
+    _gecos_handlers: _ClassVar[_Mapping[int, _Handler]] = {
+        0x17D413CE: _Handler(
             _BROKER_ENLIST.operation,
             "enlist",
             _broker_enlist_arguments,
-            no_result,
+            _no_result,
         ),
-        0xC5EBB42F: Handler(
+        0xC5EBB42F: _Handler(
             _BROKER_WITHDRAW.operation,
             "withdraw",
             _broker_withdraw_arguments,
-            no_result,
+            _no_result,
         ),
-        0x49E3D3E3: Handler(
+        0x49E3D3E3: _Handler(
             _BROKER_LOOKUP.operation,
             "lookup",
             _broker_lookup_arguments,
             _broker_lookup_result,
         ),
-        0x8CE83919: Handler(
+        0x8CE83919: _Handler(
             _BROKER_LIST.operation,
             "list",
-            no_arguments,
+            _no_arguments,
             _broker_list_result,
         ),
     }
 
-    @abstractmethod
+    @_abstractmethod
     def enlist(self, what: Entry) -> None:
         """Makes an object findable until the calling session ends. Named enlist because
         `register`
@@ -226,20 +229,20 @@ class BrokerServant(Servant):
         May raise NameTaken.
         """
 
-    @abstractmethod
+    @_abstractmethod
     def withdraw(self, name: str) -> None:
         """Takes an object of the calling session off the list.
 
         May raise UnknownName.
         """
 
-    @abstractmethod
+    @_abstractmethod
     def lookup(self, name: str) -> Entry:
         """Where an object is that was enlisted.
 
         May raise UnknownName.
         """
 
-    @abstractmethod
-    def list(self) -> list[Entry]:
+    @_abstractmethod
+    def list(self) -> _list_[Entry]:
         """All that is enlisted now, in the order of names."""

@@ -4,13 +4,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from builtins import len as _len
+from dataclasses import dataclass as _dataclass
 from dataclasses import field as _field
-from typing import ClassVar, Self
+from typing import ClassVar as _ClassVar
+from typing import Self as _Self
 
-from gecos import wire
-from gecos.errors import DeclaredError
-from gecos.wire import plans, shapes
+from gecos import wire as _wire
+from gecos.errors import DeclaredError as _DeclaredError
+from gecos.wire import plans as _plans
+from gecos.wire import shapes as _shapes
 
 __all__ = [
     "Entry",
@@ -18,7 +21,7 @@ __all__ = [
     "UnknownName",
 ]
 
-_ENTRY_LAYOUT_1 = wire.Fields(
+_ENTRY_LAYOUT_1 = _wire.Fields(
     "QQi",
     (
         "Entry.interface_hash",
@@ -26,7 +29,7 @@ _ENTRY_LAYOUT_1 = wire.Fields(
         "Entry.pid",
     ),
 )
-_ENTRY_LAYOUT_2 = wire.Fields(
+_ENTRY_LAYOUT_2 = _wire.Fields(
     "?",
     (
         "Entry.simulated",
@@ -34,19 +37,19 @@ _ENTRY_LAYOUT_2 = wire.Fields(
 )
 
 
-@plans.planned(
-    plans.text(wire.MAX_TEXT),
-    plans.text(wire.MAX_TEXT),
-    plans.items(plans.text(wire.MAX_TEXT), 5, wire.MAX_COUNT),
+@_plans.planned(
+    _plans.text(_wire.MAX_TEXT),
+    _plans.text(_wire.MAX_TEXT),
+    _plans.items(_plans.text(_wire.MAX_TEXT), 5, _wire.MAX_COUNT),
     "QQi",
-    plans.text(wire.MAX_TEXT),
-    plans.text(wire.MAX_TEXT),
-    plans.text(wire.MAX_TEXT),
-    plans.items(plans.text(wire.MAX_TEXT), 5, wire.MAX_COUNT),
+    _plans.text(_wire.MAX_TEXT),
+    _plans.text(_wire.MAX_TEXT),
+    _plans.text(_wire.MAX_TEXT),
+    _plans.items(_plans.text(_wire.MAX_TEXT), 5, _wire.MAX_COUNT),
     "?",
     open=True,
 )
-@dataclass(slots=True)
+@_dataclass(slots=True)
 class Entry:
     """Where an object is and what it is: what a server tells the broker and a client asks
     for.
@@ -71,40 +74,40 @@ class Entry:
     """"shm:/run/…", "lcm:239.255.76.67:20017/…", best first"""
     simulated: bool = False
 
-    def encode(self, out: wire.Parts, /) -> None:
-        out.append(wire.string(self.name, wire.MAX_TEXT, "Entry.name"))
-        out.append(wire.string(self.interface_name, wire.MAX_TEXT, "Entry.interface_name"))
-        out.append(wire.count(len(self.bases), wire.MAX_COUNT, "Entry.bases"))
+    def encode(self, out: _wire.Parts, /) -> None:
+        out.append(_wire.string(self.name, _wire.MAX_TEXT, "Entry.name"))
+        out.append(_wire.string(self.interface_name, _wire.MAX_TEXT, "Entry.interface_name"))
+        out.append(_wire.count(_len(self.bases), _wire.MAX_COUNT, "Entry.bases"))
         for item in self.bases:
-            out.append(wire.string(item, wire.MAX_TEXT, "Entry.bases"))
+            out.append(_wire.string(item, _wire.MAX_TEXT, "Entry.bases"))
         out.append(_ENTRY_LAYOUT_1.pack(self.interface_hash, self.boot, self.pid))
-        out.append(wire.string(self.user, wire.MAX_TEXT, "Entry.user"))
-        out.append(wire.string(self.host, wire.MAX_TEXT, "Entry.host"))
-        out.append(wire.string(self.hostname, wire.MAX_TEXT, "Entry.hostname"))
-        out.append(wire.count(len(self.addresses), wire.MAX_COUNT, "Entry.addresses"))
+        out.append(_wire.string(self.user, _wire.MAX_TEXT, "Entry.user"))
+        out.append(_wire.string(self.host, _wire.MAX_TEXT, "Entry.host"))
+        out.append(_wire.string(self.hostname, _wire.MAX_TEXT, "Entry.hostname"))
+        out.append(_wire.count(_len(self.addresses), _wire.MAX_COUNT, "Entry.addresses"))
         for item_ in self.addresses:
-            out.append(wire.string(item_, wire.MAX_TEXT, "Entry.addresses"))
+            out.append(_wire.string(item_, _wire.MAX_TEXT, "Entry.addresses"))
         out.append(_ENTRY_LAYOUT_2.pack(self.simulated))
 
     @classmethod
-    def decode(cls, source: wire.Decoder, /) -> Self:
-        name = source.string(wire.MAX_COUNT, "Entry.name")
-        interface_name = source.string(wire.MAX_COUNT, "Entry.interface_name")
+    def decode(cls, source: _wire.Decoder, /) -> _Self:
+        name = source.string(_wire.MAX_COUNT, "Entry.name")
+        interface_name = source.string(_wire.MAX_COUNT, "Entry.interface_name")
         bases = [
             source.string(
-                wire.MAX_COUNT,
+                _wire.MAX_COUNT,
                 "Entry.bases",
-            ) for _ in range(source.count(5, wire.MAX_COUNT, "Entry.bases"))
+            ) for _ in range(source.count(5, _wire.MAX_COUNT, "Entry.bases"))
         ]
         interface_hash, boot, pid = _ENTRY_LAYOUT_1.unpack(source)
-        user = source.string(wire.MAX_COUNT, "Entry.user")
-        host = source.string(wire.MAX_COUNT, "Entry.host")
-        hostname = source.string(wire.MAX_COUNT, "Entry.hostname")
+        user = source.string(_wire.MAX_COUNT, "Entry.user")
+        host = source.string(_wire.MAX_COUNT, "Entry.host")
+        hostname = source.string(_wire.MAX_COUNT, "Entry.hostname")
         addresses = [
             source.string(
-                wire.MAX_COUNT,
+                _wire.MAX_COUNT,
                 "Entry.addresses",
-            ) for _ in range(source.count(5, wire.MAX_COUNT, "Entry.addresses"))
+            ) for _ in range(source.count(5, _wire.MAX_COUNT, "Entry.addresses"))
         ]
         (simulated,) = _ENTRY_LAYOUT_2.unpack(source)
         source.offset = source.end  # what a newer writer added is skipped
@@ -127,46 +130,46 @@ class Entry:
         return 0xA4B1E0E2E68AD9CD
 
     @staticmethod
-    def _gecos_shape() -> shapes.Shape:
-        return shapes.Members(
+    def _gecos_shape() -> _shapes.Shape:
+        return _shapes.Members(
             Entry,
             (
-                shapes.Member("name", shapes.Text()),
-                shapes.Member("interface_name", shapes.Text()),
-                shapes.Member("bases", shapes.Items(shapes.Text())),
-                shapes.Member("interface_hash", shapes.Number("Q")),
-                shapes.Member("boot", shapes.Number("Q")),
-                shapes.Member("pid", shapes.Number("i")),
-                shapes.Member("user", shapes.Text()),
-                shapes.Member("host", shapes.Text()),
-                shapes.Member("hostname", shapes.Text()),
-                shapes.Member("addresses", shapes.Items(shapes.Text())),
-                shapes.Member("simulated", shapes.Number("?")),
+                _shapes.Member("name", _shapes.Text()),
+                _shapes.Member("interface_name", _shapes.Text()),
+                _shapes.Member("bases", _shapes.Items(_shapes.Text())),
+                _shapes.Member("interface_hash", _shapes.Number("Q")),
+                _shapes.Member("boot", _shapes.Number("Q")),
+                _shapes.Member("pid", _shapes.Number("i")),
+                _shapes.Member("user", _shapes.Text()),
+                _shapes.Member("host", _shapes.Text()),
+                _shapes.Member("hostname", _shapes.Text()),
+                _shapes.Member("addresses", _shapes.Items(_shapes.Text())),
+                _shapes.Member("simulated", _shapes.Number("?")),
             ),
         )
 
 
-@dataclass(slots=True, eq=False)
-class UnknownName(DeclaredError):
-    _gecos_name: ClassVar[str] = "gecos::UnknownName"
+@_dataclass(slots=True, eq=False)
+class UnknownName(_DeclaredError):
+    _gecos_name: _ClassVar[str] = "gecos::UnknownName"
 
     name: str = ""
     known: list[str] = _field(default_factory=list)
 
-    def encode(self, out: wire.Parts, /) -> None:
-        out.append(wire.string(self.name, wire.MAX_TEXT, "UnknownName.name"))
-        out.append(wire.count(len(self.known), wire.MAX_COUNT, "UnknownName.known"))
+    def encode(self, out: _wire.Parts, /) -> None:
+        out.append(_wire.string(self.name, _wire.MAX_TEXT, "UnknownName.name"))
+        out.append(_wire.count(_len(self.known), _wire.MAX_COUNT, "UnknownName.known"))
         for item in self.known:
-            out.append(wire.string(item, wire.MAX_TEXT, "UnknownName.known"))
+            out.append(_wire.string(item, _wire.MAX_TEXT, "UnknownName.known"))
 
     @classmethod
-    def decode(cls, source: wire.Decoder, /) -> Self:
-        name = source.string(wire.MAX_COUNT, "UnknownName.name")
+    def decode(cls, source: _wire.Decoder, /) -> _Self:
+        name = source.string(_wire.MAX_COUNT, "UnknownName.name")
         known = [
             source.string(
-                wire.MAX_COUNT,
+                _wire.MAX_COUNT,
                 "UnknownName.known",
-            ) for _ in range(source.count(5, wire.MAX_COUNT, "UnknownName.known"))
+            ) for _ in range(source.count(5, _wire.MAX_COUNT, "UnknownName.known"))
         ]
         return cls(name, known)
 
@@ -175,31 +178,31 @@ class UnknownName(DeclaredError):
         return 0x7CD6BC0789C32AB9
 
     @staticmethod
-    def _gecos_shape() -> shapes.Shape:
-        return shapes.Members(
+    def _gecos_shape() -> _shapes.Shape:
+        return _shapes.Members(
             UnknownName,
             (
-                shapes.Member("name", shapes.Text()),
-                shapes.Member("known", shapes.Items(shapes.Text())),
+                _shapes.Member("name", _shapes.Text()),
+                _shapes.Member("known", _shapes.Items(_shapes.Text())),
             ),
         )
 
 
-@dataclass(slots=True, eq=False)
-class NameTaken(DeclaredError):
-    _gecos_name: ClassVar[str] = "gecos::NameTaken"
+@_dataclass(slots=True, eq=False)
+class NameTaken(_DeclaredError):
+    _gecos_name: _ClassVar[str] = "gecos::NameTaken"
 
     name: str = ""
     by: str = ""
 
-    def encode(self, out: wire.Parts, /) -> None:
-        out.append(wire.string(self.name, wire.MAX_TEXT, "NameTaken.name"))
-        out.append(wire.string(self.by, wire.MAX_TEXT, "NameTaken.by"))
+    def encode(self, out: _wire.Parts, /) -> None:
+        out.append(_wire.string(self.name, _wire.MAX_TEXT, "NameTaken.name"))
+        out.append(_wire.string(self.by, _wire.MAX_TEXT, "NameTaken.by"))
 
     @classmethod
-    def decode(cls, source: wire.Decoder, /) -> Self:
-        name = source.string(wire.MAX_COUNT, "NameTaken.name")
-        by = source.string(wire.MAX_COUNT, "NameTaken.by")
+    def decode(cls, source: _wire.Decoder, /) -> _Self:
+        name = source.string(_wire.MAX_COUNT, "NameTaken.name")
+        by = source.string(_wire.MAX_COUNT, "NameTaken.by")
         return cls(name, by)
 
     @staticmethod
@@ -207,11 +210,11 @@ class NameTaken(DeclaredError):
         return 0xF9FFADED7A4CA4F9
 
     @staticmethod
-    def _gecos_shape() -> shapes.Shape:
-        return shapes.Members(
+    def _gecos_shape() -> _shapes.Shape:
+        return _shapes.Members(
             NameTaken,
             (
-                shapes.Member("name", shapes.Text()),
-                shapes.Member("by", shapes.Text()),
+                _shapes.Member("name", _shapes.Text()),
+                _shapes.Member("by", _shapes.Text()),
             ),
         )

@@ -4,26 +4,26 @@
 
 from __future__ import annotations
 
-from abc import abstractmethod
-from collections.abc import Mapping
-from typing import ClassVar
+from abc import abstractmethod as _abstractmethod
+from builtins import len as _len
+from collections.abc import Mapping as _Mapping
+from typing import ClassVar as _ClassVar
 
-from gecos import wire
-from gecos.command import Command
-from gecos.interface import (
-    Access,
-    Handler,
-    Interface,
-    Method,
-    Operation,
-    Quality,
-    no_arguments,
-    no_result,
-    nothing,
-)
-from gecos.proxy import Object
-from gecos.servant import Servant
-from gecos.wire import Decoder, Parts
+from gecos import wire as _wire
+from gecos.command import Command as _Command
+from gecos.interface import Access as _Access
+from gecos.interface import Handler as _Handler
+from gecos.interface import Interface as _Interface
+from gecos.interface import Method as _Method
+from gecos.interface import Operation as _Operation
+from gecos.interface import Quality as _Quality
+from gecos.interface import no_arguments as _no_arguments
+from gecos.interface import no_result as _no_result
+from gecos.interface import nothing as _nothing
+from gecos.proxy import Object as _Object
+from gecos.servant import Servant as _Servant
+from gecos.wire import Decoder as _Decoder
+from gecos.wire import Parts as _Parts
 from gecos_idl.object_types import Description, Grant, Holder, OutcomeRecord, Status, StatusRefused
 
 __all__ = [
@@ -38,40 +38,40 @@ __all__ = [
 ]
 
 
-def _gecos_object_holders_reply(source: Decoder) -> list[Holder]:
+def _gecos_object_holders_reply(source: _Decoder) -> list[Holder]:
     value: list[
         Holder
     ] = [
         Holder.decode(
             source.block("holders")
-        ) for _ in range(source.count(4, wire.MAX_COUNT, "holders"))
+        ) for _ in range(source.count(4, _wire.MAX_COUNT, "holders"))
     ]
     return value
 
 
-def _gecos_object_holders_result(value: list[Holder]) -> Parts:
-    out: Parts = []
-    out.append(wire.count(len(value), wire.MAX_COUNT, "holders"))
+def _gecos_object_holders_result(value: list[Holder]) -> _Parts:
+    out: _Parts = []
+    out.append(_wire.count(_len(value), _wire.MAX_COUNT, "holders"))
     for item in value:
-        wire.put_block(item, Holder, out, "holders")
+        _wire.put_block(item, Holder, out, "holders")
     return out
 
 
-def _gecos_object_describe_reply(source: Decoder) -> Description:
+def _gecos_object_describe_reply(source: _Decoder) -> Description:
     return Description.decode(source.block("describe"))
 
 
-def _gecos_object_describe_result(value: Description) -> Parts:
-    out: Parts = []
-    wire.put_block(value, Description, out, "describe")
+def _gecos_object_describe_result(value: Description) -> _Parts:
+    out: _Parts = []
+    _wire.put_block(value, Description, out, "describe")
     return out
 
 
-def _gecos_object_acquire_reply(source: Decoder) -> Grant:
+def _gecos_object_acquire_reply(source: _Decoder) -> Grant:
     return Grant.decode(source.block("acquire"))
 
 
-def _gecos_object_acquire_arguments(source: Decoder) -> tuple[Status, str | None]:
+def _gecos_object_acquire_arguments(source: _Decoder) -> tuple[Status, str | None]:
     wanted: Status = source.enumerator(
         Status,
         source.number("i", "acquire.wanted"),
@@ -83,160 +83,160 @@ def _gecos_object_acquire_arguments(source: Decoder) -> tuple[Status, str | None
     if source.offset < source.end:
         password = (
             source.string(
-                wire.MAX_COUNT,
+                _wire.MAX_COUNT,
                 "acquire.password",
             ) if source.number("?", "acquire.password") else None
         )
     return wanted, password
 
 
-def _gecos_object_acquire_result(value: Grant) -> Parts:
-    out: Parts = []
-    wire.put_block(value, Grant, out, "acquire")
+def _gecos_object_acquire_result(value: Grant) -> _Parts:
+    out: _Parts = []
+    _wire.put_block(value, Grant, out, "acquire")
     return out
 
 
-def _gecos_object_release_arguments(source: Decoder) -> tuple[int, bool]:
+def _gecos_object_release_arguments(source: _Decoder) -> tuple[int, bool]:
     epoch: int = source.number("Q", "release.epoch")
     now: bool = source.number("?", "release.now")
     return epoch, now
 
 
-def _gecos_object_subscribe_reply(source: Decoder) -> int:
+def _gecos_object_subscribe_reply(source: _Decoder) -> int:
     value: int = source.number("I", "subscribe")
     return value
 
 
-def _gecos_object_subscribe_arguments(source: Decoder) -> tuple[int]:
+def _gecos_object_subscribe_arguments(source: _Decoder) -> tuple[int]:
     code: int = source.number("I", "subscribe.code")
     return (code,)
 
 
-def _gecos_object_subscribe_result(value: int) -> Parts:
-    out: Parts = []
-    out.append(wire.number(value, "I", "subscribe"))
+def _gecos_object_subscribe_result(value: int) -> _Parts:
+    out: _Parts = []
+    out.append(_wire.number(value, "I", "subscribe"))
     return out
 
 
-def _gecos_object_unsubscribe_arguments(source: Decoder) -> tuple[int]:
+def _gecos_object_unsubscribe_arguments(source: _Decoder) -> tuple[int]:
     code: int = source.number("I", "unsubscribe.code")
     return (code,)
 
 
-def _gecos_object_outcome_reply(source: Decoder) -> OutcomeRecord:
+def _gecos_object_outcome_reply(source: _Decoder) -> OutcomeRecord:
     return OutcomeRecord.decode(source.block("outcome"))
 
 
-def _gecos_object_outcome_arguments(source: Decoder) -> tuple[int, int, int]:
+def _gecos_object_outcome_arguments(source: _Decoder) -> tuple[int, int, int]:
     boot: int = source.number("Q", "outcome.boot")
     session: int = source.number("Q", "outcome.session")
     counter: int = source.number("Q", "outcome.counter")
     return boot, session, counter
 
 
-def _gecos_object_outcome_result(value: OutcomeRecord) -> Parts:
-    out: Parts = []
-    wire.put_block(value, OutcomeRecord, out, "outcome")
+def _gecos_object_outcome_result(value: OutcomeRecord) -> _Parts:
+    out: _Parts = []
+    _wire.put_block(value, OutcomeRecord, out, "outcome")
     return out
 
 
-_GECOS_OBJECT_HOLDERS: Method[list[Holder], None] = Method(
-    Operation(
+_GECOS_OBJECT_HOLDERS: _Method[list[Holder], None] = _Method(
+    _Operation(
         code=0x00000001,
         name="holders",
-        access=Access.SENSOR,
+        access=_Access.SENSOR,
         presence=False,
         idempotent=True,
         hash=0x925E85279B993071,
     ),
     _gecos_object_holders_reply,
 )
-_GECOS_OBJECT_STOP: Method[None, None] = Method(
-    Operation(
+_GECOS_OBJECT_STOP: _Method[None, None] = _Method(
+    _Operation(
         code=0x00000002,
         name="stop",
-        access=Access.SENSOR,
+        access=_Access.SENSOR,
         presence=False,
         safety=True,
         hash=0xF664BF51DED3968E,
     ),
-    nothing,
+    _nothing,
 )
-_GECOS_OBJECT_PING: Method[None, None] = Method(
-    Operation(
+_GECOS_OBJECT_PING: _Method[None, None] = _Method(
+    _Operation(
         code=0x00000003,
         name="ping",
-        access=Access.SENSOR,
+        access=_Access.SENSOR,
         presence=False,
         idempotent=True,
         hash=0x68B8E2D615F1B365,
     ),
-    nothing,
+    _nothing,
 )
-_GECOS_OBJECT_DESCRIBE: Method[Description, None] = Method(
-    Operation(
+_GECOS_OBJECT_DESCRIBE: _Method[Description, None] = _Method(
+    _Operation(
         code=0x00000004,
         name="describe",
-        access=Access.SENSOR,
+        access=_Access.SENSOR,
         presence=False,
         idempotent=True,
         hash=0xEDC61146E38F627F,
     ),
     _gecos_object_describe_reply,
 )
-_GECOS_OBJECT_ACQUIRE: Method[Grant, None] = Method(
-    Operation(
+_GECOS_OBJECT_ACQUIRE: _Method[Grant, None] = _Method(
+    _Operation(
         code=0x00000005,
         name="acquire",
-        access=Access.SENSOR,
+        access=_Access.SENSOR,
         presence=False,
         hash=0x0D62D737597BCAEA,
     ),
     _gecos_object_acquire_reply,
     raises=(StatusRefused,),
 )
-_GECOS_OBJECT_RELEASE: Method[None, None] = Method(
-    Operation(
+_GECOS_OBJECT_RELEASE: _Method[None, None] = _Method(
+    _Operation(
         code=0x00000006,
         name="release",
-        access=Access.SENSOR,
+        access=_Access.SENSOR,
         presence=False,
         hash=0xD6F3249E5E699D99,
     ),
-    nothing,
+    _nothing,
 )
-_GECOS_OBJECT_SUBSCRIBE: Method[int, None] = Method(
-    Operation(
+_GECOS_OBJECT_SUBSCRIBE: _Method[int, None] = _Method(
+    _Operation(
         code=0x00000007,
         name="subscribe",
-        access=Access.SENSOR,
+        access=_Access.SENSOR,
         presence=False,
         hash=0x58A229726F12910A,
     ),
     _gecos_object_subscribe_reply,
 )
-_GECOS_OBJECT_UNSUBSCRIBE: Method[None, None] = Method(
-    Operation(
+_GECOS_OBJECT_UNSUBSCRIBE: _Method[None, None] = _Method(
+    _Operation(
         code=0x00000008,
         name="unsubscribe",
-        access=Access.SENSOR,
+        access=_Access.SENSOR,
         presence=False,
         hash=0x48017B544AF97223,
     ),
-    nothing,
+    _nothing,
 )
-_GECOS_OBJECT_OUTCOME: Method[OutcomeRecord, None] = Method(
-    Operation(
+_GECOS_OBJECT_OUTCOME: _Method[OutcomeRecord, None] = _Method(
+    _Operation(
         code=0x00000009,
         name="outcome",
-        access=Access.SENSOR,
+        access=_Access.SENSOR,
         presence=False,
         idempotent=True,
         hash=0xF1DB02CD55068515,
     ),
     _gecos_object_outcome_reply,
 )
-_GECOS_OBJECT = Interface(
+_GECOS_OBJECT = _Interface(
     name="gecos::GecosObject",
     version="1.0",
     hash=0x51A9DE7D739E3DB8,
@@ -255,134 +255,134 @@ _GECOS_OBJECT = Interface(
     ),
     streams=(
     ),
-    quality=Quality(),
+    quality=_Quality(),
 )
 
 
-class GecosObject(Object):
+class GecosObject(_Object):
     """What every object answers."""
 
     _gecos_interface = _GECOS_OBJECT
 
-    def holders(self) -> Command[list[Holder]]:
+    def holders(self) -> _Command[list[Holder]]:
         """Who holds actor or master status now."""
         return self._gecos_call(_GECOS_OBJECT_HOLDERS, [])
 
-    def stop(self) -> Command[None]:
+    def stop(self) -> _Command[None]:
         """Stops what the object does, whoever asks: everything queued ends, nothing overtakes
         it.
         """
         return self._gecos_call(_GECOS_OBJECT_STOP, [])
 
-    def ping(self) -> Command[None]:
+    def ping(self) -> _Command[None]:
         """Answers, and nothing else: is the server there, and how far away?"""
         return self._gecos_call(_GECOS_OBJECT_PING, [])
 
-    def describe(self) -> Command[Description]:
+    def describe(self) -> _Command[Description]:
         """What the object is and what state it is in."""
         return self._gecos_call(_GECOS_OBJECT_DESCRIBE, [])
 
-    def acquire(self, wanted: Status, password: str | None = None) -> Command[Grant]:
+    def acquire(self, wanted: Status, password: str | None = None) -> _Command[Grant]:
         """Asks for a status. It stays the caller's while the session lives and is heard of.
 
         May raise StatusRefused.
         """
-        out: Parts = []
-        out.append(wire.number(wanted, "i", "acquire.wanted"))
-        wire.expect_enumerator(wanted, Status, "acquire.wanted")
+        out: _Parts = []
+        out.append(_wire.number(wanted, "i", "acquire.wanted"))
+        _wire.expect_enumerator(wanted, Status, "acquire.wanted")
         if password is None:
             out.append(b"\0")
         else:
             out.append(b"\1")
-            out.append(wire.string(password, wire.MAX_TEXT, "acquire.password"))
+            out.append(_wire.string(password, _wire.MAX_TEXT, "acquire.password"))
         return self._gecos_call(_GECOS_OBJECT_ACQUIRE, out)
 
-    def release(self, epoch: int, now: bool) -> Command[None]:
+    def release(self, epoch: int, now: bool) -> _Command[None]:
         """Gives status back. Queued commands of the holder finish first unless `now`."""
-        out: Parts = []
-        out.append(wire.number(epoch, "Q", "release.epoch"))
-        out.append(wire.number(now, "?", "release.now"))
+        out: _Parts = []
+        out.append(_wire.number(epoch, "Q", "release.epoch"))
+        out.append(_wire.number(now, "?", "release.now"))
         return self._gecos_call(_GECOS_OBJECT_RELEASE, out)
 
-    def subscribe(self, code: int) -> Command[int]:
+    def subscribe(self, code: int) -> _Command[int]:
         """Opens the outward stream of attribute `code` for this session."""
-        out: Parts = []
-        out.append(wire.number(code, "I", "subscribe.code"))
+        out: _Parts = []
+        out.append(_wire.number(code, "I", "subscribe.code"))
         return self._gecos_call(_GECOS_OBJECT_SUBSCRIBE, out)
 
-    def unsubscribe(self, code: int) -> Command[None]:
+    def unsubscribe(self, code: int) -> _Command[None]:
         """Closes the outward stream of attribute `code` for this session."""
-        out: Parts = []
-        out.append(wire.number(code, "I", "unsubscribe.code"))
+        out: _Parts = []
+        out.append(_wire.number(code, "I", "unsubscribe.code"))
         return self._gecos_call(_GECOS_OBJECT_UNSUBSCRIBE, out)
 
-    def outcome(self, boot: int, session: int, counter: int) -> Command[OutcomeRecord]:
+    def outcome(self, boot: int, session: int, counter: int) -> _Command[OutcomeRecord]:
         """What became of an actor command that its caller lost: it was given `counter` in
         `session`,
         by the process that `boot` stands for. One that has not arrived never starts
         afterwards.
         """
-        out: Parts = []
-        out.append(wire.number(boot, "Q", "outcome.boot"))
-        out.append(wire.number(session, "Q", "outcome.session"))
-        out.append(wire.number(counter, "Q", "outcome.counter"))
+        out: _Parts = []
+        out.append(_wire.number(boot, "Q", "outcome.boot"))
+        out.append(_wire.number(session, "Q", "outcome.session"))
+        out.append(_wire.number(counter, "Q", "outcome.counter"))
         return self._gecos_call(_GECOS_OBJECT_OUTCOME, out)
 
 
-class GecosObjectServant(Servant):
+class GecosObjectServant(_Servant):
     """What every object answers."""
 
     _gecos_interface = _GECOS_OBJECT
-    _gecos_handlers: ClassVar[Mapping[int, Handler]] = {
-        0x00000001: Handler(
+    _gecos_handlers: _ClassVar[_Mapping[int, _Handler]] = {
+        0x00000001: _Handler(
             _GECOS_OBJECT_HOLDERS.operation,
             "holders",
-            no_arguments,
+            _no_arguments,
             _gecos_object_holders_result,
         ),
-        0x00000002: Handler(
+        0x00000002: _Handler(
             _GECOS_OBJECT_STOP.operation,
             "stop",
-            no_arguments,
-            no_result,
+            _no_arguments,
+            _no_result,
         ),
-        0x00000003: Handler(
+        0x00000003: _Handler(
             _GECOS_OBJECT_PING.operation,
             "ping",
-            no_arguments,
-            no_result,
+            _no_arguments,
+            _no_result,
         ),
-        0x00000004: Handler(
+        0x00000004: _Handler(
             _GECOS_OBJECT_DESCRIBE.operation,
             "describe",
-            no_arguments,
+            _no_arguments,
             _gecos_object_describe_result,
         ),
-        0x00000005: Handler(
+        0x00000005: _Handler(
             _GECOS_OBJECT_ACQUIRE.operation,
             "acquire",
             _gecos_object_acquire_arguments,
             _gecos_object_acquire_result,
         ),
-        0x00000006: Handler(
+        0x00000006: _Handler(
             _GECOS_OBJECT_RELEASE.operation,
             "release",
             _gecos_object_release_arguments,
-            no_result,
+            _no_result,
         ),
-        0x00000007: Handler(
+        0x00000007: _Handler(
             _GECOS_OBJECT_SUBSCRIBE.operation,
             "subscribe",
             _gecos_object_subscribe_arguments,
             _gecos_object_subscribe_result,
         ),
-        0x00000008: Handler(
+        0x00000008: _Handler(
             _GECOS_OBJECT_UNSUBSCRIBE.operation,
             "unsubscribe",
             _gecos_object_unsubscribe_arguments,
-            no_result,
+            _no_result,
         ),
-        0x00000009: Handler(
+        0x00000009: _Handler(
             _GECOS_OBJECT_OUTCOME.operation,
             "outcome",
             _gecos_object_outcome_arguments,
@@ -390,44 +390,44 @@ class GecosObjectServant(Servant):
         ),
     }
 
-    @abstractmethod
+    @_abstractmethod
     def holders(self) -> list[Holder]:
         """Who holds actor or master status now."""
 
-    @abstractmethod
+    @_abstractmethod
     def stop(self) -> None:
         """Stops what the object does, whoever asks: everything queued ends, nothing overtakes
         it.
         """
 
-    @abstractmethod
+    @_abstractmethod
     def ping(self) -> None:
         """Answers, and nothing else: is the server there, and how far away?"""
 
-    @abstractmethod
+    @_abstractmethod
     def describe(self) -> Description:
         """What the object is and what state it is in."""
 
-    @abstractmethod
+    @_abstractmethod
     def acquire(self, wanted: Status, password: str | None) -> Grant:
         """Asks for a status. It stays the caller's while the session lives and is heard of.
 
         May raise StatusRefused.
         """
 
-    @abstractmethod
+    @_abstractmethod
     def release(self, epoch: int, now: bool) -> None:
         """Gives status back. Queued commands of the holder finish first unless `now`."""
 
-    @abstractmethod
+    @_abstractmethod
     def subscribe(self, code: int) -> int:
         """Opens the outward stream of attribute `code` for this session."""
 
-    @abstractmethod
+    @_abstractmethod
     def unsubscribe(self, code: int) -> None:
         """Closes the outward stream of attribute `code` for this session."""
 
-    @abstractmethod
+    @_abstractmethod
     def outcome(self, boot: int, session: int, counter: int) -> OutcomeRecord:
         """What became of an actor command that its caller lost: it was given `counter` in
         `session`,

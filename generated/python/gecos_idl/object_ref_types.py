@@ -4,17 +4,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Self
+from dataclasses import dataclass as _dataclass
+from typing import Self as _Self
 
-from gecos import wire
-from gecos.wire import plans, shapes
+from gecos import wire as _wire
+from gecos.wire import plans as _plans
+from gecos.wire import shapes as _shapes
 
 __all__ = [
     "ObjectRef",
 ]
 
-_OBJECT_REF_LAYOUT = wire.Fields(
+_OBJECT_REF_LAYOUT = _wire.Fields(
     "QQ",
     (
         "ObjectRef.interface_hash",
@@ -23,8 +24,8 @@ _OBJECT_REF_LAYOUT = wire.Fields(
 )
 
 
-@plans.planned(plans.text(wire.MAX_TEXT), "QQ", plans.text(wire.MAX_TEXT))
-@dataclass(slots=True)
+@_plans.planned(_plans.text(_wire.MAX_TEXT), "QQ", _plans.text(_wire.MAX_TEXT))
+@_dataclass(slots=True)
 class ObjectRef:
     """Which object is meant: what a value of an interface's type is. An empty name is nil,
     no
@@ -41,16 +42,16 @@ class ObjectRef:
     where: str = ""
     """how its maker reached it, for people: "shm: uid 1000, pid 4711\""""
 
-    def encode(self, out: wire.Parts, /) -> None:
-        out.append(wire.string(self.name, wire.MAX_TEXT, "ObjectRef.name"))
+    def encode(self, out: _wire.Parts, /) -> None:
+        out.append(_wire.string(self.name, _wire.MAX_TEXT, "ObjectRef.name"))
         out.append(_OBJECT_REF_LAYOUT.pack(self.interface_hash, self.boot))
-        out.append(wire.string(self.where, wire.MAX_TEXT, "ObjectRef.where"))
+        out.append(_wire.string(self.where, _wire.MAX_TEXT, "ObjectRef.where"))
 
     @classmethod
-    def decode(cls, source: wire.Decoder, /) -> Self:
-        name = source.string(wire.MAX_COUNT, "ObjectRef.name")
+    def decode(cls, source: _wire.Decoder, /) -> _Self:
+        name = source.string(_wire.MAX_COUNT, "ObjectRef.name")
         interface_hash, boot = _OBJECT_REF_LAYOUT.unpack(source)
-        where = source.string(wire.MAX_COUNT, "ObjectRef.where")
+        where = source.string(_wire.MAX_COUNT, "ObjectRef.where")
         return cls(name, interface_hash, boot, where)
 
     @staticmethod
@@ -58,13 +59,13 @@ class ObjectRef:
         return 0xFB7CBC28B0DFA33D
 
     @staticmethod
-    def _gecos_shape() -> shapes.Shape:
-        return shapes.Members(
+    def _gecos_shape() -> _shapes.Shape:
+        return _shapes.Members(
             ObjectRef,
             (
-                shapes.Member("name", shapes.Text()),
-                shapes.Member("interface_hash", shapes.Number("Q")),
-                shapes.Member("boot", shapes.Number("Q")),
-                shapes.Member("where", shapes.Text()),
+                _shapes.Member("name", _shapes.Text()),
+                _shapes.Member("interface_hash", _shapes.Number("Q")),
+                _shapes.Member("boot", _shapes.Number("Q")),
+                _shapes.Member("where", _shapes.Text()),
             ),
         )

@@ -4,14 +4,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from builtins import len as _len
+from dataclasses import dataclass as _dataclass
 from dataclasses import field as _field
-from enum import IntEnum
-from typing import ClassVar, Self
+from enum import IntEnum as _IntEnum
+from typing import ClassVar as _ClassVar
+from typing import Self as _Self
 
-from gecos import wire
-from gecos.errors import DeclaredError
-from gecos.wire import plans, shapes
+from gecos import wire as _wire
+from gecos.errors import DeclaredError as _DeclaredError
+from gecos.wire import plans as _plans
+from gecos.wire import shapes as _shapes
 
 __all__ = [
     "Description",
@@ -23,19 +26,19 @@ __all__ = [
 ]
 
 
-class Status(IntEnum):
+class Status(_IntEnum):
     SENSOR = 0
     ACTOR = 1
     MASTER = 2
 
 
-_HOLDER_LAYOUT_1 = wire.Fields(
+_HOLDER_LAYOUT_1 = _wire.Fields(
     "i",
     (
         "Holder.status",
     ),
 )
-_HOLDER_LAYOUT_2 = wire.Fields(
+_HOLDER_LAYOUT_2 = _wire.Fields(
     "idd?",
     (
         "Holder.pid",
@@ -46,15 +49,15 @@ _HOLDER_LAYOUT_2 = wire.Fields(
 )
 
 
-@plans.planned(
-    plans.enumerator("i", Status, Status.SENSOR),
-    plans.text(64),
-    plans.text(64),
-    plans.text(128),
+@_plans.planned(
+    _plans.enumerator("i", Status, Status.SENSOR),
+    _plans.text(64),
+    _plans.text(64),
+    _plans.text(128),
     "idd?",
     open=True,
 )
-@dataclass(slots=True)
+@_dataclass(slots=True)
 class Holder:
     """A client that holds actor or master status of an object."""
 
@@ -73,16 +76,16 @@ class Holder:
     releasing: bool = False
     """released; its last commands are still running"""
 
-    def encode(self, out: wire.Parts, /) -> None:
+    def encode(self, out: _wire.Parts, /) -> None:
         out.append(_HOLDER_LAYOUT_1.pack(self.status))
-        wire.expect_enumerator(self.status, Status, "Holder.status")
-        out.append(wire.string(self.user, 64, "Holder.user"))
-        out.append(wire.string(self.host, 64, "Holder.host"))
-        out.append(wire.string(self.program, 128, "Holder.program"))
+        _wire.expect_enumerator(self.status, Status, "Holder.status")
+        out.append(_wire.string(self.user, 64, "Holder.user"))
+        out.append(_wire.string(self.host, 64, "Holder.host"))
+        out.append(_wire.string(self.program, 128, "Holder.program"))
         out.append(_HOLDER_LAYOUT_2.pack(self.pid, self.held_for, self.expires_in, self.releasing))
 
     @classmethod
-    def decode(cls, source: wire.Decoder, /) -> Self:
+    def decode(cls, source: _wire.Decoder, /) -> _Self:
         (status,) = _HOLDER_LAYOUT_1.unpack(source)
         status_value = source.enumerator(Status, status, Status.SENSOR, "Holder.status", 4)
         user = source.string(64, "Holder.user")
@@ -97,37 +100,37 @@ class Holder:
         return 0x698A6B2FE41FD109
 
     @staticmethod
-    def _gecos_shape() -> shapes.Shape:
-        return shapes.Members(
+    def _gecos_shape() -> _shapes.Shape:
+        return _shapes.Members(
             Holder,
             (
-                shapes.Member("status", shapes.Enumerators(Status)),
-                shapes.Member("user", shapes.Text()),
-                shapes.Member("host", shapes.Text()),
-                shapes.Member("program", shapes.Text()),
-                shapes.Member("pid", shapes.Number("i")),
-                shapes.Member("held_for", shapes.Number("d")),
-                shapes.Member("expires_in", shapes.Number("d")),
-                shapes.Member("releasing", shapes.Number("?")),
+                _shapes.Member("status", _shapes.Enumerators(Status)),
+                _shapes.Member("user", _shapes.Text()),
+                _shapes.Member("host", _shapes.Text()),
+                _shapes.Member("program", _shapes.Text()),
+                _shapes.Member("pid", _shapes.Number("i")),
+                _shapes.Member("held_for", _shapes.Number("d")),
+                _shapes.Member("expires_in", _shapes.Number("d")),
+                _shapes.Member("releasing", _shapes.Number("?")),
             ),
         )
 
 
-_DESCRIPTION_LAYOUT_1 = wire.Fields(
+_DESCRIPTION_LAYOUT_1 = _wire.Fields(
     "Q?",
     (
         "Description.interface_hash",
         "Description.simulated",
     ),
 )
-_DESCRIPTION_LAYOUT_2 = wire.Fields(
+_DESCRIPTION_LAYOUT_2 = _wire.Fields(
     "QI",
     (
         "Description.epoch",
         "Description.queued",
     ),
 )
-_DESCRIPTION_LAYOUT_3 = wire.Fields(
+_DESCRIPTION_LAYOUT_3 = _wire.Fields(
     "i",
     (
         "Description.pid",
@@ -135,19 +138,19 @@ _DESCRIPTION_LAYOUT_3 = wire.Fields(
 )
 
 
-@plans.planned(
-    plans.text(wire.MAX_TEXT),
-    plans.text(wire.MAX_TEXT),
-    plans.text(wire.MAX_TEXT),
+@_plans.planned(
+    _plans.text(_wire.MAX_TEXT),
+    _plans.text(_wire.MAX_TEXT),
+    _plans.text(_wire.MAX_TEXT),
     "Q?",
-    plans.text(wire.MAX_TEXT),
-    plans.text(wire.MAX_TEXT),
+    _plans.text(_wire.MAX_TEXT),
+    _plans.text(_wire.MAX_TEXT),
     "QI",
-    plans.text(wire.MAX_TEXT),
+    _plans.text(_wire.MAX_TEXT),
     "i",
     open=True,
 )
-@dataclass(slots=True)
+@_dataclass(slots=True)
 class Description:
     """What an object is and what state it is in."""
 
@@ -169,27 +172,27 @@ class Description:
     """operation that runs now, empty when none"""
     pid: int = 0
 
-    def encode(self, out: wire.Parts, /) -> None:
-        out.append(wire.string(self.name, wire.MAX_TEXT, "Description.name"))
-        out.append(wire.string(self.interface_name, wire.MAX_TEXT, "Description.interface_name"))
-        out.append(wire.string(self.version, wire.MAX_TEXT, "Description.version"))
+    def encode(self, out: _wire.Parts, /) -> None:
+        out.append(_wire.string(self.name, _wire.MAX_TEXT, "Description.name"))
+        out.append(_wire.string(self.interface_name, _wire.MAX_TEXT, "Description.interface_name"))
+        out.append(_wire.string(self.version, _wire.MAX_TEXT, "Description.version"))
         out.append(_DESCRIPTION_LAYOUT_1.pack(self.interface_hash, self.simulated))
-        out.append(wire.string(self.presence, wire.MAX_TEXT, "Description.presence"))
-        out.append(wire.string(self.authentication, wire.MAX_TEXT, "Description.authentication"))
+        out.append(_wire.string(self.presence, _wire.MAX_TEXT, "Description.presence"))
+        out.append(_wire.string(self.authentication, _wire.MAX_TEXT, "Description.authentication"))
         out.append(_DESCRIPTION_LAYOUT_2.pack(self.epoch, self.queued))
-        out.append(wire.string(self.executing, wire.MAX_TEXT, "Description.executing"))
+        out.append(_wire.string(self.executing, _wire.MAX_TEXT, "Description.executing"))
         out.append(_DESCRIPTION_LAYOUT_3.pack(self.pid))
 
     @classmethod
-    def decode(cls, source: wire.Decoder, /) -> Self:
-        name = source.string(wire.MAX_COUNT, "Description.name")
-        interface_name = source.string(wire.MAX_COUNT, "Description.interface_name")
-        version = source.string(wire.MAX_COUNT, "Description.version")
+    def decode(cls, source: _wire.Decoder, /) -> _Self:
+        name = source.string(_wire.MAX_COUNT, "Description.name")
+        interface_name = source.string(_wire.MAX_COUNT, "Description.interface_name")
+        version = source.string(_wire.MAX_COUNT, "Description.version")
         interface_hash, simulated = _DESCRIPTION_LAYOUT_1.unpack(source)
-        presence = source.string(wire.MAX_COUNT, "Description.presence")
-        authentication = source.string(wire.MAX_COUNT, "Description.authentication")
+        presence = source.string(_wire.MAX_COUNT, "Description.presence")
+        authentication = source.string(_wire.MAX_COUNT, "Description.authentication")
         epoch, queued = _DESCRIPTION_LAYOUT_2.unpack(source)
-        executing = source.string(wire.MAX_COUNT, "Description.executing")
+        executing = source.string(_wire.MAX_COUNT, "Description.executing")
         (pid,) = _DESCRIPTION_LAYOUT_3.unpack(source)
         source.offset = source.end  # what a newer writer added is skipped
         return cls(
@@ -211,47 +214,47 @@ class Description:
         return 0xB0B1E1F3FCB0CB92
 
     @staticmethod
-    def _gecos_shape() -> shapes.Shape:
-        return shapes.Members(
+    def _gecos_shape() -> _shapes.Shape:
+        return _shapes.Members(
             Description,
             (
-                shapes.Member("name", shapes.Text()),
-                shapes.Member("interface_name", shapes.Text()),
-                shapes.Member("version", shapes.Text()),
-                shapes.Member("interface_hash", shapes.Number("Q")),
-                shapes.Member("simulated", shapes.Number("?")),
-                shapes.Member("presence", shapes.Text()),
-                shapes.Member("authentication", shapes.Text()),
-                shapes.Member("epoch", shapes.Number("Q")),
-                shapes.Member("queued", shapes.Number("I")),
-                shapes.Member("executing", shapes.Text()),
-                shapes.Member("pid", shapes.Number("i")),
+                _shapes.Member("name", _shapes.Text()),
+                _shapes.Member("interface_name", _shapes.Text()),
+                _shapes.Member("version", _shapes.Text()),
+                _shapes.Member("interface_hash", _shapes.Number("Q")),
+                _shapes.Member("simulated", _shapes.Number("?")),
+                _shapes.Member("presence", _shapes.Text()),
+                _shapes.Member("authentication", _shapes.Text()),
+                _shapes.Member("epoch", _shapes.Number("Q")),
+                _shapes.Member("queued", _shapes.Number("I")),
+                _shapes.Member("executing", _shapes.Text()),
+                _shapes.Member("pid", _shapes.Number("i")),
             ),
         )
 
 
-@dataclass(slots=True, eq=False)
-class StatusRefused(DeclaredError):
+@_dataclass(slots=True, eq=False)
+class StatusRefused(_DeclaredError):
     """Actor or master status was not given; `holders` says who has it."""
 
-    _gecos_name: ClassVar[str] = "gecos::StatusRefused"
+    _gecos_name: _ClassVar[str] = "gecos::StatusRefused"
 
     reason: str = ""
     holders: list[Holder] = _field(default_factory=list)
 
-    def encode(self, out: wire.Parts, /) -> None:
-        out.append(wire.string(self.reason, wire.MAX_TEXT, "StatusRefused.reason"))
-        out.append(wire.count(len(self.holders), wire.MAX_COUNT, "StatusRefused.holders"))
+    def encode(self, out: _wire.Parts, /) -> None:
+        out.append(_wire.string(self.reason, _wire.MAX_TEXT, "StatusRefused.reason"))
+        out.append(_wire.count(_len(self.holders), _wire.MAX_COUNT, "StatusRefused.holders"))
         for item in self.holders:
-            wire.put_block(item, Holder, out, "StatusRefused.holders")
+            _wire.put_block(item, Holder, out, "StatusRefused.holders")
 
     @classmethod
-    def decode(cls, source: wire.Decoder, /) -> Self:
-        reason = source.string(wire.MAX_COUNT, "StatusRefused.reason")
+    def decode(cls, source: _wire.Decoder, /) -> _Self:
+        reason = source.string(_wire.MAX_COUNT, "StatusRefused.reason")
         holders = [
             Holder.decode(
                 source.block("StatusRefused.holders")
-            ) for _ in range(source.count(4, wire.MAX_COUNT, "StatusRefused.holders"))
+            ) for _ in range(source.count(4, _wire.MAX_COUNT, "StatusRefused.holders"))
         ]
         return cls(reason, holders)
 
@@ -260,17 +263,17 @@ class StatusRefused(DeclaredError):
         return 0xB6FF0198C8E03F2A
 
     @staticmethod
-    def _gecos_shape() -> shapes.Shape:
-        return shapes.Members(
+    def _gecos_shape() -> _shapes.Shape:
+        return _shapes.Members(
             StatusRefused,
             (
-                shapes.Member("reason", shapes.Text()),
-                shapes.Member("holders", shapes.Items(shapes.Value(Holder))),
+                _shapes.Member("reason", _shapes.Text()),
+                _shapes.Member("holders", _shapes.Items(_shapes.Value(Holder))),
             ),
         )
 
 
-_GRANT_LAYOUT = wire.Fields(
+_GRANT_LAYOUT = _wire.Fields(
     "iQ",
     (
         "Grant.status",
@@ -279,20 +282,20 @@ _GRANT_LAYOUT = wire.Fields(
 )
 
 
-@plans.planned(plans.enumerator("i", Status, Status.SENSOR), "Q", open=True)
-@dataclass(slots=True)
+@_plans.planned(_plans.enumerator("i", Status, Status.SENSOR), "Q", open=True)
+@_dataclass(slots=True)
 class Grant:
     """Status that was given, fenced by `epoch`."""
 
     status: Status = Status.SENSOR
     epoch: int = 0
 
-    def encode(self, out: wire.Parts, /) -> None:
+    def encode(self, out: _wire.Parts, /) -> None:
         out.append(_GRANT_LAYOUT.pack(self.status, self.epoch))
-        wire.expect_enumerator(self.status, Status, "Grant.status")
+        _wire.expect_enumerator(self.status, Status, "Grant.status")
 
     @classmethod
-    def decode(cls, source: wire.Decoder, /) -> Self:
+    def decode(cls, source: _wire.Decoder, /) -> _Self:
         status, epoch = _GRANT_LAYOUT.unpack(source)
         status_value = source.enumerator(Status, status, Status.SENSOR, "Grant.status", 12)
         source.offset = source.end  # what a newer writer added is skipped
@@ -303,17 +306,17 @@ class Grant:
         return 0x1741290F0C97C441
 
     @staticmethod
-    def _gecos_shape() -> shapes.Shape:
-        return shapes.Members(
+    def _gecos_shape() -> _shapes.Shape:
+        return _shapes.Members(
             Grant,
             (
-                shapes.Member("status", shapes.Enumerators(Status)),
-                shapes.Member("epoch", shapes.Number("Q")),
+                _shapes.Member("status", _shapes.Enumerators(Status)),
+                _shapes.Member("epoch", _shapes.Number("Q")),
             ),
         )
 
 
-_OUTCOME_RECORD_LAYOUT = wire.Fields(
+_OUTCOME_RECORD_LAYOUT = _wire.Fields(
     "B",
     (
         "OutcomeRecord.detail",
@@ -321,8 +324,8 @@ _OUTCOME_RECORD_LAYOUT = wire.Fields(
 )
 
 
-@plans.planned("B", plans.text(wire.MAX_TEXT), open=True)
-@dataclass(slots=True)
+@_plans.planned("B", _plans.text(_wire.MAX_TEXT), open=True)
+@_dataclass(slots=True)
 class OutcomeRecord:
     """What became of a command, or where it stands."""
 
@@ -331,14 +334,14 @@ class OutcomeRecord:
     text: str = ""
     """why, when it is not DONE"""
 
-    def encode(self, out: wire.Parts, /) -> None:
+    def encode(self, out: _wire.Parts, /) -> None:
         out.append(_OUTCOME_RECORD_LAYOUT.pack(self.detail))
-        out.append(wire.string(self.text, wire.MAX_TEXT, "OutcomeRecord.text"))
+        out.append(_wire.string(self.text, _wire.MAX_TEXT, "OutcomeRecord.text"))
 
     @classmethod
-    def decode(cls, source: wire.Decoder, /) -> Self:
+    def decode(cls, source: _wire.Decoder, /) -> _Self:
         (detail,) = _OUTCOME_RECORD_LAYOUT.unpack(source)
-        text = source.string(wire.MAX_COUNT, "OutcomeRecord.text")
+        text = source.string(_wire.MAX_COUNT, "OutcomeRecord.text")
         source.offset = source.end  # what a newer writer added is skipped
         return cls(detail, text)
 
@@ -347,11 +350,11 @@ class OutcomeRecord:
         return 0x5FDE1F5AF18CF320
 
     @staticmethod
-    def _gecos_shape() -> shapes.Shape:
-        return shapes.Members(
+    def _gecos_shape() -> _shapes.Shape:
+        return _shapes.Members(
             OutcomeRecord,
             (
-                shapes.Member("detail", shapes.Number("B")),
-                shapes.Member("text", shapes.Text()),
+                _shapes.Member("detail", _shapes.Number("B")),
+                _shapes.Member("text", _shapes.Text()),
             ),
         )

@@ -4,27 +4,26 @@
 
 from __future__ import annotations
 
-from abc import abstractmethod
-from collections.abc import Mapping
-from typing import ClassVar
+from abc import abstractmethod as _abstractmethod
+from collections.abc import Mapping as _Mapping
+from typing import ClassVar as _ClassVar
 
-from gecos import wire
-from gecos.command import Command
-from gecos.interface import (
-    Access,
-    Handler,
-    Interface,
-    Kind,
-    Method,
-    Operation,
-    Quality,
-    no_arguments,
-    no_result,
-    nothing,
-)
-from gecos.proxy import Object
-from gecos.servant import Servant
-from gecos.wire import Decoder, Parts
+from gecos import wire as _wire
+from gecos.command import Command as _Command
+from gecos.interface import Access as _Access
+from gecos.interface import Handler as _Handler
+from gecos.interface import Interface as _Interface
+from gecos.interface import Kind as _Kind
+from gecos.interface import Method as _Method
+from gecos.interface import Operation as _Operation
+from gecos.interface import Quality as _Quality
+from gecos.interface import no_arguments as _no_arguments
+from gecos.interface import no_result as _no_result
+from gecos.interface import nothing as _nothing
+from gecos.proxy import Object as _Object
+from gecos.servant import Servant as _Servant
+from gecos.wire import Decoder as _Decoder
+from gecos.wire import Parts as _Parts
 from robcl.device_types import MountRefused
 from robcl.geometry_types import Frame
 
@@ -35,64 +34,64 @@ __all__ = [
 ]
 
 
-def _device_base_result(value: Frame) -> Parts:
-    out: Parts = []
-    wire.put(value, Frame, out, "base")
+def _device_base_result(value: Frame) -> _Parts:
+    out: _Parts = []
+    _wire.put(value, Frame, out, "base")
     return out
 
 
-def _device_parent_reply(source: Decoder) -> str:
-    value: str = source.string(wire.MAX_COUNT, "parent")
+def _device_parent_reply(source: _Decoder) -> str:
+    value: str = source.string(_wire.MAX_COUNT, "parent")
     return value
 
 
-def _device_parent_result(value: str) -> Parts:
-    out: Parts = []
-    out.append(wire.string(value, wire.MAX_TEXT, "parent"))
+def _device_parent_result(value: str) -> _Parts:
+    out: _Parts = []
+    out.append(_wire.string(value, _wire.MAX_TEXT, "parent"))
     return out
 
 
-def _device_mount_arguments(source: Decoder) -> tuple[str, Frame]:
-    carrier: str = source.string(wire.MAX_COUNT, "mount.carrier")
+def _device_mount_arguments(source: _Decoder) -> tuple[str, Frame]:
+    carrier: str = source.string(_wire.MAX_COUNT, "mount.carrier")
     offset: Frame = Frame.decode(source)
     return carrier, offset
 
 
-_DEVICE_BASE: Method[Frame, None] = Method(
-    Operation(
+_DEVICE_BASE: _Method[Frame, None] = _Method(
+    _Operation(
         code=0xD85EEC1C,
         name="base",
-        kind=Kind.GETTER,
-        access=Access.SENSOR,
+        kind=_Kind.GETTER,
+        access=_Access.SENSOR,
         presence=False,
         idempotent=True,
         hash=0x6C7E67C50B389010,
     ),
     Frame.decode,
 )
-_DEVICE_PARENT: Method[str, None] = Method(
-    Operation(
+_DEVICE_PARENT: _Method[str, None] = _Method(
+    _Operation(
         code=0x8FD39271,
         name="parent",
-        kind=Kind.GETTER,
-        access=Access.SENSOR,
+        kind=_Kind.GETTER,
+        access=_Access.SENSOR,
         presence=False,
         idempotent=True,
         hash=0xA8E7EE76D3BF5589,
     ),
     _device_parent_reply,
 )
-_DEVICE_MOUNT: Method[None, None] = Method(
-    Operation(
+_DEVICE_MOUNT: _Method[None, None] = _Method(
+    _Operation(
         code=0xEB6DA7E6,
         name="mount",
-        access=Access.ACTOR,
+        access=_Access.ACTOR,
         hash=0x40840A23E20BCA46,
     ),
-    nothing,
+    _nothing,
     raises=(MountRefused,),
 )
-_DEVICE = Interface(
+_DEVICE = _Interface(
     name="robcl::Device",
     version="1.0",
     hash=0x93AD599693441813,
@@ -105,69 +104,69 @@ _DEVICE = Interface(
     ),
     streams=(
     ),
-    quality=Quality(),
+    quality=_Quality(),
 )
 
 
-class Device(Object):
+class Device(_Object):
     """Anything that has a place in the laboratory."""
 
     _gecos_interface = _DEVICE
 
-    def base(self) -> Command[Frame]:
+    def base(self) -> _Command[Frame]:
         """Base of the device in the world."""
         return self._gecos_call(_DEVICE_BASE, [])
 
-    def parent(self) -> Command[str]:
+    def parent(self) -> _Command[str]:
         """Device whose flange carries this one; empty when it stands in the world."""
         return self._gecos_call(_DEVICE_PARENT, [])
 
-    def mount(self, carrier: str, offset: Frame) -> Command[None]:
+    def mount(self, carrier: str, offset: Frame) -> _Command[None]:
         """Places the base on the flange of `carrier`, or in the world when `carrier` is empty.
         Refused while moving.
 
         May raise MountRefused.
         """
-        out: Parts = []
-        out.append(wire.string(carrier, wire.MAX_TEXT, "mount.carrier"))
-        wire.put(offset, Frame, out, "mount.offset")
+        out: _Parts = []
+        out.append(_wire.string(carrier, _wire.MAX_TEXT, "mount.carrier"))
+        _wire.put(offset, Frame, out, "mount.offset")
         return self._gecos_call(_DEVICE_MOUNT, out)
 
 
-class DeviceServant(Servant):
+class DeviceServant(_Servant):
     """Anything that has a place in the laboratory."""
 
     _gecos_interface = _DEVICE
-    _gecos_handlers: ClassVar[Mapping[int, Handler]] = {
-        0xD85EEC1C: Handler(
+    _gecos_handlers: _ClassVar[_Mapping[int, _Handler]] = {
+        0xD85EEC1C: _Handler(
             _DEVICE_BASE.operation,
             "base",
-            no_arguments,
+            _no_arguments,
             _device_base_result,
         ),
-        0x8FD39271: Handler(
+        0x8FD39271: _Handler(
             _DEVICE_PARENT.operation,
             "parent",
-            no_arguments,
+            _no_arguments,
             _device_parent_result,
         ),
-        0xEB6DA7E6: Handler(
+        0xEB6DA7E6: _Handler(
             _DEVICE_MOUNT.operation,
             "mount",
             _device_mount_arguments,
-            no_result,
+            _no_result,
         ),
     }
 
-    @abstractmethod
+    @_abstractmethod
     def base(self) -> Frame:
         """Base of the device in the world."""
 
-    @abstractmethod
+    @_abstractmethod
     def parent(self) -> str:
         """Device whose flange carries this one; empty when it stands in the world."""
 
-    @abstractmethod
+    @_abstractmethod
     def mount(self, carrier: str, offset: Frame) -> None:
         """Places the base on the flange of `carrier`, or in the world when `carrier` is empty.
         Refused while moving.

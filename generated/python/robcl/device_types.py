@@ -4,30 +4,31 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import ClassVar, Self
+from dataclasses import dataclass as _dataclass
+from typing import ClassVar as _ClassVar
+from typing import Self as _Self
 
-from gecos import wire
-from gecos.errors import DeclaredError
-from gecos.wire import shapes
+from gecos import wire as _wire
+from gecos.errors import DeclaredError as _DeclaredError
+from gecos.wire import shapes as _shapes
 
 __all__ = [
     "MountRefused",
 ]
 
 
-@dataclass(slots=True, eq=False)
-class MountRefused(DeclaredError):
-    _gecos_name: ClassVar[str] = "robcl::MountRefused"
+@_dataclass(slots=True, eq=False)
+class MountRefused(_DeclaredError):
+    _gecos_name: _ClassVar[str] = "robcl::MountRefused"
 
     reason: str = ""
 
-    def encode(self, out: wire.Parts, /) -> None:
-        out.append(wire.string(self.reason, wire.MAX_TEXT, "MountRefused.reason"))
+    def encode(self, out: _wire.Parts, /) -> None:
+        out.append(_wire.string(self.reason, _wire.MAX_TEXT, "MountRefused.reason"))
 
     @classmethod
-    def decode(cls, source: wire.Decoder, /) -> Self:
-        reason = source.string(wire.MAX_COUNT, "MountRefused.reason")
+    def decode(cls, source: _wire.Decoder, /) -> _Self:
+        reason = source.string(_wire.MAX_COUNT, "MountRefused.reason")
         return cls(reason)
 
     @staticmethod
@@ -35,10 +36,10 @@ class MountRefused(DeclaredError):
         return 0xED00B27A58C49395
 
     @staticmethod
-    def _gecos_shape() -> shapes.Shape:
-        return shapes.Members(
+    def _gecos_shape() -> _shapes.Shape:
+        return _shapes.Members(
             MountRefused,
             (
-                shapes.Member("reason", shapes.Text()),
+                _shapes.Member("reason", _shapes.Text()),
             ),
         )

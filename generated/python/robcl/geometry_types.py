@@ -4,12 +4,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass as _dataclass
 from dataclasses import field as _field
-from typing import Self
+from typing import Self as _Self
 
-from gecos import wire
-from gecos.wire import plans, shapes
+from gecos import wire as _wire
+from gecos.wire import plans as _plans
+from gecos.wire import shapes as _shapes
 from robcl.frames import Frame
 
 __all__ = [
@@ -18,7 +19,7 @@ __all__ = [
     "Vector",
 ]
 
-_VECTOR_LAYOUT = wire.Fields(
+_VECTOR_LAYOUT = _wire.Fields(
     "ddd",
     (
         "Vector.x",
@@ -28,8 +29,8 @@ _VECTOR_LAYOUT = wire.Fields(
 )
 
 
-@plans.planned("ddd")
-@dataclass(slots=True)
+@_plans.planned("ddd")
+@_dataclass(slots=True)
 class Vector:
     x: float = 0.0
     """[m]"""
@@ -38,11 +39,11 @@ class Vector:
     z: float = 0.0
     """[m]"""
 
-    def encode(self, out: wire.Parts, /) -> None:
+    def encode(self, out: _wire.Parts, /) -> None:
         out.append(_VECTOR_LAYOUT.pack(self.x, self.y, self.z))
 
     @classmethod
-    def decode(cls, source: wire.Decoder, /) -> Self:
+    def decode(cls, source: _wire.Decoder, /) -> _Self:
         return cls(*_VECTOR_LAYOUT.unpack(source))
 
     @staticmethod
@@ -50,18 +51,18 @@ class Vector:
         return 0xAE7E5FBA5EECA11E
 
     @staticmethod
-    def _gecos_shape() -> shapes.Shape:
-        return shapes.Members(
+    def _gecos_shape() -> _shapes.Shape:
+        return _shapes.Members(
             Vector,
             (
-                shapes.Member("x", shapes.Number("d")),
-                shapes.Member("y", shapes.Number("d")),
-                shapes.Member("z", shapes.Number("d")),
+                _shapes.Member("x", _shapes.Number("d")),
+                _shapes.Member("y", _shapes.Number("d")),
+                _shapes.Member("z", _shapes.Number("d")),
             ),
         )
 
 
-_QUATERNION_LAYOUT = wire.Fields(
+_QUATERNION_LAYOUT = _wire.Fields(
     "dddd",
     (
         "Quaternion.w",
@@ -72,8 +73,8 @@ _QUATERNION_LAYOUT = wire.Fields(
 )
 
 
-@plans.planned("dddd")
-@dataclass(slots=True)
+@_plans.planned("dddd")
+@_dataclass(slots=True)
 class Quaternion:
     """Unit quaternion, w + xi + yj + zk."""
 
@@ -82,11 +83,11 @@ class Quaternion:
     y: float = 0.0
     z: float = 0.0
 
-    def encode(self, out: wire.Parts, /) -> None:
+    def encode(self, out: _wire.Parts, /) -> None:
         out.append(_QUATERNION_LAYOUT.pack(self.w, self.x, self.y, self.z))
 
     @classmethod
-    def decode(cls, source: wire.Decoder, /) -> Self:
+    def decode(cls, source: _wire.Decoder, /) -> _Self:
         return cls(*_QUATERNION_LAYOUT.unpack(source))
 
     @staticmethod
@@ -94,19 +95,19 @@ class Quaternion:
         return 0x365BDD4BF9100A1F
 
     @staticmethod
-    def _gecos_shape() -> shapes.Shape:
-        return shapes.Members(
+    def _gecos_shape() -> _shapes.Shape:
+        return _shapes.Members(
             Quaternion,
             (
-                shapes.Member("w", shapes.Number("d")),
-                shapes.Member("x", shapes.Number("d")),
-                shapes.Member("y", shapes.Number("d")),
-                shapes.Member("z", shapes.Number("d")),
+                _shapes.Member("w", _shapes.Number("d")),
+                _shapes.Member("x", _shapes.Number("d")),
+                _shapes.Member("y", _shapes.Number("d")),
+                _shapes.Member("z", _shapes.Number("d")),
             ),
         )
 
 
-_FRAME_LAYOUT_LAYOUT = wire.Fields(
+_FRAME_LAYOUT_LAYOUT = _wire.Fields(
     "ddddddd",
     (
         "Vector.x",
@@ -120,16 +121,16 @@ _FRAME_LAYOUT_LAYOUT = wire.Fields(
 )
 
 
-@dataclass(slots=True)
+@_dataclass(slots=True)
 class _FrameLayout:
     """Position and orientation of a coordinate system, seen from another."""
 
     position: Vector = _field(default_factory=Vector)
     orientation: Quaternion = _field(default_factory=Quaternion)
 
-    def encode(self, out: wire.Parts, /) -> None:
-        wire.expect(self.position, Vector, "_FrameLayout.position")
-        wire.expect(self.orientation, Quaternion, "_FrameLayout.orientation")
+    def encode(self, out: _wire.Parts, /) -> None:
+        _wire.expect(self.position, Vector, "_FrameLayout.position")
+        _wire.expect(self.orientation, Quaternion, "_FrameLayout.orientation")
         out.append(
             _FRAME_LAYOUT_LAYOUT.pack(
                 self.position.x,
@@ -143,7 +144,7 @@ class _FrameLayout:
         )
 
     @classmethod
-    def decode(cls, source: wire.Decoder, /) -> Self:
+    def decode(cls, source: _wire.Decoder, /) -> _Self:
         (
             position_x,
             position_y,
@@ -158,14 +159,14 @@ class _FrameLayout:
         return cls(position_value, orientation_value)
 
     @staticmethod
-    def _gecos_shape() -> shapes.Shape:
-        return shapes.Members(
+    def _gecos_shape() -> _shapes.Shape:
+        return _shapes.Members(
             _FrameLayout,
             (
-                shapes.Member("position", shapes.Value(Vector)),
-                shapes.Member("orientation", shapes.Value(Quaternion)),
+                _shapes.Member("position", _shapes.Value(Vector)),
+                _shapes.Member("orientation", _shapes.Value(Quaternion)),
             ),
         )
 
 
-shapes.described[Frame] = shapes.Layout(Frame, _FrameLayout)
+_shapes.described[Frame] = _shapes.Layout(Frame, _FrameLayout)

@@ -4,28 +4,27 @@
 
 from __future__ import annotations
 
-from abc import abstractmethod
-from collections.abc import Mapping
-from typing import ClassVar
+from abc import abstractmethod as _abstractmethod
+from collections.abc import Mapping as _Mapping
+from typing import ClassVar as _ClassVar
 
-from gecos import wire
-from gecos.command import Command
-from gecos.execution import Execution
-from gecos.interface import (
-    Access,
-    Handler,
-    Interface,
-    Kind,
-    Method,
-    Operation,
-    OutwardStream,
-    Quality,
-    no_arguments,
-    no_result,
-    nothing,
-)
-from gecos.proxy import StreamAttribute
-from gecos.wire import Decoder, Parts
+from gecos import wire as _wire
+from gecos.command import Command as _Command
+from gecos.execution import Execution as _Execution
+from gecos.interface import Access as _Access
+from gecos.interface import Handler as _Handler
+from gecos.interface import Interface as _Interface
+from gecos.interface import Kind as _Kind
+from gecos.interface import Method as _Method
+from gecos.interface import Operation as _Operation
+from gecos.interface import OutwardStream as _OutwardStream
+from gecos.interface import Quality as _Quality
+from gecos.interface import no_arguments as _no_arguments
+from gecos.interface import no_result as _no_result
+from gecos.interface import nothing as _nothing
+from gecos.proxy import StreamAttribute as _StreamAttribute
+from gecos.wire import Decoder as _Decoder
+from gecos.wire import Parts as _Parts
 from robcl.device import Device, DeviceServant
 from robcl.geometry_types import Frame
 from robcl.gripper_types import GripperState, OutOfRange
@@ -38,134 +37,134 @@ __all__ = [
 ]
 
 
-def _gripper_jaws_reply(source: Decoder) -> GripperState:
+def _gripper_jaws_reply(source: _Decoder) -> GripperState:
     return GripperState.decode(source.block("jaws"))
 
 
-def _gripper_jaws_result(value: GripperState) -> Parts:
-    out: Parts = []
-    wire.put_block(value, GripperState, out, "jaws")
+def _gripper_jaws_result(value: GripperState) -> _Parts:
+    out: _Parts = []
+    _wire.put_block(value, GripperState, out, "jaws")
     return out
 
 
-def _gripper_grip_point_result(value: Frame) -> Parts:
-    out: Parts = []
-    wire.put(value, Frame, out, "grip_point")
+def _gripper_grip_point_result(value: Frame) -> _Parts:
+    out: _Parts = []
+    _wire.put(value, Frame, out, "grip_point")
     return out
 
 
-def _gripper_max_width_reply(source: Decoder) -> float:
+def _gripper_max_width_reply(source: _Decoder) -> float:
     value: float = source.number("d", "max_width")
     return value
 
 
-def _gripper_max_width_result(value: float) -> Parts:
-    out: Parts = []
-    out.append(wire.number(value, "d", "max_width"))
+def _gripper_max_width_result(value: float) -> _Parts:
+    out: _Parts = []
+    out.append(_wire.number(value, "d", "max_width"))
     return out
 
 
-def _gripper_max_force_reply(source: Decoder) -> float:
+def _gripper_max_force_reply(source: _Decoder) -> float:
     value: float = source.number("d", "max_force")
     return value
 
 
-def _gripper_max_force_result(value: float) -> Parts:
-    out: Parts = []
-    out.append(wire.number(value, "d", "max_force"))
+def _gripper_max_force_result(value: float) -> _Parts:
+    out: _Parts = []
+    out.append(_wire.number(value, "d", "max_force"))
     return out
 
 
-def _gripper_open_arguments(source: Decoder) -> tuple[float]:
+def _gripper_open_arguments(source: _Decoder) -> tuple[float]:
     width: float = source.ranged("d", 0.0, None, "open.width")
     return (width,)
 
 
-def _gripper_close_arguments(source: Decoder) -> tuple[float]:
+def _gripper_close_arguments(source: _Decoder) -> tuple[float]:
     force: float = source.ranged("d", 0.0, None, "close.force")
     return (force,)
 
 
-_GRIPPER_JAWS: Method[GripperState, None] = Method(
-    Operation(
+_GRIPPER_JAWS: _Method[GripperState, None] = _Method(
+    _Operation(
         code=0x6755A361,
         name="jaws",
-        kind=Kind.GETTER,
-        access=Access.SENSOR,
+        kind=_Kind.GETTER,
+        access=_Access.SENSOR,
         presence=False,
         idempotent=True,
         hash=0x0FB970AC2BFD2F26,
     ),
     _gripper_jaws_reply,
 )
-_GRIPPER_GRIP_POINT: Method[Frame, None] = Method(
-    Operation(
+_GRIPPER_GRIP_POINT: _Method[Frame, None] = _Method(
+    _Operation(
         code=0x8BB8A207,
         name="grip_point",
-        kind=Kind.GETTER,
-        access=Access.SENSOR,
+        kind=_Kind.GETTER,
+        access=_Access.SENSOR,
         presence=False,
         idempotent=True,
         hash=0xA38F858FFE2B47E6,
     ),
     Frame.decode,
 )
-_GRIPPER_MAX_WIDTH: Method[float, None] = Method(
-    Operation(
+_GRIPPER_MAX_WIDTH: _Method[float, None] = _Method(
+    _Operation(
         code=0x8B02F9AF,
         name="max_width",
-        kind=Kind.GETTER,
-        access=Access.SENSOR,
+        kind=_Kind.GETTER,
+        access=_Access.SENSOR,
         presence=False,
         idempotent=True,
         hash=0xC9B12C311DA8FF15,
     ),
     _gripper_max_width_reply,
 )
-_GRIPPER_MAX_FORCE: Method[float, None] = Method(
-    Operation(
+_GRIPPER_MAX_FORCE: _Method[float, None] = _Method(
+    _Operation(
         code=0x2BA48834,
         name="max_force",
-        kind=Kind.GETTER,
-        access=Access.SENSOR,
+        kind=_Kind.GETTER,
+        access=_Access.SENSOR,
         presence=False,
         idempotent=True,
         hash=0xF34EE4DADAAD5D51,
     ),
     _gripper_max_force_reply,
 )
-_GRIPPER_OPEN: Method[None, GripperState] = Method(
-    Operation(
+_GRIPPER_OPEN: _Method[None, GripperState] = _Method(
+    _Operation(
         code=0x7BC932D6,
         name="open",
-        access=Access.ACTOR,
+        access=_Access.ACTOR,
         cancelable=True,
         hash=0x26B349E727725D66,
     ),
-    nothing,
+    _nothing,
     feedback=GripperState.decode,
     raises=(OutOfRange,),
 )
-_GRIPPER_CLOSE: Method[None, GripperState] = Method(
-    Operation(
+_GRIPPER_CLOSE: _Method[None, GripperState] = _Method(
+    _Operation(
         code=0xD12A65B2,
         name="close",
-        access=Access.ACTOR,
+        access=_Access.ACTOR,
         cancelable=True,
         hash=0x432E6B27BBEFBA1A,
     ),
-    nothing,
+    _nothing,
     feedback=GripperState.decode,
     raises=(OutOfRange,),
 )
-_GRIPPER_JAWS_STREAM = OutwardStream(
+_GRIPPER_JAWS_STREAM = _OutwardStream(
     code=0x6755A361,
     name="jaws",
-    access=Access.SENSOR,
+    access=_Access.SENSOR,
     rate_hz=50.0,
     largest=0,
 )
-_GRIPPER = Interface(
+_GRIPPER = _Interface(
     name="robcl::Gripper",
     version="1.0",
     hash=0xA2CB25259A928F38,
@@ -185,7 +184,7 @@ _GRIPPER = Interface(
         *Device._gecos_interface.streams,
         _GRIPPER_JAWS_STREAM,
     ),
-    quality=Quality(),
+    quality=_Quality(),
 )
 
 
@@ -195,44 +194,44 @@ class Gripper(Device):
     _gecos_interface = _GRIPPER
 
     @property
-    def jaws(self) -> StreamAttribute[GripperState]:
+    def jaws(self) -> _StreamAttribute[GripperState]:
         """Published 50 times a second."""
-        return StreamAttribute(self, _GRIPPER_JAWS, _GRIPPER_JAWS_STREAM)
+        return _StreamAttribute(self, _GRIPPER_JAWS, _GRIPPER_JAWS_STREAM)
 
-    def grip_point(self) -> Command[Frame]:
+    def grip_point(self) -> _Command[Frame]:
         """Point between the finger tips, in the world: approach along z, jaws close along y."""
         return self._gecos_call(_GRIPPER_GRIP_POINT, [])
 
-    def max_width(self) -> Command[float]:
+    def max_width(self) -> _Command[float]:
         """[m]"""
         return self._gecos_call(_GRIPPER_MAX_WIDTH, [])
 
-    def max_force(self) -> Command[float]:
+    def max_force(self) -> _Command[float]:
         """[N]"""
         return self._gecos_call(_GRIPPER_MAX_FORCE, [])
 
-    def open(self, width: float) -> Command[None, GripperState]:
+    def open(self, width: float) -> _Command[None, GripperState]:
         """Opens (or narrows) to `width`.
 
         width: [m, at least 0.0]
         May raise OutOfRange.
         """
-        out: Parts = []
-        out.append(wire.number(width, "d", "open.width"))
+        out: _Parts = []
+        out.append(_wire.number(width, "d", "open.width"))
         if not width >= 0.0:
-            raise wire.out_of_range("open.width", width, "[0.0, inf]")
+            raise _wire.out_of_range("open.width", width, "[0.0, inf]")
         return self._gecos_call(_GRIPPER_OPEN, out)
 
-    def close(self, force: float) -> Command[None, GripperState]:
+    def close(self, force: float) -> _Command[None, GripperState]:
         """Closes until the jaws meet something with `force`, or each other.
 
         force: [N, at least 0.0]
         May raise OutOfRange.
         """
-        out: Parts = []
-        out.append(wire.number(force, "d", "close.force"))
+        out: _Parts = []
+        out.append(_wire.number(force, "d", "close.force"))
         if not force >= 0.0:
-            raise wire.out_of_range("close.force", force, "[0.0, inf]")
+            raise _wire.out_of_range("close.force", force, "[0.0, inf]")
         return self._gecos_call(_GRIPPER_CLOSE, out)
 
 
@@ -240,72 +239,72 @@ class GripperServant(DeviceServant):
     """Two parallel jaws."""
 
     _gecos_interface = _GRIPPER
-    _gecos_handlers: ClassVar[Mapping[int, Handler]] = {
+    _gecos_handlers: _ClassVar[_Mapping[int, _Handler]] = {
         **DeviceServant._gecos_handlers,
-        0x6755A361: Handler(
+        0x6755A361: _Handler(
             _GRIPPER_JAWS.operation,
             "jaws",
-            no_arguments,
+            _no_arguments,
             _gripper_jaws_result,
         ),
-        0x8BB8A207: Handler(
+        0x8BB8A207: _Handler(
             _GRIPPER_GRIP_POINT.operation,
             "grip_point",
-            no_arguments,
+            _no_arguments,
             _gripper_grip_point_result,
         ),
-        0x8B02F9AF: Handler(
+        0x8B02F9AF: _Handler(
             _GRIPPER_MAX_WIDTH.operation,
             "max_width",
-            no_arguments,
+            _no_arguments,
             _gripper_max_width_result,
         ),
-        0x2BA48834: Handler(
+        0x2BA48834: _Handler(
             _GRIPPER_MAX_FORCE.operation,
             "max_force",
-            no_arguments,
+            _no_arguments,
             _gripper_max_force_result,
         ),
-        0x7BC932D6: Handler(
+        0x7BC932D6: _Handler(
             _GRIPPER_OPEN.operation,
             "open",
             _gripper_open_arguments,
-            no_result,
+            _no_result,
         ),
-        0xD12A65B2: Handler(
+        0xD12A65B2: _Handler(
             _GRIPPER_CLOSE.operation,
             "close",
             _gripper_close_arguments,
-            no_result,
+            _no_result,
         ),
     }
 
-    @abstractmethod
+    @_abstractmethod
     def jaws(self) -> GripperState:
         """Answers jaws."""
 
-    @abstractmethod
+    @_abstractmethod
     def grip_point(self) -> Frame:
         """Point between the finger tips, in the world: approach along z, jaws close along y."""
 
-    @abstractmethod
+    @_abstractmethod
     def max_width(self) -> float:
         """[m]"""
 
-    @abstractmethod
+    @_abstractmethod
     def max_force(self) -> float:
         """[N]"""
 
-    @abstractmethod
-    def open(self, width: float, run: Execution[GripperState]) -> None:
+    @_abstractmethod
+    def open(self, width: float, run: _Execution[GripperState]) -> None:
         """Opens (or narrows) to `width`.
 
         width: [m, at least 0.0]
         May raise OutOfRange.
         """
 
-    @abstractmethod
-    def close(self, force: float, run: Execution[GripperState]) -> None:
+    @_abstractmethod
+    def close(self, force: float, run: _Execution[GripperState]) -> None:
         """Closes until the jaws meet something with `force`, or each other.
 
         force: [N, at least 0.0]
@@ -314,6 +313,6 @@ class GripperServant(DeviceServant):
 
     def publish_jaws(self, value: GripperState, stamp: float | None = None) -> None:
         """A new sample of `jaws`, measured at `stamp` (Unix time in s; now)."""
-        out: Parts = []
-        wire.put_block(value, GripperState, out, "jaws")
+        out: _Parts = []
+        _wire.put_block(value, GripperState, out, "jaws")
         self._gecos_publish(0x6755A361, out, stamp)

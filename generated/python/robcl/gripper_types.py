@@ -4,19 +4,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import ClassVar, Self
+from dataclasses import dataclass as _dataclass
+from typing import ClassVar as _ClassVar
+from typing import Self as _Self
 
-from gecos import wire
-from gecos.errors import DeclaredError
-from gecos.wire import plans, shapes
+from gecos import wire as _wire
+from gecos.errors import DeclaredError as _DeclaredError
+from gecos.wire import plans as _plans
+from gecos.wire import shapes as _shapes
 
 __all__ = [
     "GripperState",
     "OutOfRange",
 ]
 
-_GRIPPER_STATE_LAYOUT = wire.Fields(
+_GRIPPER_STATE_LAYOUT = _wire.Fields(
     "dd??",
     (
         "GripperState.width",
@@ -27,8 +29,8 @@ _GRIPPER_STATE_LAYOUT = wire.Fields(
 )
 
 
-@plans.planned("dd??", plans.text(wire.MAX_TEXT), open=True)
-@dataclass(slots=True)
+@_plans.planned("dd??", _plans.text(_wire.MAX_TEXT), open=True)
+@_dataclass(slots=True)
 class GripperState:
     """What the jaws do and hold."""
 
@@ -41,14 +43,14 @@ class GripperState:
     held: str = ""
     """name of the body that is held, where it is known"""
 
-    def encode(self, out: wire.Parts, /) -> None:
+    def encode(self, out: _wire.Parts, /) -> None:
         out.append(_GRIPPER_STATE_LAYOUT.pack(self.width, self.force, self.moving, self.holding))
-        out.append(wire.string(self.held, wire.MAX_TEXT, "GripperState.held"))
+        out.append(_wire.string(self.held, _wire.MAX_TEXT, "GripperState.held"))
 
     @classmethod
-    def decode(cls, source: wire.Decoder, /) -> Self:
+    def decode(cls, source: _wire.Decoder, /) -> _Self:
         width, force, moving, holding = _GRIPPER_STATE_LAYOUT.unpack(source)
-        held = source.string(wire.MAX_COUNT, "GripperState.held")
+        held = source.string(_wire.MAX_COUNT, "GripperState.held")
         source.offset = source.end  # what a newer writer added is skipped
         return cls(width, force, moving, holding, held)
 
@@ -57,20 +59,20 @@ class GripperState:
         return 0xE3695E149ACAA4EA
 
     @staticmethod
-    def _gecos_shape() -> shapes.Shape:
-        return shapes.Members(
+    def _gecos_shape() -> _shapes.Shape:
+        return _shapes.Members(
             GripperState,
             (
-                shapes.Member("width", shapes.Number("d")),
-                shapes.Member("force", shapes.Number("d")),
-                shapes.Member("moving", shapes.Number("?")),
-                shapes.Member("holding", shapes.Number("?")),
-                shapes.Member("held", shapes.Text()),
+                _shapes.Member("width", _shapes.Number("d")),
+                _shapes.Member("force", _shapes.Number("d")),
+                _shapes.Member("moving", _shapes.Number("?")),
+                _shapes.Member("holding", _shapes.Number("?")),
+                _shapes.Member("held", _shapes.Text()),
             ),
         )
 
 
-_OUT_OF_RANGE_LAYOUT = wire.Fields(
+_OUT_OF_RANGE_LAYOUT = _wire.Fields(
     "ddd",
     (
         "OutOfRange.value",
@@ -80,24 +82,24 @@ _OUT_OF_RANGE_LAYOUT = wire.Fields(
 )
 
 
-@dataclass(slots=True, eq=False)
-class OutOfRange(DeclaredError):
+@_dataclass(slots=True, eq=False)
+class OutOfRange(_DeclaredError):
     """The asked value is outside what this gripper can do."""
 
-    _gecos_name: ClassVar[str] = "robcl::OutOfRange"
+    _gecos_name: _ClassVar[str] = "robcl::OutOfRange"
 
     what: str = ""
     value: float = 0.0
     lower: float = 0.0
     upper: float = 0.0
 
-    def encode(self, out: wire.Parts, /) -> None:
-        out.append(wire.string(self.what, wire.MAX_TEXT, "OutOfRange.what"))
+    def encode(self, out: _wire.Parts, /) -> None:
+        out.append(_wire.string(self.what, _wire.MAX_TEXT, "OutOfRange.what"))
         out.append(_OUT_OF_RANGE_LAYOUT.pack(self.value, self.lower, self.upper))
 
     @classmethod
-    def decode(cls, source: wire.Decoder, /) -> Self:
-        what = source.string(wire.MAX_COUNT, "OutOfRange.what")
+    def decode(cls, source: _wire.Decoder, /) -> _Self:
+        what = source.string(_wire.MAX_COUNT, "OutOfRange.what")
         value, lower, upper = _OUT_OF_RANGE_LAYOUT.unpack(source)
         return cls(what, value, lower, upper)
 
@@ -106,13 +108,13 @@ class OutOfRange(DeclaredError):
         return 0x8809D953DA8D5F46
 
     @staticmethod
-    def _gecos_shape() -> shapes.Shape:
-        return shapes.Members(
+    def _gecos_shape() -> _shapes.Shape:
+        return _shapes.Members(
             OutOfRange,
             (
-                shapes.Member("what", shapes.Text()),
-                shapes.Member("value", shapes.Number("d")),
-                shapes.Member("lower", shapes.Number("d")),
-                shapes.Member("upper", shapes.Number("d")),
+                _shapes.Member("what", _shapes.Text()),
+                _shapes.Member("value", _shapes.Number("d")),
+                _shapes.Member("lower", _shapes.Number("d")),
+                _shapes.Member("upper", _shapes.Number("d")),
             ),
         )

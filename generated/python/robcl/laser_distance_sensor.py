@@ -4,27 +4,26 @@
 
 from __future__ import annotations
 
-from abc import abstractmethod
-from collections.abc import Mapping
-from typing import ClassVar
+from abc import abstractmethod as _abstractmethod
+from collections.abc import Mapping as _Mapping
+from typing import ClassVar as _ClassVar
 
-from gecos import wire
-from gecos.command import Command
-from gecos.interface import (
-    Access,
-    Handler,
-    Interface,
-    Kind,
-    Method,
-    Operation,
-    OutwardStream,
-    Quality,
-    no_arguments,
-    no_result,
-    nothing,
-)
-from gecos.proxy import StreamAttribute
-from gecos.wire import Decoder, Parts
+from gecos import wire as _wire
+from gecos.command import Command as _Command
+from gecos.interface import Access as _Access
+from gecos.interface import Handler as _Handler
+from gecos.interface import Interface as _Interface
+from gecos.interface import Kind as _Kind
+from gecos.interface import Method as _Method
+from gecos.interface import Operation as _Operation
+from gecos.interface import OutwardStream as _OutwardStream
+from gecos.interface import Quality as _Quality
+from gecos.interface import no_arguments as _no_arguments
+from gecos.interface import no_result as _no_result
+from gecos.interface import nothing as _nothing
+from gecos.proxy import StreamAttribute as _StreamAttribute
+from gecos.wire import Decoder as _Decoder
+from gecos.wire import Parts as _Parts
 from robcl.device import Device, DeviceServant
 from robcl.laser_distance_sensor_types import Distance, SensorFault
 
@@ -36,40 +35,40 @@ __all__ = [
 ]
 
 
-def _laser_distance_sensor_beam_result(value: Distance) -> Parts:
-    out: Parts = []
-    wire.put(value, Distance, out, "beam")
+def _laser_distance_sensor_beam_result(value: Distance) -> _Parts:
+    out: _Parts = []
+    _wire.put(value, Distance, out, "beam")
     return out
 
 
-def _laser_distance_sensor_measure_result(value: Distance) -> Parts:
-    out: Parts = []
-    wire.put(value, Distance, out, "measure")
+def _laser_distance_sensor_measure_result(value: Distance) -> _Parts:
+    out: _Parts = []
+    _wire.put(value, Distance, out, "measure")
     return out
 
 
-def _laser_distance_sensor_power_arguments(source: Decoder) -> tuple[bool]:
+def _laser_distance_sensor_power_arguments(source: _Decoder) -> tuple[bool]:
     on: bool = source.number("?", "power.on")
     return (on,)
 
 
-_LASER_DISTANCE_SENSOR_BEAM: Method[Distance, None] = Method(
-    Operation(
+_LASER_DISTANCE_SENSOR_BEAM: _Method[Distance, None] = _Method(
+    _Operation(
         code=0x43A6C344,
         name="beam",
-        kind=Kind.GETTER,
-        access=Access.SENSOR,
+        kind=_Kind.GETTER,
+        access=_Access.SENSOR,
         presence=False,
         idempotent=True,
         hash=0x926D6ED0FEBD6A3F,
     ),
     Distance.decode,
 )
-_LASER_DISTANCE_SENSOR_MEASURE: Method[Distance, None] = Method(
-    Operation(
+_LASER_DISTANCE_SENSOR_MEASURE: _Method[Distance, None] = _Method(
+    _Operation(
         code=0x3FF05271,
         name="measure",
-        access=Access.SENSOR,
+        access=_Access.SENSOR,
         presence=False,
         idempotent=True,
         hash=0x80955AF0C37D3E42,
@@ -77,23 +76,23 @@ _LASER_DISTANCE_SENSOR_MEASURE: Method[Distance, None] = Method(
     Distance.decode,
     raises=(SensorFault,),
 )
-_LASER_DISTANCE_SENSOR_POWER: Method[None, None] = Method(
-    Operation(
+_LASER_DISTANCE_SENSOR_POWER: _Method[None, None] = _Method(
+    _Operation(
         code=0x05F38E6C,
         name="power",
-        access=Access.ACTOR,
+        access=_Access.ACTOR,
         hash=0x16968196D2C3127A,
     ),
-    nothing,
+    _nothing,
 )
-_LASER_DISTANCE_SENSOR_BEAM_STREAM = OutwardStream(
+_LASER_DISTANCE_SENSOR_BEAM_STREAM = _OutwardStream(
     code=0x43A6C344,
     name="beam",
-    access=Access.SENSOR,
+    access=_Access.SENSOR,
     rate_hz=50.0,
     largest=33,
 )
-_LASER_DISTANCE_SENSOR = Interface(
+_LASER_DISTANCE_SENSOR = _Interface(
     name="robcl::LaserDistanceSensor",
     version="1.0",
     hash=0x133C47F4AE41F5E0,
@@ -110,7 +109,7 @@ _LASER_DISTANCE_SENSOR = Interface(
         *Device._gecos_interface.streams,
         _LASER_DISTANCE_SENSOR_BEAM_STREAM,
     ),
-    quality=Quality(),
+    quality=_Quality(),
 )
 
 
@@ -120,25 +119,25 @@ class LaserDistanceSensor(Device):
     _gecos_interface = _LASER_DISTANCE_SENSOR
 
     @property
-    def beam(self) -> StreamAttribute[Distance]:
+    def beam(self) -> _StreamAttribute[Distance]:
         """Published 50 times a second."""
-        return StreamAttribute(
+        return _StreamAttribute(
             self,
             _LASER_DISTANCE_SENSOR_BEAM,
             _LASER_DISTANCE_SENSOR_BEAM_STREAM,
         )
 
-    def measure(self) -> Command[Distance]:
+    def measure(self) -> _Command[Distance]:
         """Takes a measurement now.
 
         May raise SensorFault.
         """
         return self._gecos_call(_LASER_DISTANCE_SENSOR_MEASURE, [])
 
-    def power(self, on: bool) -> Command[None]:
+    def power(self, on: bool) -> _Command[None]:
         """Switches the laser."""
-        out: Parts = []
-        out.append(wire.number(on, "?", "power.on"))
+        out: _Parts = []
+        out.append(_wire.number(on, "?", "power.on"))
         return self._gecos_call(_LASER_DISTANCE_SENSOR_POWER, out)
 
 
@@ -146,45 +145,45 @@ class LaserDistanceSensorServant(DeviceServant):
     """Measures the distance along the z axis of its base."""
 
     _gecos_interface = _LASER_DISTANCE_SENSOR
-    _gecos_handlers: ClassVar[Mapping[int, Handler]] = {
+    _gecos_handlers: _ClassVar[_Mapping[int, _Handler]] = {
         **DeviceServant._gecos_handlers,
-        0x43A6C344: Handler(
+        0x43A6C344: _Handler(
             _LASER_DISTANCE_SENSOR_BEAM.operation,
             "beam",
-            no_arguments,
+            _no_arguments,
             _laser_distance_sensor_beam_result,
         ),
-        0x3FF05271: Handler(
+        0x3FF05271: _Handler(
             _LASER_DISTANCE_SENSOR_MEASURE.operation,
             "measure",
-            no_arguments,
+            _no_arguments,
             _laser_distance_sensor_measure_result,
         ),
-        0x05F38E6C: Handler(
+        0x05F38E6C: _Handler(
             _LASER_DISTANCE_SENSOR_POWER.operation,
             "power",
             _laser_distance_sensor_power_arguments,
-            no_result,
+            _no_result,
         ),
     }
 
-    @abstractmethod
+    @_abstractmethod
     def beam(self) -> Distance:
         """Answers beam."""
 
-    @abstractmethod
+    @_abstractmethod
     def measure(self) -> Distance:
         """Takes a measurement now.
 
         May raise SensorFault.
         """
 
-    @abstractmethod
+    @_abstractmethod
     def power(self, on: bool) -> None:
         """Switches the laser."""
 
     def publish_beam(self, value: Distance, stamp: float | None = None) -> None:
         """A new sample of `beam`, measured at `stamp` (Unix time in s; now)."""
-        out: Parts = []
-        wire.put(value, Distance, out, "beam")
+        out: _Parts = []
+        _wire.put(value, Distance, out, "beam")
         self._gecos_publish(0x43A6C344, out, stamp)

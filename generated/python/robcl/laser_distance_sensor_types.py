@@ -4,19 +4,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import ClassVar, Self
+from dataclasses import dataclass as _dataclass
+from typing import ClassVar as _ClassVar
+from typing import Self as _Self
 
-from gecos import wire
-from gecos.errors import DeclaredError
-from gecos.wire import plans, shapes
+from gecos import wire as _wire
+from gecos.errors import DeclaredError as _DeclaredError
+from gecos.wire import plans as _plans
+from gecos.wire import shapes as _shapes
 
 __all__ = [
     "Distance",
     "SensorFault",
 ]
 
-_DISTANCE_LAYOUT = wire.Fields(
+_DISTANCE_LAYOUT = _wire.Fields(
     "d?ddd",
     (
         "Distance.value",
@@ -28,8 +30,8 @@ _DISTANCE_LAYOUT = wire.Fields(
 )
 
 
-@plans.planned("d?ddd")
-@dataclass(slots=True)
+@_plans.planned("d?ddd")
+@_dataclass(slots=True)
 class Distance:
     """One measurement. Out of range is `valid == FALSE`, never a distance of 0."""
 
@@ -43,13 +45,13 @@ class Distance:
     stamp: float = 0.0
     """when it was measured: Unix time [s]"""
 
-    def encode(self, out: wire.Parts, /) -> None:
+    def encode(self, out: _wire.Parts, /) -> None:
         out.append(
             _DISTANCE_LAYOUT.pack(self.value, self.valid, self.lower, self.upper, self.stamp)
         )
 
     @classmethod
-    def decode(cls, source: wire.Decoder, /) -> Self:
+    def decode(cls, source: _wire.Decoder, /) -> _Self:
         return cls(*_DISTANCE_LAYOUT.unpack(source))
 
     @staticmethod
@@ -57,33 +59,33 @@ class Distance:
         return 0xBE9649CF1136FC5F
 
     @staticmethod
-    def _gecos_shape() -> shapes.Shape:
-        return shapes.Members(
+    def _gecos_shape() -> _shapes.Shape:
+        return _shapes.Members(
             Distance,
             (
-                shapes.Member("value", shapes.Number("d")),
-                shapes.Member("valid", shapes.Number("?")),
-                shapes.Member("lower", shapes.Number("d")),
-                shapes.Member("upper", shapes.Number("d")),
-                shapes.Member("stamp", shapes.Number("d")),
+                _shapes.Member("value", _shapes.Number("d")),
+                _shapes.Member("valid", _shapes.Number("?")),
+                _shapes.Member("lower", _shapes.Number("d")),
+                _shapes.Member("upper", _shapes.Number("d")),
+                _shapes.Member("stamp", _shapes.Number("d")),
             ),
         )
 
 
-@dataclass(slots=True, eq=False)
-class SensorFault(DeclaredError):
+@_dataclass(slots=True, eq=False)
+class SensorFault(_DeclaredError):
     """The laser is off, or the sensor cannot measure at all."""
 
-    _gecos_name: ClassVar[str] = "robcl::SensorFault"
+    _gecos_name: _ClassVar[str] = "robcl::SensorFault"
 
     reason: str = ""
 
-    def encode(self, out: wire.Parts, /) -> None:
-        out.append(wire.string(self.reason, wire.MAX_TEXT, "SensorFault.reason"))
+    def encode(self, out: _wire.Parts, /) -> None:
+        out.append(_wire.string(self.reason, _wire.MAX_TEXT, "SensorFault.reason"))
 
     @classmethod
-    def decode(cls, source: wire.Decoder, /) -> Self:
-        reason = source.string(wire.MAX_COUNT, "SensorFault.reason")
+    def decode(cls, source: _wire.Decoder, /) -> _Self:
+        reason = source.string(_wire.MAX_COUNT, "SensorFault.reason")
         return cls(reason)
 
     @staticmethod
@@ -91,10 +93,10 @@ class SensorFault(DeclaredError):
         return 0xED00B27A58C49395
 
     @staticmethod
-    def _gecos_shape() -> shapes.Shape:
-        return shapes.Members(
+    def _gecos_shape() -> _shapes.Shape:
+        return _shapes.Members(
             SensorFault,
             (
-                shapes.Member("reason", shapes.Text()),
+                _shapes.Member("reason", _shapes.Text()),
             ),
         )

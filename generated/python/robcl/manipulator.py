@@ -4,29 +4,28 @@
 
 from __future__ import annotations
 
-from abc import abstractmethod
-from collections.abc import Mapping
-from typing import ClassVar
+from abc import abstractmethod as _abstractmethod
+from collections.abc import Mapping as _Mapping
+from typing import ClassVar as _ClassVar
 
-from gecos import wire
-from gecos.command import Command
-from gecos.execution import Execution
-from gecos.interface import (
-    Access,
-    Handler,
-    Interface,
-    Kind,
-    Method,
-    Operation,
-    OutwardStream,
-    Quality,
-    QualityClass,
-    no_arguments,
-    no_result,
-    nothing,
-)
-from gecos.proxy import StreamAttribute
-from gecos.wire import Decoder, Parts
+from gecos import wire as _wire
+from gecos.command import Command as _Command
+from gecos.execution import Execution as _Execution
+from gecos.interface import Access as _Access
+from gecos.interface import Handler as _Handler
+from gecos.interface import Interface as _Interface
+from gecos.interface import Kind as _Kind
+from gecos.interface import Method as _Method
+from gecos.interface import Operation as _Operation
+from gecos.interface import OutwardStream as _OutwardStream
+from gecos.interface import Quality as _Quality
+from gecos.interface import QualityClass as _QualityClass
+from gecos.interface import no_arguments as _no_arguments
+from gecos.interface import no_result as _no_result
+from gecos.interface import nothing as _nothing
+from gecos.proxy import StreamAttribute as _StreamAttribute
+from gecos.wire import Decoder as _Decoder
+from gecos.wire import Parts as _Parts
 from robcl.device import Device, DeviceServant
 from robcl.geometry_types import Frame
 from robcl.manipulator_types import (
@@ -52,30 +51,30 @@ __all__ = [
 ]
 
 
-def _manipulator_tool_result(value: Frame) -> Parts:
-    out: Parts = []
-    wire.put(value, Frame, out, "tool")
+def _manipulator_tool_result(value: Frame) -> _Parts:
+    out: _Parts = []
+    _wire.put(value, Frame, out, "tool")
     return out
 
 
-def _manipulator_flange_result(value: Frame) -> Parts:
-    out: Parts = []
-    wire.put(value, Frame, out, "flange")
+def _manipulator_flange_result(value: Frame) -> _Parts:
+    out: _Parts = []
+    _wire.put(value, Frame, out, "flange")
     return out
 
 
-def _manipulator_tool_offset_result(value: Frame) -> Parts:
-    out: Parts = []
-    wire.put(value, Frame, out, "tool_offset")
+def _manipulator_tool_offset_result(value: Frame) -> _Parts:
+    out: _Parts = []
+    _wire.put(value, Frame, out, "tool_offset")
     return out
 
 
-def _manipulator_set_tool_offset_arguments(source: Decoder) -> tuple[Frame]:
+def _manipulator_set_tool_offset_arguments(source: _Decoder) -> tuple[Frame]:
     value: Frame = Frame.decode(source)
     return (value,)
 
 
-def _manipulator_move_arguments(source: Decoder) -> tuple[Frame, Trajectory | None]:
+def _manipulator_move_arguments(source: _Decoder) -> tuple[Frame, Trajectory | None]:
     goal: Frame = Frame.decode(source)
     how: Trajectory | None = None
     if source.offset < source.end:
@@ -85,16 +84,16 @@ def _manipulator_move_arguments(source: Decoder) -> tuple[Frame, Trajectory | No
     return goal, how
 
 
-_MANIPULATOR_TOOL: Method[Frame, None] = Method(
-    Operation(
+_MANIPULATOR_TOOL: _Method[Frame, None] = _Method(
+    _Operation(
         code=0x271B3177,
         name="tool",
-        kind=Kind.GETTER,
-        access=Access.SENSOR,
+        kind=_Kind.GETTER,
+        access=_Access.SENSOR,
         presence=False,
         idempotent=True,
-        quality=Quality(
-            line=QualityClass.SOFT_REALTIME,
+        quality=_Quality(
+            line=_QualityClass.SOFT_REALTIME,
             best_effort=True,
             latency_ns=5000000,
             lifespan_ns=20000000,
@@ -103,16 +102,16 @@ _MANIPULATOR_TOOL: Method[Frame, None] = Method(
     ),
     Frame.decode,
 )
-_MANIPULATOR_FLANGE: Method[Frame, None] = Method(
-    Operation(
+_MANIPULATOR_FLANGE: _Method[Frame, None] = _Method(
+    _Operation(
         code=0xD602ADAC,
         name="flange",
-        kind=Kind.GETTER,
-        access=Access.SENSOR,
+        kind=_Kind.GETTER,
+        access=_Access.SENSOR,
         presence=False,
         idempotent=True,
-        quality=Quality(
-            line=QualityClass.SOFT_REALTIME,
+        quality=_Quality(
+            line=_QualityClass.SOFT_REALTIME,
             best_effort=True,
             latency_ns=5000000,
             lifespan_ns=20000000,
@@ -121,67 +120,67 @@ _MANIPULATOR_FLANGE: Method[Frame, None] = Method(
     ),
     Frame.decode,
 )
-_MANIPULATOR_TOOL_OFFSET: Method[Frame, None] = Method(
-    Operation(
+_MANIPULATOR_TOOL_OFFSET: _Method[Frame, None] = _Method(
+    _Operation(
         code=0x5DF86BCB,
         name="tool_offset",
-        kind=Kind.GETTER,
-        access=Access.SENSOR,
+        kind=_Kind.GETTER,
+        access=_Access.SENSOR,
         presence=False,
         idempotent=True,
         hash=0xD5DB88CC5C4A48EE,
     ),
     Frame.decode,
 )
-_MANIPULATOR_SET_TOOL_OFFSET: Method[None, None] = Method(
-    Operation(
+_MANIPULATOR_SET_TOOL_OFFSET: _Method[None, None] = _Method(
+    _Operation(
         code=0xE411F442,
         name="tool_offset=",
-        kind=Kind.SETTER,
-        access=Access.ACTOR,
+        kind=_Kind.SETTER,
+        access=_Access.ACTOR,
         hash=0xD5DB88CC5C4A48EE,
     ),
-    nothing,
+    _nothing,
 )
-_MANIPULATOR_MOVE: Method[None, MotionProgress] = Method(
-    Operation(
+_MANIPULATOR_MOVE: _Method[None, MotionProgress] = _Method(
+    _Operation(
         code=0x3507E304,
         name="move",
-        access=Access.ACTOR,
+        access=_Access.ACTOR,
         cancelable=True,
         hash=0xC58C2180678C1D75,
     ),
-    nothing,
+    _nothing,
     feedback=MotionProgress.decode,
     raises=(OutOfReach, JointLimit, Singular),
 )
-_MANIPULATOR_TOOL_STREAM = OutwardStream(
+_MANIPULATOR_TOOL_STREAM = _OutwardStream(
     code=0x271B3177,
     name="tool",
-    access=Access.SENSOR,
+    access=_Access.SENSOR,
     rate_hz=250.0,
     largest=56,
-    quality=Quality(
-        line=QualityClass.SOFT_REALTIME,
+    quality=_Quality(
+        line=_QualityClass.SOFT_REALTIME,
         best_effort=True,
         latency_ns=5000000,
         lifespan_ns=20000000,
     ),
 )
-_MANIPULATOR_FLANGE_STREAM = OutwardStream(
+_MANIPULATOR_FLANGE_STREAM = _OutwardStream(
     code=0xD602ADAC,
     name="flange",
-    access=Access.SENSOR,
+    access=_Access.SENSOR,
     rate_hz=250.0,
     largest=56,
-    quality=Quality(
-        line=QualityClass.SOFT_REALTIME,
+    quality=_Quality(
+        line=_QualityClass.SOFT_REALTIME,
         best_effort=True,
         latency_ns=5000000,
         lifespan_ns=20000000,
     ),
 )
-_MANIPULATOR = Interface(
+_MANIPULATOR = _Interface(
     name="robcl::Manipulator",
     version="1.0",
     hash=0xD1DC1029C9B0C7FF,
@@ -201,7 +200,7 @@ _MANIPULATOR = Interface(
         _MANIPULATOR_TOOL_STREAM,
         _MANIPULATOR_FLANGE_STREAM,
     ),
-    quality=Quality(),
+    quality=_Quality(),
 )
 
 
@@ -211,44 +210,44 @@ class Manipulator(Device):
     _gecos_interface = _MANIPULATOR
 
     @property
-    def tool(self) -> StreamAttribute[Frame]:
+    def tool(self) -> _StreamAttribute[Frame]:
         """Tool frame in the world, as measured.
 
         Published 250 times a second.
         """
-        return StreamAttribute(self, _MANIPULATOR_TOOL, _MANIPULATOR_TOOL_STREAM)
+        return _StreamAttribute(self, _MANIPULATOR_TOOL, _MANIPULATOR_TOOL_STREAM)
 
     @property
-    def flange(self) -> StreamAttribute[Frame]:
+    def flange(self) -> _StreamAttribute[Frame]:
         """Flange in the world, as measured: where grippers and sensors are mounted.
 
         Published 250 times a second.
         """
-        return StreamAttribute(self, _MANIPULATOR_FLANGE, _MANIPULATOR_FLANGE_STREAM)
+        return _StreamAttribute(self, _MANIPULATOR_FLANGE, _MANIPULATOR_FLANGE_STREAM)
 
-    def tool_offset(self) -> Command[Frame]:
+    def tool_offset(self) -> _Command[Frame]:
         """Tool frame seen from the flange. Setting it is refused while moving."""
         return self._gecos_call(_MANIPULATOR_TOOL_OFFSET, [])
 
-    def set_tool_offset(self, value: Frame) -> Command[None]:
+    def set_tool_offset(self, value: Frame) -> _Command[None]:
         """Tool frame seen from the flange. Setting it is refused while moving."""
-        out: Parts = []
-        wire.put(value, Frame, out, "tool_offset.value")
+        out: _Parts = []
+        _wire.put(value, Frame, out, "tool_offset.value")
         return self._gecos_call(_MANIPULATOR_SET_TOOL_OFFSET, out)
 
-    def move(self, goal: Frame, how: Trajectory | None = None) -> Command[None, MotionProgress]:
+    def move(self, goal: Frame, how: Trajectory | None = None) -> _Command[None, MotionProgress]:
         """Moves the tool frame to `goal`, given in the world. FINISHED when it stands at the
         goal.
 
         May raise OutOfReach, JointLimit, Singular.
         """
-        out: Parts = []
-        wire.put(goal, Frame, out, "move.goal")
+        out: _Parts = []
+        _wire.put(goal, Frame, out, "move.goal")
         if how is None:
             out.append(b"\0")
         else:
             out.append(b"\1")
-            wire.put_block(how, Trajectory, out, "move.how")
+            _wire.put_block(how, Trajectory, out, "move.how")
         return self._gecos_call(_MANIPULATOR_MOVE, out)
 
 
@@ -256,58 +255,58 @@ class ManipulatorServant(DeviceServant):
     """Any arm, number of joints unknown: a program written to this runs on every robot."""
 
     _gecos_interface = _MANIPULATOR
-    _gecos_handlers: ClassVar[Mapping[int, Handler]] = {
+    _gecos_handlers: _ClassVar[_Mapping[int, _Handler]] = {
         **DeviceServant._gecos_handlers,
-        0x271B3177: Handler(
+        0x271B3177: _Handler(
             _MANIPULATOR_TOOL.operation,
             "tool",
-            no_arguments,
+            _no_arguments,
             _manipulator_tool_result,
         ),
-        0xD602ADAC: Handler(
+        0xD602ADAC: _Handler(
             _MANIPULATOR_FLANGE.operation,
             "flange",
-            no_arguments,
+            _no_arguments,
             _manipulator_flange_result,
         ),
-        0x5DF86BCB: Handler(
+        0x5DF86BCB: _Handler(
             _MANIPULATOR_TOOL_OFFSET.operation,
             "tool_offset",
-            no_arguments,
+            _no_arguments,
             _manipulator_tool_offset_result,
         ),
-        0xE411F442: Handler(
+        0xE411F442: _Handler(
             _MANIPULATOR_SET_TOOL_OFFSET.operation,
             "set_tool_offset",
             _manipulator_set_tool_offset_arguments,
-            no_result,
+            _no_result,
         ),
-        0x3507E304: Handler(
+        0x3507E304: _Handler(
             _MANIPULATOR_MOVE.operation,
             "move",
             _manipulator_move_arguments,
-            no_result,
+            _no_result,
         ),
     }
 
-    @abstractmethod
+    @_abstractmethod
     def tool(self) -> Frame:
         """Tool frame in the world, as measured."""
 
-    @abstractmethod
+    @_abstractmethod
     def flange(self) -> Frame:
         """Flange in the world, as measured: where grippers and sensors are mounted."""
 
-    @abstractmethod
+    @_abstractmethod
     def tool_offset(self) -> Frame:
         """Tool frame seen from the flange. Setting it is refused while moving."""
 
-    @abstractmethod
+    @_abstractmethod
     def set_tool_offset(self, value: Frame) -> None:
         """Tool frame seen from the flange. Setting it is refused while moving."""
 
-    @abstractmethod
-    def move(self, goal: Frame, how: Trajectory | None, run: Execution[MotionProgress]) -> None:
+    @_abstractmethod
+    def move(self, goal: Frame, how: Trajectory | None, run: _Execution[MotionProgress]) -> None:
         """Moves the tool frame to `goal`, given in the world. FINISHED when it stands at the
         goal.
 
@@ -316,12 +315,12 @@ class ManipulatorServant(DeviceServant):
 
     def publish_tool(self, value: Frame, stamp: float | None = None) -> None:
         """A new sample of `tool`, measured at `stamp` (Unix time in s; now)."""
-        out: Parts = []
-        wire.put(value, Frame, out, "tool")
+        out: _Parts = []
+        _wire.put(value, Frame, out, "tool")
         self._gecos_publish(0x271B3177, out, stamp)
 
     def publish_flange(self, value: Frame, stamp: float | None = None) -> None:
         """A new sample of `flange`, measured at `stamp` (Unix time in s; now)."""
-        out: Parts = []
-        wire.put(value, Frame, out, "flange")
+        out: _Parts = []
+        _wire.put(value, Frame, out, "flange")
         self._gecos_publish(0xD602ADAC, out, stamp)

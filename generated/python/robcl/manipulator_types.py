@@ -4,13 +4,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from enum import IntEnum
-from typing import ClassVar, Self
+from dataclasses import dataclass as _dataclass
+from enum import IntEnum as _IntEnum
+from typing import ClassVar as _ClassVar
+from typing import Self as _Self
 
-from gecos import wire
-from gecos.errors import DeclaredError
-from gecos.wire import plans, shapes
+from gecos import wire as _wire
+from gecos.errors import DeclaredError as _DeclaredError
+from gecos.wire import plans as _plans
+from gecos.wire import shapes as _shapes
 
 __all__ = [
     "Blend",
@@ -23,12 +25,12 @@ __all__ = [
 ]
 
 
-class PathType(IntEnum):
+class PathType(_IntEnum):
     STRAIGHT = 0
     JOINT = 1
 
 
-class Blend(IntEnum):
+class Blend(_IntEnum):
     """Whether the arm stands at the goal, or may pass it on its way to the next one. Today
     every arm stands there: NOBREAK acts like BREAK.
     """
@@ -37,7 +39,7 @@ class Blend(IntEnum):
     NOBREAK = 1
 
 
-_TRAJECTORY_LAYOUT = wire.Fields(
+_TRAJECTORY_LAYOUT = _wire.Fields(
     "ddii",
     (
         "Trajectory.speed",
@@ -48,17 +50,17 @@ _TRAJECTORY_LAYOUT = wire.Fields(
 )
 
 
-@plans.planned(
-    plans.ranged("d", 0.01, 1.0),
-    plans.ranged("d", 0.01, 1.0),
-    plans.enumerator("i", PathType, PathType.JOINT),
-    plans.enumerator("i", Blend, Blend.BREAK),
-    plans.optional("d"),
-    plans.optional("d"),
+@_plans.planned(
+    _plans.ranged("d", 0.01, 1.0),
+    _plans.ranged("d", 0.01, 1.0),
+    _plans.enumerator("i", PathType, PathType.JOINT),
+    _plans.enumerator("i", Blend, Blend.BREAK),
+    _plans.optional("d"),
+    _plans.optional("d"),
     missing=2,
     open=True,
 )
-@dataclass(slots=True)
+@_dataclass(slots=True)
 class Trajectory:
     """How to get from here to the goal; the slowest of the limits binds."""
 
@@ -73,29 +75,29 @@ class Trajectory:
     turn_speed: float | None = None
     """[rad/s]"""
 
-    def encode(self, out: wire.Parts, /) -> None:
+    def encode(self, out: _wire.Parts, /) -> None:
         out.append(_TRAJECTORY_LAYOUT.pack(self.speed, self.acceleration, self.path, self.at_goal))
         if not 0.01 <= self.speed <= 1.0:
-            raise wire.out_of_range("Trajectory.speed", self.speed, "[0.01, 1.0]")
+            raise _wire.out_of_range("Trajectory.speed", self.speed, "[0.01, 1.0]")
         if not 0.01 <= self.acceleration <= 1.0:
-            raise wire.out_of_range("Trajectory.acceleration", self.acceleration, "[0.01, 1.0]")
-        wire.expect_enumerator(self.path, PathType, "Trajectory.path")
-        wire.expect_enumerator(self.at_goal, Blend, "Trajectory.at_goal")
+            raise _wire.out_of_range("Trajectory.acceleration", self.acceleration, "[0.01, 1.0]")
+        _wire.expect_enumerator(self.path, PathType, "Trajectory.path")
+        _wire.expect_enumerator(self.at_goal, Blend, "Trajectory.at_goal")
         value = self.tool_speed
         if value is None:
             out.append(b"\0")
         else:
             out.append(b"\1")
-            out.append(wire.number(value, "d", "Trajectory.tool_speed"))
+            out.append(_wire.number(value, "d", "Trajectory.tool_speed"))
         value_ = self.turn_speed
         if value_ is None:
             out.append(b"\0")
         else:
             out.append(b"\1")
-            out.append(wire.number(value_, "d", "Trajectory.turn_speed"))
+            out.append(_wire.number(value_, "d", "Trajectory.turn_speed"))
 
     @classmethod
-    def decode(cls, source: wire.Decoder, /) -> Self:
+    def decode(cls, source: _wire.Decoder, /) -> _Self:
         speed, acceleration, path, at_goal = _TRAJECTORY_LAYOUT.unpack(source)
         if not 0.01 <= speed <= 1.0:
             source.refuse_range("Trajectory.speed", 24)
@@ -127,21 +129,21 @@ class Trajectory:
         return 0xD448702624F0ED77
 
     @staticmethod
-    def _gecos_shape() -> shapes.Shape:
-        return shapes.Members(
+    def _gecos_shape() -> _shapes.Shape:
+        return _shapes.Members(
             Trajectory,
             (
-                shapes.Member("speed", shapes.Number("d")),
-                shapes.Member("acceleration", shapes.Number("d")),
-                shapes.Member("path", shapes.Enumerators(PathType)),
-                shapes.Member("at_goal", shapes.Enumerators(Blend)),
-                shapes.Member("tool_speed", shapes.Optional(shapes.Number("d"))),
-                shapes.Member("turn_speed", shapes.Optional(shapes.Number("d"))),
+                _shapes.Member("speed", _shapes.Number("d")),
+                _shapes.Member("acceleration", _shapes.Number("d")),
+                _shapes.Member("path", _shapes.Enumerators(PathType)),
+                _shapes.Member("at_goal", _shapes.Enumerators(Blend)),
+                _shapes.Member("tool_speed", _shapes.Optional(_shapes.Number("d"))),
+                _shapes.Member("turn_speed", _shapes.Optional(_shapes.Number("d"))),
             ),
         )
 
 
-_MOTION_PROGRESS_LAYOUT = wire.Fields(
+_MOTION_PROGRESS_LAYOUT = _wire.Fields(
     "dd",
     (
         "MotionProgress.fraction",
@@ -150,21 +152,21 @@ _MOTION_PROGRESS_LAYOUT = wire.Fields(
 )
 
 
-@plans.planned(plans.ranged("d", 0.0, 1.0), "d", open=True)
-@dataclass(slots=True)
+@_plans.planned(_plans.ranged("d", 0.0, 1.0), "d", open=True)
+@_dataclass(slots=True)
 class MotionProgress:
     fraction: float = 0.0
     """[0.0 to 1.0]"""
     remaining: float = 0.0
     """[s]"""
 
-    def encode(self, out: wire.Parts, /) -> None:
+    def encode(self, out: _wire.Parts, /) -> None:
         out.append(_MOTION_PROGRESS_LAYOUT.pack(self.fraction, self.remaining))
         if not 0.0 <= self.fraction <= 1.0:
-            raise wire.out_of_range("MotionProgress.fraction", self.fraction, "[0.0, 1.0]")
+            raise _wire.out_of_range("MotionProgress.fraction", self.fraction, "[0.0, 1.0]")
 
     @classmethod
-    def decode(cls, source: wire.Decoder, /) -> Self:
+    def decode(cls, source: _wire.Decoder, /) -> _Self:
         fraction, remaining = _MOTION_PROGRESS_LAYOUT.unpack(source)
         if not 0.0 <= fraction <= 1.0:
             source.refuse_range("MotionProgress.fraction", 16)
@@ -176,28 +178,28 @@ class MotionProgress:
         return 0xE2C8D491F2659A98
 
     @staticmethod
-    def _gecos_shape() -> shapes.Shape:
-        return shapes.Members(
+    def _gecos_shape() -> _shapes.Shape:
+        return _shapes.Members(
             MotionProgress,
             (
-                shapes.Member("fraction", shapes.Number("d")),
-                shapes.Member("remaining", shapes.Number("d")),
+                _shapes.Member("fraction", _shapes.Number("d")),
+                _shapes.Member("remaining", _shapes.Number("d")),
             ),
         )
 
 
-@dataclass(slots=True, eq=False)
-class OutOfReach(DeclaredError):
-    _gecos_name: ClassVar[str] = "robcl::OutOfReach"
+@_dataclass(slots=True, eq=False)
+class OutOfReach(_DeclaredError):
+    _gecos_name: _ClassVar[str] = "robcl::OutOfReach"
 
     reason: str = ""
     """[at most 160]"""
 
-    def encode(self, out: wire.Parts, /) -> None:
-        out.append(wire.string(self.reason, 160, "OutOfReach.reason"))
+    def encode(self, out: _wire.Parts, /) -> None:
+        out.append(_wire.string(self.reason, 160, "OutOfReach.reason"))
 
     @classmethod
-    def decode(cls, source: wire.Decoder, /) -> Self:
+    def decode(cls, source: _wire.Decoder, /) -> _Self:
         reason = source.string(160, "OutOfReach.reason")
         return cls(reason)
 
@@ -206,16 +208,16 @@ class OutOfReach(DeclaredError):
         return 0xED00B27A58C49395
 
     @staticmethod
-    def _gecos_shape() -> shapes.Shape:
-        return shapes.Members(
+    def _gecos_shape() -> _shapes.Shape:
+        return _shapes.Members(
             OutOfReach,
             (
-                shapes.Member("reason", shapes.Text()),
+                _shapes.Member("reason", _shapes.Text()),
             ),
         )
 
 
-_JOINT_LIMIT_LAYOUT = wire.Fields(
+_JOINT_LIMIT_LAYOUT = _wire.Fields(
     "Iddd",
     (
         "JointLimit.axis",
@@ -226,9 +228,9 @@ _JOINT_LIMIT_LAYOUT = wire.Fields(
 )
 
 
-@dataclass(slots=True, eq=False)
-class JointLimit(DeclaredError):
-    _gecos_name: ClassVar[str] = "robcl::JointLimit"
+@_dataclass(slots=True, eq=False)
+class JointLimit(_DeclaredError):
+    _gecos_name: _ClassVar[str] = "robcl::JointLimit"
 
     axis: int = 0
     """from 1, which is next to the base"""
@@ -239,11 +241,11 @@ class JointLimit(DeclaredError):
     upper: float = 0.0
     """[rad]"""
 
-    def encode(self, out: wire.Parts, /) -> None:
+    def encode(self, out: _wire.Parts, /) -> None:
         out.append(_JOINT_LIMIT_LAYOUT.pack(self.axis, self.value, self.lower, self.upper))
 
     @classmethod
-    def decode(cls, source: wire.Decoder, /) -> Self:
+    def decode(cls, source: _wire.Decoder, /) -> _Self:
         return cls(*_JOINT_LIMIT_LAYOUT.unpack(source))
 
     @staticmethod
@@ -251,32 +253,32 @@ class JointLimit(DeclaredError):
         return 0x5E97B6D7D7AED1BF
 
     @staticmethod
-    def _gecos_shape() -> shapes.Shape:
-        return shapes.Members(
+    def _gecos_shape() -> _shapes.Shape:
+        return _shapes.Members(
             JointLimit,
             (
-                shapes.Member("axis", shapes.Number("I")),
-                shapes.Member("value", shapes.Number("d")),
-                shapes.Member("lower", shapes.Number("d")),
-                shapes.Member("upper", shapes.Number("d")),
+                _shapes.Member("axis", _shapes.Number("I")),
+                _shapes.Member("value", _shapes.Number("d")),
+                _shapes.Member("lower", _shapes.Number("d")),
+                _shapes.Member("upper", _shapes.Number("d")),
             ),
         )
 
 
-@dataclass(slots=True, eq=False)
-class Singular(DeclaredError):
+@_dataclass(slots=True, eq=False)
+class Singular(_DeclaredError):
     """A straight line would pass where a joint has to turn faster than it can."""
 
-    _gecos_name: ClassVar[str] = "robcl::Singular"
+    _gecos_name: _ClassVar[str] = "robcl::Singular"
 
     reason: str = ""
     """[at most 160]"""
 
-    def encode(self, out: wire.Parts, /) -> None:
-        out.append(wire.string(self.reason, 160, "Singular.reason"))
+    def encode(self, out: _wire.Parts, /) -> None:
+        out.append(_wire.string(self.reason, 160, "Singular.reason"))
 
     @classmethod
-    def decode(cls, source: wire.Decoder, /) -> Self:
+    def decode(cls, source: _wire.Decoder, /) -> _Self:
         reason = source.string(160, "Singular.reason")
         return cls(reason)
 
@@ -285,10 +287,10 @@ class Singular(DeclaredError):
         return 0xED00B27A58C49395
 
     @staticmethod
-    def _gecos_shape() -> shapes.Shape:
-        return shapes.Members(
+    def _gecos_shape() -> _shapes.Shape:
+        return _shapes.Members(
             Singular,
             (
-                shapes.Member("reason", shapes.Text()),
+                _shapes.Member("reason", _shapes.Text()),
             ),
         )

@@ -4,23 +4,22 @@
 
 from __future__ import annotations
 
-from abc import abstractmethod
-from collections.abc import Mapping
-from typing import ClassVar
+from abc import abstractmethod as _abstractmethod
+from collections.abc import Mapping as _Mapping
+from typing import ClassVar as _ClassVar
 
-from gecos import wire
-from gecos.command import Command
-from gecos.interface import (
-    Access,
-    Handler,
-    Interface,
-    Kind,
-    Method,
-    Operation,
-    Quality,
-    no_arguments,
-)
-from gecos.wire import Decoder, Parts
+from gecos import wire as _wire
+from gecos.command import Command as _Command
+from gecos.interface import Access as _Access
+from gecos.interface import Handler as _Handler
+from gecos.interface import Interface as _Interface
+from gecos.interface import Kind as _Kind
+from gecos.interface import Method as _Method
+from gecos.interface import Operation as _Operation
+from gecos.interface import Quality as _Quality
+from gecos.interface import no_arguments as _no_arguments
+from gecos.wire import Decoder as _Decoder
+from gecos.wire import Parts as _Parts
 from robcl.rx90_types import Configuration, Elbow, Shoulder, Wrist
 from robcl.six_axis import SixAxis, SixAxisServant
 
@@ -34,29 +33,29 @@ __all__ = [
 ]
 
 
-def _rx90_posture_reply(source: Decoder) -> Configuration:
+def _rx90_posture_reply(source: _Decoder) -> Configuration:
     return Configuration.decode(source.block("posture"))
 
 
-def _rx90_posture_result(value: Configuration) -> Parts:
-    out: Parts = []
-    wire.put_block(value, Configuration, out, "posture")
+def _rx90_posture_result(value: Configuration) -> _Parts:
+    out: _Parts = []
+    _wire.put_block(value, Configuration, out, "posture")
     return out
 
 
-_RX90_POSTURE: Method[Configuration, None] = Method(
-    Operation(
+_RX90_POSTURE: _Method[Configuration, None] = _Method(
+    _Operation(
         code=0xE1CE9BDC,
         name="posture",
-        kind=Kind.GETTER,
-        access=Access.SENSOR,
+        kind=_Kind.GETTER,
+        access=_Access.SENSOR,
         presence=False,
         idempotent=True,
         hash=0xDF0E37E344B71B58,
     ),
     _rx90_posture_reply,
 )
-_RX90 = Interface(
+_RX90 = _Interface(
     name="robcl::Rx90",
     version="1.0",
     hash=0xAD388E8BA24ADAEA,
@@ -72,7 +71,7 @@ _RX90 = Interface(
     streams=(
         *SixAxis._gecos_interface.streams,
     ),
-    quality=Quality(),
+    quality=_Quality(),
 )
 
 
@@ -81,7 +80,7 @@ class Rx90(SixAxis):
 
     _gecos_interface = _RX90
 
-    def posture(self) -> Command[Configuration]:
+    def posture(self) -> _Command[Configuration]:
         """Configuration that the arm is in."""
         return self._gecos_call(_RX90_POSTURE, [])
 
@@ -90,16 +89,16 @@ class Rx90Servant(SixAxisServant):
     """Staeubli RX90."""
 
     _gecos_interface = _RX90
-    _gecos_handlers: ClassVar[Mapping[int, Handler]] = {
+    _gecos_handlers: _ClassVar[_Mapping[int, _Handler]] = {
         **SixAxisServant._gecos_handlers,
-        0xE1CE9BDC: Handler(
+        0xE1CE9BDC: _Handler(
             _RX90_POSTURE.operation,
             "posture",
-            no_arguments,
+            _no_arguments,
             _rx90_posture_result,
         ),
     }
 
-    @abstractmethod
+    @_abstractmethod
     def posture(self) -> Configuration:
         """Configuration that the arm is in."""

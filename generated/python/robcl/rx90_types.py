@@ -4,12 +4,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from enum import IntEnum
-from typing import Self
+from dataclasses import dataclass as _dataclass
+from enum import IntEnum as _IntEnum
+from typing import Self as _Self
 
-from gecos import wire
-from gecos.wire import plans, shapes
+from gecos import wire as _wire
+from gecos.wire import plans as _plans
+from gecos.wire import shapes as _shapes
 
 __all__ = [
     "Configuration",
@@ -19,22 +20,22 @@ __all__ = [
 ]
 
 
-class Shoulder(IntEnum):
+class Shoulder(_IntEnum):
     RIGHTY = 0
     LEFTY = 1
 
 
-class Elbow(IntEnum):
+class Elbow(_IntEnum):
     ABOVE = 0
     BELOW = 1
 
 
-class Wrist(IntEnum):
+class Wrist(_IntEnum):
     NOFLIP = 0
     FLIP = 1
 
 
-_CONFIGURATION_LAYOUT = wire.Fields(
+_CONFIGURATION_LAYOUT = _wire.Fields(
     "iii",
     (
         "Configuration.arm",
@@ -44,13 +45,13 @@ _CONFIGURATION_LAYOUT = wire.Fields(
 )
 
 
-@plans.planned(
-    plans.enumerator("i", Shoulder, Shoulder.RIGHTY),
-    plans.enumerator("i", Elbow, Elbow.ABOVE),
-    plans.enumerator("i", Wrist, Wrist.NOFLIP),
+@_plans.planned(
+    _plans.enumerator("i", Shoulder, Shoulder.RIGHTY),
+    _plans.enumerator("i", Elbow, Elbow.ABOVE),
+    _plans.enumerator("i", Wrist, Wrist.NOFLIP),
     open=True,
 )
-@dataclass(slots=True)
+@_dataclass(slots=True)
 class Configuration:
     """Which of the eight inverse solutions the arm is in."""
 
@@ -58,14 +59,14 @@ class Configuration:
     bend: Elbow = Elbow.ABOVE
     hand: Wrist = Wrist.NOFLIP
 
-    def encode(self, out: wire.Parts, /) -> None:
+    def encode(self, out: _wire.Parts, /) -> None:
         out.append(_CONFIGURATION_LAYOUT.pack(self.arm, self.bend, self.hand))
-        wire.expect_enumerator(self.arm, Shoulder, "Configuration.arm")
-        wire.expect_enumerator(self.bend, Elbow, "Configuration.bend")
-        wire.expect_enumerator(self.hand, Wrist, "Configuration.hand")
+        _wire.expect_enumerator(self.arm, Shoulder, "Configuration.arm")
+        _wire.expect_enumerator(self.bend, Elbow, "Configuration.bend")
+        _wire.expect_enumerator(self.hand, Wrist, "Configuration.hand")
 
     @classmethod
-    def decode(cls, source: wire.Decoder, /) -> Self:
+    def decode(cls, source: _wire.Decoder, /) -> _Self:
         arm, bend, hand = _CONFIGURATION_LAYOUT.unpack(source)
         arm_value = source.enumerator(Shoulder, arm, Shoulder.RIGHTY, "Configuration.arm", 12)
         bend_value = source.enumerator(Elbow, bend, Elbow.ABOVE, "Configuration.bend", 8)
@@ -78,12 +79,12 @@ class Configuration:
         return 0x1728D4F1BB29BF27
 
     @staticmethod
-    def _gecos_shape() -> shapes.Shape:
-        return shapes.Members(
+    def _gecos_shape() -> _shapes.Shape:
+        return _shapes.Members(
             Configuration,
             (
-                shapes.Member("arm", shapes.Enumerators(Shoulder)),
-                shapes.Member("bend", shapes.Enumerators(Elbow)),
-                shapes.Member("hand", shapes.Enumerators(Wrist)),
+                _shapes.Member("arm", _shapes.Enumerators(Shoulder)),
+                _shapes.Member("bend", _shapes.Enumerators(Elbow)),
+                _shapes.Member("hand", _shapes.Enumerators(Wrist)),
             ),
         )

@@ -4,28 +4,27 @@
 
 from __future__ import annotations
 
-from abc import abstractmethod
-from collections.abc import Mapping
-from typing import ClassVar
+from abc import abstractmethod as _abstractmethod
+from collections.abc import Mapping as _Mapping
+from typing import ClassVar as _ClassVar
 
-from gecos import wire
-from gecos.command import Command
-from gecos.execution import Execution
-from gecos.interface import (
-    Access,
-    Handler,
-    Interface,
-    Kind,
-    Method,
-    Operation,
-    OutwardStream,
-    Quality,
-    no_arguments,
-    no_result,
-    nothing,
-)
-from gecos.proxy import StreamAttribute
-from gecos.wire import Decoder, Parts
+from gecos import wire as _wire
+from gecos.command import Command as _Command
+from gecos.execution import Execution as _Execution
+from gecos.interface import Access as _Access
+from gecos.interface import Handler as _Handler
+from gecos.interface import Interface as _Interface
+from gecos.interface import Kind as _Kind
+from gecos.interface import Method as _Method
+from gecos.interface import Operation as _Operation
+from gecos.interface import OutwardStream as _OutwardStream
+from gecos.interface import Quality as _Quality
+from gecos.interface import no_arguments as _no_arguments
+from gecos.interface import no_result as _no_result
+from gecos.interface import nothing as _nothing
+from gecos.proxy import StreamAttribute as _StreamAttribute
+from gecos.wire import Decoder as _Decoder
+from gecos.wire import Parts as _Parts
 from robcl.manipulator import Manipulator, ManipulatorServant
 from robcl.manipulator_types import JointLimit, MotionProgress, Trajectory
 from robcl.six_axis_types import Joints, JointVector
@@ -38,13 +37,13 @@ __all__ = [
 ]
 
 
-def _six_axis_joints_result(value: Joints) -> Parts:
-    out: Parts = []
-    wire.put(value, Joints, out, "joints")
+def _six_axis_joints_result(value: Joints) -> _Parts:
+    out: _Parts = []
+    _wire.put(value, Joints, out, "joints")
     return out
 
 
-def _six_axis_move_joints_arguments(source: Decoder) -> tuple[Joints, Trajectory | None]:
+def _six_axis_move_joints_arguments(source: _Decoder) -> tuple[Joints, Trajectory | None]:
     target: Joints = Joints.decode(source)
     how: Trajectory | None = None
     if source.offset < source.end:
@@ -56,38 +55,38 @@ def _six_axis_move_joints_arguments(source: Decoder) -> tuple[Joints, Trajectory
     return target, how
 
 
-_SIX_AXIS_JOINTS: Method[Joints, None] = Method(
-    Operation(
+_SIX_AXIS_JOINTS: _Method[Joints, None] = _Method(
+    _Operation(
         code=0xBFF4D1D1,
         name="joints",
-        kind=Kind.GETTER,
-        access=Access.SENSOR,
+        kind=_Kind.GETTER,
+        access=_Access.SENSOR,
         presence=False,
         idempotent=True,
         hash=0x23E3FBCEB31C903F,
     ),
     Joints.decode,
 )
-_SIX_AXIS_MOVE_JOINTS: Method[None, MotionProgress] = Method(
-    Operation(
+_SIX_AXIS_MOVE_JOINTS: _Method[None, MotionProgress] = _Method(
+    _Operation(
         code=0xC46BB1A7,
         name="move_joints",
-        access=Access.ACTOR,
+        access=_Access.ACTOR,
         cancelable=True,
         hash=0xDE6F2F910E3F67DC,
     ),
-    nothing,
+    _nothing,
     feedback=MotionProgress.decode,
     raises=(JointLimit,),
 )
-_SIX_AXIS_JOINTS_STREAM = OutwardStream(
+_SIX_AXIS_JOINTS_STREAM = _OutwardStream(
     code=0xBFF4D1D1,
     name="joints",
-    access=Access.SENSOR,
+    access=_Access.SENSOR,
     rate_hz=250.0,
     largest=48,
 )
-_SIX_AXIS = Interface(
+_SIX_AXIS = _Interface(
     name="robcl::SixAxis",
     version="1.0",
     hash=0xF7A8FB8CA68576EF,
@@ -104,7 +103,7 @@ _SIX_AXIS = Interface(
         *Manipulator._gecos_interface.streams,
         _SIX_AXIS_JOINTS_STREAM,
     ),
-    quality=Quality(),
+    quality=_Quality(),
 )
 
 
@@ -114,29 +113,29 @@ class SixAxis(Manipulator):
     _gecos_interface = _SIX_AXIS
 
     @property
-    def joints(self) -> StreamAttribute[Joints]:
+    def joints(self) -> _StreamAttribute[Joints]:
         """Joint positions as measured.
 
         Published 250 times a second.
         """
-        return StreamAttribute(self, _SIX_AXIS_JOINTS, _SIX_AXIS_JOINTS_STREAM)
+        return _StreamAttribute(self, _SIX_AXIS_JOINTS, _SIX_AXIS_JOINTS_STREAM)
 
     def move_joints(
         self,
         target: Joints,
         how: Trajectory | None = None,
-    ) -> Command[None, MotionProgress]:
+    ) -> _Command[None, MotionProgress]:
         """Moves all joints to `target`, arriving together.
 
         May raise JointLimit.
         """
-        out: Parts = []
-        wire.put(target, Joints, out, "move_joints.target")
+        out: _Parts = []
+        _wire.put(target, Joints, out, "move_joints.target")
         if how is None:
             out.append(b"\0")
         else:
             out.append(b"\1")
-            wire.put_block(how, Trajectory, out, "move_joints.how")
+            _wire.put_block(how, Trajectory, out, "move_joints.how")
         return self._gecos_call(_SIX_AXIS_MOVE_JOINTS, out)
 
 
@@ -144,32 +143,32 @@ class SixAxisServant(ManipulatorServant):
     """An arm with six revolute joints."""
 
     _gecos_interface = _SIX_AXIS
-    _gecos_handlers: ClassVar[Mapping[int, Handler]] = {
+    _gecos_handlers: _ClassVar[_Mapping[int, _Handler]] = {
         **ManipulatorServant._gecos_handlers,
-        0xBFF4D1D1: Handler(
+        0xBFF4D1D1: _Handler(
             _SIX_AXIS_JOINTS.operation,
             "joints",
-            no_arguments,
+            _no_arguments,
             _six_axis_joints_result,
         ),
-        0xC46BB1A7: Handler(
+        0xC46BB1A7: _Handler(
             _SIX_AXIS_MOVE_JOINTS.operation,
             "move_joints",
             _six_axis_move_joints_arguments,
-            no_result,
+            _no_result,
         ),
     }
 
-    @abstractmethod
+    @_abstractmethod
     def joints(self) -> Joints:
         """Joint positions as measured."""
 
-    @abstractmethod
+    @_abstractmethod
     def move_joints(
         self,
         target: Joints,
         how: Trajectory | None,
-        run: Execution[MotionProgress],
+        run: _Execution[MotionProgress],
     ) -> None:
         """Moves all joints to `target`, arriving together.
 
@@ -178,6 +177,6 @@ class SixAxisServant(ManipulatorServant):
 
     def publish_joints(self, value: Joints, stamp: float | None = None) -> None:
         """A new sample of `joints`, measured at `stamp` (Unix time in s; now)."""
-        out: Parts = []
-        wire.put(value, Joints, out, "joints")
+        out: _Parts = []
+        _wire.put(value, Joints, out, "joints")
         self._gecos_publish(0xBFF4D1D1, out, stamp)

@@ -4,38 +4,41 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass as _dataclass
 from dataclasses import field as _field
-from typing import TYPE_CHECKING, Self, TypeAlias
+from typing import TYPE_CHECKING as _TYPE_CHECKING
+from typing import Self as _Self
+from typing import TypeAlias as _TypeAlias
 
-from gecos import wire
-from gecos.wire import plans, shapes
+from gecos import wire as _wire
+from gecos.wire import plans as _plans
+from gecos.wire import shapes as _shapes
 
-if TYPE_CHECKING:
-    import numpy as np
-    import numpy.typing as npt
+if _TYPE_CHECKING:
+    import numpy as _np
+    import numpy.typing as _npt
 
 __all__ = [
     "JointVector",
     "Joints",
 ]
 
-JointVector: TypeAlias = "npt.NDArray[np.float64]"
+JointVector: _TypeAlias = "_npt.NDArray[_np.float64]"
 
 
-@plans.planned(plans.array("d", 6))
-@dataclass(slots=True, eq=False)
+@_plans.planned(_plans.array("d", 6))
+@_dataclass(slots=True, eq=False)
 class Joints:
     """Joint positions of a six-axis arm."""
 
-    position: npt.NDArray[np.float64] = _field(default_factory=lambda: wire.zeros("d", 6))
+    position: _npt.NDArray[_np.float64] = _field(default_factory=lambda: _wire.zeros("d", 6))
     """[rad]"""
 
-    def encode(self, out: wire.Parts, /) -> None:
-        out.append(wire.fixed(self.position, "d", (6,), "Joints.position"))
+    def encode(self, out: _wire.Parts, /) -> None:
+        out.append(_wire.fixed(self.position, "d", (6,), "Joints.position"))
 
     @classmethod
-    def decode(cls, source: wire.Decoder, /) -> Self:
+    def decode(cls, source: _wire.Decoder, /) -> _Self:
         position = source.array("d", 6, "Joints.position")
         return cls(position)
 
@@ -44,11 +47,11 @@ class Joints:
         return 0xDEB28047FC62F5C4
 
     @staticmethod
-    def _gecos_shape() -> shapes.Shape:
-        return shapes.Members(
+    def _gecos_shape() -> _shapes.Shape:
+        return _shapes.Members(
             Joints,
             (
-                shapes.Member("position", shapes.Array("d", (6,))),
+                _shapes.Member("position", _shapes.Array("d", (6,))),
             ),
         )
 
@@ -56,7 +59,7 @@ class Joints:
         if not isinstance(other, Joints):
             return NotImplemented
         return (
-            wire.same(self.position, other.position)
+            _wire.same(self.position, other.position)
         )
 
     __hash__ = None  # type: ignore[assignment]  # a value that can change

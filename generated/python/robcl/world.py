@@ -6,26 +6,26 @@ moves what they carry.
 
 from __future__ import annotations
 
-from abc import abstractmethod
-from collections.abc import Mapping
-from typing import ClassVar
+from abc import abstractmethod as _abstractmethod
+from builtins import len as _len
+from collections.abc import Mapping as _Mapping
+from typing import ClassVar as _ClassVar
 
-from gecos import wire
-from gecos.command import Command
-from gecos.interface import (
-    Access,
-    Handler,
-    Interface,
-    Method,
-    Operation,
-    Quality,
-    no_arguments,
-    no_result,
-    nothing,
-)
-from gecos.proxy import Object
-from gecos.servant import Servant
-from gecos.wire import Decoder, Parts
+from gecos import wire as _wire
+from gecos.command import Command as _Command
+from gecos.interface import Access as _Access
+from gecos.interface import Handler as _Handler
+from gecos.interface import Interface as _Interface
+from gecos.interface import Method as _Method
+from gecos.interface import Operation as _Operation
+from gecos.interface import Quality as _Quality
+from gecos.interface import no_arguments as _no_arguments
+from gecos.interface import no_result as _no_result
+from gecos.interface import nothing as _nothing
+from gecos.proxy import Object as _Object
+from gecos.servant import Servant as _Servant
+from gecos.wire import Decoder as _Decoder
+from gecos.wire import Parts as _Parts
 from robcl.geometry_types import Frame
 from robcl.world_types import Body, Contact, RayHit, UnknownBody
 
@@ -39,94 +39,94 @@ __all__ = [
 ]
 
 
-def _world_bodies_reply(source: Decoder) -> list[Body]:
+def _world_bodies_reply(source: _Decoder) -> list[Body]:
     value: list[
         Body
     ] = [
         Body.decode(
             source.block("bodies")
-        ) for _ in range(source.count(4, wire.MAX_COUNT, "bodies"))
+        ) for _ in range(source.count(4, _wire.MAX_COUNT, "bodies"))
     ]
     return value
 
 
-def _world_bodies_result(value: list[Body]) -> Parts:
-    out: Parts = []
-    out.append(wire.count(len(value), wire.MAX_COUNT, "bodies"))
+def _world_bodies_result(value: list[Body]) -> _Parts:
+    out: _Parts = []
+    out.append(_wire.count(_len(value), _wire.MAX_COUNT, "bodies"))
     for item in value:
-        wire.put_block(item, Body, out, "bodies")
+        _wire.put_block(item, Body, out, "bodies")
     return out
 
 
-def _world_find_reply(source: Decoder) -> Body:
+def _world_find_reply(source: _Decoder) -> Body:
     return Body.decode(source.block("find"))
 
 
-def _world_find_arguments(source: Decoder) -> tuple[str]:
-    name: str = source.string(wire.MAX_COUNT, "find.name")
+def _world_find_arguments(source: _Decoder) -> tuple[str]:
+    name: str = source.string(_wire.MAX_COUNT, "find.name")
     return (name,)
 
 
-def _world_find_result(value: Body) -> Parts:
-    out: Parts = []
-    wire.put_block(value, Body, out, "find")
+def _world_find_result(value: Body) -> _Parts:
+    out: _Parts = []
+    _wire.put_block(value, Body, out, "find")
     return out
 
 
-def _world_cast_reply(source: Decoder) -> RayHit:
+def _world_cast_reply(source: _Decoder) -> RayHit:
     return RayHit.decode(source.block("cast"))
 
 
-def _world_cast_arguments(source: Decoder) -> tuple[Frame, float]:
+def _world_cast_arguments(source: _Decoder) -> tuple[Frame, float]:
     origin: Frame = Frame.decode(source)
     reach: float = source.number("d", "cast.reach")
     return origin, reach
 
 
-def _world_cast_result(value: RayHit) -> Parts:
-    out: Parts = []
-    wire.put_block(value, RayHit, out, "cast")
+def _world_cast_result(value: RayHit) -> _Parts:
+    out: _Parts = []
+    _wire.put_block(value, RayHit, out, "cast")
     return out
 
 
-def _world_between_reply(source: Decoder) -> Contact:
+def _world_between_reply(source: _Decoder) -> Contact:
     return Contact.decode(source.block("between"))
 
 
-def _world_between_arguments(source: Decoder) -> tuple[Frame, float]:
+def _world_between_arguments(source: _Decoder) -> tuple[Frame, float]:
     jaws: Frame = Frame.decode(source)
     opening: float = source.number("d", "between.opening")
     return jaws, opening
 
 
-def _world_between_result(value: Contact) -> Parts:
-    out: Parts = []
-    wire.put_block(value, Contact, out, "between")
+def _world_between_result(value: Contact) -> _Parts:
+    out: _Parts = []
+    _wire.put_block(value, Contact, out, "between")
     return out
 
 
-def _world_place_arguments(source: Decoder) -> tuple[str, Frame]:
-    name: str = source.string(wire.MAX_COUNT, "place.name")
+def _world_place_arguments(source: _Decoder) -> tuple[str, Frame]:
+    name: str = source.string(_wire.MAX_COUNT, "place.name")
     pose: Frame = Frame.decode(source)
     return name, pose
 
 
-_WORLD_BODIES: Method[list[Body], None] = Method(
-    Operation(
+_WORLD_BODIES: _Method[list[Body], None] = _Method(
+    _Operation(
         code=0x25DF273D,
         name="bodies",
-        access=Access.SENSOR,
+        access=_Access.SENSOR,
         presence=False,
         idempotent=True,
         hash=0x69DF8049812B05F7,
     ),
     _world_bodies_reply,
 )
-_WORLD_FIND: Method[Body, None] = Method(
-    Operation(
+_WORLD_FIND: _Method[Body, None] = _Method(
+    _Operation(
         code=0x288EDD9E,
         name="find",
-        access=Access.SENSOR,
+        access=_Access.SENSOR,
         presence=False,
         idempotent=True,
         hash=0x14EF6719D5498FCB,
@@ -134,39 +134,39 @@ _WORLD_FIND: Method[Body, None] = Method(
     _world_find_reply,
     raises=(UnknownBody,),
 )
-_WORLD_CAST: Method[RayHit, None] = Method(
-    Operation(
+_WORLD_CAST: _Method[RayHit, None] = _Method(
+    _Operation(
         code=0xBFA68292,
         name="cast",
-        access=Access.SENSOR,
+        access=_Access.SENSOR,
         presence=False,
         idempotent=True,
         hash=0xECBE62DCE8AB00DB,
     ),
     _world_cast_reply,
 )
-_WORLD_BETWEEN: Method[Contact, None] = Method(
-    Operation(
+_WORLD_BETWEEN: _Method[Contact, None] = _Method(
+    _Operation(
         code=0xE92DA823,
         name="between",
-        access=Access.SENSOR,
+        access=_Access.SENSOR,
         presence=False,
         idempotent=True,
         hash=0x8905B0F412A0D8B8,
     ),
     _world_between_reply,
 )
-_WORLD_PLACE: Method[None, None] = Method(
-    Operation(
+_WORLD_PLACE: _Method[None, None] = _Method(
+    _Operation(
         code=0x72EB48A0,
         name="place",
-        access=Access.ACTOR,
+        access=_Access.ACTOR,
         hash=0xB8CDD7E92E8F35C2,
     ),
-    nothing,
+    _nothing,
     raises=(UnknownBody,),
 )
-_WORLD = Interface(
+_WORLD = _Interface(
     name="robcl::World",
     version="1.0",
     hash=0xACE7AA6D15AE74EE,
@@ -181,120 +181,120 @@ _WORLD = Interface(
     ),
     streams=(
     ),
-    quality=Quality(),
+    quality=_Quality(),
 )
 
 
-class World(Object):
+class World(_Object):
     """The simulated laboratory: what is in it and where. It watches grippers and arms and
     moves what they carry.
     """
 
     _gecos_interface = _WORLD
 
-    def bodies(self) -> Command[list[Body]]:
+    def bodies(self) -> _Command[list[Body]]:
         """All bodies, where they are now."""
         return self._gecos_call(_WORLD_BODIES, [])
 
-    def find(self, name: str) -> Command[Body]:
+    def find(self, name: str) -> _Command[Body]:
         """One body, where it is now.
 
         May raise UnknownBody.
         """
-        out: Parts = []
-        out.append(wire.string(name, wire.MAX_TEXT, "find.name"))
+        out: _Parts = []
+        out.append(_wire.string(name, _wire.MAX_TEXT, "find.name"))
         return self._gecos_call(_WORLD_FIND, out)
 
-    def cast(self, origin: Frame, reach: float) -> Command[RayHit]:
+    def cast(self, origin: Frame, reach: float) -> _Command[RayHit]:
         """First body on the ray from `origin` along its z axis.
 
         reach: [m]
         """
-        out: Parts = []
-        wire.put(origin, Frame, out, "cast.origin")
-        out.append(wire.number(reach, "d", "cast.reach"))
+        out: _Parts = []
+        _wire.put(origin, Frame, out, "cast.origin")
+        out.append(_wire.number(reach, "d", "cast.reach"))
         return self._gecos_call(_WORLD_CAST, out)
 
-    def between(self, jaws: Frame, opening: float) -> Command[Contact]:
+    def between(self, jaws: Frame, opening: float) -> _Command[Contact]:
         """Width at which jaws meet a body when they close along y of `jaws` around it, from
         `opening`.
 
         opening: [m]
         """
-        out: Parts = []
-        wire.put(jaws, Frame, out, "between.jaws")
-        out.append(wire.number(opening, "d", "between.opening"))
+        out: _Parts = []
+        _wire.put(jaws, Frame, out, "between.jaws")
+        out.append(_wire.number(opening, "d", "between.opening"))
         return self._gecos_call(_WORLD_BETWEEN, out)
 
-    def place(self, name: str, pose: Frame) -> Command[None]:
+    def place(self, name: str, pose: Frame) -> _Command[None]:
         """Puts a body somewhere, for preparing an experiment. Refused while it is held.
 
         May raise UnknownBody.
         """
-        out: Parts = []
-        out.append(wire.string(name, wire.MAX_TEXT, "place.name"))
-        wire.put(pose, Frame, out, "place.pose")
+        out: _Parts = []
+        out.append(_wire.string(name, _wire.MAX_TEXT, "place.name"))
+        _wire.put(pose, Frame, out, "place.pose")
         return self._gecos_call(_WORLD_PLACE, out)
 
 
-class WorldServant(Servant):
+class WorldServant(_Servant):
     """The simulated laboratory: what is in it and where. It watches grippers and arms and
     moves what they carry.
     """
 
     _gecos_interface = _WORLD
-    _gecos_handlers: ClassVar[Mapping[int, Handler]] = {
-        0x25DF273D: Handler(
+    _gecos_handlers: _ClassVar[_Mapping[int, _Handler]] = {
+        0x25DF273D: _Handler(
             _WORLD_BODIES.operation,
             "bodies",
-            no_arguments,
+            _no_arguments,
             _world_bodies_result,
         ),
-        0x288EDD9E: Handler(
+        0x288EDD9E: _Handler(
             _WORLD_FIND.operation,
             "find",
             _world_find_arguments,
             _world_find_result,
         ),
-        0xBFA68292: Handler(
+        0xBFA68292: _Handler(
             _WORLD_CAST.operation,
             "cast",
             _world_cast_arguments,
             _world_cast_result,
         ),
-        0xE92DA823: Handler(
+        0xE92DA823: _Handler(
             _WORLD_BETWEEN.operation,
             "between",
             _world_between_arguments,
             _world_between_result,
         ),
-        0x72EB48A0: Handler(
+        0x72EB48A0: _Handler(
             _WORLD_PLACE.operation,
             "place",
             _world_place_arguments,
-            no_result,
+            _no_result,
         ),
     }
 
-    @abstractmethod
+    @_abstractmethod
     def bodies(self) -> list[Body]:
         """All bodies, where they are now."""
 
-    @abstractmethod
+    @_abstractmethod
     def find(self, name: str) -> Body:
         """One body, where it is now.
 
         May raise UnknownBody.
         """
 
-    @abstractmethod
+    @_abstractmethod
     def cast(self, origin: Frame, reach: float) -> RayHit:
         """First body on the ray from `origin` along its z axis.
 
         reach: [m]
         """
 
-    @abstractmethod
+    @_abstractmethod
     def between(self, jaws: Frame, opening: float) -> Contact:
         """Width at which jaws meet a body when they close along y of `jaws` around it, from
         `opening`.
@@ -302,7 +302,7 @@ class WorldServant(Servant):
         opening: [m]
         """
 
-    @abstractmethod
+    @_abstractmethod
     def place(self, name: str, pose: Frame) -> None:
         """Puts a body somewhere, for preparing an experiment. Refused while it is held.
 

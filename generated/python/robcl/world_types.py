@@ -4,13 +4,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from builtins import len as _len
+from dataclasses import dataclass as _dataclass
 from dataclasses import field as _field
-from typing import ClassVar, Self
+from typing import ClassVar as _ClassVar
+from typing import Self as _Self
 
-from gecos import wire
-from gecos.errors import DeclaredError
-from gecos.wire import plans, shapes
+from gecos import wire as _wire
+from gecos.errors import DeclaredError as _DeclaredError
+from gecos.wire import plans as _plans
+from gecos.wire import shapes as _shapes
 from robcl.geometry_types import Frame, Vector
 
 __all__ = [
@@ -20,7 +23,7 @@ __all__ = [
     "UnknownBody",
 ]
 
-_BODY_LAYOUT = wire.Fields(
+_BODY_LAYOUT = _wire.Fields(
     "ddd?",
     (
         "Vector.x",
@@ -31,7 +34,7 @@ _BODY_LAYOUT = wire.Fields(
 )
 
 
-@dataclass(slots=True)
+@_dataclass(slots=True)
 class Body:
     """A box that things can meet, grip and measure. Its frame is in its middle."""
 
@@ -45,20 +48,20 @@ class Body:
     held_by: str = ""
     """gripper that carries it, empty when none"""
 
-    def encode(self, out: wire.Parts, /) -> None:
-        out.append(wire.string(self.name, wire.MAX_TEXT, "Body.name"))
-        wire.put(self.pose, Frame, out, "Body.pose")
-        wire.expect(self.size, Vector, "Body.size")
+    def encode(self, out: _wire.Parts, /) -> None:
+        out.append(_wire.string(self.name, _wire.MAX_TEXT, "Body.name"))
+        _wire.put(self.pose, Frame, out, "Body.pose")
+        _wire.expect(self.size, Vector, "Body.size")
         out.append(_BODY_LAYOUT.pack(self.size.x, self.size.y, self.size.z, self.fixed))
-        out.append(wire.string(self.held_by, wire.MAX_TEXT, "Body.held_by"))
+        out.append(_wire.string(self.held_by, _wire.MAX_TEXT, "Body.held_by"))
 
     @classmethod
-    def decode(cls, source: wire.Decoder, /) -> Self:
-        name = source.string(wire.MAX_COUNT, "Body.name")
+    def decode(cls, source: _wire.Decoder, /) -> _Self:
+        name = source.string(_wire.MAX_COUNT, "Body.name")
         pose = Frame.decode(source)
         size_x, size_y, size_z, fixed = _BODY_LAYOUT.unpack(source)
         size_value = Vector(size_x, size_y, size_z)
-        held_by = source.string(wire.MAX_COUNT, "Body.held_by")
+        held_by = source.string(_wire.MAX_COUNT, "Body.held_by")
         source.offset = source.end  # what a newer writer added is skipped
         return cls(name, pose, size_value, fixed, held_by)
 
@@ -67,20 +70,20 @@ class Body:
         return 0x6B8048C6826A69EB
 
     @staticmethod
-    def _gecos_shape() -> shapes.Shape:
-        return shapes.Members(
+    def _gecos_shape() -> _shapes.Shape:
+        return _shapes.Members(
             Body,
             (
-                shapes.Member("name", shapes.Text()),
-                shapes.Member("pose", shapes.Value(Frame)),
-                shapes.Member("size", shapes.Value(Vector)),
-                shapes.Member("fixed", shapes.Number("?")),
-                shapes.Member("held_by", shapes.Text()),
+                _shapes.Member("name", _shapes.Text()),
+                _shapes.Member("pose", _shapes.Value(Frame)),
+                _shapes.Member("size", _shapes.Value(Vector)),
+                _shapes.Member("fixed", _shapes.Number("?")),
+                _shapes.Member("held_by", _shapes.Text()),
             ),
         )
 
 
-_RAY_HIT_LAYOUT = wire.Fields(
+_RAY_HIT_LAYOUT = _wire.Fields(
     "?d",
     (
         "RayHit.hit",
@@ -89,8 +92,8 @@ _RAY_HIT_LAYOUT = wire.Fields(
 )
 
 
-@plans.planned("?d", plans.text(wire.MAX_TEXT), open=True)
-@dataclass(slots=True)
+@_plans.planned("?d", _plans.text(_wire.MAX_TEXT), open=True)
+@_dataclass(slots=True)
 class RayHit:
     """What a ray meets first."""
 
@@ -99,14 +102,14 @@ class RayHit:
     """[m]"""
     body_name: str = ""
 
-    def encode(self, out: wire.Parts, /) -> None:
+    def encode(self, out: _wire.Parts, /) -> None:
         out.append(_RAY_HIT_LAYOUT.pack(self.hit, self.range))
-        out.append(wire.string(self.body_name, wire.MAX_TEXT, "RayHit.body_name"))
+        out.append(_wire.string(self.body_name, _wire.MAX_TEXT, "RayHit.body_name"))
 
     @classmethod
-    def decode(cls, source: wire.Decoder, /) -> Self:
+    def decode(cls, source: _wire.Decoder, /) -> _Self:
         hit, range_ = _RAY_HIT_LAYOUT.unpack(source)
-        body_name = source.string(wire.MAX_COUNT, "RayHit.body_name")
+        body_name = source.string(_wire.MAX_COUNT, "RayHit.body_name")
         source.offset = source.end  # what a newer writer added is skipped
         return cls(hit, range_, body_name)
 
@@ -115,18 +118,18 @@ class RayHit:
         return 0x93C7ADEF79860A8F
 
     @staticmethod
-    def _gecos_shape() -> shapes.Shape:
-        return shapes.Members(
+    def _gecos_shape() -> _shapes.Shape:
+        return _shapes.Members(
             RayHit,
             (
-                shapes.Member("hit", shapes.Number("?")),
-                shapes.Member("range", shapes.Number("d")),
-                shapes.Member("body_name", shapes.Text()),
+                _shapes.Member("hit", _shapes.Number("?")),
+                _shapes.Member("range", _shapes.Number("d")),
+                _shapes.Member("body_name", _shapes.Text()),
             ),
         )
 
 
-_CONTACT_LAYOUT = wire.Fields(
+_CONTACT_LAYOUT = _wire.Fields(
     "?d",
     (
         "Contact.hit",
@@ -135,8 +138,8 @@ _CONTACT_LAYOUT = wire.Fields(
 )
 
 
-@plans.planned("?d", plans.text(wire.MAX_TEXT), open=True)
-@dataclass(slots=True)
+@_plans.planned("?d", _plans.text(_wire.MAX_TEXT), open=True)
+@_dataclass(slots=True)
 class Contact:
     """What closing jaws would meet."""
 
@@ -145,14 +148,14 @@ class Contact:
     """[m]"""
     body_name: str = ""
 
-    def encode(self, out: wire.Parts, /) -> None:
+    def encode(self, out: _wire.Parts, /) -> None:
         out.append(_CONTACT_LAYOUT.pack(self.hit, self.width))
-        out.append(wire.string(self.body_name, wire.MAX_TEXT, "Contact.body_name"))
+        out.append(_wire.string(self.body_name, _wire.MAX_TEXT, "Contact.body_name"))
 
     @classmethod
-    def decode(cls, source: wire.Decoder, /) -> Self:
+    def decode(cls, source: _wire.Decoder, /) -> _Self:
         hit, width = _CONTACT_LAYOUT.unpack(source)
-        body_name = source.string(wire.MAX_COUNT, "Contact.body_name")
+        body_name = source.string(_wire.MAX_COUNT, "Contact.body_name")
         source.offset = source.end  # what a newer writer added is skipped
         return cls(hit, width, body_name)
 
@@ -161,38 +164,38 @@ class Contact:
         return 0x94172E9049560A8F
 
     @staticmethod
-    def _gecos_shape() -> shapes.Shape:
-        return shapes.Members(
+    def _gecos_shape() -> _shapes.Shape:
+        return _shapes.Members(
             Contact,
             (
-                shapes.Member("hit", shapes.Number("?")),
-                shapes.Member("width", shapes.Number("d")),
-                shapes.Member("body_name", shapes.Text()),
+                _shapes.Member("hit", _shapes.Number("?")),
+                _shapes.Member("width", _shapes.Number("d")),
+                _shapes.Member("body_name", _shapes.Text()),
             ),
         )
 
 
-@dataclass(slots=True, eq=False)
-class UnknownBody(DeclaredError):
-    _gecos_name: ClassVar[str] = "robcl::UnknownBody"
+@_dataclass(slots=True, eq=False)
+class UnknownBody(_DeclaredError):
+    _gecos_name: _ClassVar[str] = "robcl::UnknownBody"
 
     name: str = ""
     known: list[str] = _field(default_factory=list)
 
-    def encode(self, out: wire.Parts, /) -> None:
-        out.append(wire.string(self.name, wire.MAX_TEXT, "UnknownBody.name"))
-        out.append(wire.count(len(self.known), wire.MAX_COUNT, "UnknownBody.known"))
+    def encode(self, out: _wire.Parts, /) -> None:
+        out.append(_wire.string(self.name, _wire.MAX_TEXT, "UnknownBody.name"))
+        out.append(_wire.count(_len(self.known), _wire.MAX_COUNT, "UnknownBody.known"))
         for item in self.known:
-            out.append(wire.string(item, wire.MAX_TEXT, "UnknownBody.known"))
+            out.append(_wire.string(item, _wire.MAX_TEXT, "UnknownBody.known"))
 
     @classmethod
-    def decode(cls, source: wire.Decoder, /) -> Self:
-        name = source.string(wire.MAX_COUNT, "UnknownBody.name")
+    def decode(cls, source: _wire.Decoder, /) -> _Self:
+        name = source.string(_wire.MAX_COUNT, "UnknownBody.name")
         known = [
             source.string(
-                wire.MAX_COUNT,
+                _wire.MAX_COUNT,
                 "UnknownBody.known",
-            ) for _ in range(source.count(5, wire.MAX_COUNT, "UnknownBody.known"))
+            ) for _ in range(source.count(5, _wire.MAX_COUNT, "UnknownBody.known"))
         ]
         return cls(name, known)
 
@@ -201,11 +204,11 @@ class UnknownBody(DeclaredError):
         return 0x7CD6BC0789C32AB9
 
     @staticmethod
-    def _gecos_shape() -> shapes.Shape:
-        return shapes.Members(
+    def _gecos_shape() -> _shapes.Shape:
+        return _shapes.Members(
             UnknownBody,
             (
-                shapes.Member("name", shapes.Text()),
-                shapes.Member("known", shapes.Items(shapes.Text())),
+                _shapes.Member("name", _shapes.Text()),
+                _shapes.Member("known", _shapes.Items(_shapes.Text())),
             ),
         )

@@ -9,6 +9,7 @@ _WIDTH = 100
 
 def import_order(name: str) -> tuple[int, str, str]:
     """CONSTANTS, then Classes, then everything else."""
+    name = name.partition(" as ")[0]
     kind = 0 if name.isupper() and len(name) > 1 else 1 if name[0].isupper() else 2
     return kind, name.lower(), name
 
@@ -19,11 +20,19 @@ def export_order(name: str) -> tuple[int, str]:
     return kind, name
 
 
+def private(names: Iterable[str]) -> list[str]:
+    """How a module brings in what it needs itself: "Kind as _Kind". No name of an interface begins
+    with an underscore, so none can hide it."""
+    return [f"{name} as _{name}" for name in names]
+
+
 def import_lines(modules: Mapping[str, Iterable[str]]) -> list[str]:
     """`from module import names` for each module that gives any, by module."""
     lines: list[str] = []
     for module in sorted(modules):
-        names = sorted(set(modules[module]), key=import_order)
+        given = sorted(set(modules[module]), key=import_order)
+        lines += [f"from {module} import {name}" for name in given if " as " in name]
+        names = [name for name in given if " as " not in name]
         if not names:
             continue
         line = f"from {module} import {', '.join(names)}"

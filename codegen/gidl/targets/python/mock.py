@@ -28,7 +28,7 @@ from gidl.model import (
 from gidl.policy import Access
 from gidl.targets import samples
 from gidl.targets.calls import reply_values
-from gidl.targets.naming import escaped, snake_case
+from gidl.targets.naming import snake_case
 from gidl.targets.python import names
 from gidl.targets.python.calls.members import Members
 from gidl.targets.python.imports import import_lines
@@ -98,8 +98,6 @@ def mocks_view(lowering: Lowering, path: str, interfaces: Sequence[Interface]) -
         + [line for v in mocks for m in v.methods for line in m.body]
         + [h.value for v in mocks for h in v.held]
     )
-    if re.search(r"\bExecution\b", text):
-        modules.setdefault("gecos", set()).add("Execution")
     imports = ["import gecos", *import_lines(modules)]
     for used, line in (("np.", "import numpy as np"), ("npt.", "import numpy.typing as npt")):
         if re.search(rf"\b{re.escape(used)}", text):
@@ -129,7 +127,7 @@ class _Mock:
             for call in self._layout.interfaces[interface.name].calls:
                 member = facts._member(call)
                 head = facts._handler(call).head
-                methods.append(MethodView(head, tuple(self._body(facts, call, member))))
+                methods.append(MethodView(_plain(head), tuple(self._body(facts, call, member))))
                 if isinstance(member, Attribute) and call.kind is CallKind.GETTER:
                     hint = self._hint(member.type, member.optional)
                     value = self._value(member.type, member.optional, member.range, None)
@@ -159,30 +157,30 @@ class _Mock:
                 return [f"return self.{_held(member)}"]
             return [self._log(member.name, [("value", "value", member.secret)], setter=True),
                     f"self.{_held(member)} = value"]  # fmt: skip
+        inputs = facts._inputs(call)
+        called = dict(zip((v.name for v in inputs), facts._parameter_names(call), strict=True))
         lines = []
         if member.access is not Access.SENSOR or member.safety:
-            told = [(p.name, escaped(p.name, names.KEYWORDS), p.secret) for p in member.inputs]
+            told = [(p.name, called[p.name], p.secret) for p in member.inputs]
             lines.append(self._log(member.name, told))
         if member.cancelable:
-            run = facts._handler(call).head.rpartition(": Execution[")[0].rpartition(" ")[2]
+            run = facts._handler(call).head.rpartition(": _Execution[")[0].rpartition(" ")[2]
             feedback = ""
             if member.feedback is not None:
                 feedback = f", {self._value(member.feedback, False, None, None)}"
             lines.append(f"{run}.progress(1.0{feedback})")
-        taken = {p.name for p in member.inputs}
         answers = []
         for v in reply_values(member, call):
-            given = escaped(v.name, names.KEYWORDS)
-            answers.append(
-                (v, given if v.name in taken else self._value(v.type, v.optional, v.range, None))
-            )
+            given = called.get(v.name)
+            answers.append((v, given or self._value(v.type, v.optional, v.range, None)))
         struct = facts._result_struct(call)
         if struct is not None:
             kind = names.type_name(self._model, struct.name)
             home = names.module_of(self._model.file_of(member.interface)) + "_types"
             self.results.setdefault(home, set()).add(kind)
-            words = [f"    {names.member_name(v.name)}={text}," for v, text in answers]
-            lines += [f"return {kind}(", *words, ")"]
+            words = self._lowering.words(struct)
+            items = [f"    {names.member_name(v.name, words)}={text}," for v, text in answers]
+            lines += [f"return {kind}(", *items, ")"]
         elif answers:
             lines.append(f"return {answers[0][1]}")
         return lines or ["pass"]
@@ -197,7 +195,7 @@ class _Mock:
 
     def _hint(self, used: Type, optional: bool) -> str:
         self.used |= self._lowering.imports(used)
-        return self._lowering.hint(used, optional)
+        return _plain(self._lowering.hint(used, optional))
 
     def _value(
         self, used: Type, optional: bool, limits: Range | None, default: Value | None
@@ -251,8 +249,10 @@ class _Mock:
             case EnumDeclaration():
                 return f"{mine}.{names.enumerator(declaration.initial.name)}"
             case Struct(maps_to=None):
+                words = self._lowering.words(declaration)
                 given = [
-                    f"{names.member_name(m.name)}=" + self._value(m.type, False, m.range, m.default)
+                    f"{names.member_name(m.name, words)}="
+                    + self._value(m.type, False, m.range, m.default)
                     for m in self._model.all_members(declaration)
                     if not m.optional
                     and m.default is None
@@ -272,6 +272,12 @@ class _Mock:
                 return f"{mine}()"
             case _:
                 return f"{mine}(0)"
+
+
+def _plain(text: str) -> str:
+    """As people write it: a mock is theirs."""
+    text = text.replace("_Execution[", "gecos.Execution[")
+    return re.sub(r"\b_(npt?)\.", r"\1.", text)
 
 
 def _held(attribute: Attribute) -> str:

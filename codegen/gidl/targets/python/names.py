@@ -8,14 +8,26 @@ from gidl.keywords import PYTHON
 from gidl.model import Interface, Model, Struct
 from gidl.targets.naming import LocalNames, escaped, snake_case, source_stem
 
+# What a name cannot be in Python gets an underscore behind. All that generated code needs of the
+# runtime and the standard library has one in front, as no name of an interface has; what is left
+# are the words below.
 KEYWORDS = PYTHON | {"self", "cls"}
-STRUCT_WORDS = KEYWORDS | {"encode", "decode", "fingerprint"}
+# Builtins that stand in the body of a class beside its members, as hints and decorators.
+CLASS_WORDS = frozenset(
+    ("bool", "bytes", "classmethod", "dict", "float", "int", "list", "object", "property")
+) | {"staticmethod", "str"}
+# Builtins that generated code names anywhere. Those that bodies call where parameters stand have
+# an underscore in front, see BUILTIN_FUNCTIONS.
+BUILTINS = CLASS_WORDS | {"NotImplemented", "chr", "isinstance", "range", "tuple", "type"}
+# Also locals beside which code names types.
+TYPE_WORDS = KEYWORDS | BUILTINS | {"annotations"}
+TYPE_WORDS |= {"number", "other", "out", "source", "stamp", "tag", "value"}
+METHOD_WORDS = KEYWORDS | {"property"}
+STRUCT_WORDS = KEYWORDS | CLASS_WORDS | {"encode", "decode", "fingerprint"}
 # A declared exception also is a CommandFailed and a BaseException.
 EXCEPTION_WORDS = STRUCT_WORDS | {"text", "detail", "args", "add_note", "with_traceback"}
 # What an enumerator cannot be called.
 ENUM_WORDS = KEYWORDS | {"mro", "name", "value"}
-# Types that hints are written with: a declaration of that name gets an underscore.
-BUILTINS = frozenset(("bool", "int", "float", "str", "bytes", "list", "dict", "tuple", "type"))
 
 # What a value of an interface's type is, and where that is declared.
 OBJECT_REF = "gecos::ObjectRef"
@@ -40,7 +52,7 @@ def type_name(model: Model, scoped_name: str) -> str:
     modules = len(parts) - 1
     while modules and model.has("::".join(parts[:modules])):
         modules -= 1
-    return escaped("_".join(parts[modules:]), KEYWORDS | BUILTINS)
+    return escaped("_".join(parts[modules:]), TYPE_WORDS)
 
 
 def value_name(model: Model, scoped_name: str) -> str:
@@ -71,7 +83,11 @@ def constant(*words: str) -> str:
 
 
 def method_names(model: Model, interface: Interface) -> LocalNames:
-    return LocalNames(escaped(m.name, KEYWORDS) for m in model.all_interface_members(interface))
+    return LocalNames(method_name(m.name) for m in model.all_interface_members(interface))
+
+
+def method_name(name: str) -> str:
+    return escaped(name, METHOD_WORDS)
 
 
 def enumerator(name: str) -> str:

@@ -7,7 +7,7 @@ from gidl.targets.calls import (
     first_missing,
     short_name,
 )
-from gidl.targets.naming import LocalNames, escaped
+from gidl.targets.naming import LocalNames
 from gidl.targets.python import names
 from gidl.targets.python.calls.facts import CallFacts
 from gidl.targets.python.calls.views import (
@@ -24,7 +24,7 @@ class Bodies(CallFacts):
         """Reads the reply body."""
         values = self._outputs(call)
         if not values:
-            return "nothing"
+            return "_nothing"
         struct = self._result_struct(call)
         if struct is not None:
             return f"{names.type_name(self._model, struct.name)}.decode"
@@ -39,22 +39,22 @@ class Bodies(CallFacts):
         body: tuple[str, ...] = (f"return {expression}",)
         if not isinstance(node, AppendableNode):
             body = (f"value: {hint} = {expression}", "return value")
-        self._functions.append(FunctionView(f"def {name}(source: Decoder) -> {hint}:", body))
+        self._functions.append(FunctionView(f"def {name}(source: _Decoder) -> {hint}:", body))
         return name
 
     def _arguments(self, call: CallLayout) -> str:
         """Reads the request body."""
         values = self._inputs(call)
         if not values:
-            return "no_arguments"
+            return "_no_arguments"
         name = self._function(call, "arguments")
         label = short_name(call).removesuffix("=")
         required = first_missing(values)
-        local = LocalNames(LOCAL_WORDS | {names.type_name(self._model, n) for n in self.used_types})
+        local = LocalNames(LOCAL_WORDS | names.KEYWORDS | self._type_names(values))
         lines, variables, hints = [], [], []
         for i, value in enumerate(values):
             slot = Slot("", f"{label}.{value.name}", value.type, value.optional, value.range)
-            variable, hint = local.fresh(escaped(value.name, names.KEYWORDS)), self._hint(value)
+            variable, hint = local.fresh(value.name), self._hint(value)
             expression = self._lowering.decode(slot)
             variables.append(variable)
             hints.append(hint)
@@ -67,7 +67,7 @@ class Bodies(CallFacts):
         lines.append(
             f"return ({', '.join(variables)}{comma})" if comma else f"return {', '.join(variables)}"
         )
-        head = f"def {name}(source: Decoder) -> tuple[{', '.join(hints)}]:"
+        head = f"def {name}(source: _Decoder) -> tuple[{', '.join(hints)}]:"
         self._functions.append(FunctionView(head, tuple(lines)))
         return name
 
@@ -80,17 +80,18 @@ class Bodies(CallFacts):
         """Writes the reply body."""
         values = self._outputs(call)
         if not values:
-            return "no_result"
+            return "_no_result"
         name = self._function(call, "result")
         hint = self._result_hint(call)
         struct = self._result_struct(call)
         if struct is not None:
             kind = names.type_name(self._model, struct.name)
-            writes = [f'wire.put(value, {kind}, out, "{short_name(call)}")']
+            writes = [f'_wire.put(value, {kind}, out, "{short_name(call)}")']
         else:
             v = values[0]
+            local = LocalNames(LOCAL_WORDS | self._type_names(values) | {"value"})
             slot = Slot("value", short_name(call), v.type, v.optional, v.range)
-            writes = self._lowering.encode(slot, LocalNames(LOCAL_WORDS | {"value"}))
-        body = ("out: Parts = []", *writes, "return out")
-        self._functions.append(FunctionView(f"def {name}(value: {hint}) -> Parts:", body))
+            writes = self._lowering.encode(slot, local)
+        body = ("out: _Parts = []", *writes, "return out")
+        self._functions.append(FunctionView(f"def {name}(value: {hint}) -> _Parts:", body))
         return name

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 from gidl.model import Attribute, Interface, Operation, Struct
 from gidl.targets.calls import (
     CallValue,
@@ -11,7 +13,7 @@ from gidl.targets.calls import (
     result_struct,
     short_name,
 )
-from gidl.targets.naming import escaped
+from gidl.targets.naming import LocalNames
 from gidl.targets.python import names
 from gidl.targets.python.calls.views import (
     FunctionView,
@@ -30,6 +32,8 @@ class CallFacts:
         self._name = names.type_name(self._model, interface.name)
         self._members = {m.scoped_name: m for m in interface.members}
         self._functions: list[FunctionView] = []
+        self._beside = {names.method_name(m.name) for m in interface.members}
+        self.hidden: set[str] = set()
 
     def _member(self, call: CallLayout) -> Operation | Attribute:
         return self._members[call.name.removesuffix("=")]
@@ -46,7 +50,7 @@ class CallFacts:
         member = self._member(call)
         if call.kind is CallKind.SETTER:
             return names.method_names(self._model, self.interface).fresh(f"set_{member.name}")
-        return escaped(member.name, names.KEYWORDS)
+        return names.method_name(member.name)
 
     def _inputs(self, call: CallLayout) -> list[CallValue]:
         member = self._member(call)
@@ -54,11 +58,33 @@ class CallFacts:
             return [parameter_value(p) for p in member.inputs]
         return [attribute_value(member)] if call.kind is CallKind.SETTER else []
 
+    def _parameter_names(self, call: CallLayout) -> list[str]:
+        """Of the inputs, in order: what else a body names is none of them."""
+        inputs = self._inputs(call)
+        local = LocalNames(names.KEYWORDS | {"out"} | self._type_names(inputs))
+        return [local.fresh(value.name) for value in inputs]
+
+    def _type_names(self, values: list[CallValue]) -> set[str]:
+        """Of the types that codecs of the values name."""
+        used = {name for value in values for name in self._lowering.imports(value.type)}
+        return {names.type_name(self._model, name) for name in used}
+
     def _outputs(self, call: CallLayout) -> list[CallValue]:
         member = self._member(call)
         if isinstance(member, Operation):
             return reply_values(member, call)
         return [] if call.kind is CallKind.SETTER else [attribute_value(member)]
+
+    def _in_class(self, hint: str) -> str:
+        """The hint where members hide names: an operation `list` is no type, so `_list_` is."""
+
+        def other(found: re.Match[str]) -> str:
+            if found[0] not in self._beside:
+                return found[0]
+            self.hidden.add(found[0])
+            return f"_{found[0]}_"
+
+        return re.sub(r"(?<![.\w])[A-Za-z]\w*", other, hint)
 
     def _result_struct(self, call: CallLayout) -> Struct | None:
         member = self._member(call)

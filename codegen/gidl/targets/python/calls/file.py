@@ -15,9 +15,9 @@ from gidl.targets.python.calls.views import (
     InterfacesView,
     InterfaceView,
 )
-from gidl.targets.python.imports import export_order, import_lines
+from gidl.targets.python.imports import export_order, import_lines, private
 from gidl.targets.python.lower import Lowering
-from gidl.targets.python.values.names import type_doc
+from gidl.targets.python.values.names import BUILTIN_FUNCTIONS, type_doc
 
 
 def interfaces_view(lowering: Lowering, file: File, types: tuple[str, ...]) -> InterfacesView:
@@ -30,19 +30,21 @@ def interfaces_view(lowering: Lowering, file: File, types: tuple[str, ...]) -> I
     if types:
         modules[f"{names.module_of(file.path)}_types"] = set(types)
     for module, words in _RUNTIME:
-        modules.setdefault(module, set()).update(word for word in words if _uses(text, word))
-    standard = {"abc": ["abstractmethod"] if "def " in text else [], "typing": ["ClassVar"]}
-    if views:
-        standard["collections.abc"] = ["Mapping"]
-    if "npt." in text:
-        standard["typing"].append("TYPE_CHECKING")
+        used = private(word for word in words if _uses(text, f"_{word}"))
+        modules.setdefault(module, set()).update(used)
+    standard = {
+        "abc": private(["abstractmethod"] if "def " in text else []),
+        "builtins": private(word for word in BUILTIN_FUNCTIONS if _uses(text, f"_{word}")),
+        "collections.abc": private(["Mapping"]),
+        "typing": private(["ClassVar", *(["TYPE_CHECKING"] if "_npt." in text else [])]),
+    }
     return InterfacesView(
         file.path,
         doc or (f"Types of {file.path}.",),
         bool(views),
         tuple(import_lines(standard)) if views else (),
         tuple(import_lines(modules)),
-        "npt." in text,
+        "_npt." in text,
         tuple(sorted([*types, *(view.name for view in views), *servants], key=export_order)),
         views,
     )
@@ -54,16 +56,16 @@ def _all_text(view: InterfaceView) -> str:
     for function in view.functions:
         parts += [function.head, *function.body]
     for method in view.methods:
-        parts += [method.type, "Operation(", *method.operation, *method.arguments]
+        parts += [method.type, "_Operation(", *method.operation, *method.arguments]
     for stream in view.streams:
-        parts += ["OutwardStream(", *stream.arguments]
+        parts += ["_OutwardStream(", *stream.arguments]
     for member in view.members:
         parts += [member.head, *member.body]
     for handler in view.handlers:
-        parts += ["Handler(", handler.head, handler.arguments, handler.result]
+        parts += ["_Handler(", handler.head, handler.arguments, handler.result]
     for publisher in view.publishers:
         parts += [publisher.head, *publisher.body]
-    return "\n".join([*parts, "Interface("])
+    return "\n".join([*parts, "_Interface("])
 
 
 def _uses(text: str, word: str) -> bool:
@@ -117,6 +119,7 @@ class _Interface(Tables, Members):
             members.append(self._proxy_member(call))
             handlers.append(self._handler(call))
         streamed = [a for a in interface.attributes if a.streams_out]
+        publishers = tuple(self._publisher(a) for a in streamed)
         bases = [names.type_name(self._model, base) for base in interface.bases]
         return InterfaceView(
             self._name,
@@ -125,16 +128,17 @@ class _Interface(Tables, Members):
             interface.facts.version or "",
             f"0x{self._layout.interfaces[interface.name].hash:016X}",
             type_doc(interface.facts),
-            ", ".join(bases or ["Object"]),
-            ", ".join([f"{base}Servant" for base in bases] or ["Servant"]),
+            ", ".join(bases or ["_Object"]),
+            ", ".join([f"{base}Servant" for base in bases] or ["_Servant"]),
             tuple(bases),
             tuple(f"{base}Servant" for base in bases),
             interface.all_bases,
             quality(interface.qos),
+            tuple(sorted(self.hidden)),
             tuple(self._functions),
             tuple(methods),
             tuple(self._stream_table(a) for a in streamed),
             tuple(members),
             tuple(handlers),
-            tuple(self._publisher(a) for a in streamed),
+            publishers,
         )

@@ -8,7 +8,7 @@ from gidl.targets.calls import (
     first_missing,
     short_name,
 )
-from gidl.targets.naming import LocalNames, escaped, value_note
+from gidl.targets.naming import LocalNames, value_note
 from gidl.targets.python import names
 from gidl.targets.python.calls.bodies import Bodies
 from gidl.targets.python.calls.views import (
@@ -31,12 +31,13 @@ class Members(Bodies):
             return doc
         lines = list(type_doc(member.facts, value_note(member.result_unit, member.result_range)))
         notes = []
+        called = {
+            v.name: x for v, x in zip(self._inputs(call), self._parameter_names(call), strict=True)
+        }
         for p in member.parameters:
             note = value_note(p.unit, p.range)
             if note or p.facts.doc:
-                notes.append(
-                    f"{escaped(p.name, names.KEYWORDS)}: " + " ".join(type_doc(p.facts, note))
-                )
+                notes.append(f"{called.get(p.name, p.name)}: {' '.join(type_doc(p.facts, note))}")
         if call.exceptions:
             listed = ", ".join(names.type_name(self._model, name) for name, _ in call.exceptions)
             notes.append(f"May raise {listed}.")
@@ -46,14 +47,15 @@ class Members(Bodies):
         values = self._inputs(call)
         missing = first_missing(values)
         texts = []
-        for i, value in enumerate(values):
+        for i, (name, value) in enumerate(zip(self._parameter_names(call), values, strict=True)):
             default = f" = {self._missing(value)}" if defaults and i >= missing else ""
-            texts.append(f"{escaped(value.name, names.KEYWORDS)}: {self._hint(value)}{default}")
+            texts.append(f"{name}: {self._in_class(self._hint(value))}{default}")
         return texts
 
     def _proxy_member(self, call: CallLayout) -> ProxyMemberView:
         member = self._member(call)
-        result, feedback = self._result_hint(call), self._feedback_hint(call)
+        result = self._in_class(self._result_hint(call))
+        feedback = self._in_class(self._feedback_hint(call))
         name = self._method_name(call)
         if isinstance(member, Attribute) and member.streams_out and call.kind is CallKind.GETTER:
             rate = member.stream.rate_hz if member.stream else None
@@ -63,24 +65,22 @@ class Members(Bodies):
             stream = self._stream_constant(member)
             return ProxyMemberView(
                 True,
-                f"def {name}(self) -> StreamAttribute[{result}]:",
+                f"def {name}(self) -> _StreamAttribute[{result}]:",
                 doc,
-                (f"return StreamAttribute(self, {self._constant(call)}, {stream})",),
+                (f"return _StreamAttribute(self, {self._constant(call)}, {stream})",),
             )
-        command = f"Command[{result}]" if feedback == "None" else f"Command[{result}, {feedback}]"
+        command = f"_Command[{result}]" if feedback == "None" else f"_Command[{result}, {feedback}]"
         parameters = ", ".join(["self", *self._parameters(call, defaults=True)])
         values = self._inputs(call)
-        taken = LocalNames(
-            LOCAL_WORDS - {"out"} | {escaped(v.name, names.KEYWORDS) for v in values}
-        )
+        inputs = self._parameter_names(call)
+        taken = LocalNames(LOCAL_WORDS | self._type_names(values) | set(inputs))
         lines = []
         label = short_name(call).removesuffix("=")
         out = "[]"
         if values:
             out = "out"
-            lines.append("out: Parts = []")
-            for v in values:
-                x = escaped(v.name, names.KEYWORDS)
+            lines.append("out: _Parts = []")
+            for x, v in zip(inputs, values, strict=True):
                 slot = Slot(x, f"{label}.{v.name}", v.type, v.optional, v.range)
                 lines += self._lowering.encode(slot, taken)
         lines.append(f"return self._gecos_call({self._constant(call)}, {out})")
@@ -93,15 +93,16 @@ class Members(Bodies):
         parameters = ["self", *self._parameters(call, defaults=False)]
         if isinstance(member, Operation) and member.cancelable:
             run = LocalNames(p.partition(":")[0] for p in parameters).fresh("run")
-            parameters.append(f"{run}: Execution[{self._feedback_hint(call)}]")
+            parameters.append(f"{run}: _Execution[{self._in_class(self._feedback_hint(call))}]")
         name = self._method_name(call)
+        result = self._in_class(self._result_hint(call))
         return HandlerView(
             f"0x{call.code:08X}",
             self._constant(call),
             name,
             self._arguments(call),
             self._writer(call),
-            f"def {name}({', '.join(parameters)}) -> {self._result_hint(call)}:",
+            f"def {name}({', '.join(parameters)}) -> {result}:",
             self._doc(call) or (f"Answers {short_name(call)}.",),
         )
 
@@ -110,13 +111,16 @@ class Members(Bodies):
         name = names.method_names(self._model, self.interface).fresh(f"publish_{attribute.name}")
         slot = Slot("value", attribute.name, value.type, value.optional, value.range)
         code = self._layout.stream(attribute.scoped_name).code
+        local = LocalNames(LOCAL_WORDS | self._type_names([value]) | {"value", "stamp"})
+        hint = self._in_class(self._hint(value))
         body = [
-            "out: Parts = []",
-            *self._lowering.encode(slot, LocalNames(LOCAL_WORDS | {"value", "stamp"})),
+            "out: _Parts = []",
+            *self._lowering.encode(slot, local),
             f"self._gecos_publish(0x{code:08X}, out, stamp)",
         ]
+        stamp = self._in_class("float | None")
         return PublisherView(
-            f"def {name}(self, value: {self._hint(value)}, stamp: float | None = None) -> None:",
+            f"def {name}(self, value: {hint}, stamp: {stamp} = None) -> None:",
             f"A new sample of `{attribute.name}`, measured at `stamp` (Unix time in s; now).",
             tuple(body),
         )

@@ -31,7 +31,7 @@ class Tables(Bodies):
         result = self._result_hint(call)
         return MethodTableView(
             self._constant(call),
-            f"Method[{result}, {feedback}]",
+            f"_Method[{result}, {feedback}]",
             tuple(self._operation_arguments(call, member)),
             tuple(arguments),
         )
@@ -41,13 +41,13 @@ class Tables(Bodies):
         lines = [f"code=0x{call.code:08X}", f'name="{short_name(call)}"']
         setter = call.kind is CallKind.SETTER
         if isinstance(member, Attribute):
-            lines.append(f"kind=Kind.{'SETTER' if setter else 'GETTER'}")
+            lines.append(f"kind=_Kind.{'SETTER' if setter else 'GETTER'}")
             access = member.write_access if setter else member.read_access
             presence = setter and member.write_needs_presence
             idempotent = member.idempotent or not setter
         else:
             access, presence, idempotent = member.access, member.needs_presence, member.idempotent
-        lines.append(f"access=Access.{access.name}")
+        lines.append(f"access=_Access.{access.name}")
         flags = {"presence": presence, "idempotent": idempotent, "parallel": member.parallel}
         if isinstance(member, Operation):
             flags |= {"safety": member.safety, "cancelable": member.cancelable}
@@ -56,11 +56,11 @@ class Tables(Bodies):
             f"{name}={value}" for name, value in flags.items() if value != (name == "presence")
         ]
         if member.on_new is not OnNew.QUEUE:
-            lines.append(f"on_new=OnNew.{member.on_new.name}")
+            lines.append(f"on_new=_OnNew.{member.on_new.name}")
         if member.on_loss is not OnLoss.STOP:
-            lines.append(f"on_loss=OnLoss.{member.on_loss.name}")
+            lines.append(f"on_loss=_OnLoss.{member.on_loss.name}")
         terms = quality(member.qos)
-        if terms != "Quality()":
+        if terms != "_Quality()":
             lines.append(f"quality={terms}")
         return [*lines, f"hash=0x{call.hash:016X}"]
 
@@ -68,11 +68,11 @@ class Tables(Bodies):
         layout = self._layout.stream(attribute.scoped_name)
         assert attribute.stream is not None
         lines = [f"code=0x{layout.code:08X}", f'name="{attribute.name}"']
-        lines.append(f"access=Access.{attribute.read_access.name}")
+        lines.append(f"access=_Access.{attribute.read_access.name}")
         lines.append(f"rate_hz={float(attribute.stream.rate_hz or 0)!r}")
         lines.append(f"largest={layout.sample.fixed_size or 0}")
         terms = quality(attribute.qos)
-        if terms != "Quality()":
+        if terms != "_Quality()":
             lines.append(f"quality={terms}")
         return StreamTableView(self._stream_constant(attribute), tuple(lines))
 
@@ -81,7 +81,7 @@ def quality(qos: Qos) -> str:
     terms = []
     if qos.quality_class not in (None, QualityClass.TIME_INDEPENDENT):
         assert qos.quality_class is not None
-        terms.append(f"line=QualityClass.{qos.quality_class.name}")
+        terms.append(f"line=_QualityClass.{qos.quality_class.name}")
     if qos.reliability is Reliability.BEST_EFFORT:
         terms.append("best_effort=True")
     for name in ("deadline_ns", "start_by_ns", "latency_ns", "lifespan_ns", "depth"):
@@ -89,5 +89,5 @@ def quality(qos: Qos) -> str:
         if value is not None:
             terms.append(f"{name}={value}")
     if qos.media is not None:
-        terms.append("media=" + " | ".join(f"Media.{medium.upper()}" for medium in qos.media))
-    return f"Quality({', '.join(terms)})"
+        terms.append("media=" + " | ".join(f"_Media.{medium.upper()}" for medium in qos.media))
+    return f"_Quality({', '.join(terms)})"

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 class FunctionView:
     """A reader or writer of a body, as a function of the module."""
 
-    head: str  # "def _device_mount_arguments(source: Decoder) -> tuple[str, Frame]:"
+    head: str  # "def _device_mount_arguments(source: _Decoder) -> tuple[str, Frame]:"
     body: tuple[str, ...]
 
 
@@ -18,8 +18,8 @@ class MethodTableView:
     """The constant that says how an operation is called."""
 
     name: str  # "_DEVICE_MOUNT"
-    type: str  # "Method[None, None]"
-    operation: tuple[str, ...]  # arguments of Operation(...)
+    type: str  # "_Method[None, None]"
+    operation: tuple[str, ...]  # arguments of _Operation(...)
     arguments: tuple[str, ...]  # what follows it
 
 
@@ -69,6 +69,7 @@ class InterfaceView:
     base_servants: tuple[str, ...]
     bases: tuple[str, ...]
     quality: str
+    hidden: tuple[str, ...]  # by members; hints in its classes say `_list_`
     functions: tuple[FunctionView, ...]
     methods: tuple[MethodTableView, ...]
     streams: tuple[StreamTableView, ...]

@@ -57,7 +57,7 @@ class Plans(Runs):
     def _step_of(self, struct: Struct, member: Member) -> str | None:
         slot = Slot("", "", member.type, member.optional, member.range)
         step = self._step(struct, member.type, self.limits(slot))
-        return f"plans.optional({step})" if step is not None and member.optional else step
+        return f"_plans.optional({step})" if step is not None and member.optional else step
 
     def _step(self, owner: Struct, used: Type, limits: Range | None) -> str | None:
         node = node_of(self.model, used)
@@ -72,9 +72,9 @@ class Plans(Runs):
                 kind = names.type_name(self.model, name)
                 literal = declaration.default_literal
                 default = "" if literal is None else f", {kind}.{names.enumerator(literal)}"
-                return f'plans.enumerator("{CODES[wire]}", {kind}{default})'
+                return f'_plans.enumerator("{CODES[wire]}", {kind}{default})'
             case StringNode(bound):
-                return f"plans.text({most(bound, 'string')})"
+                return f"_plans.text({most(bound, 'string')})"
             case StructNode(name):
                 return self._nested(owner, name, "struct")
             case AppendableNode(name):
@@ -83,12 +83,12 @@ class Plans(Runs):
                 assert isinstance(target, SequenceType)
                 limit = most(bound, "count")
                 if is_octet(element):
-                    return f"plans.octets({limit})"
+                    return f"_plans.octets({limit})"
                 return self._several(owner, element, target.element, (), limit)
             case ArrayNode(element, dimensions):
                 assert isinstance(target, ArrayType)
                 if is_octet(element) and len(dimensions) == 1:
-                    return f"plans.fixed_octets({dimensions[0]})"
+                    return f"_plans.fixed_octets({dimensions[0]})"
                 return self._several(owner, element, target.element, dimensions, "")
             case _:
                 return None
@@ -102,7 +102,7 @@ class Plans(Runs):
         assert limits is not None
         if code == "Q":
             return None
-        return f'plans.ranged("{code}", {limits.minimum}, {limits.maximum})'
+        return f'_plans.ranged("{code}", {limits.minimum}, {limits.maximum})'
 
     def _nested(self, owner: Struct, name: str, how: str) -> str | None:
         struct = self.model.find(name)
@@ -111,7 +111,7 @@ class Plans(Runs):
         here, there = owner.facts.location, struct.facts.location
         if here.file == there.file and (there.line, there.column) > (here.line, here.column):
             return None  # Python does not know it yet
-        return f"plans.{how}({names.type_name(self.model, name)})"
+        return f"_plans.{how}({names.type_name(self.model, name)})"
 
     def _several(
         self, owner: Struct, element: Node, used: Type, dimensions: tuple[int, ...], limit: str
@@ -125,14 +125,14 @@ class Plans(Runs):
             bounds = "" if limits is None else f", low={limits.minimum}, high={limits.maximum}"
             sizes = ", ".join(str(size) for size in dimensions)
             how = f'array("{code}", {sizes}' if dimensions else f'numbers("{code}", {limit}'
-            return f"plans.{how}{bounds})"
+            return f"_plans.{how}{bounds})"
         least = min_size_of(self.model, element)
         step = self._step(owner, used, limits)
         if step is None or least == 0:
             return None
         if not dimensions:
-            return f"plans.items({step}, {least}, {limit})"
+            return f"_plans.items({step}, {least}, {limit})"
         for size in reversed(dimensions):
-            step = f"plans.fixed_items({step}, {least}, {size})"
+            step = f"_plans.fixed_items({step}, {least}, {size})"
             least *= size
         return step

@@ -80,7 +80,7 @@ class Runs(Types):
                 found: list[Leaf] = []
                 for m in self.model.all_members(struct):
                     inner = Slot(
-                        f"{slot.expression}.{names.member_name(m.name)}",
+                        f"{slot.expression}.{names.member_name(m.name, self.words(struct))}",
                         f"{struct.simple_name}.{m.name}", m.type, m.optional, m.range,
                     )  # fmt: skip
                     more = self.leaves(inner)
@@ -99,9 +99,9 @@ class Runs(Types):
             return []
         struct = self.model.struct(node.name)
         kind = names.type_name(self.model, node.name)
-        lines = [f'wire.expect({slot.expression}, {kind}, "{slot.label}")']
+        lines = [f'_wire.expect({slot.expression}, {kind}, "{slot.label}")']
         for m in self.model.all_members(struct):
-            expression = f"{slot.expression}.{names.member_name(m.name)}"
+            expression = f"{slot.expression}.{names.member_name(m.name, self.words(struct))}"
             lines += self.expected(Slot(expression, f"{struct.simple_name}.{m.name}", m.type))
         return lines
 
@@ -141,19 +141,19 @@ class Runs(Types):
             text = range_text(leaf.limits)
             return [
                 f"if {test}:",
-                f'    raise wire.out_of_range("{leaf.label}", {leaf.access}, "{text}")',
+                f'    raise _wire.out_of_range("{leaf.label}", {leaf.access}, "{text}")',
             ]
         target = self.model.target(leaf.type)
         if isinstance(target, NamedType):
             declaration = self.model.find(target.name)
             if isinstance(declaration, EnumDeclaration):
                 kind = names.type_name(self.model, target.name)
-                return [f'wire.expect_enumerator({leaf.access}, {kind}, "{leaf.label}")']
+                return [f'_wire.expect_enumerator({leaf.access}, {kind}, "{leaf.label}")']
             if isinstance(declaration, Bitmask) and declaration.bit_bound not in (32, 64):
                 most = (1 << declaration.bit_bound) - 1
                 return [
                     f"if {leaf.access} > {most}:",
-                    f'    raise wire.out_of_range("{leaf.label}", {leaf.access}, "[0, {most}]")',
+                    f'    raise _wire.out_of_range("{leaf.label}", {leaf.access}, "[0, {most}]")',
                 ]
         return []
 

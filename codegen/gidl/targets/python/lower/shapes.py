@@ -22,23 +22,23 @@ from gidl.wire_layout import node_of
 class Shapes(Types):
     def shape(self, used: Type, optional: bool = False) -> str:
         text = self._shape(used)
-        return f"shapes.Optional({text})" if optional else text
+        return f"_shapes.Optional({text})" if optional else text
 
     def _shape(self, used: Type) -> str:
         target = self.model.target(used)
         match target:
             case PrimitiveType(Primitive.CHAR):
-                return "shapes.Text(1)"
+                return "_shapes.Text(1)"
             case PrimitiveType(kind):
-                return f'shapes.Number("{CODES[kind]}")'
+                return f'_shapes.Number("{CODES[kind]}")'
             case StringType():
-                return "shapes.Text()"
+                return "_shapes.Text()"
             case SequenceType(element):
                 return self._items(element, None)
             case ArrayType(element, dimensions):
                 return self._items(element, dimensions)
             case MapType(key, value):
-                return f"shapes.Entries({self._shape(key)}, {self._shape(value)})"
+                return f"_shapes.Entries({self._shape(key)}, {self._shape(value)})"
             case NamedType(name):
                 return self._named(name)
         raise AssertionError(target)
@@ -47,22 +47,22 @@ class Shapes(Types):
         node = node_of(self.model, element)
         sizes = dimensions or ()
         if is_octet(node) and len(sizes) < 2:
-            return f"shapes.Octets({', '.join(str(size) for size in sizes)})"
+            return f"_shapes.Octets({', '.join(str(size) for size in sizes)})"
         code = self.bulk_code(node)
         if code is not None:
             shape = "".join(f"{size}, " for size in sizes)
             shape = f", ({shape.rstrip() if len(sizes) == 1 else shape[:-2]})" if sizes else ""
-            return f'shapes.Array("{code}"{shape})'
+            return f'_shapes.Array("{code}"{shape})'
         text = self._shape(element)
         for size in reversed(sizes):
-            text = f"shapes.Items({text}, {size})"
-        return text if sizes else f"shapes.Items({text})"
+            text = f"_shapes.Items({text}, {size})"
+        return text if sizes else f"_shapes.Items({text})"
 
     def _named(self, name: str) -> str:
         declaration = self.model.find(name)
         mine = names.value_name(self.model, name)
         if not isinstance(declaration, EnumDeclaration | Bitmask):
-            return f"shapes.Value({mine})"
+            return f"_shapes.Value({mine})"
         if isinstance(declaration, EnumDeclaration):
             kind, words = "Enumerators", [e.name for e in declaration.enumerators]
         else:
@@ -72,4 +72,4 @@ class Shapes(Types):
             for word in words
             if names.enumerator(word) != word
         )
-        return f"shapes.{kind}({mine}{f', {{{renamed}}}' if renamed else ''})"
+        return f"_shapes.{kind}({mine}{f', {{{renamed}}}' if renamed else ''})"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
 from gidl.model import (
@@ -9,6 +10,7 @@ from gidl.model import (
     Bitmask,
     EnumDeclaration,
     EnumValue,
+    ExceptionStruct,
     MapType,
     Member,
     Model,
@@ -18,6 +20,7 @@ from gidl.model import (
     Range,
     SequenceType,
     StringType,
+    Struct,
     Type,
     Typedef,
     Value,
@@ -76,7 +79,7 @@ class Types:
                     return "bytes"
                 code = self.bulk_code(node)
                 if code is not None:
-                    return f"npt.NDArray[np.{DTYPES[code]}]"
+                    return f"_npt.NDArray[_np.{DTYPES[code]}]"
                 text = self.hint(element)
                 for _ in range(depth):
                     text = f"list[{text}]"
@@ -90,9 +93,17 @@ class Types:
                 return names.value_name(self.model, name)
         raise AssertionError(used)
 
+    def words(self, struct: Struct) -> frozenset[str]:
+        """What its members cannot be called: also not like a type in the hints beside them."""
+        words = names.STRUCT_WORDS
+        if isinstance(struct, ExceptionStruct):
+            words = names.EXCEPTION_WORDS
+        hints = " ".join(self.hint(m.type) for m in self.model.all_members(struct))
+        return words | set(re.findall(r"(?<![.\w])[A-Za-z]\w*", hints))
+
     def holds_array(self, used: Type) -> bool:
         """Whether `==` needs help: arrays compare element by element."""
-        return "npt.NDArray" in self.hint(used)
+        return "_npt.NDArray" in self.hint(used)
 
     def literal(self, value: Value, used: Type) -> str:
         match value:
@@ -131,7 +142,7 @@ class Types:
                 if is_octet(node):
                     return 'b""', False
                 code = self.bulk_code(node)
-                return (f'lambda: wire.zeros("{code}", 0)' if code else "list"), True
+                return (f'lambda: _wire.zeros("{code}", 0)' if code else "list"), True
             case ArrayType(element, dimensions):
                 return self._zero_array(element, dimensions)
             case NamedType(name):
@@ -151,7 +162,7 @@ class Types:
         code = self.bulk_code(node)
         if code is not None:
             shape = ", ".join(str(d) for d in dimensions)
-            return f'lambda: wire.zeros("{code}", {shape})', True
+            return f'lambda: _wire.zeros("{code}", {shape})', True
         inner, made = self._zero(element)
         text = f"{inner.removeprefix('lambda: ')}" if inner.startswith("lambda: ") else inner
         text = f"{text}()" if made and not inner.startswith("lambda: ") else text
@@ -183,7 +194,7 @@ def is_octet(element: Node) -> bool:
 def most(bound: int | None, what: str) -> str:
     if bound is not None:
         return str(bound)
-    return "wire.MAX_TEXT" if what == "string" else "wire.MAX_COUNT"
+    return "_wire.MAX_TEXT" if what == "string" else "_wire.MAX_COUNT"
 
 
 def indented(lines: list[str]) -> list[str]:

@@ -66,34 +66,34 @@ class Writing(Runs):
         target = self.model.target(used)
         match node:
             case ScalarNode(Primitive.CHAR):
-                return [f'out.append(wire.char({x}, "{label}"))']
+                return [f'out.append(_wire.char({x}, "{label}"))']
             case ScalarNode(primitive):
                 leaf = Leaf(CODES[primitive], x, label, used, limits)
                 return [
-                    f'out.append(wire.number({x}, "{leaf.code}", "{label}"))',
+                    f'out.append(_wire.number({x}, "{leaf.code}", "{label}"))',
                     *self.check_leaf(leaf),
                 ]
             case EnumNode(name, wire):
                 declaration = self.model.find(name)
                 if isinstance(declaration, Bitset):
                     kind = names.type_name(self.model, name)
-                    expected = f'wire.expect({x}, {kind}, "{label}")'
+                    expected = f'_wire.expect({x}, {kind}, "{label}")'
                     return [expected, f"out.append({x}.pack())"]
                 code = CODES[wire]
                 code = code if isinstance(declaration, EnumDeclaration) else code.upper()
                 leaf = Leaf(code, x, label, used, None)
                 return [
-                    f'out.append(wire.number({x}, "{code}", "{label}"))',
+                    f'out.append(_wire.number({x}, "{code}", "{label}"))',
                     *self.check_leaf(leaf),
                 ]
             case StringNode(bound):
-                return [f'out.append(wire.string({x}, {most(bound, "string")}, "{label}"))']
+                return [f'out.append(_wire.string({x}, {most(bound, "string")}, "{label}"))']
             case StructNode(name) | ObjectNode(name) | UnionNode(name, False):
                 kind = names.value_name(self.model, name)
-                return [f'wire.put({x}, {kind}, out, "{label}")']
+                return [f'_wire.put({x}, {kind}, out, "{label}")']
             case AppendableNode(name) | UnionNode(name):
                 kind = names.type_name(self.model, name)
-                return [f'wire.put_block({x}, {kind}, out, "{label}")']
+                return [f'_wire.put_block({x}, {kind}, out, "{label}")']
             case SequenceNode(element, bound):
                 assert isinstance(target, SequenceType)
                 limits = self.limits(Slot(x, label, target.element))
@@ -114,8 +114,8 @@ class Writing(Runs):
                     *self._encode(target.value, value, label, None, local),
                 ]
                 return [
-                    f'out.append(wire.count(len({x}), {most(bound, "count")}, "{label}"))',
-                    f"for {key}, {value} in sorted({x}.items(), key=wire.first):",
+                    f'out.append(_wire.count(_len({x}), {most(bound, "count")}, "{label}"))',
+                    f"for {key}, {value} in _sorted({x}.items(), key=_wire.first):",
                     *indented(inner),
                 ]
         raise AssertionError(node)
@@ -132,14 +132,14 @@ class Writing(Runs):
     ) -> list[str]:
         limit = most(bound, "count")
         if is_octet(element):
-            return [f'out += wire.octets({x}, {limit}, "{label}")']
+            return [f'out += _wire.octets({x}, {limit}, "{label}")']
         code = self.bulk_code(element)
         if code is not None:
             bounds = range_arguments(limits)
-            return [f'out += wire.numbers({x}, "{code}", {limit}, "{label}"{bounds})']
+            return [f'out += _wire.numbers({x}, "{code}", {limit}, "{label}"{bounds})']
         item = local.fresh("item")
         return [
-            f'out.append(wire.count(len({x}), {limit}, "{label}"))',
+            f'out.append(_wire.count(_len({x}), {limit}, "{label}"))',
             f"for {item} in {x}:",
             *indented(self._encode(used, item, label, limits, local)),
         ]
@@ -155,18 +155,18 @@ class Writing(Runs):
         local: LocalNames,
     ) -> list[str]:
         if is_octet(element) and len(dimensions) == 1:
-            return [f'out.append(wire.fixed_octets({x}, {dimensions[0]}, "{label}"))']
+            return [f'out.append(_wire.fixed_octets({x}, {dimensions[0]}, "{label}"))']
         code = self.bulk_code(element)
         if code is not None:
             shape = ", ".join(str(d) for d in dimensions)
             bounds = range_arguments(limits)
-            return [f'out.append(wire.fixed({x}, "{code}", ({shape},), "{label}"{bounds}))']
+            return [f'out.append(_wire.fixed({x}, "{code}", ({shape},), "{label}"{bounds}))']
         item = local.fresh("item" if len(dimensions) == 1 else "row")
         if len(dimensions) == 1:
             inner = self._encode(used, item, label, limits, local)
         else:
             inner = self._encode_array(element, used, dimensions[1:], item, label, limits, local)
-        return [f'for {item} in wire.exactly({x}, {dimensions[0]}, "{label}"):', *indented(inner)]
+        return [f'for {item} in _wire.exactly({x}, {dimensions[0]}, "{label}"):', *indented(inner)]
 
 
 def range_arguments(limits: Range | None) -> str:

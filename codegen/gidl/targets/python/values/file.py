@@ -18,9 +18,10 @@ from gidl.model import (
 )
 from gidl.targets.naming import value_note
 from gidl.targets.python import names
-from gidl.targets.python.imports import export_order, import_lines
+from gidl.targets.python.imports import export_order, import_lines, private
 from gidl.targets.python.lower import CODES, Lowering
 from gidl.targets.python.values.names import (
+    BUILTIN_FUNCTIONS,
     one_line,
     type_doc,
 )
@@ -65,9 +66,15 @@ def _standard(types: list[TypeView]) -> list[str]:
     kinds = {t.kind for t in types}
     structs = [t for t in types if isinstance(t, StructView)]
     coded = bool(kinds & {"struct", "union", "bits"})
-    modules: dict[str, list[str]] = {"dataclasses": [], "enum": [], "typing": []}
+    bodies = "\n".join(
+        line for t in types if isinstance(t, StructView | UnionView) for line in t.encode
+    )
+    fields = any("_field(" in field.default for t in structs for field in t.fields)
+    modules: dict[str, list[str]] = {"builtins": [], "dataclasses": [], "enum": [], "typing": []}
+    modules["builtins"] += private(w for w in BUILTIN_FUNCTIONS if f"_{w}(" in bodies)
     for module, name, used in (
         ("dataclasses", "dataclass", coded),
+        ("dataclasses", "field", fields),
         ("enum", "IntEnum", "enum" in kinds),
         ("enum", "IntFlag", "mask" in kinds),
         ("typing", "TYPE_CHECKING", bool(_numpy(types))),
@@ -78,11 +85,8 @@ def _standard(types: list[TypeView]) -> list[str]:
         ("typing", "TypeAlias", "alias" in kinds),
     ):
         if used:
-            modules[module].append(name)
-    lines = import_lines(modules)
-    if any("_field(" in field.default for t in structs for field in t.fields):
-        lines.insert(1, "from dataclasses import field as _field")
-    return lines
+            modules[module] += private([name])
+    return import_lines(modules)
 
 
 def _numpy(types: list[TypeView]) -> list[str]:
@@ -96,9 +100,9 @@ def _numpy(types: list[TypeView]) -> list[str]:
             else []
         )
     )  # fmt: skip
-    if "npt." not in hints:
+    if "_npt." not in hints:
         return []
-    return ["import numpy as np", "import numpy.typing as npt"]
+    return ["import numpy as _np", "import numpy.typing as _npt"]
 
 
 def _imports(
@@ -125,12 +129,12 @@ def _imports(
                 pass
     modules: dict[str, set[str]] = {}
     if {t.kind for t in types} & {"struct", "union", "bits"}:
-        modules["gecos"] = {"wire"}
-        modules["gecos.wire"] = {"shapes"}
+        modules["gecos"] = set(private(["wire"]))
+        modules["gecos.wire"] = set(private(["shapes"]))
     if any(isinstance(t, StructView) and t.plan for t in types):
-        modules["gecos.wire"].add("plans")
+        modules["gecos.wire"].update(private(["plans"]))
     if any(isinstance(t, StructView) and t.is_exception for t in types):
-        modules["gecos.errors"] = {"DeclaredError"}
+        modules["gecos.errors"] = set(private(["DeclaredError"]))
     for module, name in mapped:
         modules.setdefault(module, set()).add(name)
     for name in used:
@@ -199,7 +203,7 @@ class _Types(Structs, Unions):
             signed = not boolean and not kind.is_unsigned
             member = names.member_name(f.name, names.STRUCT_WORDS | {"pack", "unpack"})
             attribute = f', attribute="{member}"' if member != f.name else ""
-            shape.append(f'shapes.Member("{f.name}", shapes.Number("{CODES[kind]}"){attribute})')
+            shape.append(f'_shapes.Member("{f.name}", _shapes.Number("{CODES[kind]}"){attribute})')
             used |= ((1 << f.width) - 1) << f.position
             fields.append(
                 BitsFieldView(

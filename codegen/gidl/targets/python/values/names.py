@@ -2,32 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from gidl.model import (
     AnyDeclaration,
     Facts,
     Member,
+    Type,
 )
 from gidl.targets.naming import doc_lines
 from gidl.targets.python import names
 from gidl.targets.python.lower import Lowering
 
-LOCAL_WORDS = frozenset(
-    (
-        "out",
-        "source",
-        "cls",
-        "self",
-        "wire",
-        "plans",
-        "chr",
-        "range",
-        "len",
-        "sorted",
-        "Any",
-        "np",
-        "npt",
-    )
-)
+# Bodies call these where parameters stand, which may have their names: `_len` is no such name.
+BUILTIN_FUNCTIONS = ("len", "sorted")
+# What a body calls something else, and so none of its locals.
+LOCAL_WORDS = names.BUILTINS | {"out", "source", "cls", "self"}
 
 
 class ValueNames:
@@ -41,6 +31,12 @@ class ValueNames:
 
 def type_doc(facts: Facts, note: str = "") -> tuple[str, ...]:
     return names.docstring(doc_lines(facts, note))
+
+
+def type_names(lowering: Lowering, types: Iterable[Type]) -> set[str]:
+    """Of the declared types that codecs and hints of these name."""
+    used = {name for each in types for name in lowering.imports(each)}
+    return {names.type_name(lowering.model, name) for name in used}
 
 
 def may_be_missing(member: Member) -> bool:

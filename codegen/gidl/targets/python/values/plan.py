@@ -12,6 +12,7 @@ from gidl.targets.python.lower import Leaf, Lowering, Run, Slot
 from gidl.targets.python.values.names import (
     LOCAL_WORDS,
     may_be_missing,
+    type_names,
 )
 from gidl.targets.python.values.views import (
     RunView,
@@ -80,7 +81,7 @@ class Plan:
 
     def encode_body(self) -> list[str]:
         lines: list[str] = []
-        local = LocalNames(LOCAL_WORDS)
+        local = self._locals()
         for run, indices in self._groups:
             if run is None:
                 lines += self._lowering.encode(self._slots[indices[0]], local)
@@ -98,9 +99,7 @@ class Plan:
         if only is not None and self._is_plain(only) and not self._struct.is_appendable:
             return [f"return cls(*{self._names[id(only)]}.unpack(source))"]
         lines: list[str] = []
-        local = LocalNames(LOCAL_WORDS | {names.type_name(self._lowering.model, n)
-                                          for m in self._members
-                                          for n in self._lowering.imports(m.type)})  # fmt: skip
+        local = self._locals()
         arguments: list[str] = []
         for run, indices in self._groups:
             if run is None:
@@ -113,6 +112,9 @@ class Plan:
         if self._struct.is_appendable:
             lines.append("source.offset = source.end  # what a newer writer added is skipped")
         return [*lines, f"return cls({', '.join(arguments)})"]
+
+    def _locals(self) -> LocalNames:
+        return LocalNames(LOCAL_WORDS | type_names(self._lowering, [m.type for m in self._members]))
 
     def _is_plain(self, run: Run) -> bool:
         """Whether what is unpacked are the members as they are."""

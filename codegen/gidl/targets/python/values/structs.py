@@ -27,10 +27,8 @@ from gidl.targets.reach import type_reaches
 class Structs(ValueNames):
     def _struct(self, struct: Struct, stands_for: str = "") -> StructView:
         members = self._model.all_members(struct)
-        words = names.STRUCT_WORDS
         is_exception = isinstance(struct, ExceptionStruct)
-        if is_exception:
-            words = names.EXCEPTION_WORDS
+        words = self._lowering.words(struct)
         slots = [
             Slot(f"self.{names.member_name(m.name, words)}", f"{struct.simple_name}.{m.name}",
                  m.type, m.optional, m.range)
@@ -44,8 +42,8 @@ class Structs(ValueNames):
         return StructView(
             "struct",
             self._name(struct),
-            "(DeclaredError)" if is_exception else "",
-            "@dataclass(slots=True, eq=False)" if by_hand else "@dataclass(slots=True)",
+            "(_DeclaredError)" if is_exception else "",
+            "@_dataclass(slots=True, eq=False)" if by_hand else "@_dataclass(slots=True)",
             struct.name,
             is_exception,
             type_doc(struct.facts),
@@ -77,14 +75,14 @@ class Structs(ValueNames):
         name = names.member_name(member.name, words)
         attribute = f', attribute="{name}"' if name != member.name else ""
         secret = ", secret=True" if member.secret else ""
-        return f'shapes.Member("{member.name}", {shape}{attribute}{secret})'
+        return f'_shapes.Member("{member.name}", {shape}{attribute}{secret})'
 
     def _comparisons(self, members: tuple[Member, ...], words: frozenset[str]) -> list[str]:
         lines = []
         for m in members:
             name = names.member_name(m.name, words)
             if self._lowering.holds_array(m.type):
-                lines.append(f"wire.same(self.{name}, other.{name})")
+                lines.append(f"_wire.same(self.{name}, other.{name})")
             else:
                 lines.append(f"self.{name} == other.{name}")
         return lines

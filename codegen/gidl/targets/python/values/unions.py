@@ -15,6 +15,7 @@ from gidl.targets.python.values.names import (
     LOCAL_WORDS,
     ValueNames,
     type_doc,
+    type_names,
 )
 from gidl.targets.python.values.views import (
     ArmView,
@@ -37,22 +38,22 @@ class Unions(ValueNames):
         label = f"{union.simple_name}.tag"
         char = isinstance(tag_node, ScalarNode) and tag_node.primitive is Primitive.CHAR
         boolean = isinstance(tag_node, ScalarNode) and tag_node.primitive is Primitive.BOOLEAN
-        number = "wire.char(self.tag)[0]" if char else "int(self.tag)" if boolean else "self.tag"
+        number = "_wire.char(self.tag)[0]" if char else "int(self.tag)" if boolean else "self.tag"
         if isinstance(tag_node, ScalarNode) and tag_node.primitive is Primitive.UINT64:
             code = "Q"
         encode += [
             "arm = self._arm(self.tag)",
-            "value: Any = self.value",
+            "value: _Any = self.value",
             "if (value is None) != (arm == 0):",
-            f'    raise wire.EncodeError("{union.simple_name}",'
+            f'    raise _wire.EncodeError("{union.simple_name}",'
             ' "its tag does not select the arm that it holds")',
-            f'out.append(wire.number({number}, "{code}", "{label}"))',
+            f'out.append(_wire.number({number}, "{code}", "{label}"))',
         ]
         if isinstance(tag_node, EnumNode):
             kind = names.type_name(self._model, tag_node.name)
-            encode.append(f'wire.expect_enumerator(self.tag, {kind}, "{label}")')
+            encode.append(f'_wire.expect_enumerator(self.tag, {kind}, "{label}")')
         decode += self._decode_tag(union, tag_node, code, label)
-        decode += ["arm = cls._arm(tag)", "value: Any = None"]
+        decode += ["arm = cls._arm(tag)", "value: _Any = None"]
         for index, case in enumerate(union.cases, start=1):
             used = case.member.type
             arm_label = f"{union.simple_name}.{case.member.name}"
@@ -68,7 +69,7 @@ class Unions(ValueNames):
                 )
             )  # fmt: skip
             slot = Slot("value", arm_label, used, False, case.member.range)
-            local = LocalNames(LOCAL_WORDS | {"arm", "value"})
+            local = LocalNames(LOCAL_WORDS | type_names(lowering, [used]) | {"arm", "value"})
             encode += [
                 f'out.append(b"\\1" if arm == {index} else b"\\0")',
                 f"if arm == {index}:",
@@ -90,7 +91,7 @@ class Unions(ValueNames):
             lowering.hint(union.discriminator), tag_default,
             " | ".join([*hints, "None"]), tuple(arms), tuple(self._select(union)),
             tuple(encode), tuple(decode), f"0x{fingerprint & (1 << 64) - 1:016X}",
-            any("npt." in hint for hint in hints),
+            any("_npt." in hint for hint in hints),
             lowering.shape(union.discriminator),
             tuple(lowering.shape(case.member.type) for case in union.cases),
         )  # fmt: skip
@@ -110,7 +111,7 @@ class Unions(ValueNames):
         if not (kind.is_integer and kind.size == size):
             lines += [
                 f"if not {limits[0]} <= number <= {limits[1]}:",
-                f'    source.refuse(wire.DecodeProblem.UNKNOWN_UNION_TAG, "{label}",'
+                f'    source.refuse(_wire.DecodeProblem.UNKNOWN_UNION_TAG, "{label}",'
                 f" source.offset - {size})",
             ]
         made = {Primitive.BOOLEAN: "number == 1", Primitive.CHAR: "chr(number)"}.get(kind, "number")

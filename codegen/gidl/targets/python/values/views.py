@@ -39,7 +39,7 @@ class RunView:
 class StructView:
     kind: str  # "struct"
     name: str
-    base: str  # "(DeclaredError)" or ""
+    base: str  # "(_DeclaredError)" or ""
     decorator: str
     scoped_name: str
     is_exception: bool
