@@ -95,17 +95,16 @@ void run(int rounds, const std::string& wanted) {
     table("shm, two cores", {two.spinning(), two.yielding(), two.socket(), two.packets(Kind::Shm),
                              two.call(Kind::Shm), two.python(Kind::Shm)});
   }
-  table("shm, one core", {one.yielding(), one.socket(), one.packets(Kind::Shm),
-                          one.call(Kind::Shm), one.python(Kind::Shm)});
+  table("shm, one core", {one.yielding(), one.socket(), one.packets(Kind::Shm), one.call(Kind::Shm),
+                          one.python(Kind::Shm)});
   if (core_count() >= 2) {
     const BusyNeighbours busy;
-    table("a busy loop on each of two cores",
-          {two.socket(), two.lcm(), two.packets(Kind::Shm), two.call(Kind::Shm),
-           two.call(Kind::Lcm)});
+    table("a busy loop on each of two cores", {two.socket(), two.lcm(), two.packets(Kind::Shm),
+                                               two.call(Kind::Shm), two.call(Kind::Lcm)});
   }
   if (core_count() >= 2) {
-    table("lcm, two cores", {two.lcm(), two.socket(), two.packets(Kind::Lcm),
-                             two.call(Kind::Lcm), two.python(Kind::Lcm)});
+    table("lcm, two cores", {two.lcm(), two.socket(), two.packets(Kind::Lcm), two.call(Kind::Lcm),
+                             two.python(Kind::Lcm)});
   }
   table("lcm, one core", {one.lcm(), one.socket(), one.packets(Kind::Lcm), one.call(Kind::Lcm),
                           one.python(Kind::Lcm)});

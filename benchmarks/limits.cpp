@@ -27,7 +27,7 @@ template <auto wait>
 class RingPair final : public PingPong {
  public:
   explicit RingPair(Cores cores)
-      : rings_(new(map()) TwoRings), server_([this, cores] {
+      : rings_(new (map()) TwoRings), server_([this, cores] {
           pin_server(cores);
           Packet packet;
           for (std::uint64_t i = 1;; ++i) {
@@ -43,8 +43,8 @@ class RingPair final : public PingPong {
 
  private:
   static void* map() {
-    void* at = ::mmap(nullptr, sizeof(TwoRings), PROT_READ | PROT_WRITE,
-                      MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    void* at = ::mmap(nullptr, sizeof(TwoRings), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS,
+                      -1, 0);
     if (at == MAP_FAILED) throw std::bad_alloc();
     return at;
   }
@@ -58,7 +58,8 @@ class SocketPair final : public PingPong {
  public:
   explicit SocketPair(Cores cores) {
     std::array<int, 2> ends{};
-    if (::socketpair(AF_UNIX, SOCK_STREAM, 0, ends.data()) != 0) throw std::runtime_error("socketpair");
+    if (::socketpair(AF_UNIX, SOCK_STREAM, 0, ends.data()) != 0)
+      throw std::runtime_error("socketpair");
     end_ = ends[0];
     server_ = std::make_unique<OtherProcess>([&] {
       pin_server(cores);
@@ -89,16 +90,22 @@ class LcmPair final : public PingPong {
       : server_([cores] {
           pin_server(cores);
           lcm_t* const lcm = ::lcm_create(provider);
-          ::lcm_subscribe(lcm, "PING", [](const lcm_recv_buf_t* got, const char*, void*) {
-            ::lcm_publish(got->lcm, "PONG", got->data, got->data_size);
-          }, nullptr);
+          ::lcm_subscribe(
+              lcm, "PING",
+              [](const lcm_recv_buf_t* got, const char*, void*) {
+                ::lcm_publish(got->lcm, "PONG", got->data, got->data_size);
+              },
+              nullptr);
           while (::lcm_handle(lcm) == 0) {
           }
         }),
         lcm_(::lcm_create(provider)) {
-    ::lcm_subscribe(lcm_, "PONG", [](const lcm_recv_buf_t*, const char*, void* self) {
-      ++static_cast<LcmPair*>(self)->answers_;
-    }, this);
+    ::lcm_subscribe(
+        lcm_, "PONG",
+        [](const lcm_recv_buf_t*, const char*, void* self) {
+          ++static_cast<LcmPair*>(self)->answers_;
+        },
+        this);
     // The other process may not listen yet: ask until it has answered, then wait for silence.
     do {
       ::lcm_publish(lcm_, "PING", packet_.data(), static_cast<unsigned>(packet_.size()));
@@ -111,7 +118,8 @@ class LcmPair final : public PingPong {
     const std::uint64_t before = answers_;
     ::lcm_publish(lcm_, "PING", packet_.data(), static_cast<unsigned>(packet_.size()));
     while (answers_ == before) {
-      if (::lcm_handle_timeout(lcm_, 1000) <= 0) throw std::runtime_error("raw LCM: an answer was lost");
+      if (::lcm_handle_timeout(lcm_, 1000) <= 0)
+        throw std::runtime_error("raw LCM: an answer was lost");
     }
   }
 

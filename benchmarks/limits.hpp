@@ -1,5 +1,5 @@
-// The limits beside which our own numbers stand: what a ring, a socket and LCM do with nothing of ours
-// around them. Each carries 64 bytes to another process and back.
+// The limits beside which our own numbers stand: what a ring, a socket and LCM do with nothing of
+// ours around them. Each carries 64 bytes to another process and back.
 #pragma once
 
 #include <memory>

@@ -132,9 +132,8 @@ void print_table(const std::string& title, const std::vector<Medians>& results) 
   std::printf("\n| %s | p50 µs | p99 µs | × %s | in the rounds |\n|---|--:|--:|--:|--:|\n",
               title.c_str(), results.front().name.c_str());
   for (const Medians& of : results) {
-    std::printf("| %s | %.2f | %.2f | %.2f | %.2f to %.2f |\n", of.name.c_str(),
-                of.p50.count(), of.p99.count(), of.ratio, of.lowest_ratio,
-                of.highest_ratio);
+    std::printf("| %s | %.2f | %.2f | %.2f | %.2f to %.2f |\n", of.name.c_str(), of.p50.count(),
+                of.p99.count(), of.ratio, of.lowest_ratio, of.highest_ratio);
   }
   std::fflush(stdout);
 }

@@ -1,5 +1,5 @@
-// Round trips measured in turn, round by round, since absolute times move from machine to machine and
-// from one second to the next: what is compared stands in the same round.
+// Round trips measured in turn, round by round, since absolute times move from machine to machine
+// and from one second to the next: what is compared stands in the same round.
 #pragma once
 
 #include <chrono>
@@ -72,8 +72,8 @@ struct Medians {
   double highest_ratio = 0;
 };
 
-/// Runs all candidates in turn, `rounds` times; the first is the limit. What reading the clock takes is
-/// taken off.
+/// Runs all candidates in turn, `rounds` times; the first is the limit. What reading the clock
+/// takes is taken off.
 std::vector<Medians> paired_rounds(const std::vector<Candidate>& candidates, int rounds);
 /// A table in Markdown.
 void print_table(const std::string& title, const std::vector<Medians>& results);

@@ -114,8 +114,8 @@ Work decode_lcm(const Value& from_this) {
 
 /// To where the numbers of a message lie: behind the fingerprint and their count.
 Work copy_doubles() {
-  return [from = our_doubles().numbers, to = gecos::Bytes(12 + count * sizeof(double))](
-             int times) mutable {
+  return [from = our_doubles().numbers,
+          to = gecos::Bytes(12 + count * sizeof(double))](int times) mutable {
     for (; times > 0; --times) {
       seen(*from.data());
       std::memcpy(to.data() + 12, from.data(), from.size() * sizeof(double));

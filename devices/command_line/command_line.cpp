@@ -55,7 +55,8 @@ std::string CommandLine::usage() const {
   for (const Option& option : options_) {
     std::string left = "  --" + option.word;
     left.resize(std::max<std::size_t>(left.size() + 1, 22), ' ');
-    text += left + option.says + " (" + (option.standard.empty() ? "none" : option.standard) + ")\n";
+    text +=
+        left + option.says + " (" + (option.standard.empty() ? "none" : option.standard) + ")\n";
   }
   return text + "Prints one line when it is ready and ends on SIGINT or SIGTERM.\n";
 }

@@ -10,8 +10,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto beat = 10ms;               // between two looks at the jaws
-constexpr auto world_takes_notice = 2s;   // of what the jaws hold, at most
+constexpr auto beat = 10ms;              // between two looks at the jaws
+constexpr auto world_takes_notice = 2s;  // of what the jaws hold, at most
 
 gecos::Fault out_of_range(const SimulatedGripper::OutOfRange& refused) {
   return robcl::OutOfRange{refused.what, refused.value, refused.lower, refused.upper};
@@ -22,8 +22,7 @@ gecos::Fault as_fault(const gecos::Failure& failure) { return gecos::Fault::fail
 }  // namespace
 
 GripperServant::GripperServant(gecos::Lab& lab, std::string name, std::string world,
-                               const std::string& carrier,
-                               const robcl::Frame& base_from_grip_point,
+                               const std::string& carrier, const robcl::Frame& base_from_grip_point,
                                const SimulatedGripper::Settings& settings)
     : lab_(lab),
       name_(std::move(name)),
@@ -60,8 +59,8 @@ gecos::Result<robcl::World> GripperServant::world() {
   if (!world_ || gecos::ping(*world_).wait_for(500ms) != gecos::State::Finished) {
     auto found = lab_.create<robcl::World>(world_name_);
     if (!found) {
-      return tl::unexpected(gecos::Fault::failed("the simulated world is not there: " +
-                                                 found.error().to_string()));
+      return tl::unexpected(
+          gecos::Fault::failed("the simulated world is not there: " + found.error().to_string()));
     }
     world_ = *found;
   }
@@ -95,8 +94,8 @@ gecos::Result<void> GripperServant::let_jaws_move(Run& run) {
   }
 }
 
-/// A command ends when the world shows what it did: who moves the arm next must find the body held, or
-/// standing.
+/// A command ends when the world shows what it did: who moves the arm next must find the body held,
+/// or standing.
 gecos::Result<void> GripperServant::wait_for_world(const std::string& body,
                                                    const std::string& holder, Run& run) {
   const auto there = world();
@@ -108,9 +107,9 @@ gecos::Result<void> GripperServant::wait_for_world(const std::string& body,
     if (found->fixed || found->held_by == holder) return {};
     if (run.wait_interrupted(beat)) return tl::unexpected(gecos::Fault::interrupted());
   }
-  return tl::unexpected(gecos::Fault::failed("world '" + world_name_ + "' does not notice that '" +
-                                             name_ + "' " + (holder.empty() ? "let go of" : "holds") +
-                                             " '" + body + "': does it watch this gripper?"));
+  return tl::unexpected(gecos::Fault::failed(
+      "world '" + world_name_ + "' does not notice that '" + name_ + "' " +
+      (holder.empty() ? "let go of" : "holds") + " '" + body + "': does it watch this gripper?"));
 }
 
 gecos::Result<void> GripperServant::open(double width, Run& run) {

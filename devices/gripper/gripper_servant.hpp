@@ -11,8 +11,8 @@
 
 namespace devices {
 
-/// SimulatedGripper as the object `robcl::Gripper`, in a simulated world that it asks what its jaws meet.
-/// Thread-safe; its handlers wait for the world.
+/// SimulatedGripper as the object `robcl::Gripper`, in a simulated world that it asks what its jaws
+/// meet. Thread-safe; its handlers wait for the world.
 class GripperServant final : public robcl::GripperServant {
  public:
   /// `world` empty: there is none, and the jaws never meet anything.

@@ -8,8 +8,8 @@
 
 namespace devices {
 
-/// Two parallel jaws that close at a constant speed until they meet something, or each other. `step`
-/// belongs to their beat; everything may be called by any thread.
+/// Two parallel jaws that close at a constant speed until they meet something, or each other.
+/// `step` belongs to their beat; everything may be called by any thread.
 class SimulatedGripper {
  public:
   struct Settings {
@@ -39,8 +39,8 @@ class SimulatedGripper {
   const Settings& settings() const { return settings_; }
   State state() const;
 
-  /// Starts towards `width`, letting go of what is held. On the way in it stops at `contact`, without
-  /// force.
+  /// Starts towards `width`, letting go of what is held. On the way in it stops at `contact`,
+  /// without force.
   tl::expected<void, OutOfRange> open(double width, const std::optional<Contact>& contact);
   /// Starts to close until the jaws meet `contact` (else each other), to press it with `force`.
   tl::expected<void, OutOfRange> close(double force, const std::optional<Contact>& contact);

@@ -58,8 +58,8 @@ void ArmController::step(double seconds) {
     end = Outcome{End::Fault, 0, 0, std::move(measured.error())};
   }
   if (end) phase_ = Phase::Standing;
-  // Without an answer from the driver the last one stays what is known, and its stamp says how old it
-  // is. Where it stands when the driver is back, it shall stay.
+  // Without an answer from the driver the last one stays what is known, and its stamp says how old
+  // it is. Where it stands when the driver is back, it shall stay.
   if (measured) {
     if (std::exchange(silent_, false)) command_ = *measured;
     publish(*measured);

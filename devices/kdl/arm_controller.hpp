@@ -15,21 +15,21 @@
 
 namespace devices {
 
-/// Runs one motion at a time and keeps standing where it is when there is none. `step` belongs to the
-/// control loop's thread and neither locks nor allocates (unless the driver fails); the rest belongs to
-/// the thread that wants the arm moved; `now` may be read by all.
+/// Runs one motion at a time and keeps standing where it is when there is none. `step` belongs to
+/// the control loop's thread and neither locks nor allocates (unless the driver fails); the rest
+/// belongs to the thread that wants the arm moved; `now` may be read by all.
 class ArmController {
  public:
   struct Settings {
-    double settled = 1e-4;    ///< rad from its goal at which a joint counts as arrived
-    double settle_time = 1;   ///< s after the end of a motion within which it has to be there
+    double settled = 1e-4;   ///< rad from its goal at which a joint counts as arrived
+    double settle_time = 1;  ///< s after the end of a motion within which it has to be there
   };
 
   /// What was measured, all of it in one cycle.
   struct Reading {
     std::array<double, robcl::arm::max_axes> joints{};
     std::array<double, robcl::arm::max_axes> commanded{};  // where they are told to be meanwhile
-    std::array<double, 7> base_from_flange{};  // x, y, z, then w, x, y, z
+    std::array<double, 7> base_from_flange{};              // x, y, z, then w, x, y, z
     double fraction = 0;
     double remaining = 0;
     std::uint64_t cycle = 0;          // counts what was measured
@@ -51,15 +51,16 @@ class ArmController {
   /// One cycle of `seconds`.
   void step(double seconds);
 
-  /// Hands a motion to the control loop. @pre the last one was awaited; it starts at `standing_at()`.
+  /// Hands a motion to the control loop. @pre the last one was awaited; it starts at
+  /// `standing_at()`.
   void start(robcl::motion::Plan plan);
   /// Decelerates what runs. May be called at any time, also when nothing runs.
   void stop() { stop_.store(true); }
   /// Whether the motion ended within `patience`; if so, the next may be started.
   std::optional<Outcome> wait(gecos::Duration patience);
 
-  /// Where the joints are commanded to be while nothing moves: where the last motion ended, or, after a
-  /// fault of the driver, where they were measured.
+  /// Where the joints are commanded to be while nothing moves: where the last motion ended, or,
+  /// after a fault of the driver, where they were measured.
   JointValues standing_at() const;
   Reading now() const { return reading_.read(); }
 

@@ -22,8 +22,8 @@ class JointDriver {
   /// Where the joints are before anything was commanded, rad.
   virtual JointValues measured() = 0;
 
-  /// Once per control cycle: where the joints shall be `seconds` from the last exchange on, answered by
-  /// where they are. Blocks no longer than a part of the cycle, allocates only to fail.
+  /// Once per control cycle: where the joints shall be `seconds` from the last exchange on,
+  /// answered by where they are. Blocks no longer than a part of the cycle, allocates only to fail.
   virtual tl::expected<JointValues, DriverFault> exchange(const JointValues& command,
                                                           double seconds) = 0;
 };

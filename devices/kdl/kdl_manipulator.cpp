@@ -98,7 +98,8 @@ tl::expected<void, Refused> KdlManipulator::mount(const Frame& world_from_base) 
 
 tl::expected<void, Refused> KdlManipulator::set_tool_offset(const Frame& flange_from_tool) {
   const std::unique_lock standing(moving_, std::try_to_lock);
-  if (!standing) return tl::unexpected(Refused{"the arm is moving; change its tool when it stands"});
+  if (!standing)
+    return tl::unexpected(Refused{"the arm is moving; change its tool when it stands"});
   const std::lock_guard lock(reading_);
   flange_from_tool_ = flange_from_tool;
   return {};

@@ -38,7 +38,8 @@ using MoveFailure = std::variant<robcl::arm::OutOfReach, robcl::arm::JointLimit,
                                  robcl::arm::Singular, Interrupted, Refused, DriverFault>;
 std::string to_string(const MoveFailure& failure);
 
-/// Any arm with a driver. `step` is its control loop's; everything else may be called by any thread.
+/// Any arm with a driver. `step` is its control loop's; everything else may be called by any
+/// thread.
 class KdlManipulator {
  public:
   struct Settings {
@@ -63,10 +64,10 @@ class KdlManipulator {
   Sample sample() const;
 
   Frame base() const;
-  Frame flange() const;       ///< in the world, as measured
-  Frame tool() const;         ///< in the world, as measured
-  Frame tool_offset() const;  ///< tool seen from the flange
-  JointValues joints() const; ///< as measured
+  Frame flange() const;        ///< in the world, as measured
+  Frame tool() const;          ///< in the world, as measured
+  Frame tool_offset() const;   ///< tool seen from the flange
+  JointValues joints() const;  ///< as measured
   bool moving() const { return controller_.now().moving; }
   robcl::arm::Configuration configuration() const;
   const robcl::arm::ArmModel& model() const { return model_; }

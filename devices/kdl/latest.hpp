@@ -8,10 +8,10 @@
 
 namespace devices {
 
-/// The newest value of one writer for any number of readers. Writing is wait-free; a reader tries again
-/// while it is being overtaken, which a writer at some hundred hertz does to it at most once.
+/// The newest value of one writer for any number of readers. Writing is wait-free; a reader tries
+/// again while it is being overtaken, which a writer at some hundred hertz does to it at most once.
 template <typename T>
-  requires std::is_trivially_copyable_v<T>
+requires std::is_trivially_copyable_v<T>
 class Latest {
  public:
   explicit Latest(const T& value) { write(value); }

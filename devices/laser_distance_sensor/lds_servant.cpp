@@ -52,8 +52,7 @@ gecos::Result<robcl::Distance> LdsServant::measure() {
   if (!hit) return tl::unexpected(robcl::SensorFault{hit.error()});
   const auto seen = beam_.measure(hit->hit ? std::optional(hit->range) : std::nullopt);
   return robcl::Distance{seen.value_or(0), seen.has_value(), beam_.settings().lower,
-                         beam_.settings().upper,
-                         static_cast<double>(gecos::unix_now_ns()) * 1e-9};
+                         beam_.settings().upper, static_cast<double>(gecos::unix_now_ns()) * 1e-9};
 }
 
 gecos::Result<void> LdsServant::power(bool on) {

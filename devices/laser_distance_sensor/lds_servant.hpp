@@ -12,8 +12,8 @@
 
 namespace devices {
 
-/// A beam in the simulated world as the object `robcl::LaserDistanceSensor`. Thread-safe; its handlers
-/// wait for the world.
+/// A beam in the simulated world as the object `robcl::LaserDistanceSensor`. Thread-safe; its
+/// handlers wait for the world.
 class LdsServant final : public robcl::LaserDistanceSensorServant {
  public:
   LdsServant(gecos::Lab& lab, std::string world, const std::string& carrier,

@@ -16,7 +16,8 @@ using namespace std::chrono_literals;
 int main(int count, char** words) {
   const devices::CommandLine line(
       "robcl-lds",
-      "Serves a simulated laser distance sensor. Where it stands at first, it looks across the table at\n"
+      "Serves a simulated laser distance sensor. Where it stands at first, it looks across the "
+      "table at\n"
       "the height to which the block is lifted.",
       {{"name", "LDS", "name to register"},
        {"world", "WORLD", "the world that it looks into"},
@@ -44,11 +45,11 @@ int main(int count, char** words) {
   const auto position = [&line](const char* word) { return robcl::mm(line.number(word)); };
   const auto turn = [&line](const char* word) { return robcl::deg(line.number(word)); };
   gecos::Lab lab;
-  devices::LdsServant servant(lab, line.text("world"), line.text("carrier"),
-                              robcl::Frame::from_euler_zyz(position("x"), position("y"),
-                                                           position("z"), turn("a"), turn("b"),
-                                                           turn("c")),
-                              settings);
+  devices::LdsServant servant(
+      lab, line.text("world"), line.text("carrier"),
+      robcl::Frame::from_euler_zyz(position("x"), position("y"), position("z"), turn("a"),
+                                   turn("b"), turn("c")),
+      settings);
   gecos::Server server(lab);
   gecos::ObjectOptions options;
   options.simulated = true;

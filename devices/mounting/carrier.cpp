@@ -76,8 +76,8 @@ tl::expected<robcl::Frame, std::string> Carrier::frame() {
   const std::lock_guard lock(guard_);
   if (name_.empty()) return robcl::Frame();
   if (heard() && last_) return *last_;
-  return tl::unexpected("where the flange of '" + name_ + "' is, is not known: " +
-                        (problem_.empty() ? "it is silent" : problem_));
+  return tl::unexpected("where the flange of '" + name_ +
+                        "' is, is not known: " + (problem_.empty() ? "it is silent" : problem_));
 }
 
 Mounting::Mounting(gecos::Lab& lab, const std::string& carrier,

@@ -11,8 +11,8 @@
 
 namespace devices {
 
-/// The flange of a manipulator, as its stream last said; or the world, which stands. Any thread may ask;
-/// one thread tends.
+/// The flange of a manipulator, as its stream last said; or the world, which stands. Any thread may
+/// ask; one thread tends.
 class Carrier {
  public:
   /// A flange that was silent for longer than this is not known any more.
@@ -24,8 +24,8 @@ class Carrier {
   void follow(const std::string& name);
   std::string name() const;
 
-  /// Connects, or connects again, when that is needed; call it now and then, where waiting for up to
-  /// 0.2 s does no harm.
+  /// Connects, or connects again, when that is needed; call it now and then, where waiting for up
+  /// to 0.2 s does no harm.
   void tend();
 
   /// The flange in the world; or why it is not known.

@@ -39,8 +39,8 @@ int main(int count, char** words) {
       count, words);
   if (line.exit_status()) return *line.exit_status();
 
-  const auto model = robcl::arm::ArmModel::from_urdf(devices::rx90_urdf, "foot", "flange",
-                                                     seconds_to_full_speed);
+  const auto model =
+      robcl::arm::ArmModel::from_urdf(devices::rx90_urdf, "foot", "flange", seconds_to_full_speed);
   if (!model) return fail(model.error().text);
   devices::SimulatedDriver::Imperfection imperfection;
   imperfection.seed = static_cast<unsigned>(line.number("seed"));

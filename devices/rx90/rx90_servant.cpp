@@ -63,7 +63,8 @@ Wire on_wire(const std::optional<Known>& known) {
   return known ? static_cast<Wire>(*known) : Wire{};
 }
 
-static_assert(static_cast<int>(robcl::arm::Shoulder::Lefty) == static_cast<int>(robcl::Shoulder::LEFTY));
+static_assert(static_cast<int>(robcl::arm::Shoulder::Lefty) ==
+              static_cast<int>(robcl::Shoulder::LEFTY));
 static_assert(static_cast<int>(robcl::arm::Elbow::Below) == static_cast<int>(robcl::Elbow::BELOW));
 static_assert(static_cast<int>(robcl::arm::Wrist::Flip) == static_cast<int>(robcl::Wrist::FLIP));
 
@@ -80,8 +81,9 @@ void Rx90Servant::publish() {
 
 gecos::Result<void> Rx90Servant::mount(const std::string& carrier, const Frame& offset) {
   if (!carrier.empty()) {
-    return tl::unexpected(robcl::MountRefused{"an RX90 weighs 111 kg and stands on the floor, not on '" +
-                                              carrier + "': leave the carrier empty"});
+    return tl::unexpected(
+        robcl::MountRefused{"an RX90 weighs 111 kg and stands on the floor, not on '" + carrier +
+                            "': leave the carrier empty"});
   }
   if (const auto mounted = arm_.mount(offset); !mounted) {
     return tl::unexpected(robcl::MountRefused{mounted.error().reason});
@@ -96,8 +98,8 @@ gecos::Result<void> Rx90Servant::set_tool_offset(const Frame& value) {
   return {};
 }
 
-gecos::Result<void> Rx90Servant::move(const Frame& goal, const std::optional<robcl::Trajectory>& how,
-                                      Progress& run) {
+gecos::Result<void> Rx90Servant::move(const Frame& goal,
+                                      const std::optional<robcl::Trajectory>& how, Progress& run) {
   const robcl::Trajectory trajectory = how.value_or(robcl::Trajectory{});
   const PathKind path =
       trajectory.path == robcl::PathType::STRAIGHT ? PathKind::Straight : PathKind::Joint;

@@ -15,9 +15,18 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double touching = 1e-3;  // m by which boxes may overlap and still count as touching
 
 /// The corners of a box are numbered by three bits, one per axis; an edge changes one of them.
-constexpr std::array<std::array<std::size_t, 2>, 12> edges = {{{0, 1}, {2, 3}, {4, 5}, {6, 7},
-                                                               {0, 2}, {1, 3}, {4, 6}, {5, 7},
-                                                               {0, 4}, {1, 5}, {2, 6}, {3, 7}}};
+constexpr std::array<std::array<std::size_t, 2>, 12> edges = {{{0, 1},
+                                                               {2, 3},
+                                                               {4, 5},
+                                                               {6, 7},
+                                                               {0, 2},
+                                                               {1, 3},
+                                                               {4, 6},
+                                                               {5, 7},
+                                                               {0, 4},
+                                                               {1, 5},
+                                                               {2, 6},
+                                                               {3, 7}}};
 
 /// Where a line from `origin` enters and leaves the box, in multiples of `direction`.
 std::optional<std::array<double, 2>> through(const Box& box, const Vector3d& origin,
@@ -61,7 +70,8 @@ std::optional<double> height_over(const Vector3d& a0, const Vector3d& a1, const 
                                   const Vector3d& b1) {
   const Vector2d a = (a1 - a0).head<2>(), b = (b1 - b0).head<2>(), from = (b0 - a0).head<2>();
   const double cross = a.x() * b.y() - a.y() * b.x();
-  if (std::abs(cross) < 1e-15) return std::nullopt;  // parallel: their ends are corners, seen elsewhere
+  if (std::abs(cross) < 1e-15)
+    return std::nullopt;  // parallel: their ends are corners, seen elsewhere
   const double s = (from.x() * b.y() - from.y() * b.x()) / cross;
   const double t = (from.x() * a.y() - from.y() * a.x()) / cross;
   if (s < 0 || s > 1 || t < 0 || t > 1) return std::nullopt;
@@ -97,7 +107,8 @@ std::optional<Between> between_jaws(const Frame& jaws, const Vector2d& pad, doub
   Between found{infinite, -infinite};
   for (const auto& face : faces) {
     std::vector<Vector3d> polygon;
-    for (const std::size_t corner : face) polygon.push_back(jaws_from_world.transform(corners[corner]));
+    for (const std::size_t corner : face)
+      polygon.push_back(jaws_from_world.transform(corners[corner]));
     for (const double sign : {1.0, -1.0}) {
       polygon = clipped(polygon, 0, sign, pad.x() / 2);
       polygon = clipped(polygon, 1, sign, opening / 2);

@@ -19,8 +19,8 @@ struct Box {
   std::array<Eigen::Vector3d, 8> corners() const;
 };
 
-/// Distance along the ray's z axis from its origin to the box, at most `reach`. A ray that starts inside
-/// meets it at 0.
+/// Distance along the ray's z axis from its origin to the box, at most `reach`. A ray that starts
+/// inside meets it at 0.
 std::optional<double> ray_hit(const Frame& ray, double reach, const Box& box);
 
 /// What of a box lies between two jaws.
@@ -32,8 +32,8 @@ struct Between {
 std::optional<Between> between_jaws(const Frame& jaws, const Eigen::Vector2d& pad, double opening,
                                     const Box& box);
 
-/// How far `upper` can move straight down until it meets `lower`; nothing when it passes beside it or is
-/// already level with it or below. Boxes that touch give 0.
+/// How far `upper` can move straight down until it meets `lower`; nothing when it passes beside it
+/// or is already level with it or below. Boxes that touch give 0.
 std::optional<double> fall_onto(const Box& upper, const Box& lower);
 
 }  // namespace devices

@@ -15,8 +15,8 @@ class GripperWatch {
  public:
   GripperWatch(gecos::Lab& lab, SimulatedWorld& world, std::string gripper);
 
-  /// Connects where needed, sees what the jaws do, moves what they carry. One thread; may wait for up to
-  /// half a second while something is not there.
+  /// Connects where needed, sees what the jaws do, moves what they carry. One thread; may wait for
+  /// up to half a second while something is not there.
   void tend();
   /// Moves what they carry to where it is now. Any thread; does not wait.
   void carry();

@@ -31,7 +31,8 @@ int main(int count, char** words) {
       "robcl-world",
       "Serves a simulated laboratory: a table with a block on it, which grippers can carry.",
       {{"name", "WORLD", "name to register"},
-       {"grippers", "GRIPPER", "names of the grippers that may carry something, with commas between"}},
+       {"grippers", "GRIPPER",
+        "names of the grippers that may carry something, with commas between"}},
       count, words);
   if (line.exit_status()) return *line.exit_status();
 
@@ -54,8 +55,8 @@ int main(int count, char** words) {
   }
   std::vector<std::unique_ptr<devices::Periodic>> tending;
   for (const auto& gripper : grippers) {
-    tending.push_back(
-        std::make_unique<devices::Periodic>(4ms, [watch = gripper.get()](double) { watch->tend(); }));
+    tending.push_back(std::make_unique<devices::Periodic>(
+        4ms, [watch = gripper.get()](double) { watch->tend(); }));
   }
   std::printf("robcl-world: %s is ready\n", line.text("name").c_str());
   std::fflush(stdout);

@@ -6,8 +6,11 @@ namespace devices {
 namespace {
 
 robcl::Body on_wire(const SimulatedBody& body) {
-  return {body.name, body.box.pose, {body.box.size.x(), body.box.size.y(), body.box.size.z()},
-          body.fixed, body.held_by};
+  return {body.name,
+          body.box.pose,
+          {body.box.size.x(), body.box.size.y(), body.box.size.z()},
+          body.fixed,
+          body.held_by};
 }
 
 }  // namespace
@@ -36,7 +39,8 @@ gecos::Result<robcl::Body> WorldServant::find(const std::string& name) {
 }
 
 gecos::Result<robcl::RayHit> WorldServant::cast(const robcl::Frame& origin, double reach) {
-  if (!(reach >= 0)) return tl::unexpected(gecos::Fault::bad_parameter("reach must be 0 m or more"));
+  if (!(reach >= 0))
+    return tl::unexpected(gecos::Fault::bad_parameter("reach must be 0 m or more"));
   catch_up_();
   const auto hit = world_.cast(origin, reach);
   if (!hit) return robcl::RayHit{};
@@ -65,7 +69,8 @@ gecos::Result<void> WorldServant::place(const std::string& name, const robcl::Fr
     case SimulatedWorld::PlaceProblem::Held:
       break;
   }
-  return tl::unexpected(gecos::Fault::rejected("'" + name + "' is held by a gripper: open that first"));
+  return tl::unexpected(
+      gecos::Fault::rejected("'" + name + "' is held by a gripper: open that first"));
 }
 
 }  // namespace devices

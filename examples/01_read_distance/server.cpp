@@ -1,8 +1,8 @@
 // The paper's first example: a server for a laser distance sensor.
 // Run `gecos broker` first, then this, then any of the clients beside it.
 
-#include <cstdio>
 #include <cmath>
+#include <cstdio>
 
 #include "gecos/gecos.hpp"
 #include "robcl/frames/frame.hpp"
@@ -15,8 +15,11 @@ class SwayingWall : public robcl::LaserDistanceSensorServant {
   gecos::Result<robcl::Distance> measure() override {
     if (!on_) return tl::unexpected(robcl::SensorFault{"the laser is off: call power(true)"});
     const double now = static_cast<double>(gecos::unix_now_ns()) * 1e-9;
-    const robcl::Distance distance{
-        .value = 0.5 + 0.1 * std::sin(now), .valid = true, .lower = 0.05, .upper = 2.0, .stamp = now};
+    const robcl::Distance distance{.value = 0.5 + 0.1 * std::sin(now),
+                                   .valid = true,
+                                   .lower = 0.05,
+                                   .upper = 2.0,
+                                   .stamp = now};
     publish_beam(distance);
     return distance;
   }
@@ -29,7 +32,8 @@ class SwayingWall : public robcl::LaserDistanceSensorServant {
   gecos::Result<std::string> parent() override { return std::string(); }
   gecos::Result<void> mount(const std::string& carrier, const robcl::Frame& offset) override {
     if (!carrier.empty()) {
-      return tl::unexpected(robcl::MountRefused{"this sensor stands on the floor, not on " + carrier});
+      return tl::unexpected(
+          robcl::MountRefused{"this sensor stands on the floor, not on " + carrier});
     }
     base_ = offset;
     return {};

@@ -3,8 +3,9 @@
 #include <chrono>
 #include <thread>
 
-/// Whether `holds` within ten seconds. It is asked again and again: for what nobody can be told of, as what the
-/// kernel shows of a process under /proc, or what somebody else has noticed. Whoever has a descriptor, a condition or a line waits for that.
+/// Whether `holds` within ten seconds. It is asked again and again: for what nobody can be told of,
+/// as what the kernel shows of a process under /proc, or what somebody else has noticed. Whoever
+/// has a descriptor, a condition or a line waits for that.
 template <class Holds>
 bool settles(Holds holds) {
   const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(10);

@@ -21,7 +21,8 @@ using namespace gecos::media;
 /// Whatever is read is read again from what it is written as.
 void read_as_anything(ByteView bytes) {
   if (const auto message = LcmMessage::read(bytes)) {
-    expect(message->channel.size() + message->content.size() + 9 == bytes.size(), "a message is a whole");
+    expect(message->channel.size() + message->content.size() + 9 == bytes.size(),
+           "a message is a whole");
     if (const auto datagram = DatagramHeader::read(message->content)) {
       std::array<std::byte, DatagramHeader::bytes> again;
       datagram->write(again);
@@ -34,7 +35,8 @@ void read_as_anything(ByteView bytes) {
   if (const auto inner = InnerHeader::read(bytes)) {
     std::array<std::byte, InnerHeader::bytes> again;
     inner->write(again);
-    expect(std::ranges::equal(again, bytes.first(InnerHeader::bytes)), "what was sealed is read again");
+    expect(std::ranges::equal(again, bytes.first(InnerHeader::bytes)),
+           "what was sealed is read again");
   }
   if (const auto stream = SharedStream::read(bytes)) {
     std::array<std::byte, SharedStream::bytes> again;
@@ -54,9 +56,14 @@ void read_as_anything(ByteView bytes) {
 bool bend(Script& script, Bytes& frame) {
   const Bytes before = frame;
   switch (script.below(4)) {
-    case 0: break;
-    case 1: frame.resize(script.word() % (frame.size() + 1)); break;
-    case 2: frame.push_back(std::byte{script.byte()}); break;
+    case 0:
+      break;
+    case 1:
+      frame.resize(script.word() % (frame.size() + 1));
+      break;
+    case 2:
+      frame.push_back(std::byte{script.byte()});
+      break;
     case 3:
       for (std::size_t bits = 1 + script.below(4); bits > 0; --bits) {
         frame[script.word() % frame.size()] ^= std::byte{script.byte()};
@@ -71,10 +78,11 @@ void try_handshake(Script script) {
   static const crypto::Identity server(crypto::KeyPair::draw());
   const Bytes context = script.bytes(20);
   const bool admitted = !script.one_in(8);
-  crypto::HandshakeDoor door(
-      server, [admitted](const auto&) { return admitted; },
-      {.burst = 1 + static_cast<std::uint32_t>(script.below(8)), .remembered = 1 + script.below(4)});
-  const auto opening = crypto::Opening::begin(client, server.public_key(), context, script.bytes(10));
+  crypto::HandshakeDoor door(server, [admitted](const auto&) { return admitted; },
+                             {.burst = 1 + static_cast<std::uint32_t>(script.below(8)),
+                              .remembered = 1 + script.below(4)});
+  const auto opening =
+      crypto::Opening::begin(client, server.public_key(), context, script.bytes(10));
   TimePoint now{std::chrono::hours(1)};
   Bytes second;
   std::size_t channels = 0;
@@ -96,7 +104,8 @@ void try_handshake(Script script) {
     second = answer->second;
     const bool altered = bend(script, second);
     const auto opened = opening->finish(second, now);
-    expect(opened.has_value() == !altered, "the answer as it was sent, and only that, opens the channel");
+    expect(opened.has_value() == !altered,
+           "the answer as it was sent, and only that, opens the channel");
   }
 }
 
@@ -122,10 +131,12 @@ void try_inbox(Script script) {
         const bool is_packet = !script.one_in(3);
         if (is_packet) text.resize(std::max(text.size(), InnerHeader::bytes));
         if (is_packet) {
-          const InnerHeader inner{InnerKind::Packet, ++numbers, static_cast<std::int64_t>(script.number())};
+          const InnerHeader inner{InnerKind::Packet, ++numbers,
+                                  static_cast<std::int64_t>(script.number())};
           inner.write(std::span(text).first<InnerHeader::bytes>());
           not_arrived[numbers] = {text.begin() + InnerHeader::bytes, text.end()};
-        } else if (!text.empty() && text[0] == std::byte{static_cast<std::uint8_t>(InnerKind::Packet)}) {
+        } else if (!text.empty() &&
+                   text[0] == std::byte{static_cast<std::uint8_t>(InnerKind::Packet)}) {
           break;  // it would be a packet that is not known here
         }
         Bytes frame(crypto::Sealer::overhead + text.size());
@@ -137,7 +148,8 @@ void try_inbox(Script script) {
       case 3:
       case 4: {
         if (wire.empty()) break;
-        Bytes frame = wire[wire.size() - 1 - script.byte() % wire.size()];  // newest, older, or again
+        Bytes frame =
+            wire[wire.size() - 1 - script.byte() % wire.size()];  // newest, older, or again
         inbox.take(header, frame, now);
         break;
       }
@@ -174,12 +186,16 @@ void try_inbox(Script script) {
 void try_datagrams(ByteView input) {
   Script script(input);
   switch (script.below(8)) {
-    case 0: return read_as_anything(input.subspan(std::min<std::size_t>(1, input.size())));
-    case 1: return try_handshake(script);
+    case 0:
+      return read_as_anything(input.subspan(std::min<std::size_t>(1, input.size())));
+    case 1:
+      return try_handshake(script);
     case 2:
     case 3:
-    case 4: return try_inbox(script);
-    default: return try_pieces(script);
+    case 4:
+      return try_inbox(script);
+    default:
+      return try_pieces(script);
   }
 }
 

@@ -23,7 +23,9 @@ void PrintTo(const Target& target, std::ostream* out) { *out << target.name; }
 
 class FixedInputs : public testing::TestWithParam<Target> {
  protected:
-  void SetUp() override { set_log_level(LogLevel::Error); }  // of each hostile peer there is a warning
+  void SetUp() override {
+    set_log_level(LogLevel::Error);
+  }  // of each hostile peer there is a warning
 };
 
 TEST_P(FixedInputs, KeepWhatIsPromisedWhateverTheOtherSideDoes) {

@@ -20,7 +20,8 @@ using Kind = wire::PacketKind;
 
 constexpr SessionId the_session{0x5e5510};
 
-/// The server: whenever the client looks, the script says what has arrived. When it is over the line is.
+/// The server: whenever the client looks, the script says what has arrived. When it is over the
+/// line is.
 class Server {
  public:
   Server(Script& script, ScriptedLink& link) : script_(script), link_(link) {
@@ -43,13 +44,15 @@ class Server {
     if (script_.one_in(16)) return script_.bytes(100);
     if (!welcomed_) return greeting();
     wire::PacketHeader header;
-    static constexpr std::array usual = {Kind::Reply, Kind::Reply, Kind::Reply, Kind::Progress,
+    static constexpr std::array usual = {Kind::Reply,    Kind::Reply,
+                                         Kind::Reply,    Kind::Progress,
                                          Kind::Progress, static_cast<Kind>(16)};  // reserved
-    header.kind = script_.one_in(16) ? static_cast<Kind>(script_.byte())
-                                     : usual[script_.below(usual.size())];
-    header.flags = static_cast<std::int8_t>(script_.one_in(4)   ? script_.byte()
-                                            : script_.one_in(2) ? static_cast<std::uint8_t>(Detail::Done)
-                                                                : script_.below(5));
+    header.kind =
+        script_.one_in(16) ? static_cast<Kind>(script_.byte()) : usual[script_.below(usual.size())];
+    header.flags =
+        static_cast<std::int8_t>(script_.one_in(4)   ? script_.byte()
+                                 : script_.one_in(2) ? static_cast<std::uint8_t>(Detail::Done)
+                                                     : script_.below(5));
     header.session = script_.one_in(16) ? SessionId{script_.number()} : the_session;
     header.counter = script_.one_in(16) ? script_.number() : newest_ - script_.below(4);
     header.code = script_.one_in(2) ? probe::level_code : FunctionCode{script_.byte()};
@@ -65,41 +68,55 @@ class Server {
       header.kind = Kind::Refused;
       return bent(script_, header, wire::to_bytes(FailureBody{"no", {}, {}}));
     }
-    Welcome welcome{"FUZZED", "probe::Probe", {"probe::Device"}, script_.number(), script_.number(),
-                    static_cast<std::uint32_t>(script_.one_in(4) ? script_.number() : 8), {}};
+    Welcome welcome{"FUZZED",
+                    "probe::Probe",
+                    {"probe::Device"},
+                    script_.number(),
+                    script_.number(),
+                    static_cast<std::uint32_t>(script_.one_in(4) ? script_.number() : 8),
+                    {}};
     for (std::size_t i = script_.below(4); i > 0; --i) {
       const auto& operations = probe::description().operations;
-      welcome.operations.push_back({operations[script_.below(operations.size())].code, script_.below(2)});
+      welcome.operations.push_back(
+          {operations[script_.below(operations.size())].code, script_.below(2)});
     }
     welcomed_ = true;
     return bent(script_, header, wire::to_bytes(welcome));
   }
   Bytes body() {
     switch (script_.below(6)) {
-      case 0: return block_bytes(Grant{Status::ACTOR, script_.number()});
-      case 1: return wire::to_bytes(FailureBody{"why", "probe::Jammed", script_.bytes(8)});
-      case 2: return block_bytes(OutcomeRecord{script_.byte(), "then"});
+      case 0:
+        return block_bytes(Grant{Status::ACTOR, script_.number()});
+      case 1:
+        return wire::to_bytes(FailureBody{"why", "probe::Jammed", script_.bytes(8)});
+      case 2:
+        return block_bytes(OutcomeRecord{script_.byte(), "then"});
       case 3: {
         ProgressBody progress{script_.byte(), 0, script_.bytes(8)};
         const std::uint64_t fraction = script_.number();
         std::memcpy(&progress.fraction, &fraction, sizeof fraction);
         return wire::to_bytes(progress);
       }
-      case 4: return Bytes(4, std::byte{script_.byte()});
-      default: return script_.bytes(60);
+      case 4:
+        return Bytes(4, std::byte{script_.byte()});
+      default:
+        return script_.bytes(60);
     }
   }
 
   void hear(const wire::PacketView& packet) {
     switch (packet.header.kind) {
       case Kind::Hello:
-      case Kind::Goodbye: return;
+      case Kind::Goodbye:
+        return;
       case Kind::Call:
         newest_ = std::max(newest_, packet.header.counter);
         break;
       case Kind::Cancel:
-      case Kind::Query: break;
-      default: expect(false, "a client says nothing else");
+      case Kind::Query:
+        break;
+      default:
+        expect(false, "a client says nothing else");
     }
     if (opened_ == SessionId{}) opened_ = packet.header.session;
     expect(packet.header.session == opened_, "a client stays in the session that was opened");
@@ -134,15 +151,21 @@ struct Issued {
 
 class Program {
  public:
-  Program(Script& script, std::shared_ptr<LinkedSession> session, Server& server, ScriptedLink& link)
-      : script_(script), session_(std::move(session)), server_(server), link_(link), probe_(session_) {}
+  Program(Script& script, std::shared_ptr<LinkedSession> session, Server& server,
+          ScriptedLink& link)
+      : script_(script),
+        session_(std::move(session)),
+        server_(server),
+        link_(link),
+        probe_(session_) {}
 
   void run() {
     for (int step = 0; step < 200 && !script_.over(); ++step) {
       act();
       if (!issued_.empty()) issued_[script_.byte() % issued_.size()].look();
     }
-    static constexpr std::array ends = {media::Loss::Closed, media::Loss::Died, media::Loss::Broken};
+    static constexpr std::array ends = {media::Loss::Closed, media::Loss::Died,
+                                        media::Loss::Broken};
     link_.lost = ends[script_.below(ends.size())];
     tend(std::chrono::seconds(1));
     expect(session_->lost(), "a loss is seen");
@@ -168,19 +191,30 @@ class Program {
     const auto probe = with(probe_, options);
     switch (script_.below(20)) {
       case 0:
-      case 1: return issue(probe.read());
-      case 2: return issue(probe.move(1));
-      case 3: return issue(probe.set(1));
-      case 4: return issue(probe.missing());
+      case 1:
+        return issue(probe.read());
+      case 2:
+        return issue(probe.move(1));
+      case 3:
+        return issue(probe.set(1));
+      case 4:
+        return issue(probe.missing());
       case 5:
         if (!issued_.empty()) issued_[script_.byte() % issued_.size()].command.cancel();
         return;
       case 6:
-        if (!issued_.empty()) static_cast<void>(issued_[script_.byte() % issued_.size()].command.get());
+        if (!issued_.empty())
+          static_cast<void>(issued_[script_.byte() % issued_.size()].command.get());
         return;
-      case 7: static_cast<void>(describe(probe).get()); return;
-      case 8: static_cast<void>(holders(probe).get()); return;
-      case 9: static_cast<void>(outcome(probe, {1, 2, 3}).get()); return;
+      case 7:
+        static_cast<void>(describe(probe).get());
+        return;
+      case 8:
+        static_cast<void>(holders(probe).get());
+        return;
+      case 9:
+        static_cast<void>(outcome(probe, {1, 2, 3}).get());
+        return;
       case 10: {
         auto lease = actor(probe);
         if (lease && leases_.size() < 4) leases_.push_back(std::move(*lease));
@@ -199,11 +233,18 @@ class Program {
       case 14:
         if (!streams_.empty()) static_cast<void>(streams_.front().next(Duration::zero()));
         return;
-      case 15: return server_.publish(script_);
-      case 16: link_.full = !link_.full; return;
-      case 17: ++link_.beats; return;
-      case 18: return session_->glance();
-      case 19: return tend(std::chrono::milliseconds(script_.byte() * 8));
+      case 15:
+        return server_.publish(script_);
+      case 16:
+        link_.full = !link_.full;
+        return;
+      case 17:
+        ++link_.beats;
+        return;
+      case 18:
+        return session_->glance();
+      case 19:
+        return tend(std::chrono::milliseconds(script_.byte() * 8));
     }
   }
 

@@ -85,7 +85,9 @@ void try_pieces(Script script) {
         arriving.emplace_back(bytes.begin(), bytes.end());
         break;
       }
-      case 3: arriving.push_back(script.bytes(60)); break;
+      case 3:
+        arriving.push_back(script.bytes(60));
+        break;
       case 4: {
         const Bytes packet(script.word() % (8 * piece_bytes), std::byte{script.byte()});
         const auto sent = link->send(packet, {});
@@ -96,7 +98,9 @@ void try_pieces(Script script) {
         clock.advance(std::chrono::milliseconds(script.byte()));
         link->beat();
         break;
-      case 6: inner.full = !inner.full; break;
+      case 6:
+        inner.full = !inner.full;
+        break;
       case 7:
         while (const auto packet = link->receive()) {
           expect(packet->size() <= largest_transfer, "no packet is larger than the largest");

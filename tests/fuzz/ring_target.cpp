@@ -1,5 +1,6 @@
-// Rings and streams in memory that the other side scribbles over. The memory is of the heap and just as
-// large as it has to be, so that AddressSanitizer sees a byte that is read or written beside it.
+// Rings and streams in memory that the other side scribbles over. The memory is of the heap and
+// just as large as it has to be, so that AddressSanitizer sees a byte that is read or written
+// beside it.
 #include <cstring>
 #include <deque>
 #include <memory>
@@ -18,7 +19,7 @@ using namespace gecos::media;
 
 class Memory {
  public:
-  explicit Memory(std::size_t size) : data_(new(alignment) std::byte[size]) {
+  explicit Memory(std::size_t size) : data_(new (alignment) std::byte[size]) {
     std::memset(data_, 0, size);
   }
   ~Memory() { ::operator delete[](data_, alignment); }
@@ -55,12 +56,19 @@ class Ring {
       switch (script.below(6)) {
         case 0:
         case 1:
-          write(script.one_in(4) ? script.word() % (largest_ring_packet + 2) : script.number() % 600);
+          write(script.one_in(4) ? script.word() % (largest_ring_packet + 2)
+                                 : script.number() % 600);
           break;
         case 2:
-        case 3: read(); break;
-        case 4: hostile_writer_ ? scribble_beside(script) : say_what_is_true(); break;
-        case 5: hostile_writer_ ? scribble(script) : lie(script); break;
+        case 3:
+          read();
+          break;
+        case 4:
+          hostile_writer_ ? scribble_beside(script) : say_what_is_true();
+          break;
+        case 5:
+          hostile_writer_ ? scribble(script) : lie(script);
+          break;
       }
       expect(writer_.taken() <= written_, "no more packets are taken than were sent");
     }
@@ -126,7 +134,8 @@ class Ring {
     const std::uint64_t value = script.number();
     if (script.one_in(3)) {
       const std::size_t all = few_slots * sizeof(RingSlot) / 8;
-      std::memcpy(reinterpret_cast<std::byte*>(writers_.slots) + script.word() % all * 8, &value, 8);
+      std::memcpy(reinterpret_cast<std::byte*>(writers_.slots) + script.word() % all * 8, &value,
+                  8);
       return;
     }
     RingSlot& next = writers_.slots[(position_ + script.below(2)) % few_slots];
@@ -195,7 +204,8 @@ void try_stream(Script script) {
         if (got) expect(sample.bytes.size() <= largest, "no sample is larger than the largest");
         if (got) expect(sample.sequence > after, "a stream goes forward");
         if (scribbled) break;
-        expect(got == (published > std::max(after, newest ? 0 : past)), "what was published is read");
+        expect(got == (published > std::max(after, newest ? 0 : past)),
+               "what was published is read");
         if (!got) break;
         const std::uint64_t oldest = published > depth ? published - depth + 1 : 1;
         expect(sample.sequence == (newest ? published : std::max({after + 1, past + 1, oldest})),
@@ -205,7 +215,9 @@ void try_stream(Script script) {
                "a sample is whole");
         break;
       }
-      case 3: watches.anything_new(); break;
+      case 3:
+        watches.anything_new();
+        break;
       case 4:
         if (scribbled) break;
         reader = watches.open(memory, held);
@@ -228,10 +240,14 @@ void try_stream(Script script) {
 void try_rings(ByteView input) {
   Script script(input);
   switch (script.below(4)) {
-    case 0: return Ring(true).run(script);
-    case 1: return Ring(false).run(script);
-    case 2: return try_stream(script);
-    case 3: return try_shm_link(script);
+    case 0:
+      return Ring(true).run(script);
+    case 1:
+      return Ring(false).run(script);
+    case 2:
+      return try_stream(script);
+    case 3:
+      return try_shm_link(script);
   }
 }
 

@@ -40,10 +40,14 @@ class Script {
   /// Small, next to a power of two, or any.
   std::uint64_t number() {
     switch (below(4)) {
-      case 0: return byte();
-      case 1: return (std::uint64_t{1} << below(64)) - 1 + below(3);
-      case 2: return ~std::uint64_t{byte()};
-      default: return word();
+      case 0:
+        return byte();
+      case 1:
+        return (std::uint64_t{1} << below(64)) - 1 + below(3);
+      case 2:
+        return ~std::uint64_t{byte()};
+      default:
+        return word();
     }
   }
   Bytes bytes(std::size_t most) {

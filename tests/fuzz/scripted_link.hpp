@@ -22,7 +22,8 @@ class ScriptedLink final : public media::Link {
   tl::expected<std::uint64_t, media::SendProblem> send(ByteView head, ByteView body) override {
     if (lost != media::Loss::None) return tl::unexpected(media::SendProblem::Lost);
     if (full) return tl::unexpected(media::SendProblem::Full);
-    expect(head.size() + body.size() <= offer_.largest_packet, "a packet is as large as the medium carries");
+    expect(head.size() + body.size() <= offer_.largest_packet,
+           "a packet is as large as the medium carries");
     if (heard) {
       const auto packet = wire::decode_packet(head);
       expect(packet.has_value(), "what a session sends can be read");
@@ -45,7 +46,9 @@ class ScriptedLink final : public media::Link {
   void beat() override {}
   std::uint64_t beats_seen() override { return beats; }
   media::Loss loss() override { return lost; }
-  std::string loss_text() const override { return lost == media::Loss::None ? "" : "the script says so"; }
+  std::string loss_text() const override {
+    return lost == media::Loss::None ? "" : "the script says so";
+  }
   tl::expected<void, media::SendProblem> share(std::uint32_t, media::StreamWriter&) override {
     if (full) return tl::unexpected(media::SendProblem::Full);
     return {};
@@ -76,9 +79,15 @@ inline Bytes bent(Script& script, const wire::PacketHeader& header, ByteView bod
   Bytes packet = wire::encode_packet(header, body, script.one_in(16) ? script.bytes(20) : Bytes{});
   if (!script.one_in(16)) return packet;
   switch (script.below(3)) {
-    case 0: packet.resize(script.word() % (packet.size() + 1)); break;
-    case 1: packet.push_back(std::byte{script.byte()}); break;
-    case 2: packet[script.word() % packet.size()] ^= std::byte{script.byte()}; break;
+    case 0:
+      packet.resize(script.word() % (packet.size() + 1));
+      break;
+    case 1:
+      packet.push_back(std::byte{script.byte()});
+      break;
+    case 2:
+      packet[script.word() % packet.size()] ^= std::byte{script.byte()};
+      break;
   }
   return packet;
 }

@@ -75,10 +75,14 @@ class Servant final : public gecos::Servant {
  private:
   static void answer(IncomingCall call, std::uint64_t how) {
     switch (how % 4) {
-      case 0: return call.fail(Fault::rejected("no").failure());
-      case 1: return call.fail(Fault(probe::Jammed{}).failure());
-      case 2: return call.finish(Bytes(3000));  // more than the line carries
-      case 3: return call.finish(Bytes(4));
+      case 0:
+        return call.fail(Fault::rejected("no").failure());
+      case 1:
+        return call.fail(Fault(probe::Jammed{}).failure());
+      case 2:
+        return call.finish(Bytes(3000));  // more than the line carries
+      case 3:
+        return call.finish(Bytes(4));
     }
   }
 
@@ -111,17 +115,27 @@ class Client {
 
   void act(Script& script, const Client& other, std::uint64_t& serial) {
     switch (script.below(16)) {
-      case 0: return take(script.bytes(120));
+      case 0:
+        return take(script.bytes(120));
       case 1: {
         const Bytes name = script.bytes(30);
         if (script.one_in(2)) return greet("probe::Device");
         return greet({reinterpret_cast<const char*>(name.data()), name.size()});
       }
-      case 2: link_->full = !link_->full; return;
-      case 3: session_->flush(); return;
-      case 4: ++link_->beats; return;
-      case 5: link_->age_of_packets = Duration(script.number() >> 1); return;
-      default: return send(script, other, serial);
+      case 2:
+        link_->full = !link_->full;
+        return;
+      case 3:
+        session_->flush();
+        return;
+      case 4:
+        ++link_->beats;
+        return;
+      case 5:
+        link_->age_of_packets = Duration(script.number() >> 1);
+        return;
+      default:
+        return send(script, other, serial);
     }
   }
   void depart(ServedObject::Departure how) { object_->depart(session_, how); }
@@ -146,20 +160,21 @@ class Client {
     using Kind = wire::PacketKind;
     static constexpr std::array usual = {Kind::Call,   Kind::Call,  Kind::Call,   Kind::Call,
                                          Kind::Cancel, Kind::Query, Kind::Goodbye};
-    static constexpr std::array codes = {probe::read_code,   probe::move_code,   probe::set_code,
-                                         probe::urgent_code, probe::finish_code, probe::missing_code};
+    static constexpr std::array codes = {probe::read_code,   probe::move_code,
+                                         probe::set_code,    probe::urgent_code,
+                                         probe::finish_code, probe::missing_code};
     wire::PacketHeader header;
-    header.kind = script.one_in(16) ? static_cast<Kind>(script.byte())
-                                    : usual[script.below(usual.size())];
+    header.kind =
+        script.one_in(16) ? static_cast<Kind>(script.byte()) : usual[script.below(usual.size())];
     if (script.one_in(32)) header.version = static_cast<std::int8_t>(script.byte());
     header.flags = static_cast<std::int8_t>(script.byte());
     const std::size_t which = script.below(codes.size() + 11);
     const auto reserved = static_cast<std::uint32_t>(which - codes.size());
     header.code = which < codes.size() ? codes[which] : FunctionCode{reserved};
-    header.session = script.one_in(16) ? SessionId{script.number()}
+    header.session = script.one_in(16)   ? SessionId{script.number()}
                      : script.one_in(16) ? other.session_->id()
                                          : session_->id();
-    header.counter = script.one_in(16) ? script.number()
+    header.counter = script.one_in(16)  ? script.number()
                      : script.one_in(2) ? ++newest_
                                         : newest_ + script.below(5) - 2;
     header.acknowledged = script.one_in(4)   ? newest_ - script.below(4)
@@ -202,7 +217,8 @@ class Client {
         to.put(number(script.one_in(2) ? other.session_->id() : session_->id()));
         to.put(newest_ - script.below(4));
         break;
-      default: to.put(number(probe::level_code));
+      default:
+        to.put(number(probe::level_code));
     }
     body.resize(to.written());
     return body;
@@ -212,9 +228,12 @@ class Client {
     using Kind = wire::PacketKind;
     const auto detail = detail_from(static_cast<std::uint8_t>(packet.header.flags));
     switch (packet.header.kind) {
-      case Kind::Welcome: expect(packet.header.session != SessionId{}, "a session has a number"); return;
+      case Kind::Welcome:
+        expect(packet.header.session != SessionId{}, "a session has a number");
+        return;
       case Kind::Refused:
-      case Kind::Goodbye: return;
+      case Kind::Goodbye:
+        return;
       case Kind::Progress:
         expect(detail && project(*detail) == State::Running, "what makes progress runs");
         return;
@@ -229,7 +248,8 @@ class Client {
         epoch_ = Epoch{grant.epoch};
         return;
       }
-      default: expect(false, "a server says nothing else");
+      default:
+        expect(false, "a server says nothing else");
     }
   }
 
@@ -258,17 +278,22 @@ void try_served(Script script) {
     std::uint64_t serial = 0;
     for (int step = 0; step < 300 && !script.over(); ++step) {
       switch (script.below(12)) {
-        case 0: servant.go_on_with_one(script); break;
+        case 0:
+          servant.go_on_with_one(script);
+          break;
         case 1:
           the_clock().advance(std::chrono::milliseconds(script.byte() * 4));
           object->tend(the_clock().now());
           break;
         case 2:
           for (Client* client : {&first, &second}) {
-            if (object->judge_silence(client->session())) client->depart(ServedObject::Departure::Lost);
+            if (object->judge_silence(client->session()))
+              client->depart(ServedObject::Departure::Lost);
           }
           break;
-        case 3: object->publish(probe::description().streams[0], script.bytes(4), 1); break;
+        case 3:
+          object->publish(probe::description().streams[0], script.bytes(4), 1);
+          break;
         case 4:
           if (script.one_in(32)) object->close();
           break;
@@ -277,8 +302,11 @@ void try_served(Script script) {
           break;
         case 6:
         case 7:
-        case 8: second.act(script, first, serial); break;
-        default: first.act(script, second, serial);
+        case 8:
+          second.act(script, first, serial);
+          break;
+        default:
+          first.act(script, second, serial);
       }
     }
     first.depart(ServedObject::Departure::InOrder);

@@ -30,8 +30,9 @@ class Hostile {
   /// Its ring is honest at first, and both are.
   static std::unique_ptr<Link> meet(Hostile& self, bool as_server) {
     std::array<int, 2> ends{};
-    expect(::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0, ends.data()) == 0,
-           "setup: a socket");
+    expect(
+        ::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0, ends.data()) == 0,
+        "setup: a socket");
     self.socket_ = Descriptor(ends[1]);
     Peer peer{::geteuid(), ::getpid(), "a peer that means harm"};
     const std::array given{self.memory_.memfd.get(), self.bell_.descriptor()};
@@ -50,9 +51,12 @@ class Hostile {
 
   void act(Script& script) {
     switch (script.below(4)) {
-      case 0: return scribble(script);
-      case 1: return offer_packet(script);
-      case 2: return say(script);
+      case 0:
+        return scribble(script);
+      case 1:
+        return offer_packet(script);
+      case 2:
+        return say(script);
       case 3: {
         const Bytes garbage = script.bytes(255);
         static_cast<void>(
@@ -102,7 +106,8 @@ void try_shm_link(Script script) {
   const bool as_server = script.one_in(2);
   Hostile hostile;
   const auto link = Hostile::meet(hostile, as_server);
-  auto sealed = std::make_shared<shm::SealedMemory>(shm::make_sealed("stream", stream_bytes).value());
+  auto sealed =
+      std::make_shared<shm::SealedMemory>(shm::make_sealed("stream", stream_bytes).value());
   const StreamMemory memory{sealed->mapping.data(), 64, 4};
   shm::SharedStreamWriter writer(memory, std::move(sealed));
   std::unique_ptr<StreamReader> reader;
@@ -113,7 +118,8 @@ void try_shm_link(Script script) {
     switch (script.below(12)) {
       case 0: {
         const auto packet = link->receive();
-        expect(!packet || packet->size() <= largest_ring_packet, "no packet is larger than the largest");
+        expect(!packet || packet->size() <= largest_ring_packet,
+               "no packet is larger than the largest");
         break;
       }
       case 1:
@@ -137,11 +143,15 @@ void try_shm_link(Script script) {
         break;
       case 7: {
         const std::uint64_t before = sample.sequence;
-        if (reader && reader->next(before, sample)) expect(sample.sequence > before, "a stream goes forward");
+        if (reader && reader->next(before, sample))
+          expect(sample.sequence > before, "a stream goes forward");
         break;
       }
-      case 8: static_cast<void>(writer.publish(Bytes(script.below(70)), 1)); break;
-      default: hostile.act(script);
+      case 8:
+        static_cast<void>(writer.publish(Bytes(script.below(70)), 1));
+        break;
+      default:
+        hostile.act(script);
     }
     expect(link->taken_by_peer().value_or(0) <= sent, "no more packets are taken than were sent");
     expect(loss == Loss::None || link->loss() == loss, "the first loss stays");

@@ -1,5 +1,5 @@
-// A line that loses, repeats, reorders and damages packets, both ways: what is called over it ends, runs
-// at most once, in order, and carries what was sent.
+// A line that loses, repeats, reorders and damages packets, both ways: what is called over it ends,
+// runs at most once, in order, and carries what was sent.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -122,16 +122,20 @@ Open open(std::uint64_t number, gecos::Command<T> command, T wanted) {
 Open issue(const stress::Workbench& bench, std::uint64_t number, std::mt19937_64& random) {
   const auto salt = static_cast<std::int64_t>(random());
   switch (random() % 8) {
-    case 0: return open(number, bench.file(number, salt, 0), stress::answer(number, salt));
-    case 1: return open(number, bench.gauge(number, salt), stress::answer(number, salt));
-    case 4: return open(number, bench.look(number, salt), stress::answer(number, salt));
+    case 0:
+      return open(number, bench.file(number, salt, 0), stress::answer(number, salt));
+    case 1:
+      return open(number, bench.gauge(number, salt), stress::answer(number, salt));
+    case 4:
+      return open(number, bench.look(number, salt), stress::answer(number, salt));
     case 2:
     case 3: {
       std::vector<std::uint8_t> load(random() % 2000);
       for (auto& byte : load) byte = static_cast<std::uint8_t>(random());
       return open(number, bench.weigh(number, load), load);
     }
-    default: return open(number, bench.tap(number, salt), stress::answer(number, salt));
+    default:
+      return open(number, bench.tap(number, salt), stress::answer(number, salt));
   }
 }
 

@@ -36,8 +36,8 @@ struct Census {
   friend bool operator==(const Census&, const Census&) = default;
 };
 Census census();
-/// Says "before …" now, and "after …" when it is told to, once as much is open as at its beginning, else
-/// after ten seconds: a thread that lets go of the last session ends a moment later.
+/// Says "before …" now, and "after …" when it is told to, once as much is open as at its beginning,
+/// else after ten seconds: a thread that lets go of the last session ends a moment later.
 class Balance {
  public:
   Balance();

@@ -16,8 +16,8 @@ class Setting {
   const std::string& text(const std::string& name) const { return values_.at(name); }
   double number(const std::string& name) const;
   gecos::media::Kind medium() const;
-  /// With faults on lcm when `faults` says so: "loss,duplication,reordering,corruption,seed". The broker,
-  /// met over shm, has none.
+  /// With faults on lcm when `faults` says so: "loss,duplication,reordering,corruption,seed". The
+  /// broker, met over shm, has none.
   gecos::LabOptions lab() const;
 
  private:

@@ -75,8 +75,8 @@ class Client {
   bool connect() {
     lease_.reset();
     bench_ = {};
-    auto created = lab_.create<stress::Workbench>(
-        "BENCH", {.medium = setting_.medium(), .patience = 500ms});
+    auto created =
+        lab_.create<stress::Workbench>("BENCH", {.medium = setting_.medium(), .patience = 500ms});
     if (!created) {
       stress::rest_before_another_try();
       return false;
@@ -193,12 +193,17 @@ class Client {
     switch (core.progress().detail) {
       case gecos::Detail::LeaseLost:
       case gecos::Detail::Denied:
-      case gecos::Detail::Stopped: status_lost_ = true; break;
+      case gecos::Detail::Stopped:
+        status_lost_ = true;
+        break;
       case gecos::Detail::NoServer:
       case gecos::Detail::NotStarted:
       case gecos::Detail::ServerCrashed:
-      case gecos::Detail::OutcomeUnknown: session_lost_ = true; break;
-      default: break;
+      case gecos::Detail::OutcomeUnknown:
+        session_lost_ = true;
+        break;
+      default:
+        break;
     }
   }
 
@@ -212,7 +217,8 @@ class Client {
     for (const auto& issued : ended_) record_.note(about("see ", issued));
   }
 
-  /// Until there is room for more; every other time a random moment longer, for calls after silence too.
+  /// Until there is room for more; every other time a random moment longer, for calls after silence
+  /// too.
   void rest() {
     {
       std::unique_lock lock(mutex_);

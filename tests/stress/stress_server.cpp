@@ -28,8 +28,8 @@ class Workbench : public stress::WorkbenchServant {
                                    gecos::Execution<>& run) override {
     start(command, "file");
     run.progress(0.5);
-    if (run.wait_interrupted(std::chrono::duration_cast<gecos::Duration>(
-            std::chrono::duration<double>(seconds)))) {
+    if (run.wait_interrupted(
+            std::chrono::duration_cast<gecos::Duration>(std::chrono::duration<double>(seconds)))) {
       record_.note("finish " + std::to_string(command) + " file -");
       return tl::unexpected(gecos::Fault::interrupted());
     }
@@ -71,9 +71,9 @@ void make_what_stays() {
   server.run();
 }
 
-/// A copy of this process that outlives it and has all its descriptors but 0 to 2, so that the output ends with
-/// this process: made behind the back of pthread_atfork, as a library might. It is found in the process group
-/// of this one, which is alone in it, and so ends with who started it.
+/// A copy of this process that outlives it and has all its descriptors but 0 to 2, so that the
+/// output ends with this process: made behind the back of pthread_atfork, as a library might. It is
+/// found in the process group of this one, which is alone in it, and so ends with who started it.
 void leave_a_child() {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   const long child = syscall(SYS_clone, SIGCHLD, nullptr, nullptr, nullptr, nullptr);

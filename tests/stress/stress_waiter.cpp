@@ -20,8 +20,8 @@ std::atomic<bool> told_to_end{false};
 /// One session: false when there is no server.
 bool wait_once(gecos::Lab& lab, const stress::Setting& setting, const stress::Record& record,
                std::uint64_t turn) {
-  const auto bench = lab.create<stress::Workbench>(
-      "BENCH", {.medium = setting.medium(), .patience = 500ms});
+  const auto bench =
+      lab.create<stress::Workbench>("BENCH", {.medium = setting.medium(), .patience = 500ms});
   if (!bench) return false;
   const auto about = gecos::describe(*bench).get();
   if (!about) return false;
@@ -30,7 +30,8 @@ bool wait_once(gecos::Lab& lab, const stress::Setting& setting, const stress::Re
   const auto lease = gecos::actor(*bench, "stress");
   const std::uint64_t number = (static_cast<std::uint64_t>(setting.number("number")) << 32) + turn;
   const std::string name = std::to_string(number);
-  record.note("issue " + name + " file " + session + " " + std::to_string(stress::answer(number, 0)));
+  record.note("issue " + name + " file " + session + " " +
+              std::to_string(stress::answer(number, 0)));
   const auto command = bench->file(number, 0, 1e6);
   const gecos::State state = command.wait();
   record.note("end " + name + " " + std::string(to_string(state)) + " " +

@@ -1,5 +1,6 @@
-// Loaded before libc (LD_PRELOAD): each look at the wall clock finds it hours away from the last, forwards
-// or back. Who waits until a time of the wall clock would wait for hours, so he is ended and named.
+// Loaded before libc (LD_PRELOAD): each look at the wall clock finds it hours away from the last,
+// forwards or back. Who waits until a time of the wall clock would wait for hours, so he is ended
+// and named.
 
 #include <dlfcn.h>
 #include <pthread.h>

@@ -112,8 +112,10 @@ CommandHandle reserved(SessionHandle& self, int code) {
 CommandHandle outcome(SessionHandle& self, const std::string& command) {
   const auto id = command_id_from(command);
   if (!id) {
-    throw nb::value_error(("'" + command + "' is not the id of a command: three hexadecimal numbers "
-                           "with - between them, as command.id gives it").c_str());
+    throw nb::value_error(("'" + command +
+                           "' is not the id of a command: three hexadecimal numbers "
+                           "with - between them, as command.id gives it")
+                              .c_str());
   }
   return CommandHandle(gecos::outcome(AnyObject(self.get()), *id).core());
 }
@@ -217,8 +219,7 @@ void bind_client(nb::module_& module) {
                      return std::string(media::to_string(s.about().offer().kind));
                    })
       .def("reference", &reference)
-      .def("call", &call, nb::arg("code"), nb::arg("arguments"),
-           nb::arg("deadline").none())
+      .def("call", &call, nb::arg("code"), nb::arg("arguments"), nb::arg("deadline").none())
       .def("subscribe", &subscribe, nb::arg("code"))
       .def("reserved", &reserved, nb::arg("code"))
       .def("outcome", &outcome, nb::arg("command"))

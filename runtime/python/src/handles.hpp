@@ -17,8 +17,9 @@
 /// server, which is done without it.
 namespace gecos::python {
 
-/// Tells a forked child that a handle is its parent's. The threads that would end it in order are not
-/// in the child, and what they held at the fork stays held: nothing may be asked of it or waited for.
+/// Tells a forked child that a handle is its parent's. The threads that would end it in order are
+/// not in the child, and what they held at the fork stays held: nothing may be asked of it or
+/// waited for.
 class Owner {
  public:
   bool inherited() const { return process_ != forks(); }
@@ -114,8 +115,8 @@ class CommandHandle {
  public:
   explicit CommandHandle(std::shared_ptr<session::CommandCore> core) : core_(std::move(core)) {}
   CommandHandle(CommandHandle&&) = default;
-  /// With the GIL: a command that has not ended is kept by its session as well, and one that has ended
-  /// keeps nothing that must be taken leave of.
+  /// With the GIL: a command that has not ended is kept by its session as well, and one that has
+  /// ended keeps nothing that must be taken leave of.
   ~CommandHandle() {
     if (core_ != nullptr && owner_.inherited()) let_go(core_, owner_);
   }

@@ -85,7 +85,7 @@ class ServerHandle {
     if (server == nullptr) return nb::str((name + " is not served: the server is closed").c_str());
     ObjectOptions options;
     options.simulated = simulated;
-    options.thread_safe = true;  // dispatching only queues
+    options.thread_safe = true;           // dispatching only queues
     options.patience = Duration::zero();  // await_broker was before
     for (const std::string& medium : media) {
       const auto kind = media::kind_from(medium);
@@ -97,9 +97,8 @@ class ServerHandle {
     }
     const auto& servant = served_->servants.emplace_back(prepared.servant());
     options.on_stop = [servant = servant.get()] { servant->stopped(); };
-    const auto added = without_gil([&, servant = servant] {
-      return server->add(name, *servant, std::move(options));
-    });
+    const auto added = without_gil(
+        [&, servant = servant] { return server->add(name, *servant, std::move(options)); });
     if (added) return nb::none();
     std::erase(served_->servants, prepared.servant());
     return nb::str(added.error().text.c_str());

@@ -132,8 +132,9 @@ TEST_F(LeaseTableTest, WhoBringsNoPasswordIsToldThatOneIsWanted) {
   const auto refused = table.acquire(kBob, bob, Status::Actor, kNoPassword, now);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().reason, LeaseRefusal::Reason::WrongPassword);
-  EXPECT_TRUE(refused.error().text.starts_with(
-      "actor status refused: it is shared by password, and none was given; actor status is held by ada"))
+  EXPECT_TRUE(
+      refused.error().text.starts_with("actor status refused: it is shared by password, and none "
+                                       "was given; actor status is held by ada"))
       << refused.error().text;
 }
 

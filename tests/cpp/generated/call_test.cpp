@@ -46,7 +46,9 @@ class Arrived final : public gecos::session::CallCore {
   bool interrupted() const override { return false; }
   bool wait_interrupted_until(gecos::TimePoint) override { return false; }
   void progress(double, gecos::ByteView) override {}
-  void finish(gecos::ByteView result) override { outcome_.result.assign(result.begin(), result.end()); }
+  void finish(gecos::ByteView result) override {
+    outcome_.result.assign(result.begin(), result.end());
+  }
   void fail(gecos::Failure failure) override { outcome_.failure = std::move(failure); }
 
  private:
@@ -160,8 +162,8 @@ TEST_F(GeneratedCalls, GiveAllValuesOfAnOperationThatHasSeveral) {
 TEST_F(GeneratedCalls, FillInWhatAnOlderCallerLeavesOut) {
   for (const auto& operation : Stage::gecos_description().operations) {
     if (operation.name != "paint") continue;
-    const gecos::Bytes older = {{}, {}, {}, std::byte{1}, {}, {}, {}, std::byte{1},
-                                {}, {}, {}, std::byte{2}, std::byte{'a'}, {}};
+    const gecos::Bytes older = {{}, {}, {},           std::byte{1},   {}, {}, {}, std::byte{1}, {},
+                                {}, {}, std::byte{2}, std::byte{'a'}, {}};
     gecos::Command<Colour> painted(session->send(operation, older),
                                    [](gecos::wire::Decoder& from, Colour& value) {
                                      return decode_enum(from, value, "paint");

@@ -11,9 +11,9 @@
 struct Case {
   const char* type;
   const char* name;
-  const char* hex;                     ///< what it must become
-  gecos::Bytes (*encode)();            ///< the value, encoded by generated code
-  bool (*equals)(gecos::ByteView);     ///< decoded, and the value
+  const char* hex;                  ///< what it must become
+  gecos::Bytes (*encode)();         ///< the value, encoded by generated code
+  bool (*equals)(gecos::ByteView);  ///< decoded, and the value
   std::string (*print)();
 };
 const std::vector<Case>& cases();

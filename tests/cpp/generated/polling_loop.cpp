@@ -1,5 +1,5 @@
-// The paper polls like this: each turn of the loop would issue a new motion. It must not compile, and
-// the compiler's message must name what to look at.
+// The paper polls like this: each turn of the loop would issue a new motion. It must not compile,
+// and the compiler's message must name what to look at.
 #include "robcl/manipulator_client.hpp"
 
 void wait_for(const robcl::Manipulator& robot, const robcl::Frame& goal) {

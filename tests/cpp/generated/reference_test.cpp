@@ -60,7 +60,8 @@ class PlainChanger final : public workshop::ChangerServant {
   gecos::Result<workshop::Changer_inspect_result> inspect() override {
     return workshop::Changer_inspect_result{};
   }
-  gecos::Result<void> turn(double, const std::string&, gecos::Execution<workshop::Turning>&) override {
+  gecos::Result<void> turn(double, const std::string&,
+                           gecos::Execution<workshop::Turning>&) override {
     return {};
   }
   gecos::Result<void> park(gecos::Execution<>&) override { return {}; }
@@ -121,7 +122,8 @@ TEST_P(References, TheyStandInStructsSequencesMapsAndBesideOthers) {
   const auto placed = changer_proxy_.take(a, b).get();
   ASSERT_TRUE(placed) << placed.error();
   EXPECT_EQ(*placed, (workshop::Place{.held = a, .spare = b}));
-  EXPECT_EQ(changer_proxy_.among({{"left", a}, {"right", b}}).get().value(), (workshop::Tools{a, b}));
+  EXPECT_EQ(changer_proxy_.among({{"left", a}, {"right", b}}).get().value(),
+            (workshop::Tools{a, b}));
   ASSERT_TRUE(changer_proxy_.set_last(b).get());
   const auto both = changer_proxy_.both(2).get();
   ASSERT_TRUE(both) << both.error();
@@ -135,7 +137,8 @@ TEST_P(References, OneSaysWhichObjectItIs) {
   EXPECT_EQ(reference.name, "CHANGER");
   EXPECT_EQ(reference.interface_hash, workshop::Changer::gecos_description().hash);
   EXPECT_EQ(reference.boot, gecos::number(gecos::session::process_boot()));
-  EXPECT_EQ(reference.where.rfind(gecos::media::name_of({GetParam(), 0}) + ": ", 0), 0U) << reference.where;
+  EXPECT_EQ(reference.where.rfind(gecos::media::name_of({GetParam(), 0}) + ": ", 0), 0U)
+      << reference.where;
 }
 
 TEST_P(References, NilIsRefusedByName) {
@@ -180,7 +183,8 @@ INSTANTIATE_TEST_SUITE_P(Media, References,
                          gecos::media::name_of);
 
 TEST(Reference, IsPrintedAndIsJson) {
-  const workshop::Place place{.held = {.name = "A", .interface_hash = 1, .boot = 2, .where = "shm"}};
+  const workshop::Place place{
+      .held = {.name = "A", .interface_hash = 1, .boot = 2, .where = "shm"}};
   std::ostringstream out;
   out << place.held;
   EXPECT_NE(out.str().find("A"), std::string::npos);

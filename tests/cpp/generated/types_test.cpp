@@ -91,9 +91,9 @@ TEST(GeneratedTypes, RefuseWhatIsOutOfRangeWhereItLies) {
   limits.few = 1;
   gecos::Bytes bytes = gecos::wire::to_bytes(limits);
   bytes.back() = std::byte{9};
-  EXPECT_EQ(why_refused<Limits>(bytes),
-            "field 'Limits.few' at byte " + std::to_string(bytes.size() - 2) +
-                ": outside its declared range");
+  EXPECT_EQ(why_refused<Limits>(bytes), "field 'Limits.few' at byte " +
+                                            std::to_string(bytes.size() - 2) +
+                                            ": outside its declared range");
 }
 
 TEST(GeneratedTypes, ReadAnUnknownEnumeratorAsTheDefaultLiteralOrRefuseIt) {

@@ -75,8 +75,8 @@ TEST(Bulk, KeepsTheOrderAndTheCountOfLargeAndSmallPackets) {
     sent.push_back(packet(size, size));
     const ByteView head = ByteView(sent.back()).first(size / 3);
     const ByteView body = ByteView(sent.back()).subspan(size / 3);
-    const auto as = size > largest_ring_packet ? side.writer.write(head, body)
-                                               : side.ring.write(head, body);
+    const auto as =
+        size > largest_ring_packet ? side.writer.write(head, body) : side.ring.write(head, body);
     ASSERT_TRUE(as);
     EXPECT_EQ(*as, ++number);
   }
@@ -273,7 +273,8 @@ TEST(Bulk, NothingIsLostBetweenTwoThreadsBesideAThirdThatBeats) {
       continue;
     }
     ASSERT_EQ(got->size(), size_of(i));
-    ASSERT_TRUE(std::ranges::all_of(*got, [&](std::byte b) { return b == static_cast<std::byte>(i); }));
+    ASSERT_TRUE(
+        std::ranges::all_of(*got, [&](std::byte b) { return b == static_cast<std::byte>(i); }));
     ++i;
   }
   writing.join();

@@ -16,8 +16,7 @@ TEST(Crc32c, IsThatOfTheStandards) {
 
 TEST(Checked, OfDamagedPacketsNoneArrivesAndOfTheOthersAll) {
   const FakeClock clock;
-  const auto medium =
-      make_checked(make_faulty(make_inproc(), {.corruption = 0.5}, clock));
+  const auto medium = make_checked(make_faulty(make_inproc(), {.corruption = 0.5}, clock));
   EXPECT_TRUE(medium->offer().intact);
   EXPECT_FALSE(medium->offer().reliable);
   const auto door = medium->listen("RX90", false).value();

@@ -71,10 +71,10 @@ TEST_P(Conformance, CarriesPacketsBothWaysInOrder) {
 
 TEST_P(Conformance, CarriesEverySizeUpToTheLargest) {
   const std::size_t largest = medium_->offer().largest_packet;
-  for (const std::size_t size : {std::size_t{0}, std::size_t{1}, std::size_t{48}, std::size_t{239},
-                                 std::size_t{240}, std::size_t{241}, std::size_t{5000},
-                                 std::size_t{8'192}, std::size_t{8'193}, std::size_t{2'000'000},
-                                 largest - 1, largest}) {
+  for (const std::size_t size :
+       {std::size_t{0}, std::size_t{1}, std::size_t{48}, std::size_t{239}, std::size_t{240},
+        std::size_t{241}, std::size_t{5000}, std::size_t{8'192}, std::size_t{8'193},
+        std::size_t{2'000'000}, largest - 1, largest}) {
     if (size > largest) continue;
     std::string text(size, 'x');
     for (std::size_t i = 0; i < size; ++i) text[i] = static_cast<char>(i * 31 + i / 256);
@@ -195,7 +195,8 @@ TEST_P(Conformance, BeatsAreSeenWithoutPackets) {
 
 TEST_P(Conformance, ArmFindsWhatIsThereAlready) {
   ASSERT_TRUE(client_.send("first"));
-  ASSERT_TRUE(server_.wait([&] { return !server_.link->arm() || (server_.link->disarm(), false); }));
+  ASSERT_TRUE(
+      server_.wait([&] { return !server_.link->arm() || (server_.link->disarm(), false); }));
   EXPECT_EQ(server_.receive(), "first");
 }
 
@@ -225,7 +226,8 @@ TEST_P(Conformance, NoWakeUpIsLost) {
 TEST_P(Conformance, WhoAsksForALossTakesNoWakeUpFromASleeper) {
   ASSERT_TRUE(server_.link->arm());
   ASSERT_TRUE(client_.send("before it has heard of the server"));
-  EXPECT_EQ(server_.link->loss(), Loss::None) << "as housekeeping asks, beside the thread that sleeps";
+  EXPECT_EQ(server_.link->loss(), Loss::None)
+      << "as housekeeping asks, beside the thread that sleeps";
   std::vector<int> all(server_.link->descriptors().begin(), server_.link->descriptors().end());
   all.insert(all.end(), door_->descriptors().begin(), door_->descriptors().end());
   EXPECT_EQ(sleep_on(all, too_late()), Wake::Ready);
@@ -361,8 +363,9 @@ TEST_P(Conformance, APublisherWakesItsSleepingReaders) {
   for (std::uint64_t i = 1; i <= rounds; ++i) {
     std::thread reading;
     if (i % 50 == 0) {  // now and then the reader sleeps already
-      reading = std::thread(
-          [&] { ASSERT_TRUE(second.wait([&] { return second_reader->latest(i - 1, second_sample); })); });
+      reading = std::thread([&] {
+        ASSERT_TRUE(second.wait([&] { return second_reader->latest(i - 1, second_sample); }));
+      });
     }
     ASSERT_TRUE(writer->publish(bytes_of(std::to_string(i)), 0));
     ASSERT_TRUE(client_.wait([&] { return reader->next(i - 1, sample); }));
@@ -502,19 +505,19 @@ TEST_P(Conformance, AForkedChildFindsItsLinksDead) {
 
 INSTANTIATE_TEST_SUITE_P(
     Media, Conformance,
-    testing::Values(Candidate{"inproc", [](const std::string&) { return make_inproc(); }},
-                    Candidate{"checked", [](const std::string&) { return make_checked(make_inproc()); }},
-                    Candidate{"shm",
-                              [](const std::string& directory) {
-                                return make_shm({.directory = directory});
-                              }},
-                    Candidate{"lcm", [](const std::string& directory) {
-                                // A well-known place of this process: a broker may run on this host.
-                                LcmOptions options;
-                                options.well_known_port = port_of_this_process();
-                                options.key_directory = directory + "/keys";
-                                return make_lcm(options);
-                              }}),
+    testing::Values(
+        Candidate{"inproc", [](const std::string&) { return make_inproc(); }},
+        Candidate{"checked", [](const std::string&) { return make_checked(make_inproc()); }},
+        Candidate{"shm",
+                  [](const std::string& directory) { return make_shm({.directory = directory}); }},
+        Candidate{"lcm",
+                  [](const std::string& directory) {
+                    // A well-known place of this process: a broker may run on this host.
+                    LcmOptions options;
+                    options.well_known_port = port_of_this_process();
+                    options.key_directory = directory + "/keys";
+                    return make_lcm(options);
+                  }}),
     [](const auto& candidate) { return candidate.param.name; });
 
 }  // namespace

@@ -151,7 +151,8 @@ TEST(Faulty, ACutLineIsSilentUntilItIsMended) {
 }
 
 TEST(Faulty, TheSameSeedGivesTheSameFaults) {
-  const Faults faults{.seed = 7, .loss = 0.2, .duplication = 0.2, .corruption = 0.2, .reordering = 0.3};
+  const Faults faults{
+      .seed = 7, .loss = 0.2, .duplication = 0.2, .corruption = 0.2, .reordering = 0.3};
   Line one(faults);
   Line two(faults);
   const auto first = send_many(one, 500);

@@ -1,12 +1,13 @@
 // Large packets over lines that lose, repeat and reorder what they are cut into.
 
+#include "gecos/media/in_pieces.hpp"
+
 #include <gtest/gtest.h>
 
 #include <deque>
 #include <random>
 
 #include "gecos/media/faulty.hpp"
-#include "gecos/media/in_pieces.hpp"
 #include "gecos/media/lcm.hpp"
 #include "gecos/media/transfer.hpp"
 #include "media_under_test.hpp"
@@ -48,7 +49,8 @@ Result transfer(const Bytes& packet, const std::function<bool(std::size_t sendin
 }
 
 TEST(Transfer, SendsEachPieceOnceWhereNothingIsLost) {
-  for (const std::size_t size : {std::size_t{1}, piece_bytes, piece_bytes + 1, 100 * piece_bytes - 1}) {
+  for (const std::size_t size :
+       {std::size_t{1}, piece_bytes, piece_bytes + 1, 100 * piece_bytes - 1}) {
     const Bytes packet = random_bytes(size, 1);
     const Result result = transfer(packet, [](std::size_t) { return false; });
     EXPECT_EQ(result.arrived, packet);
@@ -58,7 +60,8 @@ TEST(Transfer, SendsEachPieceOnceWhereNothingIsLost) {
 
 TEST(Transfer, SendsAgainOnlyWhatWasLost) {
   const Bytes packet = random_bytes(50 * piece_bytes, 2);
-  const Result result = transfer(packet, [](std::size_t sending) { return sending == 3 || sending == 20; });
+  const Result result =
+      transfer(packet, [](std::size_t sending) { return sending == 3 || sending == 20; });
   EXPECT_EQ(result.arrived, packet);
   EXPECT_EQ(result.sendings, 52u);
 }
@@ -74,8 +77,10 @@ TEST(Transfer, EndsWhereThePiecesUnderWayAreAllLost) {
 TEST(Transfer, IsWholeOnceWhateverIsRepeated) {
   IncomingTransfers in;
   const Bytes packet = random_bytes(piece_bytes + 10, 4);
-  const Piece first{1, static_cast<std::uint32_t>(packet.size()), 0, ByteView(packet).first(piece_bytes)};
-  const Piece last{1, static_cast<std::uint32_t>(packet.size()), 1, ByteView(packet).subspan(piece_bytes)};
+  const Piece first{1, static_cast<std::uint32_t>(packet.size()), 0,
+                    ByteView(packet).first(piece_bytes)};
+  const Piece last{1, static_cast<std::uint32_t>(packet.size()), 1,
+                   ByteView(packet).subspan(piece_bytes)};
   EXPECT_EQ(in.take(last).all_before, 0u);
   EXPECT_EQ(in.take(last).beyond, 1u);
   EXPECT_FALSE(in.whole());
@@ -126,14 +131,12 @@ TEST(Transfer, BelievesNoAnswerBeyondWhatItSends) {
   EXPECT_TRUE(out.complete());
 }
 
-/// Client and server over lcm, with a line between them that suffers, and beats as housekeeping gives them.
+/// Client and server over lcm, with a line between them that suffers, and beats as housekeeping
+/// gives them.
 class InPieces : public testing::Test {
  protected:
   InPieces()
-      : medium_(make_in_pieces(
-            make_faulty(make_lcm(options()),
-                        line(), clock_),
-            clock_)),
+      : medium_(make_in_pieces(make_faulty(make_lcm(options()), line(), clock_), clock_)),
         door_(medium_->listen("CAMERA", false).value()),
         client_(std::move(*medium_->connect(door_->address()))),
         server_(wait_for_client(*door_, *client_)) {}
@@ -197,7 +200,8 @@ TEST_F(InPieces, WhatArrivedAndIsSentAgainArrivesAgain) {
   for (int time = 0; time < 3; ++time) {
     std::optional<Bytes> arrived;
     while (!arrived && std::chrono::steady_clock::now() < end) {
-      client_->send(packet, {});  // as a session does that has no answer: its peer took it for too old, say
+      client_->send(packet,
+                    {});  // as a session does that has no answer: its peer took it for too old, say
       arrived = look(server_.get());
     }
     EXPECT_EQ(arrived, packet);
@@ -220,7 +224,8 @@ TEST_F(InPieces, OneIsUnderWayAndNotSentTwice) {
   const Bytes other = random_bytes(300'000, 2);
   ASSERT_TRUE(client_->send(one, {}));
   EXPECT_EQ(client_->send(other, {}).error(), SendProblem::Full);
-  EXPECT_TRUE(client_->send(ByteView(one).first(100), ByteView(one).subspan(100))) << "it is under way";
+  EXPECT_TRUE(client_->send(ByteView(one).first(100), ByteView(one).subspan(100)))
+      << "it is under way";
   EXPECT_EQ(arrived_at(*server_), one);
   send_when_free(*client_, other);
   EXPECT_EQ(arrived_at(*server_), other) << "and not the first again";

@@ -1,7 +1,6 @@
 // What we hear is what LCM sends, and LCM hears us.
 
 #include <gtest/gtest.h>
-
 #include <lcm/lcm.h>
 
 #include <fstream>
@@ -38,7 +37,7 @@ class RealLcm {
  private:
   static void arrived(const lcm_recv_buf_t* received, const char* /*channel*/, void* self) {
     static_cast<RealLcm*>(self)->heard_.assign(static_cast<const char*>(received->data),
-                                             received->data_size);
+                                               received->data_size);
   }
 
   lcm_t* const lcm_;
@@ -48,8 +47,9 @@ class RealLcm {
 class LcmPortBesideLcm : public testing::Test {
  protected:
   LcmPortBesideLcm() {
-    const auto heard = port_->subscribe(
-        "OURS", [this](ByteView content) { all_.push_back(text_of({content.begin(), content.end()})); });
+    const auto heard = port_->subscribe("OURS", [this](ByteView content) {
+      all_.push_back(text_of({content.begin(), content.end()}));
+    });
     if (!heard) throw std::runtime_error(heard.error().text);
   }
   const std::vector<std::string>& all_up_to(const std::string& last) {

@@ -11,9 +11,11 @@ namespace gecos::media {
 /// Hears all that is sent to a channel of a port.
 class Recorder {
  public:
-  Recorder(std::uint16_t port, const std::string& channel) : port_(LcmPort::open({}, port).value()) {
-    const auto heard = port_->subscribe(
-        channel, [this](ByteView datagram) { all_.emplace_back(datagram.begin(), datagram.end()); });
+  Recorder(std::uint16_t port, const std::string& channel)
+      : port_(LcmPort::open({}, port).value()) {
+    const auto heard = port_->subscribe(channel, [this](ByteView datagram) {
+      all_.emplace_back(datagram.begin(), datagram.end());
+    });
     if (!heard) throw std::runtime_error(heard.error().text);
   }
   /// What came so far, at least one of `kind`.

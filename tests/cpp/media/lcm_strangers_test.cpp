@@ -91,8 +91,8 @@ TEST_F(LcmStrangers, WhatIsForgedAlteredOrPlayedBackIsNotThePeers) {
     Bytes forged = recorded.front();
     forged.resize(DatagramHeader::bytes + crypto::Sealer::overhead + InnerHeader::bytes);
     InnerHeader{kind, 0}.write(
-        std::span(forged).subspan<DatagramHeader::bytes + crypto::Sealer::text_at,
-                                  InnerHeader::bytes>());
+        std::span(forged)
+            .subspan<DatagramHeader::bytes + crypto::Sealer::text_at, InnerHeader::bytes>());
     crypto::Sealer other(crypto::Key{}, TimePoint{});
     other.seal(ByteView(forged).first(DatagramHeader::bytes),
                std::span(forged).subspan(DatagramHeader::bytes));
@@ -157,8 +157,7 @@ TEST_F(LcmStrangers, AClientWhoseAnswerWasLostGetsTheSameOneAgain) {
   ASSERT_EQ(answers.size(), 3u);
   EXPECT_EQ(answers[0], answers[1]);
   EXPECT_EQ(answers[0], answers[2]);
-  auto opened =
-      opening->finish(ByteView(answers[2]).subspan(DatagramHeader::bytes), TimePoint{});
+  auto opened = opening->finish(ByteView(answers[2]).subspan(DatagramHeader::bytes), TimePoint{});
   ASSERT_TRUE(opened);
   outlet.open(std::move(opened->channel.out));
   Bytes memory;
@@ -213,8 +212,7 @@ TEST_F(LcmStrangers, AReaderCannotForgeASampleToTheOthers) {
   const std::span<std::byte> frame = std::span(forged).subspan(DatagramHeader::bytes);
   const std::size_t text = frame.size() - crypto::Sealer::overhead;
   crypto::aead_seal(where.key.key, 0, ByteView(forged).first(DatagramHeader::bytes),
-                    frame.subspan(crypto::Sealer::text_at, text),
-                    frame.last<crypto::tag_bytes>());
+                    frame.subspan(crypto::Sealer::text_at, text), frame.last<crypto::tag_bytes>());
   forger->publish(lcm_channel("GS", where.channel), forged);
   ASSERT_TRUE(writer->publish(bytes_of("true"), 1));
   StreamSample sample;

@@ -1,11 +1,12 @@
 // What is lcm's own: its bytes, its addresses, its clocks and bounds.
+#include "gecos/media/lcm.hpp"
+
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
 #include <random>
 
 #include "gecos/crypto/opening.hpp"
-#include "gecos/media/lcm.hpp"
 #include "gecos/media/lcm/datagram.hpp"
 #include "gecos/media/lcm/inbox.hpp"
 #include "gecos/media/lcm/port.hpp"
@@ -98,8 +99,8 @@ TEST(LcmAddress, RefusesWhatIsNone) {
   for (const char* wrong :
        {"", "lcm:", "lcm:239.255.76.67", "lcm:239.255.76.67:1", "lcm:239.255.76.67:1/",
         "lcm:239.255.76.67:0/X", "lcm:239.255.76.67:70000/X", "lcm:239.255.76.67:1x/X", "lcm::1/X",
-        "lcm:239.255.76.67?ttl=255&x:1/X", "lcm:239.255.76.67:1/X#",
-        "lcm:239.255.76.67:1/X#12ab", "shm:/run/x.sock"}) {
+        "lcm:239.255.76.67?ttl=255&x:1/X", "lcm:239.255.76.67:1/X#", "lcm:239.255.76.67:1/X#12ab",
+        "shm:/run/x.sock"}) {
     EXPECT_FALSE(LcmAddress::parse(wrong)) << wrong;
   }
   EXPECT_FALSE(LcmAddress::parse("lcm:239.255.76.67:1/" + std::string(64, 'X')));
@@ -123,7 +124,8 @@ TEST(SendersClock, GoesAlongWithAClockThatIsSlow) {
   SendersClock clock;
   for (int seconds = 0; seconds < 100'000; ++seconds) {
     const Duration here = std::chrono::seconds(seconds);
-    ASSERT_EQ(clock.age((here - here / 5000).count(), TimePoint{here}), Duration::zero()) << seconds;
+    ASSERT_EQ(clock.age((here - here / 5000).count(), TimePoint{here}), Duration::zero())
+        << seconds;
   }
 }
 
@@ -165,7 +167,8 @@ TEST(LcmPort, RunsOutOfDescriptorsWithAWord) {
     const rlimit few{used + spare, usual.rlim_max};
     ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &few), 0);
     auto port = LcmPort::open({}, draw_port());
-    auto heard = port ? (*port)->subscribe("X", [](ByteView) {}) : tl::expected<void, MediumError>{};
+    auto heard =
+        port ? (*port)->subscribe("X", [](ByteView) {}) : tl::expected<void, MediumError>{};
     ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &usual), 0);
     if (port && heard) continue;
     const std::string text = port ? heard.error().text : port.error().text;

@@ -93,8 +93,8 @@ class End {
   Acceptor* door_;
 };
 
-/// Waits until `done`, while both ends do what their housekeeping would: on lcm what got lost is said
-/// again with every beat. False: too late.
+/// Waits until `done`, while both ends do what their housekeeping would: on lcm what got lost is
+/// said again with every beat. False: too late.
 inline bool wait_tended(End& one, End& other, const std::function<bool()>& done) {
   const TimePoint end = too_late();
   for (;;) {
@@ -105,12 +105,13 @@ inline bool wait_tended(End& one, End& other, const std::function<bool()>& done)
       link->beat();
       link->beats_seen();
     }
-    sleep_on(one.link->descriptors(), std::min<TimePoint>(end, now + std::chrono::milliseconds(20)));
+    sleep_on(one.link->descriptors(),
+             std::min<TimePoint>(end, now + std::chrono::milliseconds(20)));
   }
 }
 
-/// A port for what everybody knows, of this process: below those that the kernel gives to sockets that ask
-/// for none, and those that lcm draws.
+/// A port for what everybody knows, of this process: below those that the kernel gives to sockets
+/// that ask for none, and those that lcm draws.
 inline std::uint16_t port_of_this_process() {
   return static_cast<std::uint16_t>(10'000 + ::getpid() % 10'000);
 }
@@ -123,7 +124,8 @@ inline std::unique_ptr<Link> wait_for_client(Acceptor& door) {
   }
 }
 
-/// The same where the client has to do its part, as its housekeeping would: on lcm it proves its key.
+/// The same where the client has to do its part, as its housekeeping would: on lcm it proves its
+/// key.
 inline std::unique_ptr<Link> wait_for_client(Acceptor& door, Link& client) {
   const TimePoint end = too_late();
   while (client.loss() == Loss::None) {

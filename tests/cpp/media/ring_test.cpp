@@ -123,8 +123,7 @@ TEST(Ring, NothingIsLostBetweenTwoThreads) {
 
 struct OneStream {
   OneStream(std::size_t largest, std::size_t depth)
-      : mapping(std::make_shared<Mapping>(
-            Mapping::anonymous(StreamMemory::bytes(largest, depth)))),
+      : mapping(std::make_shared<Mapping>(Mapping::anonymous(StreamMemory::bytes(largest, depth)))),
         memory{mapping->data(), largest, depth},
         writer(memory, mapping) {}
   std::shared_ptr<Mapping> mapping;

@@ -196,9 +196,8 @@ TEST_F(ShmHostile, SilentGuestsDoNotKeepHonestOnesOut) {
 }
 
 TEST_F(ShmHostile, ALinkThatSendsGarbageLaterIsBroken) {
-  for (const ControlType type :
-       {ControlType::Hello, ControlType::Welcome, ControlType::Share, ControlType::Area,
-        static_cast<ControlType>(99)}) {
+  for (const ControlType type : {ControlType::Hello, ControlType::Welcome, ControlType::Share,
+                                 ControlType::Area, static_cast<ControlType>(99)}) {
     const Scribbler scribbler(door_->address());
     const auto link = wait_for_client(*door_);
     ASSERT_NE(link, nullptr);
@@ -377,7 +376,9 @@ TEST_F(ShmHostile, ScribbledPlacesGivePacketsOrBreakButHurtNobody) {
     ASSERT_NE(link, nullptr);
     ASSERT_TRUE(scribbler.show(area.memfd.get(), 1));
     for (int i = 0; i < 100 && link->loss() == Loss::None; ++i) {
-      const auto any = [&] { return i % 4 == 0 ? random() >> (random() % 64) : random() % 200'000; };
+      const auto any = [&] {
+        return i % 4 == 0 ? random() >> (random() % 64) : random() % 200'000;
+      };
       scribbler.writer.announce({any() % 20 == 0 ? any() : 1, any(), any()});
       if (const auto packet = link->receive()) {
         ASSERT_LE(packet->size(), largest_bulk_packet);
@@ -397,7 +398,8 @@ TEST_F(ShmHostile, WhoNeverTakesLargePacketsFillsOnlyItsOwnArea) {
   EXPECT_EQ(link->send(image, {}).error(), SendProblem::Full);
   EXPECT_LE(sent * image.size(), area_bytes);
   for (unsigned i = 0; i < 2 * area_kept; ++i) link->beat();
-  EXPECT_EQ(link->send(image, {}).error(), SendProblem::Full) << "what is not taken is not given back";
+  EXPECT_EQ(link->send(image, {}).error(), SendProblem::Full)
+      << "what is not taken is not given back";
   EXPECT_EQ(link->taken_by_peer(), 0u);
   EXPECT_EQ(open_descriptors(), before) << "an area is held by its mapping alone";
   expect_served();

@@ -252,7 +252,8 @@ TEST_F(ShmProcess, AStoppedPeerIsNotLost) {
   server.kill(SIGSTOP);
   const std::uint64_t beats = client.link->beats_seen();
   ASSERT_TRUE(client.send("two"));
-  EXPECT_EQ(client.link->loss(), Loss::None) << "only its silence tells, and the session judges that";
+  EXPECT_EQ(client.link->loss(), Loss::None)
+      << "only its silence tells, and the session judges that";
   EXPECT_EQ(client.link->beats_seen(), beats);
   server.kill(SIGCONT);
   EXPECT_EQ(client.receive(), "two");
@@ -324,7 +325,8 @@ TEST_F(ShmProcess, WhoStandsBehindManyThatAreSilentIsLetInThoughEventsAreEdges) 
   ASSERT_EQ(::epoll_ctl(watched, EPOLL_CTL_ADD, door->descriptors()[0], &event), 0);
   const std::string address = door->address();
   std::vector<Descriptor> silent;
-  for (int i = 0; i < 200; ++i) silent.push_back(shm::connect_to(address.substr(address.find(':') + 1)));
+  for (int i = 0; i < 200; ++i)
+    silent.push_back(shm::connect_to(address.substr(address.find(':') + 1)));
   End client = connect();
   std::unique_ptr<Link> server;
   while (!server && ::epoll_wait(watched, &event, 1, 0) == 1) server = door->accept();
@@ -357,7 +359,8 @@ TEST_F(ShmProcess, AClientIsTurnedAwayWhenNoDescriptorIsLeft) {
     link->beat();
     links.push_back(std::move(link));
   }
-  EXPECT_EQ(sleep_on(door->descriptors(), TimePoint{}), Wake::TimedOut) << "who watches for edges comes once";
+  EXPECT_EQ(sleep_on(door->descriptors(), TimePoint{}), Wake::TimedOut)
+      << "who watches for edges comes once";
   ::setrlimit(RLIMIT_NOFILE, &before);
   EXPECT_EQ(clients.wait(), 0);
   ASSERT_TRUE(first.send("still served"));

@@ -1,8 +1,8 @@
 #include "gecos/media/waiting.hpp"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <signal.h>
-#include <fcntl.h>
 #include <sys/time.h>
 
 #include <array>
@@ -62,7 +62,8 @@ TEST(SpinPolicy, SpinsForItsBudgetThenSleeps) {
 TEST(SpinPolicy, LooksManyTimesBetweenYieldsOnACoreOfItsOwn) {
   SteppingClock clock;
   SpinPolicy spin(clock, {.longest = 10us, .looks_alone = 7});
-  // A round is eight looks, and two readings of the clock around its yield. Time counts from the first.
+  // A round is eight looks, and two readings of the clock around its yield. Time counts from the
+  // first.
   EXPECT_EQ(looks_of_one_wait(spin), 51 * 8);
 }
 

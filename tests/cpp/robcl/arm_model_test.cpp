@@ -1,9 +1,8 @@
-#include "robcl/arm/model.hpp"
-
 #include <gtest/gtest.h>
 
 #include "arms.hpp"
 #include "robcl/arm/kinematics.hpp"
+#include "robcl/arm/model.hpp"
 
 namespace robcl::arm {
 namespace {
@@ -14,7 +13,8 @@ Frame khalil_link(double alpha, double d, double theta, double r) {
   return rotate_x(alpha) * translate(d, 0, 0) * rotate_z(theta) * translate(0, 0, r);
 }
 
-/// The RX90 by the published modified Denavit-Hartenberg table, from its shoulder to its wrist centre.
+/// The RX90 by the published modified Denavit-Hartenberg table, from its shoulder to its wrist
+/// centre.
 Frame khalil(const JointValues& k) {
   return khalil_link(0, 0, k[0], 0) * khalil_link(90_deg, 0, k[1], 0) *
          khalil_link(0, 450_mm, k[2], 0) * khalil_link(-90_deg, 0, k[3], 450_mm) *

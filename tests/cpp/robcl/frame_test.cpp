@@ -88,7 +88,8 @@ TEST(Frame, ThirdEulerAngleIsZeroWhereTwoAxesAreParallel) {
 TEST(Frame, FixedAxesAreZyxFromBackToFront) {
   const Frame fixed = Frame::from_fixed_xyz(0.1, 0.2, 0.3, 10_deg, 20_deg, 30_deg);
   expect_same(fixed, Frame::from_euler_zyx(0.1, 0.2, 0.3, 30_deg, 20_deg, 10_deg));
-  expect_same(fixed, translate(0.1, 0.2, 0.3) * rotate_z(30_deg) * rotate_y(20_deg) * rotate_x(10_deg));
+  expect_same(fixed,
+              translate(0.1, 0.2, 0.3) * rotate_z(30_deg) * rotate_y(20_deg) * rotate_x(10_deg));
   const auto [rx, ry, rz] = fixed.fixed_xyz();
   EXPECT_NEAR(rx, 10_deg, 1e-12);
   EXPECT_NEAR(ry, 20_deg, 1e-12);
@@ -194,7 +195,8 @@ TEST(Frame, DecodingRefusesWhatIsNoPlacementAndNamesTheField) {
             DecodeProblem::Truncated);
 }
 
-// The rule that lcm-gen follows, written down once more, over the struct that geometry.gidl declares.
+// The rule that lcm-gen follows, written down once more, over the struct that geometry.gidl
+// declares.
 class Fingerprint {
  public:
   Fingerprint& member(const std::string& name, const std::string& primitive = {}) {
@@ -229,7 +231,10 @@ class Fingerprint {
 TEST(Frame, FingerprintIsTheOneOfItsDeclaredLayout) {
   Fingerprint vector, quaternion, frame;
   vector.member("x", "double").member("y", "double").member("z", "double");
-  quaternion.member("w", "double").member("x", "double").member("y", "double").member("z", "double");
+  quaternion.member("w", "double")
+      .member("x", "double")
+      .member("y", "double")
+      .member("z", "double");
   frame.member("position").member("orientation").nested(vector.value()).nested(quaternion.value());
   EXPECT_EQ(static_cast<std::uint64_t>(Frame::fingerprint()), frame.value());
 }

@@ -86,7 +86,8 @@ TEST_P(ClosedForm, StaysWhereItStandsWhenTheGoalIsWhereItStands) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(OnArms, ClosedForm, ::testing::Values(Arm{"Rx90", rx90}, Arm{"Puma560", puma560}),
+INSTANTIATE_TEST_SUITE_P(OnArms, ClosedForm,
+                         ::testing::Values(Arm{"Rx90", rx90}, Arm{"Puma560", puma560}),
                          [](const auto& made) { return made.param.name; });
 
 class Rx90Inverse : public ::testing::Test {
@@ -100,7 +101,8 @@ TEST_F(Rx90Inverse, SolvesTheStretchedArmAndKeepsJointsThatDoNotMatter) {
   const JointValues up = joints({20, 0, 0, 30, 0, -10});
   const auto solution = inverse_->solve(forward_.base_from_flange(up), up);
   ASSERT_TRUE(solution.has_value()) << to_string(solution.error());
-  EXPECT_TRUE(near(forward_.base_from_flange(*solution), forward_.base_from_flange(up), 1e-7, 1e-7));
+  EXPECT_TRUE(
+      near(forward_.base_from_flange(*solution), forward_.base_from_flange(up), 1e-7, 1e-7));
   EXPECT_NEAR((*solution)[0], up[0], 1e-6);
   EXPECT_NEAR((*solution)[3], up[3], 1e-6);
   EXPECT_NEAR((*solution)[5], up[5], 1e-6);
@@ -140,8 +142,10 @@ TEST_F(Rx90Inverse, NamesTheJointThatWouldHaveToTurnTooFar) {
 }
 
 TEST_F(Rx90Inverse, RefusesAConfigurationThatCannotReachTheGoal) {
-  const JointValues q = joints({0, 60, 30, 0, 45, 0});  // far in front: lefty would need joint 1 at 180
-  const auto lefty = inverse_->solve(forward_.base_from_flange(q), q, {.shoulder = Shoulder::Lefty});
+  const JointValues q =
+      joints({0, 60, 30, 0, 45, 0});  // far in front: lefty would need joint 1 at 180
+  const auto lefty =
+      inverse_->solve(forward_.base_from_flange(q), q, {.shoulder = Shoulder::Lefty});
   ASSERT_FALSE(lefty.has_value());
   EXPECT_EQ(std::get<JointLimit>(lefty.error()).axis, 1u);
 }

@@ -13,7 +13,7 @@ namespace {
 using arm::ArmModel;
 
 constexpr double cycle = 0.004;  // s: 250 Hz
-constexpr double slack = 1.01;  // sampling between the moments at which a plan was checked
+constexpr double slack = 1.01;   // sampling between the moments at which a plan was checked
 
 const JointValues ready = joints({0, -20, 110, 0, 90, 0});  // tool down in front of the arm
 
@@ -91,8 +91,9 @@ TEST_F(Motion, AToolSpeedHoldsOnAJointMove) {
   const auto all = samples(*plan);
   double fastest = 0;
   for (std::size_t k = 1; k < all.size(); ++k) {
-    fastest = std::max(fastest, distance(forward_.base_from_flange(all[k - 1]),
-                                         forward_.base_from_flange(all[k])) / cycle);
+    fastest = std::max(
+        fastest,
+        distance(forward_.base_from_flange(all[k - 1]), forward_.base_from_flange(all[k])) / cycle);
   }
   EXPECT_LE(fastest, 0.25 * slack);
   EXPECT_GE(fastest, 0.25 * 0.95);
@@ -186,9 +187,10 @@ TEST_F(Motion, AStraightMoveThatLeavesTheReachOnTheWaySaysWhere) {
   ASSERT_FALSE(plan.has_value());
   const auto* reach = std::get_if<arm::OutOfReach>(&plan.error());
   ASSERT_NE(reach, nullptr) << to_string(plan.error());
-  EXPECT_EQ(reach->reason,
-            "289.0 mm along the line: the wrist centre would be 149.4 mm from axis 1, it can come as "
-            "near as 150.1 mm");
+  EXPECT_EQ(
+      reach->reason,
+      "289.0 mm along the line: the wrist centre would be 149.4 mm from axis 1, it can come as "
+      "near as 150.1 mm");
   EXPECT_TRUE(puma.joints_to(to_front->goal(), back, Frame(), {}).has_value());
 }
 
@@ -197,8 +199,9 @@ TEST_F(Motion, AGoalInMillimetresIsAskedAbout) {
   ASSERT_FALSE(plan.has_value());
   const auto* reach = std::get_if<arm::OutOfReach>(&plan.error());
   ASSERT_NE(reach, nullptr);
-  EXPECT_EQ(reach->reason,
-            "the goal is 583.1 m from the base, the arm reaches 1.405 m: were its numbers millimetres?");
+  EXPECT_EQ(
+      reach->reason,
+      "the goal is 583.1 m from the base, the arm reaches 1.405 m: were its numbers millimetres?");
   EXPECT_FALSE(planner_.joints_to(ready, translate(500, 0, 300), Frame(), {}).has_value());
 }
 
@@ -262,8 +265,8 @@ TEST_F(Motion, ProgressRisesToOneWhileTheRemainingTimeFalls) {
 }
 
 TEST_F(Motion, PlayingBackAndStoppingAllocatesNothing) {
-  const auto plan =
-      planner_.straight(ready, forward_.base_from_flange(ready) * translate(0, 0.1, 0.1), Frame(), {});
+  const auto plan = planner_.straight(
+      ready, forward_.base_from_flange(ready) * translate(0, 0.1, 0.1), Frame(), {});
   Playback playback(*plan);
   CountAllocations allocations;
   JointValues sum = playback.advance(cycle);

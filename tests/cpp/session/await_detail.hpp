@@ -8,8 +8,8 @@
 
 namespace probe {
 
-/// Returns once `command` stands at `wanted`, a detail of a command that runs; throws when it has ended.
-/// Asks again and again: only the end of a command wakes who waits for it.
+/// Returns once `command` stands at `wanted`, a detail of a command that runs; throws when it has
+/// ended. Asks again and again: only the end of a command wakes who waits for it.
 template <class Command>
 void await_detail(const Command& command, gecos::Detail wanted) {
   for (;;) {

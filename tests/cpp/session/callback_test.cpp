@@ -81,10 +81,11 @@ TEST_P(Callbacks, MayHoldTheLastOfTheirLab) {
   {
     auto own = connect(*lab);
     const auto read = own.read();
-    read.then([own, lab = std::shared_ptr<gecos::Lab>(std::move(lab)), &told](const Moved&) mutable {
-      lab.reset();
-      told.set_value();
-    });
+    read.then(
+        [own, lab = std::shared_ptr<gecos::Lab>(std::move(lab)), &told](const Moved&) mutable {
+          lab.reset();
+          told.set_value();
+        });
   }
   told.get_future().get();
 }

@@ -1,5 +1,5 @@
-// Programs of their own for tests about dying. They are forked before this process has threads, wait
-// until they are told to go, and say line by line what happens in them.
+// Programs of their own for tests about dying. They are forked before this process has threads,
+// wait until they are told to go, and say line by line what happens in them.
 #pragma once
 
 #include <sys/types.h>

@@ -77,9 +77,11 @@ TEST_P(Commands, ExpireWhenTheirDeadlinePassesInTheQueue) {
 }
 
 TEST_P(Commands, AreNotSentWhenTheirDeadlineHasPassedAlready) {
-  for (const gecos::Duration left : {gecos::Duration(), gecos::Duration(-1), gecos::Duration::min()}) {
+  for (const gecos::Duration left :
+       {gecos::Duration(), gecos::Duration(-1), gecos::Duration::min()}) {
     const auto late = gecos::with(probe_, {.deadline = left});
-    for (const auto& [command, name] : {std::pair(late.set(2), "set"), std::pair(late.look(), "look")}) {
+    for (const auto& [command, name] :
+         {std::pair(late.set(2), "set"), std::pair(late.look(), "look")}) {
       const auto ended = command.get();
       ASSERT_FALSE(ended);
       EXPECT_EQ(ended.error().detail, Detail::Expired);
@@ -147,9 +149,10 @@ TEST_P(Commands, AreAnsweredLaterFromAnotherThread) {
   const auto answering = std::make_shared<Answering>();
   servant_.on_read([answering](gecos::IncomingCall call) {
     const std::lock_guard lock(answering->mutex);
-    answering->threads.emplace_back([call = std::make_shared<gecos::IncomingCall>(std::move(call))] {
-      call->finish(4, [](gecos::wire::Encoder& to) { to.put(std::int32_t{11}); });
-    });
+    answering->threads.emplace_back(
+        [call = std::make_shared<gecos::IncomingCall>(std::move(call))] {
+          call->finish(4, [](gecos::wire::Encoder& to) { to.put(std::int32_t{11}); });
+        });
   });
   EXPECT_EQ(probe_.read().get().value(), 11);
   EXPECT_EQ(probe_.read().get().value(), 11);
@@ -183,7 +186,8 @@ TEST_P(Commands, EndWhenTheirServerEndsInOrder) {
   server_.reset();
   EXPECT_EQ(move.get().error().detail, Detail::Stopped);
   EXPECT_EQ(set.get().error().detail, Detail::Stopped);
-  EXPECT_NE(gecos::ping(probe_).wait(), State::Finished);  // over lcm it may be this one that finds out
+  EXPECT_NE(gecos::ping(probe_).wait(),
+            State::Finished);  // over lcm it may be this one that finds out
   const auto later = probe_.read().get();
   ASSERT_FALSE(later);
   EXPECT_EQ(later.error().state(), State::ConnectionFailed) << later.error();

@@ -43,7 +43,8 @@ TEST(CreateWithoutBroker, WaitsNoLongerThanAskedThoughAnotherThreadLooksLonger) 
   int beside_it = 0;
   while (beside_it < 3 && patient.wait_for(std::chrono::seconds(0)) != std::future_status::ready) {
     const auto begin = std::chrono::steady_clock::now();
-    const auto created = lab.create<probe::Probe>("PROBE", {.patience = std::chrono::milliseconds(100)});
+    const auto created =
+        lab.create<probe::Probe>("PROBE", {.patience = std::chrono::milliseconds(100)});
     EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(1));
     ASSERT_FALSE(created);
     const std::string why = created.error().to_string();
@@ -72,8 +73,8 @@ TEST_F(Create, SaysThatTheServerIsOffline) {
   }();
   auto broker = lab_.core().broker(gecos::deadline_after(std::chrono::seconds(5)));
   ASSERT_TRUE(broker) << broker.error();
-  ASSERT_TRUE(gecos::session::enlist(**broker, entry,
-                                     gecos::deadline_after(std::chrono::seconds(5))));
+  ASSERT_TRUE(
+      gecos::session::enlist(**broker, entry, gecos::deadline_after(std::chrono::seconds(5))));
   const auto error = attempts({"DEAD"});
   ASSERT_EQ(error.attempts.size(), 1u);
   EXPECT_EQ(error.attempts[0].detail, Detail::NoServer);
@@ -99,7 +100,8 @@ TEST_F(Create, SaysWhatItTriedWhenThereIsNoBroker) {
   ASSERT_FALSE(created);
   const std::string text = created.error().to_string();
   EXPECT_NE(text.find("start `gecos broker`, or say where it is in GECOS_BROKER"),
-            std::string::npos) << text;
+            std::string::npos)
+      << text;
   EXPECT_NE(text.find("tried inproc:nobody"), std::string::npos) << text;
 }
 
@@ -183,8 +185,8 @@ TEST_F(Create, IsRefusedANameThatItsOwnServerHasAlready) {
   EXPECT_EQ(connect(lab_).read().get().value(), 7) << "the first one goes on";
 }
 
-/// Knows of a server that has ended, and drops it when it has been asked for the name `asked_before`
-/// times.
+/// Knows of a server that has ended, and drops it when it has been asked for the name
+/// `asked_before` times.
 class SlowBroker : public gecos::BrokerServant {
  public:
   SlowBroker(gecos::Entry dead, int asked_before) : dead_(std::move(dead)), left_(asked_before) {}
@@ -270,7 +272,8 @@ TEST_F(Create, IsRefusedANameThatAnotherServerHas) {
   const auto added = second.add("PROBE", servant, options);
   ASSERT_FALSE(added);
   EXPECT_NE(added.error().text.find("the name PROBE is taken by a probe::Probe of"),
-            std::string::npos) << added.error().text;
+            std::string::npos)
+      << added.error().text;
 }
 
 }  // namespace

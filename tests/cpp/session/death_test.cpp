@@ -220,10 +220,12 @@ TEST(ServerDiesAmongImages, AndEveryCallEndsAndNoMemoryIsLeft) {
     EXPECT_EQ(areas_seen(), 2u);
     child.signal(SIGSTOP);
     auto refused = call();
-    for (; refused->progress().detail == Detail::Sent; refused = call()) commands.push_back(refused);
-    EXPECT_EQ(refused->failure().text,
-              "'read' of PROBE was not sent: shm is full of what the server has not taken yet; wait "
-              "for a call that was sent before");
+    for (; refused->progress().detail == Detail::Sent; refused = call())
+      commands.push_back(refused);
+    EXPECT_EQ(
+        refused->failure().text,
+        "'read' of PROBE was not sent: shm is full of what the server has not taken yet; wait "
+        "for a call that was sent before");
     child.kill_at_once();
     for (const auto& command : commands) {
       command->wait_until(gecos::TimePoint::max());

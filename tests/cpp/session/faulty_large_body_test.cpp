@@ -1,4 +1,5 @@
-// Large bodies through whole programs over a line that loses, repeats and reorders packets, both ways.
+// Large bodies through whole programs over a line that loses, repeats and reorders packets, both
+// ways.
 #include <random>
 
 #include "bench.hpp"
@@ -64,9 +65,9 @@ TEST_F(LargeBodyOverABadLine, ArrivesIntactAndIsCarriedOutOnce) {
     for (auto& byte : body) byte = static_cast<std::byte>(random());
     gecos::wire::Encoder to(std::span<std::byte>(body).first(sizeof which));
     to.put(which);
-    commands.push_back(robot->session()->call(
-        probe::operation(probe::read_code), body.size(),
-        [&](gecos::wire::Encoder& into) { into.put_bytes(body); }, {}));
+    commands.push_back(
+        robot->session()->call(probe::operation(probe::read_code), body.size(),
+                               [&](gecos::wire::Encoder& into) { into.put_bytes(body); }, {}));
     bodies.push_back(std::move(body));
   }
   for (std::uint32_t which = 0; which < commands.size(); ++which) {

@@ -2,9 +2,9 @@
 #include <chrono>
 #include <future>
 
+#include "../settles.hpp"
 #include "gecos/session/lab_core.hpp"
 #include "gecos/session/linked_session.hpp"
-#include "../settles.hpp"
 #include "over_media.hpp"
 
 namespace {
@@ -60,7 +60,8 @@ TEST_P(ClosedLab, EndsCallsThatWaitAndLetsThemFinish) {
 TEST_P(ClosedLab, EndsReadersThatWait) {
   auto level = probe_.level(gecos::stream);
   ASSERT_TRUE(level) << level.error();
-  auto waiting = std::async(std::launch::async, [&] { return level->next(gecos::Duration::max()); });
+  auto waiting =
+      std::async(std::launch::async, [&] { return level->next(gecos::Duration::max()); });
   lab_.close();
   const auto sample = waiting.get();
   ASSERT_FALSE(sample);

@@ -19,8 +19,9 @@ class LargeBody : public probe::OverMedia {
   }
   std::shared_ptr<gecos::session::CommandCore> echo(const gecos::Bytes& body,
                                                     const gecos::CallOptions& options = {}) {
-    return probe_.session()->call(probe::operation(probe::read_code), body.size(),
-                                  [&](gecos::wire::Encoder& to) { to.put_bytes(body); }, options);
+    return probe_.session()->call(
+        probe::operation(probe::read_code), body.size(),
+        [&](gecos::wire::Encoder& to) { to.put_bytes(body); }, options);
   }
   static gecos::Bytes body(std::size_t size) {
     gecos::Bytes bytes(size);
@@ -73,9 +74,9 @@ TEST_P(LargeBody, AsAResultThatNoMediumCarriesIsAFaultThatSaysSo) {
   const auto command = echo(body(4));
   command->wait_until(gecos::TimePoint::max());
   ASSERT_EQ(command->progress().detail, Detail::Fault);
-  EXPECT_EQ(command->failure().text,
-            "the result takes " + std::to_string(largest() + 1) + " bytes and the medium carries " +
-                std::to_string(largest() + gecos::wire::packet_size(0)));
+  EXPECT_EQ(command->failure().text, "the result takes " + std::to_string(largest() + 1) +
+                                         " bytes and the medium carries " +
+                                         std::to_string(largest() + gecos::wire::packet_size(0)));
 }
 
 /// More than a medium holds at a time.

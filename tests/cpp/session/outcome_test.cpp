@@ -111,7 +111,8 @@ TEST(CommandIds, AreTextAndBack) {
   const CommandId id{0x123456789abcdef0, 0xfedc, 17};
   EXPECT_EQ(gecos::to_string(id), "123456789abcdef0-fedc-11");
   EXPECT_EQ(gecos::command_id_from(gecos::to_string(id)), id);
-  for (const char* wrong : {"", "1-2", "1-2-3-4", "1-2-x", "1-2-3 ", "-1-2-3", "11111111111111111-2-3"}) {
+  for (const char* wrong :
+       {"", "1-2", "1-2-3-4", "1-2-x", "1-2-3 ", "-1-2-3", "11111111111111111-2-3"}) {
     EXPECT_FALSE(gecos::command_id_from(wrong)) << wrong;
   }
 }

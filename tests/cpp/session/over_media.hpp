@@ -17,8 +17,8 @@ class OverMedia : public Bench, public ::testing::WithParamInterface<gecos::medi
 
 }  // namespace probe
 
-#define PROBE_OVER_MEDIA(suite)                                                              \
-  INSTANTIATE_TEST_SUITE_P(Over, suite,                                                      \
-                           ::testing::Values(gecos::media::Kind::Inproc,                     \
-                                             gecos::media::Kind::Shm, gecos::media::Kind::Lcm), \
+#define PROBE_OVER_MEDIA(suite)                                                                   \
+  INSTANTIATE_TEST_SUITE_P(Over, suite,                                                           \
+                           ::testing::Values(gecos::media::Kind::Inproc, gecos::media::Kind::Shm, \
+                                             gecos::media::Kind::Lcm),                            \
                            gecos::media::name_of)

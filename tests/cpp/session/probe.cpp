@@ -72,8 +72,9 @@ gecos::OperationDescription operation(gecos::FunctionCode code) {
 }
 
 gecos::Command<std::int32_t> Probe::number(gecos::FunctionCode code, std::int32_t argument) const {
-  return {gecos_session_->call(operation(code), sizeof argument,
-                               [&](gecos::wire::Encoder& to) { to.put(argument); }, gecos_options_),
+  return {gecos_session_->call(
+              operation(code), sizeof argument, [&](gecos::wire::Encoder& to) { to.put(argument); },
+              gecos_options_),
           &decode};
 }
 
@@ -183,8 +184,7 @@ std::vector<std::string> ProbeServant::events() const {
 }
 
 void ProbeServant::await_event(const std::string& event) {
-  await("'" + event + "'",
-        [&] { return std::count(events_.begin(), events_.end(), event) > 0; });
+  await("'" + event + "'", [&] { return std::count(events_.begin(), events_.end(), event) > 0; });
 }
 
 }  // namespace probe

@@ -47,7 +47,9 @@ class Probe : public virtual gecos::Object {
 
   gecos::Command<std::int32_t> read() const { return number(read_code, 0); }
   /// `@idempotent`: sent again when its session is lost.
-  gecos::Command<std::int32_t> look(std::int32_t which = 0) const { return number(look_code, which); }
+  gecos::Command<std::int32_t> look(std::int32_t which = 0) const {
+    return number(look_code, which);
+  }
   gecos::Command<std::int32_t> move(std::int32_t goal) const { return number(move_code, goal); }
   gecos::Command<std::int32_t> set(std::int32_t value) const { return number(set_code, value); }
   gecos::Command<std::int32_t> urgent() const { return number(urgent_code, 0); }

@@ -124,36 +124,50 @@ TEST_F(ProtocolDocument, ShowsPacketsAsTheyAreWritten) {
   Hello hello{"eva", "lab", "demo", 42, 5, "gecos::Broker", 0, std::chrono::milliseconds(750)};
   expect_packet("hello", {.kind = wire::PacketKind::Hello}, wire::to_bytes(hello));
 
-  const Welcome welcome{"BROKER", "gecos::Broker", {}, 0x1234, 6, 256,
+  const Welcome welcome{"BROKER",
+                        "gecos::Broker",
+                        {},
+                        0x1234,
+                        6,
+                        256,
                         {{function_code("gecos::Broker::list"), 0x77}}};
   expect_packet("welcome", {.kind = wire::PacketKind::Welcome, .session = session},
                 wire::to_bytes(welcome));
 
   const FailureBody refused{"RX90 is a robcl::Rx90, not a gecos::Broker", {}, {}};
-  expect_packet("refused",
-                {.kind = wire::PacketKind::Refused, .flags = static_cast<std::int8_t>(Detail::Refused)},
-                wire::to_bytes(refused));
+  expect_packet(
+      "refused",
+      {.kind = wire::PacketKind::Refused, .flags = static_cast<std::int8_t>(Detail::Refused)},
+      wire::to_bytes(refused));
 
   Bytes name(wire::string_size("RX90"));
   wire::Encoder(name).put_string("RX90");
   expect_packet("call",
-                {.kind = wire::PacketKind::Call, .code = function_code("gecos::Broker::lookup"),
-                 .session = session, .counter = 3, .acknowledged = 2, .deadline = std::chrono::seconds(2)},
+                {.kind = wire::PacketKind::Call,
+                 .code = function_code("gecos::Broker::lookup"),
+                 .session = session,
+                 .counter = 3,
+                 .acknowledged = 2,
+                 .deadline = std::chrono::seconds(2)},
                 name);
 
   UnknownName unknown;
   unknown.name = "RX90";
   unknown.known = {"BROKER"};
   Bytes reply;
-  write_failure(reply, {.kind = wire::PacketKind::Reply, .session = session, .counter = 3},
-                {Detail::Fault, "unknown", std::string(UnknownName::type_name()), wire::to_bytes(unknown)});
+  write_failure(
+      reply, {.kind = wire::PacketKind::Reply, .session = session, .counter = 3},
+      {Detail::Fault, "unknown", std::string(UnknownName::type_name()), wire::to_bytes(unknown)});
   expect("reply", reply);
 
   expect_packet("progress",
-                {.kind = wire::PacketKind::Progress, .flags = static_cast<std::int8_t>(Detail::Queued),
-                 .session = session, .counter = 3},
+                {.kind = wire::PacketKind::Progress,
+                 .flags = static_cast<std::int8_t>(Detail::Queued),
+                 .session = session,
+                 .counter = 3},
                 wire::to_bytes(ProgressBody{1, 0, {}}));
-  expect_packet("goodbye", {.kind = wire::PacketKind::Goodbye, .session = session, .acknowledged = 4}, {});
+  expect_packet("goodbye",
+                {.kind = wire::PacketKind::Goodbye, .session = session, .acknowledged = 4}, {});
 }
 
 TEST_F(ProtocolDocument, ShowsHowAStatusIsAcquired) {
@@ -163,12 +177,17 @@ TEST_F(ProtocolDocument, ShowsHowAStatusIsAcquired) {
   to.put(std::int8_t{1});
   to.put_string("two hands");
   expect_packet("acquire",
-                {.kind = wire::PacketKind::Call, .code = FunctionCode{static_cast<std::uint32_t>(Reserved::Acquire)},
-                 .session = SessionId{9}, .counter = 4, .acknowledged = 3},
+                {.kind = wire::PacketKind::Call,
+                 .code = FunctionCode{static_cast<std::uint32_t>(Reserved::Acquire)},
+                 .session = SessionId{9},
+                 .counter = 4,
+                 .acknowledged = 3},
                 wanted);
   expect_packet("granted",
-                {.kind = wire::PacketKind::Reply, .flags = static_cast<std::int8_t>(Detail::Done),
-                 .session = SessionId{9}, .counter = 4},
+                {.kind = wire::PacketKind::Reply,
+                 .flags = static_cast<std::int8_t>(Detail::Done),
+                 .session = SessionId{9},
+                 .counter = 4},
                 block_bytes(Grant{gecos::Status::ACTOR, 11}));
 }
 

@@ -22,8 +22,8 @@ using Clock = std::chrono::steady_clock;
 
 const auto grace = gecos::LabOptions{}.grace;
 
-/// Serves PROBE; says each look that comes. With `answers` it gives 40 and which it was asked for, else
-/// nothing, ever.
+/// Serves PROBE; says each look that comes. With `answers` it gives 40 and which it was asked for,
+/// else nothing, ever.
 void serve_probe(Child::Line& line, Kind kind, bool answers) {
   line.hear();
   gecos::Lab lab;
@@ -73,7 +73,8 @@ INSTANTIATE_TEST_SUITE_P(Over, Renewal, ::testing::Values(Kind::Shm, Kind::Lcm),
 
 /// Where it is known at once that a server is gone.
 using RenewalOnOneHost = Renewal;
-INSTANTIATE_TEST_SUITE_P(Over, RenewalOnOneHost, ::testing::Values(Kind::Shm), gecos::media::name_of);
+INSTANTIATE_TEST_SUITE_P(Over, RenewalOnOneHost, ::testing::Values(Kind::Shm),
+                         gecos::media::name_of);
 
 TEST_P(Renewal, SendsReadingsAgainThatMayBeAndNothingElse) {
   const auto look = robot_.look(1);
@@ -115,7 +116,8 @@ TEST_P(Renewal, ShowsThatNobodyHasItAndEndsWithGraceWhenNobodyComes) {
   EXPECT_GE(took, grace - 100ms);
   EXPECT_LT(took, grace + 500ms) << "promised";
   const auto why = look.get().error();
-  EXPECT_EQ(why.detail, GetParam() == Kind::Shm ? Detail::ServerCrashed : Detail::OutcomeUnknown) << why;
+  EXPECT_EQ(why.detail, GetParam() == Kind::Shm ? Detail::ServerCrashed : Detail::OutcomeUnknown)
+      << why;
 }
 
 TEST_P(RenewalOnOneHost, EndsWithTheDeadlineWhenThatIsEarlier) {

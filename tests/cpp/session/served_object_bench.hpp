@@ -82,7 +82,8 @@ class ServedObjects : public ::testing::Test {
   std::shared_ptr<ServedObject> make_object() {
     return std::make_shared<ServedObject>(runtime_, "PROBE", servant_, ObjectOptions{});
   }
-  /// Another session takes the place of the one that the packets below are of. Gives the one before.
+  /// Another session takes the place of the one that the packets below are of. Gives the one
+  /// before.
   std::shared_ptr<ServerSession> connect() {
     auto before = session_;
     auto link = std::make_unique<TestLink>(reliable_);
@@ -103,7 +104,8 @@ class ServedObjects : public ::testing::Test {
     object_->take(session_, packet);
     object_->run_ready(Starter::Poller);
   }
-  wire::PacketHeader header_of(wire::PacketKind kind, std::uint64_t counter, FunctionCode code) const {
+  wire::PacketHeader header_of(wire::PacketKind kind, std::uint64_t counter,
+                               FunctionCode code) const {
     wire::PacketHeader header;
     header.kind = kind;
     header.session = session_->id();

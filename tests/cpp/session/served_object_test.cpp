@@ -106,7 +106,8 @@ TEST_F(ServedObjects, GivesUpLargeResultsOfAClientThatTakesNone) {
   EXPECT_FALSE(session_->overrun());
   link_->full = false;
   session_->flush();
-  for (std::uint64_t counter = 1; counter <= 4; ++counter) EXPECT_EQ(reply_to(counter), Detail::Done);
+  for (std::uint64_t counter = 1; counter <= 4; ++counter)
+    EXPECT_EQ(reply_to(counter), Detail::Done);
   EXPECT_EQ(reply_to(5), Detail::Fault);
   EXPECT_EQ(reply_to(6), Detail::Fault);
   call(7, probe::read_code);

@@ -1,4 +1,5 @@
-// Checks RAIL over the medium named: the C++ half of the pairs in test_pairs.py. Exits 0 when all held.
+// Checks RAIL over the medium named: the C++ half of the pairs in test_pairs.py. Exits 0 when all
+// held.
 
 #include <chrono>
 #include <cmath>
@@ -12,10 +13,10 @@ using namespace std::chrono_literals;
 
 namespace {
 
-#define REQUIRE(condition)                                                          \
-  if (!(condition)) {                                                               \
-    std::cerr << __FILE__ << ':' << __LINE__ << ": not so: " #condition << '\n';    \
-    std::exit(1);                                                                   \
+#define REQUIRE(condition)                                                       \
+  if (!(condition)) {                                                            \
+    std::cerr << __FILE__ << ':' << __LINE__ << ": not so: " #condition << '\n'; \
+    std::exit(1);                                                                \
   }
 
 template <class T>

@@ -52,9 +52,8 @@ std::vector<Holder> LeaseTable::roster() const {
   std::vector<Holder> holders;
   holders.reserve(members_.size());
   for (const auto& [session, member] : members_) holders.push_back(member.holder);
-  std::ranges::sort(holders, {}, [](const Holder& holder) {
-    return std::pair(holder.since, holder.session);
-  });
+  std::ranges::sort(holders, {},
+                    [](const Holder& holder) { return std::pair(holder.since, holder.session); });
   return holders;
 }
 
@@ -86,9 +85,9 @@ tl::expected<Grant, LeaseRefusal> LeaseTable::acquire(SessionId session, const C
     }
     if (!password_.proves_the_same_as(password)) {
       const std::string given = password.empty() ? "none was given" : "this is not the one";
-      return tl::unexpected(refuse(Reason::WrongPassword,
-                                   status + " status refused: it is shared by password, and " + given,
-                                   now));
+      return tl::unexpected(
+          refuse(Reason::WrongPassword,
+                 status + " status refused: it is shared by password, and " + given, now));
     }
   }
 
@@ -171,14 +170,13 @@ tl::expected<void, Denial> LeaseTable::authorise(const Member* member, SessionId
   using Reason = Denial::Reason;
   if (member == nullptr && !members_.empty() &&
       members_.begin()->second.holder.status == Status::Master) {
-    return tl::unexpected(Denial{Reason::OthersMaster, "is refused to everybody else: " +
-                                                           describe(roster().front(), now)});
+    return tl::unexpected(Denial{
+        Reason::OthersMaster, "is refused to everybody else: " + describe(roster().front(), now)});
   }
   if (needed == Status::Sensor) return {};
   if (epoch != Epoch{} && epoch != this->epoch()) {
-    return tl::unexpected(
-        Denial{Reason::LeaseEnded,
-               "was issued under a status that has ended; " + how_to_get(needed) + " again"});
+    return tl::unexpected(Denial{Reason::LeaseEnded, "was issued under a status that has ended; " +
+                                                         how_to_get(needed) + " again"});
   }
   if (member != nullptr && member->holder.status >= needed && epoch != Epoch{}) return {};
   Denial denial{Reason::NeedsStatus, needs(needed)};
@@ -193,9 +191,9 @@ tl::expected<void, Denial> LeaseTable::may_queue(SessionId session, Epoch epoch,
                                                  TimePoint now) const {
   const Member* const member = find(session);
   if (member != nullptr && member->holder.releasing && needed != Status::Sensor) {
-    return tl::unexpected(
-        Denial{Denial::Reason::NeedsStatus,
-               needs(needed) + "; it was given back and only drains; " + how_to_get(needed) + " again"});
+    return tl::unexpected(Denial{
+        Denial::Reason::NeedsStatus,
+        needs(needed) + "; it was given back and only drains; " + how_to_get(needed) + " again"});
   }
   return authorise(member, session, epoch, needed, now);
 }

@@ -7,9 +7,9 @@
 
 namespace gecos {
 
-/// For std::allocate_shared of what every call makes: a thread keeps a few of the blocks that it gave
-/// back and takes them again, which is a third of what the heap takes. Sanitizers see every block given
-/// back to the heap.
+/// For std::allocate_shared of what every call makes: a thread keeps a few of the blocks that it
+/// gave back and takes them again, which is a third of what the heap takes. Sanitizers see every
+/// block given back to the heap.
 template <class T>
 class RecyclingAllocator {
  public:
@@ -39,7 +39,8 @@ class RecyclingAllocator {
   struct AtThreadEnd {
     ~AtThreadEnd() {
       kept_.ended = true;
-      while (kept_.count != 0) std::allocator<T>().deallocate(static_cast<T*>(kept_.blocks[--kept_.count]), 1);
+      while (kept_.count != 0)
+        std::allocator<T>().deallocate(static_cast<T*>(kept_.blocks[--kept_.count]), 1);
     }
     void begin() {}
   };

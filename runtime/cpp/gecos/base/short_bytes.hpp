@@ -7,7 +7,8 @@
 
 namespace gecos {
 
-/// Bytes of its own; as many as a usual call carries lie in the object itself, without an allocation.
+/// Bytes of its own; as many as a usual call carries lie in the object itself, without an
+/// allocation.
 class ShortBytes {
  public:
   ShortBytes() = default;

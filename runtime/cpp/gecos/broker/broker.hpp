@@ -31,8 +31,8 @@ class Broker final : public BrokerServant {
   struct {
     std::uint64_t session = 0;
     std::uint64_t boot = 0;
-  } calling_;                  ///< whose call is being answered: handlers run one at a time
-  std::mutex mutex_;           ///< sessions end on other threads than calls run on
+  } calling_;         ///< whose call is being answered: handlers run one at a time
+  std::mutex mutex_;  ///< sessions end on other threads than calls run on
   Directory directory_;
 };
 

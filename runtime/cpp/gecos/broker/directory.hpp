@@ -13,9 +13,11 @@ namespace gecos::broker {
 /// Which objects there are, and which session enlisted each of them. Pure; not thread-safe.
 class Directory {
  public:
-  /// Adds it, as the session's. The server of that life (`boot`) may say the same again, in a new session
-  /// perhaps before the end of its last one is known. Whatever else has that name, it is taken.
-  tl::expected<void, NameTaken> enlist(std::uint64_t session, std::uint64_t boot, const Entry& entry);
+  /// Adds it, as the session's. The server of that life (`boot`) may say the same again, in a new
+  /// session perhaps before the end of its last one is known. Whatever else has that name, it is
+  /// taken.
+  tl::expected<void, NameTaken> enlist(std::uint64_t session, std::uint64_t boot,
+                                       const Entry& entry);
   /// Only who enlisted an object takes it off.
   tl::expected<void, UnknownName> withdraw(std::uint64_t session, const std::string& name);
   /// Drops all that the session enlisted, and names it.

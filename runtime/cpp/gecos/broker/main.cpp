@@ -9,7 +9,8 @@ namespace {
 
 constexpr const char* usage =
     "usage: gecos-broker [inproc|shm|lcm]...\n"
-    "Knows where the objects of this host are. Without arguments it is found over every medium that\n"
+    "Knows where the objects of this host are. Without arguments it is found over every medium "
+    "that\n"
     "can be opened here. Prints one line when it is ready and ends on SIGINT or SIGTERM.\n";
 
 }  // namespace

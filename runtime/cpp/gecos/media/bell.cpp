@@ -17,7 +17,8 @@ Bell::Bell() : fd_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
 bool Bell::quiet() {
   std::uint64_t count = 0;
   iovec piece{&count, sizeof count};
-  // RWF_NOWAIT: O_NONBLOCK belongs to everybody who holds the descriptor, also to an untrusted peer.
+  // RWF_NOWAIT: O_NONBLOCK belongs to everybody who holds the descriptor, also to an untrusted
+  // peer.
   return ::preadv2(fd_.get(), &piece, 1, -1, RWF_NOWAIT) == static_cast<ssize_t>(sizeof count);
 }
 

@@ -10,8 +10,8 @@ class Bell {
   /// Throws std::system_error when the process has no descriptor left.
   Bell();
   int descriptor() const { return fd_.get(); }
-  /// Makes the descriptor unreadable again. True when the bell had been rung. Never blocks, whatever
-  /// flags somebody else who holds the descriptor has set on it.
+  /// Makes the descriptor unreadable again. True when the bell had been rung. Never blocks,
+  /// whatever flags somebody else who holds the descriptor has set on it.
   bool quiet();
   void close() { fd_.reset(); }
 

@@ -15,8 +15,8 @@ constexpr int most_looks = 16;  // a socket full of other messages is read in fe
 
 std::size_t whole_pages(std::size_t bytes) { return (bytes + page - 1) / page * page; }
 
-/// Has the kernel bring the pages now, and say so when it cannot: a page missed later kills us. Also
-/// quicker than one fault for each page. Before Linux 5.14 each is faulted in.
+/// Has the kernel bring the pages now, and say so when it cannot: a page missed later kills us.
+/// Also quicker than one fault for each page. Before Linux 5.14 each is faulted in.
 bool bring(const std::byte* at, std::size_t bytes, int how) {
   int done = 0;
   do {
@@ -55,7 +55,8 @@ std::span<std::byte> BulkWriter::place(std::size_t size) {
 }
 
 bool BulkWriter::find_room(std::size_t bytes) {
-  std::erase_if(held_, [taken = ring_.slots_taken()](const Held& held) { return held.until <= taken; });
+  std::erase_if(held_,
+                [taken = ring_.slots_taken()](const Held& held) { return held.until <= taken; });
   std::size_t offset = 0;
   std::size_t at = 0;
   while (at < held_.size() && held_[at].offset - offset < bytes) {
@@ -123,7 +124,8 @@ std::optional<ByteView> BulkReader::copy(const BulkPlace& place) {
   const auto area = find(place.area);
   if (!area) return std::nullopt;
   if (backed_area_ != place.area) backed_area_ = place.area, backed_ = 0;
-  // It begins at the start or behind one that lay there before, so not beyond what was read already.
+  // It begins at the start or behind one that lay there before, so not beyond what was read
+  // already.
   if (place.size == 0 || place.size > largest_bulk_packet || place.offset > backed_ ||
       place.size > area_bytes - place.offset) {
     return std::nullopt;
@@ -135,7 +137,8 @@ std::optional<ByteView> BulkReader::copy(const BulkPlace& place) {
   }
   if (place.size > copy_bytes_) {
     copy_.reset();
-    copy_bytes_ = std::clamp<std::size_t>(2 * copy_bytes_, whole_pages(place.size), largest_bulk_packet);
+    copy_bytes_ =
+        std::clamp<std::size_t>(2 * copy_bytes_, whole_pages(place.size), largest_bulk_packet);
     copy_ = std::make_unique_for_overwrite<std::byte[]>(copy_bytes_);
   }
   std::memcpy(copy_.get(), area->data() + place.offset, place.size);

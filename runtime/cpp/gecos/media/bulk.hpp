@@ -15,14 +15,14 @@
 
 /// Packets that are too large for a ring.
 ///
-/// From its first large packet on, a side has beside its ring an *area*: memory that it alone writes.
-/// The packet is written there, and a slot of the ring says in its place where. So large and small
-/// packets keep one order and are counted in one way, and what the reader has taken from the ring is
-/// free here as well: nothing travels back, and a dead reader owes nothing.
+/// From its first large packet on, a side has beside its ring an *area*: memory that it alone
+/// writes. The packet is written there, and a slot of the ring says in its place where. So large
+/// and small packets keep one order and are counted in one way, and what the reader has taken from
+/// the ring is free here as well: nothing travels back, and a dead reader owes nothing.
 ///
-/// Packets lie as low as there is room. One at a time lies always in the same memory, which stays in
-/// the caches; pages above what was ever needed at once are never touched and cost nothing. An area
-/// that was not used for `area_kept` beats is given back.
+/// Packets lie as low as there is room. One at a time lies always in the same memory, which stays
+/// in the caches; pages above what was ever needed at once are never touched and cost nothing. An
+/// area that was not used for `area_kept` beats is given back.
 namespace gecos::media {
 
 inline constexpr std::size_t largest_bulk_packet = std::size_t{32} << 20;
@@ -48,9 +48,9 @@ class BulkWriter {
 
   /// As RingWriter::write(). Full also when the memory cannot be had.
   tl::expected<std::uint64_t, SendProblem> write(ByteView head, ByteView body);
-  /// The same in two steps, so that the packet is made where it lies: memory of `size` bytes, none when
-  /// there is no room now; then, with nothing written to the ring in between, the packet in it is
-  /// sent. A place that is not sent is dropped with the next one.
+  /// The same in two steps, so that the packet is made where it lies: memory of `size` bytes, none
+  /// when there is no room now; then, with nothing written to the ring in between, the packet in it
+  /// is sent. A place that is not sent is dropped with the next one.
   std::span<std::byte> place(std::size_t size);
   std::uint64_t send_placed();
 
@@ -72,9 +72,9 @@ class BulkWriter {
   AreaMaker& maker_;
   std::mutex mutex_;  // guards all below against beat()
   std::shared_ptr<Mapping> area_;
-  std::uint64_t number_ = 0;      // of the area
-  std::size_t backed_ = 0;        // bytes from the start that the kernel has given
-  std::vector<Held> held_;        // by offset
+  std::uint64_t number_ = 0;           // of the area
+  std::size_t backed_ = 0;             // bytes from the start that the kernel has given
+  std::vector<Held> held_;             // by offset
   std::optional<std::size_t> placed_;  // index in held_ of what is not sent yet
   std::size_t placed_size_ = 0;
   std::uint64_t last_packet_ = 0;
@@ -93,7 +93,8 @@ class BulkReader final : public BulkSource {
   void end(std::uint64_t number);
 
   std::optional<ByteView> copy(const BulkPlace& place) override;
-  /// Before its thread sleeps: frees the copy, if the area that it was copied from has been given back.
+  /// Before its thread sleeps: frees the copy, if the area that it was copied from has been given
+  /// back.
   void rest() {
     if (ended_.load(std::memory_order_relaxed)) free_copy();
   }
@@ -108,8 +109,8 @@ class BulkReader final : public BulkSource {
   std::unique_ptr<std::byte[]> copy_;
   std::size_t copy_bytes_ = 0;
   std::uint64_t backed_area_ = 0;
-  std::size_t backed_ = 0;           // bytes of it that cannot fault any more
-  std::atomic<bool> ended_{false};   // tells the reader to free its copy, nothing else
+  std::size_t backed_ = 0;          // bytes of it that cannot fault any more
+  std::atomic<bool> ended_{false};  // tells the reader to free its copy, nothing else
 
   std::mutex mutex_;  // guards what follows
   std::shared_ptr<const Mapping> area_;

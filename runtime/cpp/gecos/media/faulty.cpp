@@ -104,16 +104,13 @@ class FaultyLink final : public LinkLayer {
       const std::size_t bit = random_() % (8 * packet.size());
       packet[bit / 8] ^= std::byte{1} << (bit % 8);
     }
-    const Duration more =
-        happens(faults_.reordering) ? faults_.reordering_delay : Duration::zero();
+    const Duration more = happens(faults_.reordering) ? faults_.reordering_delay : Duration::zero();
     const TimePoint now = clock_.now();
     held_.push_back({now + faults_.delay + more, now - inner().age(), std::move(packet)});
   }
 
   /// Of those that are due at one time the first comes first.
-  std::deque<Held>::iterator earliest() {
-    return std::ranges::min_element(held_, {}, &Held::due);
-  }
+  std::deque<Held>::iterator earliest() { return std::ranges::min_element(held_, {}, &Held::due); }
 
   void set_timer(Duration after) {
     const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(after);
@@ -141,14 +138,13 @@ std::unique_ptr<Medium> make_faulty(std::unique_ptr<Medium> inner, Faults faults
   // Even numbers at clients, odd ones at servers: no two links suffer alike.
   auto clients = std::make_shared<std::atomic<std::uint64_t>>(0);
   auto servers = std::make_shared<std::atomic<std::uint64_t>>(0);
-  return make_layer(std::move(inner), offer,
-                    [=, &clock](std::unique_ptr<Link> link, const Offer& offered, Role role) {
-                      const std::uint64_t number = role == Role::Client
-                                                       ? 2 * clients->fetch_add(1)
-                                                       : 2 * servers->fetch_add(1) + 1;
-                      return std::make_unique<FaultyLink>(std::move(link), offered, faults, number,
-                                                          clock);
-                    });
+  return make_layer(
+      std::move(inner), offer,
+      [=, &clock](std::unique_ptr<Link> link, const Offer& offered, Role role) {
+        const std::uint64_t number =
+            role == Role::Client ? 2 * clients->fetch_add(1) : 2 * servers->fetch_add(1) + 1;
+        return std::make_unique<FaultyLink>(std::move(link), offered, faults, number, clock);
+      });
 }
 
 }  // namespace gecos::media

@@ -2,15 +2,16 @@
 
 namespace gecos::media {
 
-/// Tells its owner, in a forked child, that the descriptors and memory it sees belong to the parent.
+/// Tells its owner, in a forked child, that the descriptors and memory it sees belong to the
+/// parent.
 ///
-/// A child shares the parent's sockets and rings: using them would corrupt the parent's packets, and
-/// only holding them hides the parent's death from its peers. Make it the owner's last member.
+/// A child shares the parent's sockets and rings: using them would corrupt the parent's packets,
+/// and only holding them hides the parent's death from its peers. Make it the owner's last member.
 class ForkWatch {
  public:
   using Abandon = void (*)(void* owner) noexcept;
-  /// `abandon` runs in the child's only thread inside fork(): it closes and unmaps, allocates nothing
-  /// and takes no lock.
+  /// `abandon` runs in the child's only thread inside fork(): it closes and unmaps, allocates
+  /// nothing and takes no lock.
   ForkWatch(void* owner, Abandon abandon);
   ~ForkWatch();
   ForkWatch(const ForkWatch&) = delete;

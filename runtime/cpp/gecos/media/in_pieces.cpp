@@ -96,9 +96,9 @@ class LinkInPieces final : public LinkLayer {
   }
 
   const Clock& clock_;
-  IncomingTransfers incoming_;  // of who receives
-  Bytes current_;               // likewise
-  std::mutex mutex_;            // guards what follows, and who sends
+  IncomingTransfers incoming_;                // of who receives
+  Bytes current_;                             // likewise
+  std::mutex mutex_;                          // guards what follows, and who sends
   std::optional<OutgoingTransfer> transfer_;  // under way, or the last that was
   std::uint64_t transfers_ = 0;
   std::uint64_t sent_ = 0;

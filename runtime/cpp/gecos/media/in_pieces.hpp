@@ -7,12 +7,12 @@
 
 namespace gecos::media {
 
-/// Wraps a medium that loses packets, or carries only small ones: packets up to `largest_transfer` go
-/// through it, those above `piece_bytes` in pieces (transfer.hpp), of which the lost ones are sent
-/// again until the other end has all. Both ends have to be wrapped.
+/// Wraps a medium that loses packets, or carries only small ones: packets up to `largest_transfer`
+/// go through it, those above `piece_bytes` in pieces (transfer.hpp), of which the lost ones are
+/// sent again until the other end has all. Both ends have to be wrapped.
 ///
-/// A link has one large packet under way; for a second one it is Full. The one that is under way, or
-/// was the last to arrive, is not sent again. Both ends' receive() and beat() keep it going.
+/// A link has one large packet under way; for a second one it is Full. The one that is under way,
+/// or was the last to arrive, is not sent again. Both ends' receive() and beat() keep it going.
 std::unique_ptr<Medium> make_in_pieces(std::unique_ptr<Medium> inner, const Clock& clock);
 
 }  // namespace gecos::media

@@ -33,16 +33,14 @@ constexpr Offer inproc_offer{.kind = Kind::Inproc,
 struct Side {
   Mapping mapping = Mapping::anonymous(RingMemory::bytes(usual_slot_count));
   RingMemory ring = RingMemory::at(mapping.data(), usual_slot_count);
-  Bell bell;                       // this side sleeps on it, the other one rings
-  BulkReader bulk{[] {}};          // of what the other side sends; it shows its areas at once
+  Bell bell;                        // this side sleeps on it, the other one rings
+  BulkReader bulk{[] {}};           // of what the other side sends; it shows its areas at once
   std::atomic<bool> closed{false};  // tells the other side; what was sent before is still there
 
   void wake_if_asleep() {
     if (ring.control->asleep.load(std::memory_order_seq_cst) != 0) ring_bell(bell.descriptor());
   }
-  void close() {
-    closed.store(true, std::memory_order_release);
-  }
+  void close() { closed.store(true, std::memory_order_release); }
 };
 
 struct SharedStream {

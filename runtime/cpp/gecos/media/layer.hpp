@@ -46,8 +46,8 @@ class LinkLayer : public Link {
 
 enum class Role : std::uint8_t { Client, Server };
 
-/// Puts the layer on a link of that role, which from then on promises what the Offer says. Any thread
-/// may call it.
+/// Puts the layer on a link of that role, which from then on promises what the Offer says. Any
+/// thread may call it.
 using PutLayer = std::function<std::unique_ptr<Link>(std::unique_ptr<Link>, const Offer&, Role)>;
 
 /// A medium on top of `inner` whose links all wear the layer. Streams that an acceptor makes are

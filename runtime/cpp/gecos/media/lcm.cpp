@@ -1,7 +1,6 @@
-#include <lcm/lcm.h>
-
 #include <arpa/inet.h>
 #include <fcntl.h>
+#include <lcm/lcm.h>
 #include <netinet/in.h>
 #include <unistd.h>
 
@@ -49,8 +48,8 @@ std::optional<MediumError> no_group(const std::string& group) {
 tl::expected<std::unique_ptr<LcmPort>, MediumError> LcmPort::open(const LcmOptions& options,
                                                                   std::uint16_t port) {
   if (auto wrong = no_group(options.group)) return tl::unexpected(std::move(*wrong));
-  const std::string provider =
-      "udpm://" + options.group + ":" + std::to_string(port) + "?ttl=" + std::to_string(options.ttl);
+  const std::string provider = "udpm://" + options.group + ":" + std::to_string(port) +
+                               "?ttl=" + std::to_string(options.ttl);
   if (auto wrong = short_of_descriptors()) return tl::unexpected(std::move(*wrong));
   lcm_t* const lcm = ::lcm_create(provider.c_str());
   if (lcm == nullptr) {

@@ -10,12 +10,12 @@
 
 /// UDP multicast through LCM, for programs of several hosts.
 ///
-/// Each object's calls have a UDP port of their own, and so have the answers to each client, because
-/// the kernel wakes everybody who listens on a port, whatever group or channel was meant. A stream
-/// goes out once for all its readers. Nothing is in clear but who sends to whom: both ends prove their
-/// keys to each other, each has to have admitted the other's (gecos/crypto/key_directory.hpp), and what
-/// was altered, forged or played back never arrives. Packets may be lost and overtake each other: what
-/// makes a line of it is above.
+/// Each object's calls have a UDP port of their own, and so have the answers to each client,
+/// because the kernel wakes everybody who listens on a port, whatever group or channel was meant. A
+/// stream goes out once for all its readers. Nothing is in clear but who sends to whom: both ends
+/// prove their keys to each other, each has to have admitted the other's
+/// (gecos/crypto/key_directory.hpp), and what was altered, forged or played back never arrives.
+/// Packets may be lost and overtake each other: what makes a line of it is above.
 namespace gecos::media {
 
 struct LcmOptions {
@@ -31,14 +31,16 @@ struct LcmOptions {
   /// For retries and rekeying; null: the system's. Must outlive the medium and its links.
   const Clock* clock = nullptr;
 
-  TimePoint now() const { return clock != nullptr ? clock->now() : std::chrono::steady_clock::now(); }
+  TimePoint now() const {
+    return clock != nullptr ? clock->now() : std::chrono::steady_clock::now();
+  }
   /// The same as it travels in packets.
   std::int64_t now_ns() const { return now().time_since_epoch().count(); }
 };
 
-/// The largest packet. Sealed, with our headers, it stays in one datagram of LCM, since those that LCM cuts
-/// come out wrong when one piece is repeated. Between hosts it still is some 42 pieces of Ethernet, of
-/// which none may be lost: large things belong on shm.
+/// The largest packet. Sealed, with our headers, it stays in one datagram of LCM, since those that
+/// LCM cuts come out wrong when one piece is repeated. Between hosts it still is some 42 pieces of
+/// Ethernet, of which none may be lost: large things belong on shm.
 inline constexpr std::size_t largest_lcm_packet = 60 * 1024;
 
 std::unique_ptr<Medium> make_lcm(LcmOptions options = {});

@@ -12,15 +12,16 @@
 #include "gecos/base/clock.hpp"
 #include "gecos/base/result.hpp"
 
-/// The contract of a medium: opaque packets between two endpoints, and what can be promised of them.
+/// The contract of a medium: opaque packets between two endpoints, and what can be promised of
+/// them.
 ///
 /// Nothing above this file knows how a medium works; nothing below it knows what a packet means.
 /// One conformance suite (tests/cpp/media) runs on every medium.
 ///
 /// Threads: of one link receive(), arm() and disarm() belong to one thread at a time, and send(),
-/// share() and unshare() to one at a time (the two may differ); its user sees to that. All the rest of
-/// a link any thread may call at any time, beat() of housekeeping also beside send(). An acceptor
-/// belongs to one thread at a time; its links need not be used by the same one.
+/// share() and unshare() to one at a time (the two may differ); its user sees to that. All the rest
+/// of a link any thread may call at any time, beat() of housekeeping also beside send(). An
+/// acceptor belongs to one thread at a time; its links need not be used by the same one.
 ///
 /// A forked child sees links and acceptors of its parent as dead (Broken); it makes its own.
 namespace gecos::media {
@@ -34,11 +35,11 @@ struct Offer {
   Kind kind = Kind::Inproc;
   bool same_host_only = true;
   bool ordered = true;
-  bool reliable = true;          ///< nothing is lost or repeated while both ends live
-  bool intact = true;            ///< what arrives is what was sent; else wrap it (checked.hpp)
-  bool real_time = true;         ///< no shared queue, no loss: fit for HARD_REALTIME
-  bool reports_death = true;     ///< the kernel says when the peer has died
-  bool authenticated = true;     ///< the peer's user is proved
+  bool reliable = true;            ///< nothing is lost or repeated while both ends live
+  bool intact = true;              ///< what arrives is what was sent; else wrap it (checked.hpp)
+  bool real_time = true;           ///< no shared queue, no loss: fit for HARD_REALTIME
+  bool reports_death = true;       ///< the kernel says when the peer has died
+  bool authenticated = true;       ///< the peer's user is proved
   std::size_t largest_packet = 0;  ///< bytes
 };
 
@@ -46,7 +47,8 @@ struct Offer {
 struct Peer {
   std::optional<std::uint32_t> uid;  ///< named by the kernel; nothing where it cannot
   std::optional<std::int32_t> pid;
-  std::string description;  ///< for people: "uid 1000, pid 4711", "key 3fa9c1d2, 239.255.76.67:20017"
+  std::string
+      description;  ///< for people: "uid 1000, pid 4711", "key 3fa9c1d2, 239.255.76.67:20017"
 };
 
 enum class SendProblem : std::uint8_t {
@@ -58,7 +60,7 @@ enum class SendProblem : std::uint8_t {
 enum class Loss : std::uint8_t {
   None,    ///< as far as the medium knows the peer is there
   Closed,  ///< the peer closed the link in order
-  Died,    ///< the kernel reported that the peer's process ended or closed its socket without a word
+  Died,  ///< the kernel reported that the peer's process ended or closed its socket without a word
   Broken,  ///< the peer broke the rules of the medium (text in Link::loss_text)
 };
 
@@ -84,8 +86,9 @@ class StreamReader {
   virtual ~StreamReader() = default;
   /// The newest sample, when there is one that is newer than `after`. Reuses `into`'s memory.
   virtual bool latest(std::uint64_t after, StreamSample& into) = 0;
-  /// The oldest sample kept that is newer than `after`; the gap in sequence says how many were lost.
-  /// It begins with what was the newest when the stream was opened: nobody gets what went before.
+  /// The oldest sample kept that is newer than `after`; the gap in sequence says how many were
+  /// lost. It begins with what was the newest when the stream was opened: nobody gets what went
+  /// before.
   virtual bool next(std::uint64_t after, StreamSample& into) = 0;
 };
 
@@ -118,10 +121,11 @@ class Link {
   virtual bool arm() = 0;
   virtual void disarm() = 0;
   /// Readable when a packet or sample may be there or the link was lost. Valid for the link's life;
-  /// may be watched level- or edge-triggered; disarm() makes them quiet again. Who watches for edges asks
-  /// loss() when one comes while the link is not armed: it may be all that tells of it. A lost link may stay
-  /// readable: arm() says false then. Of links that an acceptor made on lcm the packets come through
-  /// the acceptor's descriptors: watch those as well, and call accept() when they are readable.
+  /// may be watched level- or edge-triggered; disarm() makes them quiet again. Who watches for
+  /// edges asks loss() when one comes while the link is not armed: it may be all that tells of it.
+  /// A lost link may stay readable: arm() says false then. Of links that an acceptor made on lcm
+  /// the packets come through the acceptor's descriptors: watch those as well, and call accept()
+  /// when they are readable.
   virtual std::span<const int> descriptors() const = 0;
 
   /// A sign of life, every 100 ms by housekeeping. Wakes nobody on shm and inproc.
@@ -130,9 +134,9 @@ class Link {
   /// with its own clock, from this number standing still.
   virtual std::uint64_t beats_seen() = 0;
 
-  /// Whether the peer is still there, asked of the kernel: a system call on shm, so for ticks and for
-  /// waking up with nothing received, not for every packet. What the peer had sent before can still
-  /// be received. The first loss stays.
+  /// Whether the peer is still there, asked of the kernel: a system call on shm, so for ticks and
+  /// for waking up with nothing received, not for every packet. What the peer had sent before can
+  /// still be received. The first loss stays.
   virtual Loss loss() = 0;
   virtual std::string loss_text() const = 0;  ///< for people; on lcm also why nobody was met yet
 
@@ -153,7 +157,8 @@ class Acceptor {
   virtual const std::string& address() const = 0;
   /// The next client that came, or null.
   virtual std::unique_ptr<Link> accept() = 0;
-  /// Somebody waits whom it had no descriptor for: call accept() again in a while, nothing tells when.
+  /// Somebody waits whom it had no descriptor for: call accept() again in a while, nothing tells
+  /// when.
   virtual bool short_of_descriptors() const { return false; }
   /// Readable when somebody may have come. (lcm: also when packets for its links are there.)
   virtual std::span<const int> descriptors() const = 0;

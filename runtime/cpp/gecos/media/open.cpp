@@ -20,9 +20,9 @@ tl::expected<std::unique_ptr<Medium>, MediumError> open_lcm() {
     const std::string_view text(set);
     const auto [end, failed] = std::from_chars(text.begin(), text.end(), options.ttl);
     if (failed != std::errc{} || end != text.end() || options.ttl < 0 || options.ttl > 255) {
-      return tl::unexpected(MediumError{
-          "lcm: GECOS_LCM_TTL is '" + std::string(text) +
-          "'; it says how many routers a packet may pass, 0 (this host alone) to 255"});
+      return tl::unexpected(
+          MediumError{"lcm: GECOS_LCM_TTL is '" + std::string(text) +
+                      "'; it says how many routers a packet may pass, 0 (this host alone) to 255"});
     }
   }
   return make_lcm(options);
@@ -30,9 +30,12 @@ tl::expected<std::unique_ptr<Medium>, MediumError> open_lcm() {
 
 tl::expected<std::unique_ptr<Medium>, MediumError> open_itself(Kind kind) {
   switch (kind) {
-    case Kind::Inproc: return make_inproc();
-    case Kind::Shm: return make_shm();
-    case Kind::Lcm: return open_lcm();
+    case Kind::Inproc:
+      return make_inproc();
+    case Kind::Shm:
+      return make_shm();
+    case Kind::Lcm:
+      return open_lcm();
   }
   return tl::unexpected(MediumError{"this program does not know the medium"});
 }

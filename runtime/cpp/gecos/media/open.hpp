@@ -12,8 +12,8 @@ namespace gecos::media {
 /// What is used in place of a medium.
 using WrapMedium = std::function<std::unique_ptr<Medium>(std::unique_ptr<Medium>)>;
 
-/// Opens a medium with its usual settings, or says why it cannot be used here. `wrap` null: the medium
-/// itself. Of one that may damage packets none arrives damaged: they are checked.
+/// Opens a medium with its usual settings, or says why it cannot be used here. `wrap` null: the
+/// medium itself. Of one that may damage packets none arrives damaged: they are checked.
 tl::expected<std::unique_ptr<Medium>, MediumError> open(Kind kind, const WrapMedium& wrap = {});
 
 /// Equal exactly where programs reach each other over shm; a text of its own where shm is unusable.

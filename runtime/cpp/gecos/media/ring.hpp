@@ -11,10 +11,10 @@
 
 /// The single-producer single-consumer ring between two sides that do not trust each other.
 ///
-/// Each side has one run of memory that it alone writes: its control block, and the slots in which it
-/// sends. The algorithm takes addresses, so that threads test it in one mapping and processes use it
-/// over two. What the other side wrote is copied first and believed never: a wrong number there
-/// gives a wrong packet or a broken ring, not a wrong address.
+/// Each side has one run of memory that it alone writes: its control block, and the slots in which
+/// it sends. The algorithm takes addresses, so that threads test it in one mapping and processes
+/// use it over two. What the other side wrote is copied first and believed never: a wrong number
+/// there gives a wrong packet or a broken ring, not a wrong address.
 namespace gecos::media {
 
 /// What one side tells about its reading, and its life.
@@ -54,12 +54,13 @@ struct RingMemory {
   }
   /// @pre `base` has bytes(slot_count) bytes.
   static RingMemory at(std::byte* base, std::size_t slot_count) {
-    return {reinterpret_cast<RingControl*>(base),
-            reinterpret_cast<RingSlot*>(base + control_bytes), slot_count};
+    return {reinterpret_cast<RingControl*>(base), reinterpret_cast<RingSlot*>(base + control_bytes),
+            slot_count};
   }
 };
 
-/// The largest packet that lies in a ring itself, so that many fit; larger ones lie beside it (bulk.hpp).
+/// The largest packet that lies in a ring itself, so that many fit; larger ones lie beside it
+/// (bulk.hpp).
 inline constexpr std::size_t largest_ring_packet = 8 * 1024;
 /// 256 KiB a direction: what is written round and round stays in a core's second cache.
 inline constexpr std::size_t usual_slot_count = 1024;
@@ -77,7 +78,8 @@ inline constexpr std::uint32_t beside_ring = 0xffffffff;
 class BulkSource {
  public:
   virtual ~BulkSource() = default;
-  /// The packet, copied into memory of the reader's own, until the next call. Nothing: there is none.
+  /// The packet, copied into memory of the reader's own, until the next call. Nothing: there is
+  /// none.
   virtual std::optional<ByteView> copy(const BulkPlace& place) = 0;
 };
 
@@ -120,8 +122,8 @@ class RingWriter {
 /// One thread reads at a time.
 class RingReader {
  public:
-  /// `own` is where this reader's progress is told; `writer` the memory of the other side; `bulk` has
-  /// what lies beside its ring. Without it nothing may.
+  /// `own` is where this reader's progress is told; `writer` the memory of the other side; `bulk`
+  /// has what lies beside its ring. Without it nothing may.
   RingReader(RingControl& own, RingMemory writer, BulkSource* bulk = nullptr);
 
   /// The next packet, copied into memory of this reader's own, until the next call.

@@ -95,8 +95,8 @@ class StreamRingReader : public StreamReader {
 class StreamWatches {
  public:
   std::unique_ptr<StreamReader> open(StreamMemory memory, std::shared_ptr<void> owner);
-  /// A sample came that neither its reader nor an earlier call has seen. Ordered after the writing of
-  /// `asleep`.
+  /// A sample came that neither its reader nor an earlier call has seen. Ordered after the writing
+  /// of `asleep`.
   bool anything_new();
 
  private:

@@ -38,7 +38,8 @@ void Piece::write_head(std::span<std::byte, head_bytes> to) const {
 }
 
 std::optional<Piece> Piece::read(ByteView packet) {
-  if (packet.size() < head_bytes || get<std::uint64_t>(packet, 0) != piece_mark) return std::nullopt;
+  if (packet.size() < head_bytes || get<std::uint64_t>(packet, 0) != piece_mark)
+    return std::nullopt;
   const Piece piece{get<std::uint64_t>(packet, 8), get<std::uint32_t>(packet, 16),
                     get<std::uint32_t>(packet, 20), packet.subspan(head_bytes)};
   if (piece.transfer == 0 || piece.size == 0 || piece.size > largest_transfer ||

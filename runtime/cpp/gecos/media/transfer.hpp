@@ -34,8 +34,9 @@ struct Piece {
 struct Received {
   static constexpr std::size_t bytes = 24;
   std::uint64_t transfer = 0;
-  std::uint32_t all_before = 0;  ///< every piece before this one; the number of pieces when it is whole
-  std::uint32_t beyond = 0;      ///< bit i: piece all_before + 1 + i too
+  std::uint32_t all_before =
+      0;                     ///< every piece before this one; the number of pieces when it is whole
+  std::uint32_t beyond = 0;  ///< bit i: piece all_before + 1 + i too
 
   void write(std::span<std::byte, bytes> to) const;
   static std::optional<Received> read(ByteView packet);
@@ -44,7 +45,8 @@ struct Received {
 /// Sends one packet.
 class OutgoingTransfer {
  public:
-  static constexpr std::uint32_t window = 8;  ///< pieces under way; a usual socket buffer takes them
+  static constexpr std::uint32_t window =
+      8;  ///< pieces under way; a usual socket buffer takes them
   /// After so long without a word the pieces under way are sent again.
   static constexpr Duration silence = std::chrono::milliseconds(20);
   /// So many that were sent later have arrived: then it is lost, not overtaken.

@@ -9,13 +9,15 @@
 namespace gecos::media {
 
 struct SpinOptions {
-  Duration longest = std::chrono::microseconds(50);       ///< of one wait, before sleeping; 0: never spin
-  Duration lost_core = std::chrono::microseconds(200);    ///< a yield this long gave the core away
-  Duration crowded_first = std::chrono::milliseconds(20); ///< no yield after a lost core …
-  Duration crowded_longest = std::chrono::seconds(1);     ///< … doubling up to this while it recurs
-  unsigned vain_in_row = 8;                               ///< looks in vain of so many waits in a row: then sleep at once
-  Duration quick_yield = std::chrono::microseconds(1);    ///< the longest that a yield to nobody takes
-  std::uint32_t looks_alone = 256;                        ///< looks between yields on a core of our own
+  Duration longest =
+      std::chrono::microseconds(50);  ///< of one wait, before sleeping; 0: never spin
+  Duration lost_core = std::chrono::microseconds(200);     ///< a yield this long gave the core away
+  Duration crowded_first = std::chrono::milliseconds(20);  ///< no yield after a lost core …
+  Duration crowded_longest = std::chrono::seconds(1);  ///< … doubling up to this while it recurs
+  unsigned vain_in_row = 8;  ///< looks in vain of so many waits in a row: then sleep at once
+  Duration quick_yield =
+      std::chrono::microseconds(1);  ///< the longest that a yield to nobody takes
+  std::uint32_t looks_alone = 256;   ///< looks between yields on a core of our own
 };
 
 /// Decides, look by look, whether to look again or to sleep.
@@ -27,15 +29,17 @@ struct SpinOptions {
 ///       spin.begin();
 ///     }
 ///
-/// What a yield to nobody takes differs tenfold between machines, so it is learned: one that takes twice as
-/// long as the quickest has let somebody run, and then every look is followed by a yield, because it may be
-/// the peer who waits for the core. There the clock is read after the yield alone: since it was read last no
-/// core was lost for longer than that, and only where it was long a yield is timed by itself.
+/// What a yield to nobody takes differs tenfold between machines, so it is learned: one that takes
+/// twice as long as the quickest has let somebody run, and then every look is followed by a yield,
+/// because it may be the peer who waits for the core. There the clock is read after the yield
+/// alone: since it was read last no core was lost for longer than that, and only where it was long
+/// a yield is timed by itself.
 ///
-/// Beside a busy program a yield gives the core away for a whole time slice. It is noticed by its time, and
-/// then there are no yields for a while: what comes soon comes while we look, and what does not costs a
-/// wake-up, not what the neighbour likes. Where the peer needs this very core, looking without yields is
-/// always in vain; that is noticed too, and then a wait sleeps at once, until yields are tried again.
+/// Beside a busy program a yield gives the core away for a whole time slice. It is noticed by its
+/// time, and then there are no yields for a while: what comes soon comes while we look, and what
+/// does not costs a wake-up, not what the neighbour likes. Where the peer needs this very core,
+/// looking without yields is always in vain; that is noticed too, and then a wait sleeps at once,
+/// until yields are tried again.
 ///
 /// One thread at a time; keep one per waiting thread, for what it has learned.
 class SpinPolicy {
@@ -76,14 +80,15 @@ class SpinPolicy {
   std::uint32_t looks_ = 0;  ///< before the clock is read, or the core given away
   std::uint32_t looks_between_yields_;
   Duration quickest_yield_;
-  bool first_ = true;      ///< no yield yet in this wait
-  bool doubtful_ = true;   ///< it was long since the clock was read last: a yield, or what came before?
+  bool first_ = true;  ///< no yield yet in this wait
+  bool doubtful_ =
+      true;  ///< it was long since the clock was read last: a yield, or what came before?
   unsigned waits_ = 0;
   TimePoint began_{};
-  TimePoint last_{};       ///< when the clock was read last
+  TimePoint last_{};  ///< when the clock was read last
   TimePoint crowded_until_{};
   Duration next_crowded_;
-  unsigned vain_ = 0;      ///< spins without yields, one after the other, that ended with sleep
+  unsigned vain_ = 0;  ///< spins without yields, one after the other, that ended with sleep
 };
 
 enum class Wake : std::uint8_t {

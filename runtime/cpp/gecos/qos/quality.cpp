@@ -7,10 +7,10 @@ namespace gecos::qos {
 namespace {
 
 constexpr std::array<std::pair<Media, std::string_view>, 5> names{{{Media::Inproc, "inproc"},
-                                                                  {Media::Shm, "shm"},
-                                                                  {Media::Lcm, "lcm"},
-                                                                  {Media::Tcp, "tcp"},
-                                                                  {Media::Can, "can"}}};
+                                                                   {Media::Shm, "shm"},
+                                                                   {Media::Lcm, "lcm"},
+                                                                   {Media::Tcp, "tcp"},
+                                                                   {Media::Can, "can"}}};
 
 constexpr bool has(Media media, Media one) {
   return (static_cast<std::uint8_t>(media) & static_cast<std::uint8_t>(one)) != 0;

@@ -35,7 +35,7 @@ class Baton {
   };
   void poke_one();
 
-  std::atomic<bool> held_{false};      // publishes the link's receiving side to the next leader
+  std::atomic<bool> held_{false};       // publishes the link's receiving side to the next leader
   std::atomic<int> follower_count_{0};  // publishes nothing: spares the lock when there is none
   std::mutex mutex_;
   std::vector<Follower*> followers_;

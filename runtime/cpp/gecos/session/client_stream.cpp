@@ -9,8 +9,10 @@ namespace gecos {
 
 std::string_view to_string(StreamEnd end) {
   switch (end) {
-    case StreamEnd::Nothing: return "NOTHING";
-    case StreamEnd::Lost: return "LOST";
+    case StreamEnd::Nothing:
+      return "NOTHING";
+    case StreamEnd::Lost:
+      return "LOST";
   }
   return "?";
 }

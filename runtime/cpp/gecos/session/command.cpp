@@ -8,22 +8,29 @@
 namespace gecos {
 namespace {
 
-constexpr std::array detail_names = {
-    "SENT",          "QUEUED",       "EXECUTING",         "CANCELING",   "UNREACHABLE",
-    "DONE",          "REJECTED",     "BAD_PARAMETER",     "UNKNOWN_OPERATION", "DENIED",
-    "QUEUE_FULL",    "EXPIRED",      "TIMED_OUT",         "FAULT",       "CANCELED",
-    "PREEMPTED",     "STOPPED",      "LEASE_LOST",        "PRESENCE_LOST", "SERVER_CRASHED",
-    "OUTCOME_UNKNOWN", "NOT_STARTED", "NO_SERVER",        "REFUSED",     "QOS_UNAVAILABLE"};
+constexpr std::array detail_names = {"SENT",           "QUEUED",         "EXECUTING",
+                                     "CANCELING",      "UNREACHABLE",    "DONE",
+                                     "REJECTED",       "BAD_PARAMETER",  "UNKNOWN_OPERATION",
+                                     "DENIED",         "QUEUE_FULL",     "EXPIRED",
+                                     "TIMED_OUT",      "FAULT",          "CANCELED",
+                                     "PREEMPTED",      "STOPPED",        "LEASE_LOST",
+                                     "PRESENCE_LOST",  "SERVER_CRASHED", "OUTCOME_UNKNOWN",
+                                     "NOT_STARTED",    "NO_SERVER",      "REFUSED",
+                                     "QOS_UNAVAILABLE"};
 static_assert(detail_names.size() == static_cast<std::size_t>(Detail::QosUnavailable) + 1);
 
 }  // namespace
 
 std::string_view to_string(State state) {
   switch (state) {
-    case State::Running: return "RUNNING";
-    case State::Finished: return "FINISHED";
-    case State::CommandFailed: return "COMMAND_FAILED";
-    case State::ConnectionFailed: return "CONNECTION_FAILED";
+    case State::Running:
+      return "RUNNING";
+    case State::Finished:
+      return "FINISHED";
+    case State::CommandFailed:
+      return "COMMAND_FAILED";
+    case State::ConnectionFailed:
+      return "CONNECTION_FAILED";
   }
   return "?";
 }

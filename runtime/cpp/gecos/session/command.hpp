@@ -30,14 +30,34 @@ std::ostream& operator<<(std::ostream& out, State state);
 /// The finer state, which projects onto one of the four.
 enum class Detail : std::uint8_t {
   // RUNNING
-  Sent, Queued, Executing, Canceling, Unreachable,
+  Sent,
+  Queued,
+  Executing,
+  Canceling,
+  Unreachable,
   // FINISHED
   Done,
   // COMMAND_FAILED
-  Rejected, BadParameter, UnknownOperation, Denied, QueueFull, Expired, TimedOut, Fault, Canceled,
-  Preempted, Stopped, LeaseLost, PresenceLost, ServerCrashed, OutcomeUnknown,
+  Rejected,
+  BadParameter,
+  UnknownOperation,
+  Denied,
+  QueueFull,
+  Expired,
+  TimedOut,
+  Fault,
+  Canceled,
+  Preempted,
+  Stopped,
+  LeaseLost,
+  PresenceLost,
+  ServerCrashed,
+  OutcomeUnknown,
   // CONNECTION_FAILED
-  NotStarted, NoServer, Refused, QosUnavailable,
+  NotStarted,
+  NoServer,
+  Refused,
+  QosUnavailable,
 };
 State project(Detail detail);
 std::string_view to_string(Detail detail);  ///< "SERVER_CRASHED"
@@ -138,9 +158,7 @@ class AnyCommand {
   Progress progress() && = delete;
 
   /// Latest feedback, when some has come.
-  std::optional<Feedback> feedback() const
-    requires(!std::is_void_v<Feedback>)
-  {
+  std::optional<Feedback> feedback() const requires(!std::is_void_v<Feedback>) {
     const Bytes bytes = core_->feedback();
     if (bytes.empty()) return std::nullopt;
     auto decoded = wire::from_bytes<Feedback>(bytes);
@@ -167,9 +185,8 @@ class AnyCommand {
   }
   template <class Command, class Callback>
   static void call_once_ended(const Command& command, Callback callback) {
-    command.core()->when_ended([command, callback = std::move(callback)]() mutable {
-      callback(command.get());
-    });
+    command.core()->when_ended(
+        [command, callback = std::move(callback)]() mutable { callback(command.get()); });
   }
 
  private:
@@ -202,8 +219,8 @@ class [[nodiscard]] Command : public session::AnyCommand<Feedback> {
     wire::Decoder from(this->core()->result());
     T value{};
     if (!decode_(from, value)) {
-      return tl::unexpected(Failure{
-          Detail::Fault, "the reply does not decode: " + describe(from.error()), {}, {}});
+      return tl::unexpected(
+          Failure{Detail::Fault, "the reply does not decode: " + describe(from.error()), {}, {}});
     }
     return value;
   }

@@ -7,9 +7,9 @@ namespace {
 
 template <class Table>
 auto find_by_code(const Table& table, FunctionCode code) -> decltype(table.data()) {
-  const auto at = std::lower_bound(
-      table.begin(), table.end(), code,
-      [](const auto& entry, FunctionCode wanted) { return entry.code < wanted; });
+  const auto at =
+      std::lower_bound(table.begin(), table.end(), code,
+                       [](const auto& entry, FunctionCode wanted) { return entry.code < wanted; });
   return at != table.end() && at->code == code ? &*at : nullptr;
 }
 

@@ -46,7 +46,7 @@ struct InterfaceDescription {
   std::string_view name;  ///< "robcl::Rx90"
   std::string_view version;
   std::uint64_t hash = 0;
-  std::span<const std::string_view> bases;          ///< every interface it also is
+  std::span<const std::string_view> bases;           ///< every interface it also is
   std::span<const OperationDescription> operations;  ///< its own and all inherited, sorted by code
   std::span<const StreamDescription> streams;        ///< likewise
   qos::Quality quality;

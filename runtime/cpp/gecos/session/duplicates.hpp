@@ -33,7 +33,8 @@ class DuplicateWindow {
 
   static constexpr std::size_t width = 1024;
   std::uint64_t all_up_to_ = 0;
-  std::bitset<width> later_;  ///< later_[c % width]: c arrived, for all_up_to_ < c <= all_up_to_ + width
+  std::bitset<width>
+      later_;  ///< later_[c % width]: c arrived, for all_up_to_ < c <= all_up_to_ + width
 };
 
 /// Replies that the client may still ask for, because its medium loses packets.

@@ -38,8 +38,7 @@ void Hello::encode(wire::Encoder& to) const {
 bool Hello::decode(wire::Decoder& from) {
   std::int64_t within = 0;
   const bool read =
-      from.get_string(user, longest_name, "user") &&
-      from.get_string(host, longest_name, "host") &&
+      from.get_string(user, longest_name, "user") && from.get_string(host, longest_name, "host") &&
       from.get_string(program, longest_name, "program") && from.get(pid, "pid") &&
       from.get(boot, "boot") && from.get_string(interface_name, longest_name, "interface_name") &&
       from.get(interface_hash, "interface_hash") && from.get(within, "accept_within_ns");
@@ -52,8 +51,8 @@ bool Welcome::is_a(const std::string& name) const {
 }
 
 std::size_t Welcome::encoded_size() const {
-  std::size_t size = wire::string_size(object) + wire::string_size(interface_name) + 4 + 8 + 8 + 4 + 4 +
-                     operations.size() * operation_hash_size;
+  std::size_t size = wire::string_size(object) + wire::string_size(interface_name) + 4 + 8 + 8 + 4 +
+                     4 + operations.size() * operation_hash_size;
   for (const auto& base : bases) size += wire::string_size(base);
   return size;
 }

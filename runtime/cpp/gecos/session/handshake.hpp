@@ -21,8 +21,8 @@ struct Hello {
   std::uint64_t boot = 0;
   std::string interface_name;
   std::uint64_t interface_hash = 0;
-  /// Calls that are older when the server reads them are not taken up: the client has given them up,
-  /// or sends them again. 0: however old.
+  /// Calls that are older when the server reads them are not taken up: the client has given them
+  /// up, or sends them again. 0: however old.
   Duration accept_within{0};
 
   std::size_t encoded_size() const;
@@ -44,7 +44,7 @@ struct Welcome {
   std::vector<std::string> bases;
   std::uint64_t interface_hash = 0;
   std::uint64_t boot = 0;
-  std::uint32_t credits = 0;  ///< calls that the client may have unanswered
+  std::uint32_t credits = 0;              ///< calls that the client may have unanswered
   std::vector<OperationHash> operations;  ///< all, when the client's interface is not this one
 
   bool is_a(const std::string& name) const;

@@ -32,8 +32,8 @@ class History {
 
   void opened(SessionId id, std::weak_ptr<ServerSession> session);
   std::shared_ptr<ServerSession> open(SessionId id) const;
-  /// It sends nothing any more: what has not arrived never starts. `lost`: itself, when its client may
-  /// ask for its answers in another session.
+  /// It sends nothing any more: what has not arrived never starts. `lost`: itself, when its client
+  /// may ask for its answers in another session.
   void departed(SessionId id, const DuplicateWindow& arrived,
                 const std::shared_ptr<ServerSession>& lost);
   /// Open, or lost and with calls that have not ended.

@@ -14,8 +14,9 @@ namespace gecos::session {
 class Tended {
  public:
   virtual ~Tended() = default;
-  /// On the housekeeping thread. Must not block and must not run a handler of a user. Gives when the
-  /// next look is due; it may come sooner, and comes at the earliest after a `Housekeeping::tick`.
+  /// On the housekeeping thread. Must not block and must not run a handler of a user. Gives when
+  /// the next look is due; it may come sooner, and comes at the earliest after a
+  /// `Housekeeping::tick`.
   virtual TimePoint tend(TimePoint now) = 0;
   /// Adds descriptors to sleep on until the next look; `unwatch` follows after the sleep.
   virtual void watch(std::vector<pollfd>& into) { static_cast<void>(into); }

@@ -19,8 +19,8 @@ namespace {
 constexpr std::uint64_t wakeup_key = 0;
 constexpr std::uint64_t door_bit = std::uint64_t{1} << 63;
 constexpr Duration stays_hot = std::chrono::milliseconds(10);
-/// Events are looked at after so many turns; one that found something counts as many of those that did
-/// not, so that who was silent waits long for neither.
+/// Events are looked at after so many turns; one that found something counts as many of those that
+/// did not, so that who was silent waits long for neither.
 constexpr unsigned turns_between_events = 8192;
 constexpr unsigned busy_turn = 128;
 
@@ -208,7 +208,8 @@ void IoLoop::heat(const std::shared_ptr<ServerSession>& session) {
 void IoLoop::take_events(int milliseconds, Polling& polling) {
   std::array<epoll_event, 64> events{};
   polling.unlock();
-  const int count = epoll_wait(epoll_, events.data(), static_cast<int>(events.size()), milliseconds);
+  const int count =
+      epoll_wait(epoll_, events.data(), static_cast<int>(events.size()), milliseconds);
   polling.lock();
   for (int at = 0; at < count; ++at) {
     const std::uint64_t key = events[static_cast<std::size_t>(at)].data.u64;
@@ -265,10 +266,10 @@ void IoLoop::part_if_lost(const std::shared_ptr<ServerSession>& session) {
   if (loss == media::Loss::None) return;
   while (const auto packet = session->link().receive()) session->object()->take(session, *packet);
   session->gone = true;
-  session->object()->depart(session, loss == media::Loss::Closed
-                                         ? ServedObject::Departure::InOrder
-                                         : ServedObject::Departure::Lost);
-  if (session->object()->ready()) session->object()->run_ready(Starter::Other);  // what it sent last
+  session->object()->depart(session, loss == media::Loss::Closed ? ServedObject::Departure::InOrder
+                                                                 : ServedObject::Departure::Lost);
+  if (session->object()->ready())
+    session->object()->run_ready(Starter::Other);  // what it sent last
 }
 
 /// Housekeeping saw that they are lost; what they sent before is still to be read, here.
@@ -319,8 +320,8 @@ void IoLoop::tend(TimePoint now) {
       session->gone = true;
       session->object()->depart(session, ServedObject::Departure::Lost);
     }
-    suspects = suspects || session->gone.load() ||
-               (beat && session->link().loss() != media::Loss::None);
+    suspects =
+        suspects || session->gone.load() || (beat && session->link().loss() != media::Loss::None);
   }
   if (suspects) suspects_.store(true);
   if (suspects || (beat && somebody_waits_.load())) wakeup_.ring();

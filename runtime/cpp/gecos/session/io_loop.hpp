@@ -19,9 +19,9 @@ namespace gecos::session {
 /// Accepts clients and reads their packets; short handlers run here, between two looks.
 ///
 /// Only hot connections are looked at; one silent for 10 ms is armed and costs nothing until it
-/// rings. One thread polls at a time. While it is inside a handler it gives polling up, and when the
-/// handler takes more than a tick a standby polls in its place, so nobody waits for a slow handler
-/// but its own callers.
+/// rings. One thread polls at a time. While it is inside a handler it gives polling up, and when
+/// the handler takes more than a tick a standby polls in its place, so nobody waits for a slow
+/// handler but its own callers.
 class IoLoop {
  public:
   explicit IoLoop(std::shared_ptr<Runtime> runtime);
@@ -75,7 +75,8 @@ class IoLoop {
   media::SpinPolicy spin_;
   std::vector<std::unique_ptr<Door>> doors_;  ///< null where an object was withdrawn
   std::vector<std::shared_ptr<ServerSession>> hot_;
-  std::vector<std::shared_ptr<ServerSession>> still_hot_;  ///< of arm_all: kept, so that a wake-up needs no memory
+  std::vector<std::shared_ptr<ServerSession>>
+      still_hot_;  ///< of arm_all: kept, so that a wake-up needs no memory
   std::uint64_t next_key_ = 1;
   unsigned turns_ = 0;
   std::thread::id main_id_;
@@ -84,7 +85,7 @@ class IoLoop {
   std::unordered_map<std::uint64_t, std::shared_ptr<ServerSession>> sessions_;  ///< by watch key
   std::vector<std::unique_ptr<Door>> new_doors_;
   std::atomic<bool> somebody_waits_{false};  // at a door, and there was no descriptor for him
-  std::atomic<bool> suspects_{false};  // tells who polls that some sessions may be gone
+  std::atomic<bool> suspects_{false};        // tells who polls that some sessions may be gone
 
   std::mutex standby_mutex_;
   std::condition_variable standby_called_;

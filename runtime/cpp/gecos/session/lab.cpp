@@ -59,9 +59,9 @@ tl::expected<std::shared_ptr<LinkedSession>, CreateError::Attempt> open_object(
   const auto entry = look_up(lab, name, deadline);
   if (!entry) return tl::unexpected(Attempt{name, Detail::NoServer, entry.error()});
   if (!entry_is_a(*entry, wanted.name)) {
-    return tl::unexpected(Attempt{name, Detail::Refused,
-                                  name + " is a " + entry->interface_name + ", not a " +
-                                      std::string(wanted.name)});
+    return tl::unexpected(
+        Attempt{name, Detail::Refused,
+                name + " is a " + entry->interface_name + ", not a " + std::string(wanted.name)});
   }
   if (options.boot != 0 && options.boot != entry->boot) {
     return tl::unexpected(Attempt{name, Detail::Refused,
@@ -71,8 +71,7 @@ tl::expected<std::shared_ptr<LinkedSession>, CreateError::Attempt> open_object(
   }
   const auto addresses = select(*lab.runtime(), *entry, wanted.quality, options.medium);
   if (!addresses) {
-    return tl::unexpected(
-        Attempt{name, Detail::QosUnavailable, name + " " + addresses.error()});
+    return tl::unexpected(Attempt{name, Detail::QosUnavailable, name + " " + addresses.error()});
   }
   const auto renewable = [&](LinkedSession& session) {
     session.renew_with(lab.renewal(), {name, wanted, options});
@@ -85,7 +84,8 @@ tl::expected<std::shared_ptr<LinkedSession>, CreateError::Attempt> open_object(
     failed.reason += (failed.reason.empty() ? "" : "; ") + session.error();
     if (failed.detail == Detail::Refused) break;
   }
-  if (failed.detail == Detail::NoServer) failed.reason = name + " is offline (" + failed.reason + ")";
+  if (failed.detail == Detail::NoServer)
+    failed.reason = name + " is offline (" + failed.reason + ")";
   return tl::unexpected(std::move(failed));
 }
 

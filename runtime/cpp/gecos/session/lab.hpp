@@ -21,11 +21,11 @@ struct LabOptions {
   std::string broker{};
   /// What others are told this program is called. Empty: the name of its executable.
   std::string program{};
-  Duration grace = std::chrono::seconds(1);          ///< how long a lost peer may stay UNREACHABLE
+  Duration grace = std::chrono::seconds(1);  ///< how long a lost peer may stay UNREACHABLE
   Duration lease_ttl = std::chrono::milliseconds(500);  ///< silence that ends a session
   Duration heartbeat = std::chrono::milliseconds(100);
-  /// What is used in place of a medium when it is opened; null: the medium itself. A double that loses
-  /// packets (gecos/media/faulty.hpp), say.
+  /// What is used in place of a medium when it is opened; null: the medium itself. A double that
+  /// loses packets (gecos/media/faulty.hpp), say.
   std::function<std::unique_ptr<media::Medium>(std::unique_ptr<media::Medium>)> wrap_medium{};
 };
 
@@ -71,13 +71,14 @@ class Lab {
   Lab(const Lab&) = delete;
   Lab& operator=(const Lab&) = delete;
 
-  /// Says goodbye to every object, although proxies, leases or streams are still alive: leases are given
-  /// back, what has arrived under them still finishes, calls that wait and readers of streams end, and
-  /// what is called afterwards is CONNECTION_FAILED. `create` gives nothing any more. Servers of this
-  /// lab go on. Takes at most about a second, and .2 s more for each server over lcm that does not answer;
-  /// more than once does nothing.
+  /// Says goodbye to every object, although proxies, leases or streams are still alive: leases are
+  /// given back, what has arrived under them still finishes, calls that wait and readers of streams
+  /// end, and what is called afterwards is CONNECTION_FAILED. `create` gives nothing any more.
+  /// Servers of this lab go on. Takes at most about a second, and .2 s more for each server over
+  /// lcm that does not answer; more than once does nothing.
   ///
-  /// The destructor does none of this: a proxy keeps what it stands on, and its session ends with it.
+  /// The destructor does none of this: a proxy keeps what it stands on, and its session ends with
+  /// it.
   void close();
 
   /// The first of `names` that is online and of the right type.

@@ -94,15 +94,17 @@ void LabCore::note_broker(std::shared_ptr<LinkedSession> found, std::string miss
   looked_.notify_all();
 }
 
-tl::expected<std::shared_ptr<LinkedSession>, std::string> LabCore::look_for_broker(TimePoint deadline) {
+tl::expected<std::shared_ptr<LinkedSession>, std::string> LabCore::look_for_broker(
+    TimePoint deadline) {
   std::string tried;
   for (const auto& address : broker_addresses()) {
     auto session = runtime_->connect(address, broker_interface(), deadline);
     if (session) return session;
     tried += (tried.empty() ? "" : "; ") + session.error();
   }
-  return tl::unexpected("no broker answers; start `gecos broker`, or say where it is in GECOS_BROKER" +
-                        (tried.empty() ? std::string() : " (tried " + tried + ")"));
+  return tl::unexpected(
+      "no broker answers; start `gecos broker`, or say where it is in GECOS_BROKER" +
+      (tried.empty() ? std::string() : " (tried " + tried + ")"));
 }
 
 }  // namespace gecos::session

@@ -27,8 +27,8 @@ class LabCore : public std::enable_shared_from_this<LabCore> {
   /// `session` belongs to a proxy: it ends with `close`. False once that was called.
   bool keep(const std::shared_ptr<LinkedSession>& session);
   bool closed() const;
-  /// Says goodbye in every session that is kept, for which it takes at most about `patience`; what waits
-  /// in them ends. No more are kept. Servers go on, and so does the session with the broker.
+  /// Says goodbye in every session that is kept, for which it takes at most about `patience`; what
+  /// waits in them ends. No more are kept. Servers go on, and so does the session with the broker.
   void close(Duration patience);
 
  private:

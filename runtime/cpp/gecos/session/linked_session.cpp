@@ -4,9 +4,9 @@
 
 #include "gecos/base/recycling_allocator.hpp"
 #include "gecos/session/function_code.hpp"
-#include "gecos/session/runtime.hpp"
 #include "gecos/session/packets.hpp"
 #include "gecos/session/retry.hpp"
+#include "gecos/session/runtime.hpp"
 
 namespace gecos::session {
 
@@ -19,8 +19,8 @@ LinkedSession::LinkedSession(std::shared_ptr<Runtime> runtime, std::unique_ptr<m
       differing_(std::move(differing)),
       repeats_(!link_->offer().reliable),
       spin_(system_clock()),
-      // All that has arrived is read before it is judged, so a judge who was kept from running for as long
-      // as this still judges rightly, and on a busy machine not later than promised.
+      // All that has arrived is read before it is judged, so a judge who was kept from running for
+      // as long as this still judges rightly, and on a busy machine not later than promised.
       watched_(runtime_->clock().now(), runtime_->options().lease_ttl),
       last_sign_(watched_.now()) {}
 
@@ -44,7 +44,9 @@ std::shared_ptr<CommandCore> LinkedSession::call(const OperationDescription& ope
   if (options.deadline && *options.deadline <= Duration{}) {
     return ended({Detail::Expired,
                   "the deadline of '" + std::string(operation.name) +
-                      "' passed before it was sent; it was not carried out", {}, {}});
+                      "' passed before it was sent; it was not carried out",
+                  {},
+                  {}});
   }
   if (renewal_ && operation.idempotent && operation.status == access::Status::Sensor) {
     return call_repeatable(operation, size, encode, options);
@@ -87,7 +89,8 @@ tl::expected<void, media::SendProblem> LinkedSession::send_call(
   }
   ++next_counter_;
   if (command->again) {
-    command->moor(shared_from_this(), {welcome_.boot, number(id_), header.counter}, sent.value_or(0));
+    command->moor(shared_from_this(), {welcome_.boot, number(id_), header.counter},
+                  sent.value_or(0));
   } else {
     command->counter = header.counter;
     command->session_id = number(id_);
@@ -121,7 +124,9 @@ std::optional<Failure> LinkedSession::differs(FunctionCode code, std::string_vie
                  "'" + std::string(name) + "' of " + welcome_.object +
                      " was not sent: the server's " + welcome_.interface_name +
                      " has another one than this program; build the older of them again from the "
-                     "newer interface (`gidl breaking` tells what differs)", {}, {}};
+                     "newer interface (`gidl breaking` tells what differs)",
+                 {},
+                 {}};
 }
 
 Failure LinkedSession::not_sent(std::string_view name, std::size_t size,
@@ -131,25 +136,35 @@ Failure LinkedSession::not_sent(std::string_view name, std::size_t size,
     case media::SendProblem::Full: {
       const std::lock_guard lock(mutex_);
       if (calls_.size() < welcome_.credits) {
-        return {Detail::QueueFull, what + " was not sent: " +
-                                       std::string(media::to_string(link_->offer().kind)) +
-                                       " is full of what the server has not taken yet; wait for a "
-                                       "call that was sent before", {}, {}};
+        return {Detail::QueueFull,
+                what + " was not sent: " + std::string(media::to_string(link_->offer().kind)) +
+                    " is full of what the server has not taken yet; wait for a "
+                    "call that was sent before",
+                {},
+                {}};
       }
-      return {Detail::QueueFull, what + " was not sent: " + std::to_string(welcome_.credits) +
-                                     " calls are unanswered; wait for one of them", {}, {}};
+      return {Detail::QueueFull,
+              what + " was not sent: " + std::to_string(welcome_.credits) +
+                  " calls are unanswered; wait for one of them",
+              {},
+              {}};
     }
     case media::SendProblem::TooLarge:
       return {Detail::BadParameter,
               what + " was not sent: its arguments take " + std::to_string(size) + " bytes and " +
                   std::string(media::to_string(link_->offer().kind)) + " carries " +
-                  std::to_string(link_->offer().largest_packet), {}, {}};
-    case media::SendProblem::Lost: break;
+                  std::to_string(link_->offer().largest_packet),
+              {},
+              {}};
+    case media::SendProblem::Lost:
+      break;
   }
   const std::lock_guard lock(mutex_);
   return {Detail::NoServer,
           what + " was not sent: " + (loss_text_.empty() ? "the connection is lost" : loss_text_) +
-              "; create a new proxy", {}, {}};
+              "; create a new proxy",
+          {},
+          {}};
 }
 
 bool LinkedSession::cancel(PendingCommand& command, std::uint64_t counter) {
@@ -230,9 +245,11 @@ Failure LinkedSession::failure_of(const PendingCommand& command, Ending how,
     }
   }
   if (how == Ending::Died) {
-    return {Detail::ServerCrashed, text + "; the command may have been carried out in part", {}, {}};
+    return {
+        Detail::ServerCrashed, text + "; the command may have been carried out in part", {}, {}};
   }
-  return {Detail::OutcomeUnknown, text + "; whether the command was carried out is not known", {}, {}};
+  return {
+      Detail::OutcomeUnknown, text + "; whether the command was carried out is not known", {}, {}};
 }
 
 void LinkedSession::close(Duration patience) {
@@ -240,7 +257,8 @@ void LinkedSession::close(Duration patience) {
   if (lost()) return;
   const TimePoint give_up = deadline_after(patience);
   if (repeats_ && patience > Duration{}) {
-    wait(nullptr, [this] { return lost() || everything_arrived(); }, give_up);
+    wait(
+        nullptr, [this] { return lost() || everything_arrived(); }, give_up);
   }
   int tries = 1;
   do {
@@ -252,7 +270,8 @@ void LinkedSession::close(Duration patience) {
     }
     if (!repeats_ || patience == Duration{}) break;
     const TimePoint next = deadline_after(retry_after(tries++));
-    wait(nullptr, [this] { return goodbye_heard_.load() || lost(); }, std::min(next, give_up));
+    wait(
+        nullptr, [this] { return goodbye_heard_.load() || lost(); }, std::min(next, give_up));
   } while (!lost() && std::chrono::steady_clock::now() < give_up);
   lose(Ending::ByUs, closed_by_us);
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "gecos/base/mutex.hpp"
+#include "gecos/media/waiting.hpp"
 #include "gecos/session/baton.hpp"
 #include "gecos/session/call_table.hpp"
 #include "gecos/session/handshake.hpp"
@@ -16,7 +17,6 @@
 #include "gecos/session/pending_command.hpp"
 #include "gecos/session/renewal.hpp"
 #include "gecos/session/watched_time.hpp"
-#include "gecos/media/waiting.hpp"
 #include "gecos/wire/packet.hpp"
 
 namespace gecos::session {
@@ -74,7 +74,8 @@ class LinkedSession final : public ClientSession,
   /// The session that was opened in its place, if it still lives.
   std::shared_ptr<LinkedSession> follower();
   void followed_by(std::shared_ptr<LinkedSession> follower);
-  /// Sends it here; false when there is no room, or this is lost too. It is nobody else's meanwhile.
+  /// Sends it here; false when there is no room, or this is lost too. It is nobody else's
+  /// meanwhile.
   tl::expected<bool, Failure> send_again(const std::shared_ptr<PendingCommand>& command);
   /// Lets go of all that may be sent again elsewhere.
   std::vector<Adrift> cast_off_repeatable();
@@ -89,8 +90,12 @@ class LinkedSession final : public ClientSession,
   bool wait(const void* subject, FunctionRef<bool()> done, TimePoint deadline);
   /// False when it is not here under this counter, or not any more.
   bool cancel(PendingCommand& command, std::uint64_t counter);
-  /// Somebody sleeps on a descriptor: until `attended_less` packets are read though nobody waits here.
-  void attend() { attended_.fetch_add(1, std::memory_order_relaxed); house_wake(); }
+  /// Somebody sleeps on a descriptor: until `attended_less` packets are read though nobody waits
+  /// here.
+  void attend() {
+    attended_.fetch_add(1, std::memory_order_relaxed);
+    house_wake();
+  }
   void attended_less() { attended_.fetch_sub(1, std::memory_order_relaxed); }
 
   TimePoint tend(TimePoint now) override;
@@ -151,7 +156,7 @@ class LinkedSession final : public ClientSession,
   const SessionId id_;
   const Welcome welcome_;
   const std::vector<FunctionCode> differing_;
-  const bool repeats_;  ///< the medium may lose packets
+  const bool repeats_;                    ///< the medium may lose packets
   std::shared_ptr<Renewal> renewal_;      ///< null: nothing is sent again
   std::unique_ptr<const Origin> origin_;  ///< there is one with renewal_
 
@@ -159,16 +164,17 @@ class LinkedSession final : public ClientSession,
   media::SpinPolicy spin_;        ///< whoever has the baton
   std::vector<int> descriptors_;  ///< whoever has the baton: reused
   Wakeup leader_wakeup_;
-  std::atomic<bool> lost_{false};         // publishes loss_text_
-  std::atomic<bool> closed_{false};       // publishes nothing but itself
-  std::atomic<bool> unreachable_{false};  // publishes nothing but itself
-  std::atomic<TimePoint> silent_since_{};  // publishes nothing but itself; while it is unreachable
-  std::atomic<int> attended_{0};          // publishes nothing but itself
+  std::atomic<bool> lost_{false};           // publishes loss_text_
+  std::atomic<bool> closed_{false};         // publishes nothing but itself
+  std::atomic<bool> unreachable_{false};    // publishes nothing but itself
+  std::atomic<TimePoint> silent_since_{};   // publishes nothing but itself; while it is unreachable
+  std::atomic<int> attended_{0};            // publishes nothing but itself
   std::atomic<bool> loss_look_due_{false};  // of whoever holds the baton next; publishes nothing
   std::atomic<bool> goodbye_heard_{false};  // publishes nothing but itself
-  std::atomic<std::uint64_t> epoch_{0};   // publishes nothing but itself
+  std::atomic<std::uint64_t> epoch_{0};     // publishes nothing but itself
 
-  std::mutex subscribing_;  ///< taken before mutex_: so that no subscription is ended by another's end
+  std::mutex
+      subscribing_;  ///< taken before mutex_: so that no subscription is ended by another's end
   std::map<FunctionCode, std::size_t> subscriptions_;  ///< of each stream; guarded by subscribing_
 
   Mutex mutex_;
@@ -189,8 +195,8 @@ class LinkedSession final : public ClientSession,
   TimePoint next_beat_{};
 };
 
-/// Closes one after the other within `patience`, and two heartbeats more for each that does not answer:
-/// who is stuck takes no other's share.
+/// Closes one after the other within `patience`, and two heartbeats more for each that does not
+/// answer: who is stuck takes no other's share.
 void close_all(const std::vector<std::shared_ptr<LinkedSession>>& sessions, Duration patience);
 
 }  // namespace gecos::session

@@ -17,9 +17,9 @@ namespace gecos {
 
 /// How calls through one copy of a proxy are made.
 struct CallOptions {
-  /// Time from sending to completion; the server is told, and gives up when it is over. Nothing: the
-  /// operation's own `@qos(deadline=…)`, or none. Zero or less, as `end - now` is when time is over: the
-  /// call is not sent and ends EXPIRED.
+  /// Time from sending to completion; the server is told, and gives up when it is over. Nothing:
+  /// the operation's own `@qos(deadline=…)`, or none. Zero or less, as `end - now` is when time is
+  /// over: the call is not sent and ends EXPIRED.
   std::optional<Duration> deadline{};
 };
 
@@ -98,8 +98,8 @@ Proxy with(Proxy proxy, CallOptions options) {
 
 }  // namespace gecos
 
-// What gidl generates for a client (Manipulator derives from Device; interfaces are virtual bases so
-// that diamonds have one session):
+// What gidl generates for a client (Manipulator derives from Device; interfaces are virtual bases
+// so that diamonds have one session):
 //
 //   class Manipulator : public virtual robcl::Device {
 //    public:
@@ -116,5 +116,5 @@ Proxy with(Proxy proxy, CallOptions options) {
 // A root interface derives from `public virtual gecos::Object`. A method body is one expression:
 //   return gecos::Command<void, MotionProgress>(gecos_session_->call(
 //       kMove, size, [&](gecos::wire::Encoder& to) { goal.encode(to); … }, gecos_options_));
-// A call on a nil proxy gives a command that is CONNECTION_FAILED/NO_SERVER (session::nil_session(),
-// which Object() has).
+// A call on a nil proxy gives a command that is CONNECTION_FAILED/NO_SERVER
+// (session::nil_session(), which Object() has).

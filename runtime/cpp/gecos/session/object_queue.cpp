@@ -18,8 +18,9 @@ tl::expected<void, ObjectQueue::Full> ObjectQueue::push(std::shared_ptr<Ticket> 
     std::ptrdiff_t of_client = 0;
     for (const Lane* lane : {&sensor_, &actor_}) {
       if (lane == &actor_ && commands == 0) continue;
-      of_client += std::count_if(lane->begin(), lane->end(),
-                                 [&](const auto& other) { return other->client == ticket->client; });
+      of_client += std::count_if(lane->begin(), lane->end(), [&](const auto& other) {
+        return other->client == ticket->client;
+      });
     }
     if (of_client >= static_cast<std::ptrdiff_t>(most_of_client)) {
       return tl::unexpected(Full::Client);
@@ -63,16 +64,19 @@ bool ObjectQueue::keeps_place(const Ticket& ticket) const {
 
 ObjectQueue::Lane& ObjectQueue::lane_of(const Ticket& ticket) {
   switch (ticket.lane) {
-    case Ticket::Place::Safety: return safety_;
-    case Ticket::Place::Sensor: return sensor_;
-    default: return actor_;
+    case Ticket::Place::Safety:
+      return safety_;
+    case Ticket::Place::Sensor:
+      return sensor_;
+    default:
+      return actor_;
   }
 }
 
 bool ObjectQueue::beside_running(const Ticket& ticket) const {
   return std::all_of(running_.begin(), running_.end(), [&](const Ticket* other) {
-    const bool both_blend = other->operation.on_new == OnNew::Blend &&
-                            ticket.operation.on_new == OnNew::Blend;
+    const bool both_blend =
+        other->operation.on_new == OnNew::Blend && ticket.operation.on_new == OnNew::Blend;
     return other->operation.parallel || ticket.operation.parallel || both_blend;
   });
 }

@@ -32,15 +32,15 @@ enum class LaneThreads : std::uint8_t {
   Many,  ///< the servant takes calls on several threads
 };
 
-/// The order in which one object's calls start: one bounded FIFO for what moves it, a lane beside it
-/// for reading, and safety before both. Actor commands run one at a time, unless the interface says
-/// otherwise. Pure and not thread-safe.
+/// The order in which one object's calls start: one bounded FIFO for what moves it, a lane beside
+/// it for reading, and safety before both. Actor commands run one at a time, unless the interface
+/// says otherwise. Pure and not thread-safe.
 class ObjectQueue {
  public:
   static constexpr std::size_t most_of_object = 256;
   static constexpr std::size_t most_of_client = 64;
-  /// What the arguments of calls may take that have not ended: of one client, and of all. A call alone
-  /// is taken whatever it takes; those below `small` are bounded by their number.
+  /// What the arguments of calls may take that have not ended: of one client, and of all. A call
+  /// alone is taken whatever it takes; those below `small` are bounded by their number.
   static constexpr std::size_t most_bytes_of_client = 16 * 1024 * 1024;
   static constexpr std::size_t most_bytes_of_object = 64 * 1024 * 1024;
   static constexpr std::size_t small = 4096;
@@ -48,7 +48,8 @@ class ObjectQueue {
   explicit ObjectQueue(LaneThreads threads) : threads_(threads) {}
 
   enum class Full : std::uint8_t { Object, Client, BytesOfObject, BytesOfClient };
-  /// One that preempts needs no room beside the commands that it replaces; its owner ends them then.
+  /// One that preempts needs no room beside the commands that it replaces; its owner ends them
+  /// then.
   tl::expected<void, Full> push(std::shared_ptr<Ticket> ticket);
 
   /// The next call that may start now; from then on it counts as started. Null when none may.
@@ -80,7 +81,7 @@ class ObjectQueue {
   Lane sensor_;
   Lane actor_;
   std::vector<Ticket*> running_;
-  std::size_t inside_ = 0;  ///< handlers whose thread has not come back
+  std::size_t inside_ = 0;            ///< handlers whose thread has not come back
   std::vector<const Ticket*> large_;  ///< not below `small`, that have not ended
 };
 

@@ -38,12 +38,14 @@ tl::expected<std::uint32_t, std::string> ObjectStreams::share(const StreamDescri
     const std::size_t largest = stream.largest != 0 ? stream.largest : unbounded_sample;
     const std::size_t depth = stream.quality.depth != 0 ? stream.quality.depth : usual_depth;
     try {
-      found = writers.emplace(link.offer().kind,
-                              acceptors_.at(link.offer().kind)->make_stream(largest, depth)).first;
+      found = writers
+                  .emplace(link.offer().kind,
+                           acceptors_.at(link.offer().kind)->make_stream(largest, depth))
+                  .first;
     } catch (const std::exception& failed) {  // no memory or no descriptor is left
-      return tl::unexpected("stream '" + std::string(stream.name) + "' of " + object_ +
-                            " cannot be opened over " +
-                            std::string(media::to_string(link.offer().kind)) + ": " + failed.what());
+      return tl::unexpected(
+          "stream '" + std::string(stream.name) + "' of " + object_ + " cannot be opened over " +
+          std::string(media::to_string(link.offer().kind)) + ": " + failed.what());
     }
     if (outlet.published) {
       static_cast<void>(found->second->publish(outlet.latest, outlet.latest_stamp_ns));

@@ -11,8 +11,8 @@
 
 namespace gecos::session {
 
-/// The outward streams of one object: a writer per medium and stream from the first subscription on.
-/// Publishing a stream that nobody ever subscribed to only keeps its latest sample.
+/// The outward streams of one object: a writer per medium and stream from the first subscription
+/// on. Publishing a stream that nobody ever subscribed to only keeps its latest sample.
 class ObjectStreams {
  public:
   ObjectStreams(std::string object, const InterfaceDescription& interface);

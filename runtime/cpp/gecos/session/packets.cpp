@@ -14,15 +14,18 @@ void frame(Bytes& into, const wire::PacketHeader& header, std::size_t size) {
   wire::encode_packet_tail(bytes.last<wire::packet_tail_size>(), 0);
 }
 
-/// Whether a server may say it of a call that it is over. The others a client finds out by itself: that
-/// a call is CONNECTION_FAILED, which lets it be sent again, is no server's to say but of one not started.
+/// Whether a server may say it of a call that it is over. The others a client finds out by itself:
+/// that a call is CONNECTION_FAILED, which lets it be sent again, is no server's to say but of one
+/// not started.
 bool ends_a_call(Detail detail) {
   switch (detail) {
     case Detail::ServerCrashed:
     case Detail::NoServer:
     case Detail::Refused:
-    case Detail::QosUnavailable: return false;
-    default: return detail > Detail::Done;
+    case Detail::QosUnavailable:
+      return false;
+    default:
+      return detail > Detail::Done;
   }
 }
 
@@ -70,8 +73,8 @@ const Clock& system_clock() {
 
 const OperationDescription* find_reserved(FunctionCode code) {
   static const auto table = [] {
-    constexpr std::array names = {"holders", "stop",    "ping",      "describe",
-                                  "acquire", "release", "subscribe", "unsubscribe", "outcome"};
+    constexpr std::array names = {"holders", "stop",      "ping",        "describe", "acquire",
+                                  "release", "subscribe", "unsubscribe", "outcome"};
     static_assert(names.size() == static_cast<std::size_t>(Reserved::Outcome));
     std::array<OperationDescription, names.size()> operations;
     for (std::uint32_t at = 0; at < names.size(); ++at) {

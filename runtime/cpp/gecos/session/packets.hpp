@@ -23,7 +23,8 @@ void write_packet(Bytes& into, const wire::PacketHeader& header, std::size_t siz
 
 /// The terminal outcome of a call as a packet.
 void write_failure(Bytes& into, wire::PacketHeader header, const Failure& failure);
-/// What `write_failure` wrote. A detail that is not known, or that ends no call at a server, counts as FAULT.
+/// What `write_failure` wrote. A detail that is not known, or that ends no call at a server, counts
+/// as FAULT.
 Failure failure_from(std::optional<Detail> detail, ByteView body);
 /// ": why", from the body of a Goodbye; empty when it gives no reason.
 std::string text_of(ByteView goodbye);

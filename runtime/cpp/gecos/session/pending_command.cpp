@@ -32,7 +32,8 @@ Progress PendingCommand::progress() const {
   const std::lock_guard lock(mutex_);
   const Detail detail = detail_.load(std::memory_order_relaxed);
   const bool running = project(detail) == State::Running;
-  return {running && (unreachable || adrift()) ? Detail::Unreachable : detail, position_, fraction_};
+  return {running && (unreachable || adrift()) ? Detail::Unreachable : detail, position_,
+          fraction_};
 }
 
 Bytes PendingCommand::feedback() const {
@@ -46,7 +47,8 @@ bool PendingCommand::wait_until(TimePoint deadline) {
   if (again) return wait_in_any_session(deadline);
   const auto session = this->session();
   if (!session) return true;
-  return session->wait(this, [this] { return terminal(); }, deadline);
+  return session->wait(
+      this, [this] { return terminal(); }, deadline);
 }
 
 void PendingCommand::cancel() {

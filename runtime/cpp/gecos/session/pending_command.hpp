@@ -35,16 +35,19 @@ class PendingCommand final : public CommandCore {
   void when_ended(std::function<void()> then) override;
 
   /// Asked by who has just said that he follows the baton, so in one order with that (Baton::poke).
-  bool terminal() const { return project(detail_.load(std::memory_order_seq_cst)) != State::Running; }
+  bool terminal() const {
+    return project(detail_.load(std::memory_order_seq_cst)) != State::Running;
+  }
 
   // For its session.
   void report(Detail detail, const ProgressBody& body);
   void finish(ByteView result);
   void fail(Failure failure);
-  std::uint64_t counter = 0;      ///< written before the command is shared, as the two below, or by moor()
+  std::uint64_t counter =
+      0;  ///< written before the command is shared, as the two below, or by moor()
   std::uint64_t session_id = 0;
   std::uint64_t boot = 0;
-  std::uint64_t sent_as = 0;      ///< the packet's number on the link; written before it is shared
+  std::uint64_t sent_as = 0;  ///< the packet's number on the link; written before it is shared
   /// It was sent in `session`, its first or another; with that session's mutex.
   void moor(const std::shared_ptr<LinkedSession>& session, const CommandId& id, std::uint64_t as);
   /// Its session has it no more; with that session's mutex.
@@ -61,14 +64,15 @@ class PendingCommand final : public CommandCore {
     bool cancel = false;
   } retry;
 
-  /// What it takes to send it again in another session; set before it is shared, but for the last three.
+  /// What it takes to send it again in another session; set before it is shared, but for the last
+  /// three.
   struct Again {
     FunctionCode code{};
     std::string_view name;
     Bytes arguments;
     TimePoint deadline = TimePoint::max();
-    int sessions = 0;  ///< it was sent in; of who sends it
-    bool may_have_started = false;  ///< in a session that it is not in any more
+    int sessions = 0;                    ///< it was sent in; of who sends it
+    bool may_have_started = false;       ///< in a session that it is not in any more
     std::condition_variable_any moored;  ///< or terminal: for who waits while it is adrift
   };
   std::unique_ptr<Again> again;  ///< null: it may not be sent again
@@ -76,7 +80,9 @@ class PendingCommand final : public CommandCore {
  private:
   std::shared_ptr<LinkedSession> session() const;
   void be_attended();  // with the mutex
-  bool adrift() const { return again != nullptr && home_.load(std::memory_order_acquire) == nullptr; }
+  bool adrift() const {
+    return again != nullptr && home_.load(std::memory_order_acquire) == nullptr;
+  }
   bool wait_in_any_session(TimePoint deadline);
   void cancel_in_any_session();
   template <class Publish>
@@ -92,7 +98,8 @@ class PendingCommand final : public CommandCore {
   bool attended_ = false;  ///< by housekeeping of session_, for who sleeps elsewhere
   std::unique_ptr<Wakeup> exported_;
   std::vector<std::function<void()>> callbacks_;
-  /// Whose it is; null while it is adrift. Publishes nothing: who waits there has to look elsewhere.
+  /// Whose it is; null while it is adrift. Publishes nothing: who waits there has to look
+  /// elsewhere.
   std::atomic<const LinkedSession*> home_{nullptr};
   std::shared_ptr<LinkedSession> session_;  ///< null once terminal
 };

@@ -48,7 +48,9 @@ void Registrar::note_broker(const std::string& missing) {
   if (!missing_since_) missing_since_ = now;
   if (told_missing_ || now < *missing_since_ + before_told) return;
   told_missing_ = true;
-  log_warning("session", missing + "; this server goes on asking, and until then nobody new finds its objects");
+  log_warning(
+      "session",
+      missing + "; this server goes on asking, and until then nobody new finds its objects");
 }
 
 bool Registrar::rest(Duration length, TimePoint deadline) {
@@ -83,9 +85,9 @@ tl::expected<void, std::string> Registrar::add(const ServedObject& object,
   return {};
 }
 
-/// A broker that goes while it is asked may be back soon, and takes the same entry again. So does one
-/// that has not noticed yet that who had the name before has ended: a server that is started again
-/// after it was killed may be quicker.
+/// A broker that goes while it is asked may be back soon, and takes the same entry again. So does
+/// one that has not noticed yet that who had the name before has ended: a server that is started
+/// again after it was killed may be quicker.
 tl::expected<std::shared_ptr<LinkedSession>, std::string> Registrar::enlist_first(
     const Entry& entry, TimePoint deadline) {
   for (;;) {
@@ -146,7 +148,8 @@ bool Registrar::enlist_again() {
   for (const auto& entry : entries) {
     const auto enlisted = enlist(**broker, entry, deadline);
     if (enlisted) continue;  // the others need not wait for one that is not
-    missing += (missing.empty() ? "" : "; ") + entry.name + " runs on and is not findable: " + enlisted.error().text;
+    missing += (missing.empty() ? "" : "; ") + entry.name +
+               " runs on and is not findable: " + enlisted.error().text;
   }
   if (missing != std::exchange(told_, missing) && !missing.empty()) log_warning("session", missing);
   if (!missing.empty()) return false;

@@ -15,8 +15,8 @@ namespace gecos::session {
 
 class ServedObject;
 
-/// Keeps the objects of a server findable: enlists them with the broker, and again with every broker
-/// that comes up after the one before was lost.
+/// Keeps the objects of a server findable: enlists them with the broker, and again with every
+/// broker that comes up after the one before was lost.
 class Registrar {
  public:
   explicit Registrar(std::shared_ptr<LabCore> lab);

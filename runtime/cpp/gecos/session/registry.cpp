@@ -45,7 +45,8 @@ tl::expected<Entry, std::string> look_up(LabCore& lab, const std::string& name,
   const auto broker = lab.broker(deadline);
   if (!broker) return tl::unexpected(broker.error());
   const auto command = call_with_text(**broker, "lookup", name);
-  if (!command->wait_until(deadline)) return tl::unexpected(std::string("the broker did not answer in time"));
+  if (!command->wait_until(deadline))
+    return tl::unexpected(std::string("the broker did not answer in time"));
   if (command->progress().detail == Detail::Done) {
     Entry entry;
     wire::Decoder from(command->result());
@@ -61,20 +62,20 @@ tl::expected<Entry, std::string> look_up(LabCore& lab, const std::string& name,
 
 tl::expected<void, NotEnlisted> enlist(LinkedSession& broker, const Entry& entry,
                                        TimePoint deadline) {
-  const auto command = broker.call(
-      broker_operation("enlist"), block_size(entry),
-      [&](wire::Encoder& to) { put_block(to, entry); }, {});
+  const auto command = broker.call(broker_operation("enlist"), block_size(entry),
+                                   [&](wire::Encoder& to) { put_block(to, entry); }, {});
   if (!command->wait_until(deadline)) {
     return tl::unexpected(NotEnlisted{false, false, "the broker did not answer in time"});
   }
   if (command->progress().detail == Detail::Done) return {};
   const Failure& failure = command->failure();
   if (const auto taken = failure.as<NameTaken>()) {
-    return tl::unexpected(
-        NotEnlisted{true, false, "the name " + taken->name + " is taken by " + taken->by + "; end that one, or serve this under another name"});
+    return tl::unexpected(NotEnlisted{true, false,
+                                      "the name " + taken->name + " is taken by " + taken->by +
+                                          "; end that one, or serve this under another name"});
   }
   return tl::unexpected(NotEnlisted{false, failure.state() == State::ConnectionFailed,
-                                     "the broker did not take it: " + failure.text});
+                                    "the broker did not take it: " + failure.text});
 }
 
 void withdraw(LinkedSession& broker, const std::string& name) {

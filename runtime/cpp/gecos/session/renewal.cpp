@@ -26,9 +26,12 @@ void end_as(Adrift& adrift, const std::string& more) {
 
 void end_late(Adrift& adrift) {
   const bool started = adrift.failure.state() != State::ConnectionFailed;
-  const std::string what = "the deadline of '" + std::string(adrift.command->again->name) + "' passed ";
+  const std::string what =
+      "the deadline of '" + std::string(adrift.command->again->name) + "' passed ";
   adrift.command->fail({started ? Detail::TimedOut : Detail::Expired,
-                        what + "while it could not be sent again: " + adrift.failure.text, {}, {}});
+                        what + "while it could not be sent again: " + adrift.failure.text,
+                        {},
+                        {}});
 }
 
 template <class T>
@@ -45,7 +48,9 @@ Renewal::~Renewal() { end(); }
 void Renewal::take(const std::shared_ptr<LinkedSession>& from, std::vector<Adrift> commands) {
   if (getpid() != owner_) {
     for (Adrift& adrift : commands) {
-      end_as(adrift, "it is not sent again: its Lab belongs to the process that forked this one: make your own");
+      end_as(adrift,
+             "it is not sent again: its Lab belongs to the process that forked this one: make your "
+             "own");
     }
     return;
   }
@@ -61,9 +66,11 @@ void Renewal::take(const std::shared_ptr<LinkedSession>& from, std::vector<Adrif
     } else {
       Search& search = search_of(from);
       for (Adrift& adrift : commands) {
-        (search.commands.size() < most_adrift ? search.commands : refused).push_back(std::move(adrift));
+        (search.commands.size() < most_adrift ? search.commands : refused)
+            .push_back(std::move(adrift));
       }
-      why = "it is not sent again: " + std::to_string(most_adrift) + " others wait for a server already";
+      why = "it is not sent again: " + std::to_string(most_adrift) +
+            " others wait for a server already";
     }
   }
   for (Adrift& adrift : refused) end_as(adrift, why);
@@ -229,7 +236,8 @@ void Renewal::end() {
     open.swap(searches_);
   }
   for (Search& search : open) {
-    for (Adrift& adrift : search.commands) end_as(adrift, "it is not sent again: its Lab is closed");
+    for (Adrift& adrift : search.commands)
+      end_as(adrift, "it is not sent again: its Lab is closed");
   }
 }
 

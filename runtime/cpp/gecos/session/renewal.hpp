@@ -36,9 +36,9 @@ struct Adrift {
 };
 
 /// Sends `@idempotent` readings again whose session was lost before they had ended: looks for their
-/// object, opens a new session with it underneath, and sends them there. What finds no server within
-/// `grace`, or its deadline, ends as it would have without. One of a lab; its thread starts with the
-/// first loss. Thread-safe.
+/// object, opens a new session with it underneath, and sends them there. What finds no server
+/// within `grace`, or its deadline, ends as it would have without. One of a lab; its thread starts
+/// with the first loss. Thread-safe.
 class Renewal final : public Tended, public std::enable_shared_from_this<Renewal> {
  public:
   /// In so many sessions a command is sent: one that kills its server does not do so for ever.
@@ -76,7 +76,7 @@ class Renewal final : public Tended, public std::enable_shared_from_this<Renewal
 
   LabCore& lab_;
   const pid_t owner_;  ///< a forked child has none of the threads that end what is adrift
-  std::mutex mutex_;  ///< guards what follows
+  std::mutex mutex_;   ///< guards what follows
   std::condition_variable changed_;
   std::vector<Search> searches_;
   bool ended_ = false;

@@ -19,14 +19,13 @@ tl::expected<Lease, LeaseRefusal> acquire(const Object& object, Status wanted,
                                           const std::string& password) {
   const auto& session = session_of(object);
   const std::size_t size = 4 + 1 + (password.empty() ? 0 : wire::string_size(password));
-  const auto command = session->call(
-      session::reserved_operation(Reserved::Acquire), size,
-      [&](wire::Encoder& to) {
-        to.put(static_cast<std::int32_t>(wanted));
-        to.put(!password.empty());
-        if (!password.empty()) to.put_string(password);
-      },
-      {});
+  const auto command = session->call(session::reserved_operation(Reserved::Acquire), size,
+                                     [&](wire::Encoder& to) {
+                                       to.put(static_cast<std::int32_t>(wanted));
+                                       to.put(!password.empty());
+                                       if (!password.empty()) to.put_string(password);
+                                     },
+                                     {});
   command->wait_until(TimePoint::max());
   if (command->progress().detail != Detail::Done) {
     LeaseRefusal refusal{command->failure(), {}};
@@ -70,13 +69,12 @@ void Lease::give_back(bool now) {
   const auto session = std::exchange(session_, nullptr);
   if (session == nullptr) return;
   session->let_go(held_);
-  const auto released = session->call(
-      session::reserved_operation(Reserved::Release), 8 + 1,
-      [&](wire::Encoder& to) {
-        to.put(grant_.epoch);
-        to.put(now);
-      },
-      {});
+  const auto released = session->call(session::reserved_operation(Reserved::Release), 8 + 1,
+                                      [&](wire::Encoder& to) {
+                                        to.put(grant_.epoch);
+                                        to.put(now);
+                                      },
+                                      {});
   released->wait_until(deadline_after(patience));
 }
 
@@ -92,9 +90,13 @@ tl::expected<Lease, LeaseRefusal> master(const Object& object, std::string passw
   return acquire(object, Status::MASTER, password);
 }
 
-Command<void> stop(const Object& object) { return Command<void>(call_bare(object, Reserved::Stop)); }
+Command<void> stop(const Object& object) {
+  return Command<void>(call_bare(object, Reserved::Stop));
+}
 
-Command<void> ping(const Object& object) { return Command<void>(call_bare(object, Reserved::Ping)); }
+Command<void> ping(const Object& object) {
+  return Command<void>(call_bare(object, Reserved::Ping));
+}
 
 Command<Description> describe(const Object& object) {
   return Command<Description>(call_bare(object, Reserved::Describe),
@@ -124,8 +126,11 @@ Command<Outcome> outcome(const Object& object, const CommandId& id) {
     return true;
   };
   if (id == CommandId{}) {
-    return {session::ended({Detail::BadParameter, "a command that was never sent has no outcome"
-                                                  " but its own", {}, {}}),
+    return {session::ended({Detail::BadParameter,
+                            "a command that was never sent has no outcome"
+                            " but its own",
+                            {},
+                            {}}),
             decode};
   }
   return {session_of(object)->call(session::reserved_operation(Reserved::Outcome), 3 * 8,

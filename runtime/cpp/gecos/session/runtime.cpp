@@ -65,7 +65,8 @@ class OpenRuntimes {
   std::vector<std::weak_ptr<Runtime>> runtimes_;
 };
 
-std::atomic<std::uint64_t> boot_of_this_process{0};  // 0: not drawn yet; publishes nothing but itself
+std::atomic<std::uint64_t> boot_of_this_process{
+    0};  // 0: not drawn yet; publishes nothing but itself
 
 std::uint64_t random_boot() {
   std::uint64_t number = 0;
@@ -125,19 +126,20 @@ Hello Runtime::introduce(const InterfaceDescription& wanted) const {
   hello.boot = number(process_boot());
   hello.interface_name = wanted.name;
   hello.interface_hash = wanted.hash;
-  // Nothing is sent to who is UNREACHABLE, and who stays so for `grace` is given up. A quarter is for
-  // what the clocks of two hosts may disagree on.
+  // Nothing is sent to who is UNREACHABLE, and who stays so for `grace` is given up. A quarter is
+  // for what the clocks of two hosts may disagree on.
   hello.accept_within = options_.grace * 3 / 4;
   return hello;
 }
 
 tl::expected<std::shared_ptr<LinkedSession>, std::string> Runtime::connect(
-    const std::string& address, const InterfaceDescription& wanted, TimePoint deadline,
-    Detail* why, FunctionRef<void(LinkedSession&)> prepare) {
+    const std::string& address, const InterfaceDescription& wanted, TimePoint deadline, Detail* why,
+    FunctionRef<void(LinkedSession&)> prepare) {
   if (why != nullptr) *why = Detail::NoServer;
   const auto kind = media::kind_from(std::string_view(address).substr(0, address.find(':')));
   if (!kind) {
-    return tl::unexpected("'" + address + "' is no address: it begins with none of inproc:, shm:, lcm:");
+    return tl::unexpected("'" + address +
+                          "' is no address: it begins with none of inproc:, shm:, lcm:");
   }
   const auto opened = medium(*kind);
   if (!opened) return tl::unexpected(opened.error().text);
@@ -145,7 +147,8 @@ tl::expected<std::shared_ptr<LinkedSession>, std::string> Runtime::connect(
   const auto open = [&]() -> Session {
     try {
       auto link = (*opened)->connect(address);
-      if (!link) return tl::unexpected(LinkedSession::NotOpened{Detail::NoServer, link.error().text});
+      if (!link)
+        return tl::unexpected(LinkedSession::NotOpened{Detail::NoServer, link.error().text});
       return LinkedSession::open(shared_from_this(), std::move(*link), wanted, deadline)
           .map_error([&](LinkedSession::NotOpened failed) {
             failed.reason = address + ": " + failed.reason;

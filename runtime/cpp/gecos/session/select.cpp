@@ -24,8 +24,11 @@ std::string out_of_reach(Runtime& runtime, const Entry& entry, media::Kind kind)
     case media::Kind::Inproc:
       return entry.boot == number(process_boot()) ? "" : "it is in another process";
     case media::Kind::Shm:
-      return entry.host == runtime.host_identity() ? "" : "it is on another host (" + entry.hostname + ")";
-    case media::Kind::Lcm: return "";
+      return entry.host == runtime.host_identity()
+                 ? ""
+                 : "it is on another host (" + entry.hostname + ")";
+    case media::Kind::Lcm:
+      return "";
   }
   return "this program does not know it";
 }
@@ -60,8 +63,9 @@ tl::expected<std::vector<std::string>, std::string> select(Runtime& runtime, con
   }
   if (addresses.empty()) {
     const std::string asked_for = only ? " over " + std::string(media::to_string(*only)) : "";
-    return tl::unexpected("cannot be reached" + asked_for +
-                          (reasons.empty() ? ": its server does not offer it" : " (" + reasons + ")"));
+    return tl::unexpected(
+        "cannot be reached" + asked_for +
+        (reasons.empty() ? ": its server does not offer it" : " (" + reasons + ")"));
   }
   // A simulated device has nothing that a late packet could hurt.
   qos::Quality held_to = asked;

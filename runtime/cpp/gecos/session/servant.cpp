@@ -13,7 +13,9 @@ IncomingCall& IncomingCall::operator=(IncomingCall&& other) noexcept {
 IncomingCall::~IncomingCall() {
   if (!core_) return;
   fail({Detail::Fault,
-        "the handler of '" + std::string(operation().name) + "' gave no answer", {}, {}});
+        "the handler of '" + std::string(operation().name) + "' gave no answer",
+        {},
+        {}});
 }
 
 void IncomingCall::finish(std::size_t size, FunctionRef<void(wire::Encoder&)> encode) {

@@ -29,13 +29,17 @@ class Fault {
  public:
   /// A declared exception of the operation: `return tl::unexpected(OutOfReach{"…"});`
   template <wire::GeneralContents E>
-    requires requires { { E::type_name() } -> std::convertible_to<std::string_view>; }
+  requires requires {
+    { E::type_name() } -> std::convertible_to<std::string_view>;
+  }
   Fault(const E& exception)  // NOLINT(google-explicit-constructor)
       : failure_{Detail::Fault, describe(exception), std::string(E::type_name()),
                  wire::to_bytes(exception)} {}
 
   /// The command was refused as it stands; `why` says what to do.
-  static Fault rejected(std::string why) { return Fault({Detail::Rejected, std::move(why), {}, {}}); }
+  static Fault rejected(std::string why) {
+    return Fault({Detail::Rejected, std::move(why), {}, {}});
+  }
   static Fault bad_parameter(std::string why) {
     return Fault({Detail::BadParameter, std::move(why), {}, {}});
   }
@@ -127,14 +131,11 @@ class Execution {
     return call_.wait_interrupted_until(deadline_after(time));
   }
   /// Tells the caller how far it is, 0 to 1. Only the latest is kept: call it as often as you like.
-  void progress(double fraction)
-    requires(std::is_void_v<Feedback>)
-  {
+  void progress(double fraction) requires(std::is_void_v<Feedback>) {
     call_.progress(fraction, {});
   }
   template <class F = Feedback>
-    requires(!std::is_void_v<F>)
-  void progress(double fraction, const F& feedback) {
+  requires(!std::is_void_v<F>) void progress(double fraction, const F& feedback) {
     call_.progress(fraction, wire::to_bytes(feedback));
   }
   const Caller& caller() const { return call_.caller(); }
@@ -191,15 +192,18 @@ std::int64_t unix_now_ns();
 //   class ManipulatorServant : public virtual robcl::DeviceServant {
 //    public:
 //     const gecos::InterfaceDescription& gecos_interface() const override;
-//     void gecos_dispatch(gecos::IncomingCall call) override;      // switch over the codes, own and inherited
+//     void gecos_dispatch(gecos::IncomingCall call) override;      // switch over the codes, own
+//     and inherited
 //    protected:
 //     virtual gecos::Result<robcl::Frame> tool() = 0;
 //     virtual gecos::Result<robcl::Frame> tool_offset() = 0;
 //     virtual gecos::Result<void> set_tool_offset(const robcl::Frame& value) = 0;
-//     virtual gecos::Result<void> move(const robcl::Frame& goal, const std::optional<Trajectory>& how,
+//     virtual gecos::Result<void> move(const robcl::Frame& goal, const std::optional<Trajectory>&
+//     how,
 //                                      gecos::Execution<MotionProgress>& run) = 0;
 //     void publish_tool(const robcl::Frame& value, std::int64_t stamp_ns = gecos::unix_now_ns());
 //   };
 //
-// A root servant derives from `public virtual gecos::Servant`. The getter of a stream attribute is an
-// ordinary handler. Arguments that do not decode or are out of @range: BAD_PARAMETER naming the field.
+// A root servant derives from `public virtual gecos::Servant`. The getter of a stream attribute is
+// an ordinary handler. Arguments that do not decode or are out of @range: BAD_PARAMETER naming the
+// field.

@@ -5,8 +5,9 @@
 
 namespace gecos::session {
 
-/// What it was then it still is, as long as that is known: a call that runs is told of here, one that has
-/// ended is answered again, one that never came does not come any more. Else it is a new one.
+/// What it was then it still is, as long as that is known: a call that runs is told of here, one
+/// that has ended is answered again, one that never came does not come any more. Else it is a new
+/// one.
 void ServedObject::take_again(const std::shared_ptr<ServerSession>& session,
                               const wire::PacketView& packet) {
   wire::Decoder from(packet.body);

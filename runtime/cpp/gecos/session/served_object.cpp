@@ -18,7 +18,8 @@ void run_for_user(const std::string& object, const std::function<void()>& what) 
   } catch (const std::exception& error) {
     log_error("session", object + ": on_stop or gecos_session_ended threw: " + error.what());
   } catch (...) {
-    log_error("session", object + ": on_stop or gecos_session_ended threw what is no std::exception");
+    log_error("session",
+              object + ": on_stop or gecos_session_ended threw what is no std::exception");
   }
 }
 
@@ -74,7 +75,8 @@ std::shared_ptr<ServerCall> ServedObject::execute(const std::shared_ptr<ServerCa
   return start_next(starter);
 }
 
-/// False for one that was ended before a thread came to it: its caller was told, so it does not begin.
+/// False for one that was ended before a thread came to it: its caller was told, so it does not
+/// begin.
 bool ServedObject::begins(ServerCall& call) {
   const Lock lock(mutex_);
   if (call.terminal) {
@@ -89,8 +91,11 @@ bool ServedObject::begins(ServerCall& call) {
 void ServedObject::not_begun(ServerCall& call) {
   const Lock lock(mutex_);
   if (!call.terminal) {
-    end(call, Failure{Detail::Rejected, "it was not started: no thread can be had for its handler, see "
-                                        "`ulimit -u` of the server", {}, {}});
+    end(call, Failure{Detail::Rejected,
+                      "it was not started: no thread can be had for its handler, see "
+                      "`ulimit -u` of the server",
+                      {},
+                      {}});
   }
   never_began(call);
 }
@@ -120,16 +125,21 @@ bool ServedObject::starts_on_time(ServerCall& call) {
   if (call.deadline != TimePoint::max() && runtime_->clock().now() >= call.deadline) {
     end(call, Failure{Detail::Expired,
                       "the deadline of '" + std::string(call.operation().name) +
-                          "' passed before it started; it was not carried out", {}, {}});
+                          "' passed before it started; it was not carried out",
+                      {},
+                      {}});
     return false;
   }
   if (call.operation().safety) return true;
-  const auto may = leases_.may_start(call.client, call.epoch, call.operation().status, watched_.now());
+  const auto may =
+      leases_.may_start(call.client, call.epoch, call.operation().status, watched_.now());
   if (may) return true;
   const bool lost = may.error().reason == access::Denial::Reason::LeaseEnded;
-  end(call, Failure{lost ? Detail::LeaseLost : Detail::Denied,
-                    "'" + std::string(call.operation().name) + "' of " + name_ + " " +
-                        may.error().text, {}, {}});
+  end(call,
+      Failure{lost ? Detail::LeaseLost : Detail::Denied,
+              "'" + std::string(call.operation().name) + "' of " + name_ + " " + may.error().text,
+              {},
+              {}});
   return false;
 }
 
@@ -293,11 +303,12 @@ void ServedObject::tend(TimePoint now) {
 void ServedObject::look_at_time(TimePoint now) {
   const Lock lock(mutex_);
   for (const auto& holder : leases_.expire(watched_.look(now))) {
-    lose_status(holder.session, "its holder has been silent for " +
-                                    std::to_string(std::chrono::duration_cast<std::chrono::milliseconds>(
-                                                       runtime_->options().lease_ttl)
-                                                       .count()) +
-                                    " ms");
+    lose_status(holder.session,
+                "its holder has been silent for " +
+                    std::to_string(std::chrono::duration_cast<std::chrono::milliseconds>(
+                                       runtime_->options().lease_ttl)
+                                       .count()) +
+                    " ms");
   }
   const auto open = open_;
   for (const auto& call : open) {
@@ -305,14 +316,18 @@ void ServedObject::look_at_time(TimePoint now) {
       if (queue_.remove(*call)) {
         end(*call, Failure{Detail::Expired,
                            "the deadline of '" + std::string(call->operation().name) +
-                               "' passed before it started; it was not carried out", {}, {}});
+                               "' passed before it started; it was not carried out",
+                           {},
+                           {}});
         call->answered = call->returned = true;
         finished(*call);
       } else {
         interrupt(*call);
         end(*call, Failure{Detail::TimedOut,
                            "the deadline of '" + std::string(call->operation().name) +
-                               "' passed while it was executing; it was told to stop", {}, {}});
+                               "' passed while it was executing; it was told to stop",
+                           {},
+                           {}});
       }
       note_ready();
     }
@@ -363,8 +378,8 @@ void ServedObject::depart(const std::shared_ptr<ServerSession>& session, Departu
 }
 
 void ServedObject::lose_status(SessionId session, const std::string& why) {
-  const Failure failure{Detail::LeaseLost, "the status under which it was issued ended: " + why,
-                        {}, {}};
+  const Failure failure{
+      Detail::LeaseLost, "the status under which it was issued ended: " + why, {}, {}};
   end_commands(
       [&](const ServerCall& call) {
         return call.client == session && call.operation().status != access::Status::Sensor &&

@@ -12,9 +12,9 @@
 #include "gecos/object_types.hpp"  // generated from idl/gecos/object.gidl
 #include "gecos/session/handshake.hpp"
 #include "gecos/session/history.hpp"
-#include "gecos/session/runtime.hpp"
 #include "gecos/session/object_queue.hpp"
 #include "gecos/session/object_streams.hpp"
+#include "gecos/session/runtime.hpp"
 #include "gecos/session/server.hpp"
 #include "gecos/session/server_session.hpp"
 #include "gecos/session/watched_time.hpp"
@@ -57,8 +57,8 @@ class ServedObject final : public Publisher, public std::enable_shared_from_this
   void depart(const std::shared_ptr<ServerSession>& session, Departure how);
   /// Heartbeat seen from it, or not, judged every tick. True: it ends, silent for so long or deaf.
   bool judge_silence(const std::shared_ptr<ServerSession>& session);
-  /// Deadlines, leases, progress that waits to be told, and what may start and nobody looks at. On the
-  /// housekeeping thread.
+  /// Deadlines, leases, progress that waits to be told, and what may start and nobody looks at. On
+  /// the housekeeping thread.
   void tend(TimePoint now);
 
   void answered(ServerCall& call, ByteView result);
@@ -126,7 +126,8 @@ class ServedObject final : public Publisher, public std::enable_shared_from_this
   void list(ServerCall& call);
   void finished(ServerCall& call);
   void preempt(const ServerCall& by);
-  /// Ends those of the actor commands that `which` picks: drops the waiting, interrupts the running.
+  /// Ends those of the actor commands that `which` picks: drops the waiting, interrupts the
+  /// running.
   void end_commands(const std::function<bool(const ServerCall&)>& which, const Failure& failure);
   void lose_status(SessionId session, const std::string& why);
   void give_back_all(ServerSession& session);
@@ -158,12 +159,13 @@ class ServedObject final : public Publisher, public std::enable_shared_from_this
   std::vector<std::shared_ptr<ServerCall>> open_;  ///< what has a deadline, and what may take long
   WatchedTime watched_;                            ///< leases and silence are judged by it
   bool closed_ = false;
-  std::atomic<bool> ready_{false};  // a hint: something was queued or ended since it was last looked
+  std::atomic<bool> ready_{
+      false};  // a hint: something was queued or ended since it was last looked
   ObjectStreams streams_;
 
   std::mutex user_mutex_;
   bool joined_ = false;  ///< guarded by user_mutex_
-  WorkerPool workers_;  ///< last: its threads end first
+  WorkerPool workers_;   ///< last: its threads end first
 };
 
 }  // namespace gecos::session

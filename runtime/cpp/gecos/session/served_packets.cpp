@@ -23,13 +23,18 @@ std::string text_of(ObjectQueue::Full full, std::size_t bytes) {
   };
   const auto room = [&](std::size_t most, const char* whose) {
     return "its arguments take " + std::to_string(bytes) + " bytes, and with those of " + whose +
-           " calls that have not ended more than " + std::to_string(most) + "; wait for one of them";
+           " calls that have not ended more than " + std::to_string(most) +
+           "; wait for one of them";
   };
   switch (full) {
-    case ObjectQueue::Full::Object: return calls(ObjectQueue::most_of_object, "all clients");
-    case ObjectQueue::Full::Client: return calls(ObjectQueue::most_of_client, "this client");
-    case ObjectQueue::Full::BytesOfObject: return room(ObjectQueue::most_bytes_of_object, "all clients'");
-    case ObjectQueue::Full::BytesOfClient: return room(ObjectQueue::most_bytes_of_client, "this client's");
+    case ObjectQueue::Full::Object:
+      return calls(ObjectQueue::most_of_object, "all clients");
+    case ObjectQueue::Full::Client:
+      return calls(ObjectQueue::most_of_client, "this client");
+    case ObjectQueue::Full::BytesOfObject:
+      return room(ObjectQueue::most_bytes_of_object, "all clients'");
+    case ObjectQueue::Full::BytesOfClient:
+      return room(ObjectQueue::most_bytes_of_client, "this client's");
   }
   return {};
 }
@@ -82,20 +87,26 @@ void ServedObject::take_packet(const std::shared_ptr<ServerSession>& session, By
     }
     return say_goodbye(*session, header.session, "as you asked");
   }
-  if (!theirs || session->departed) return say_goodbye(*session, header.session, "it is not known here");
+  if (!theirs || session->departed)
+    return say_goodbye(*session, header.session, "it is not known here");
 
   if (session->repeats()) acknowledge(session, header.acknowledged);
   if (header.counter == 0) return;  // counts no call: damage, or malice
   switch (header.kind) {
-    case wire::PacketKind::Call: return arrive(session, *packet);
-    case wire::PacketKind::Cancel: return cancel(*session, header.counter);
-    case wire::PacketKind::Query: return answer_again(*session, header.counter);
-    default: return;  // a newer client's
+    case wire::PacketKind::Call:
+      return arrive(session, *packet);
+    case wire::PacketKind::Cancel:
+      return cancel(*session, header.counter);
+    case wire::PacketKind::Query:
+      return answer_again(*session, header.counter);
+    default:
+      return;  // a newer client's
   }
 }
 
 /// What its client has given up comes no more: nothing waits for it.
-void ServedObject::acknowledge(const std::shared_ptr<ServerSession>& session, std::uint64_t counter) {
+void ServedObject::acknowledge(const std::shared_ptr<ServerSession>& session,
+                               std::uint64_t counter) {
   session->replies->acknowledged(counter);
   if (counter <= session->window.all_up_to()) return;
   session->early.erase(session->early.begin(), session->early.upper_bound(counter));
@@ -138,8 +149,12 @@ void ServedObject::greet(const std::shared_ptr<ServerSession>& session,
     session->last_sign = watched_.now();
     history_.opened(id, session);
   }
-  Welcome welcome{name_, std::string(interface_.name), {}, interface_.hash,
-                  number(process_boot()), static_cast<std::uint32_t>(ObjectQueue::most_of_object),
+  Welcome welcome{name_,
+                  std::string(interface_.name),
+                  {},
+                  interface_.hash,
+                  number(process_boot()),
+                  static_cast<std::uint32_t>(ObjectQueue::most_of_object),
                   {}};
   welcome.bases.assign(interface_.bases.begin(), interface_.bases.end());
   if (hello->interface_hash != interface_.hash) {
@@ -166,12 +181,16 @@ void ServedObject::arrive(const std::shared_ptr<ServerSession>& session,
   if (session->repeats()) {
     if (waited_too_long(*session)) return;
     // What was issued before a release still runs: until all of it is here, it has not arrived.
-    const bool release = packet.header.code == FunctionCode{static_cast<std::uint32_t>(Reserved::Release)};
+    const bool release =
+        packet.header.code == FunctionCode{static_cast<std::uint32_t>(Reserved::Release)};
     if (release && counter > session->window.all_up_to() + 1) return;
     switch (session->window.arrived(counter)) {
-      case DuplicateWindow::Verdict::New: break;
-      case DuplicateWindow::Verdict::Seen: return answer_again(*session, counter);
-      case DuplicateWindow::Verdict::Beyond: return;  // answered now, a copy of it could still start later
+      case DuplicateWindow::Verdict::New:
+        break;
+      case DuplicateWindow::Verdict::Seen:
+        return answer_again(*session, counter);
+      case DuplicateWindow::Verdict::Beyond:
+        return;  // answered now, a copy of it could still start later
     }
   } else {
     session->window.arrived_in_order(counter);
@@ -192,24 +211,26 @@ void ServedObject::take_call(const std::shared_ptr<ServerSession>& session,
   if (packet.header.flags == sent_again) return take_again(session, packet);
   const OperationDescription* operation = interface_.find(code);
   if (operation == nullptr) {
-    return session->reply(counter,
-                          Failure{Detail::UnknownOperation,
-                                  name_ + " (" + std::string(interface_.name) + ", version " +
-                                      std::string(interface_.version) +
-                                      ") has no operation with code " +
-                                      std::to_string(number(code)) +
-                                      "; its server is older than this client's interface", {}, {}});
+    return session->reply(
+        counter, Failure{Detail::UnknownOperation,
+                         name_ + " (" + std::string(interface_.name) + ", version " +
+                             std::string(interface_.version) + ") has no operation with code " +
+                             std::to_string(number(code)) +
+                             "; its server is older than this client's interface",
+                         {},
+                         {}});
   }
-  const std::size_t most = ObjectQueue::most_of_object + (operation->safety ? ObjectQueue::most_of_object / 4 : 0);
+  const std::size_t most =
+      ObjectQueue::most_of_object + (operation->safety ? ObjectQueue::most_of_object / 4 : 0);
   if (session->calls.size() + session->early.size() >= most) {  // which no client of ours does
-    return session->reply(counter, Failure{Detail::QueueFull,
-                                           "more calls are unanswered than were granted", {}, {}});
+    return session->reply(
+        counter, Failure{Detail::QueueFull, "more calls are unanswered than were granted", {}, {}});
   }
   if (!too_early(*session, packet, *operation)) admit(session, packet, *operation);
 }
 
-/// Over a medium that loses packets a command may arrive before one that was issued before it; it waits
-/// for that one, or an arm would move to its second goal first. True: it was put aside.
+/// Over a medium that loses packets a command may arrive before one that was issued before it; it
+/// waits for that one, or an arm would move to its second goal first. True: it was put aside.
 bool ServedObject::too_early(ServerSession& session, const wire::PacketView& packet,
                              const OperationDescription& operation) {
   const bool keeps_place = operation.status != access::Status::Sensor || operation.ordered;
@@ -253,8 +274,8 @@ void ServedObject::take_early(const std::shared_ptr<ServerSession>& session) {
 void ServedObject::admit(const std::shared_ptr<ServerSession>& session,
                          const wire::PacketView& packet, const OperationDescription& operation) {
   const auto refuse = [&](Detail detail, const std::string& why) {
-    const Failure failure{detail, "'" + std::string(operation.name) + "' of " + name_ + " " + why,
-                          {}, {}};
+    const Failure failure{
+        detail, "'" + std::string(operation.name) + "' of " + name_ + " " + why, {}, {}};
     if (operation.status != access::Status::Sensor) {
       history_.ended({session->id(), packet.header.counter, detail, failure.text});
     }
@@ -278,10 +299,12 @@ void ServedObject::admit(const std::shared_ptr<ServerSession>& session,
                                         packet.header.epoch, packet.body);
   if (packet.header.deadline > Duration{}) {
     const TimePoint now = runtime_->clock().now();  // in centuries: none
-    if (packet.header.deadline < TimePoint::max() - now) call->deadline = now + packet.header.deadline;
+    if (packet.header.deadline < TimePoint::max() - now)
+      call->deadline = now + packet.header.deadline;
   }
   if (const auto queued = queue_.push(call); !queued) {
-    return refuse(Detail::QueueFull, "was not queued: " + text_of(queued.error(), packet.body.size()));
+    return refuse(Detail::QueueFull,
+                  "was not queued: " + text_of(queued.error(), packet.body.size()));
   }
   session->calls.insert(call->counter, call);
   ++session->unreturned;
@@ -302,7 +325,8 @@ void ServedObject::preempt(const ServerCall& by) {
   const Failure failure{Detail::Preempted,
                         "replaced by '" + std::string(by.operation().name) + "' of " +
                             by.caller().program + " (pid " + std::to_string(by.caller().pid) + ")",
-                        {}, {}};
+                        {},
+                        {}};
   end_commands([&](const ServerCall& other) { return &other != &by; }, failure);
 }
 
@@ -314,9 +338,12 @@ void ServedObject::answer_again(ServerSession& session, std::uint64_t counter) {
     // not arrived yet as far as its caller shall know.
     if (session.early.contains(counter)) return;
     if (!session.window.seen(counter) || !session.replies->awaited(counter)) return;
-    return session.reply(counter, Failure{Detail::OutcomeUnknown,
-                                          "it came to an end, but its answer was lost and is not kept"
-                                          " any more: too many later ones were unacknowledged", {}, {}});
+    return session.reply(counter,
+                         Failure{Detail::OutcomeUnknown,
+                                 "it came to an end, but its answer was lost and is not kept"
+                                 " any more: too many later ones were unacknowledged",
+                                 {},
+                                 {}});
   }
   const ServerCall& call = **found;
   session.report(call, call.running_detail(), queue_.position(call).value_or(0));

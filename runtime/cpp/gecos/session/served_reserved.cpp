@@ -56,19 +56,30 @@ void ServedObject::answer_reserved(const std::shared_ptr<ServerSession>& session
   const std::uint64_t counter = packet.header.counter;
   wire::Decoder from(packet.body);
   switch (static_cast<Reserved>(number(packet.header.code))) {
-    case Reserved::Holders: return holders(*session, counter);
-    case Reserved::Stop: return stop(*session, counter);
-    case Reserved::Ping: return session->reply(counter, ByteView{});
-    case Reserved::Describe: return describe(*session, counter);
-    case Reserved::Acquire: return acquire(*session, counter, from);
-    case Reserved::Release: return release(*session, counter, from);
-    case Reserved::Subscribe: return subscribe(*session, counter, from);
-    case Reserved::Unsubscribe: return unsubscribe(*session, counter, from);
-    case Reserved::Outcome: return outcome(*session, counter, from);
+    case Reserved::Holders:
+      return holders(*session, counter);
+    case Reserved::Stop:
+      return stop(*session, counter);
+    case Reserved::Ping:
+      return session->reply(counter, ByteView{});
+    case Reserved::Describe:
+      return describe(*session, counter);
+    case Reserved::Acquire:
+      return acquire(*session, counter, from);
+    case Reserved::Release:
+      return release(*session, counter, from);
+    case Reserved::Subscribe:
+      return subscribe(*session, counter, from);
+    case Reserved::Unsubscribe:
+      return unsubscribe(*session, counter, from);
+    case Reserved::Outcome:
+      return outcome(*session, counter, from);
   }
   session->reply(counter, Failure{Detail::UnknownOperation,
                                   "reserved code " + std::to_string(number(packet.header.code)) +
-                                      " is newer than this server", {}, {}});
+                                      " is newer than this server",
+                                  {},
+                                  {}});
 }
 
 void ServedObject::holders(ServerSession& session, std::uint64_t counter) {
@@ -104,9 +115,10 @@ void ServedObject::acquire(ServerSession& session, std::uint64_t counter, wire::
        }));
   if (!read) return session.reply(counter, undecodable(from));
   if (status_of(wanted) == access::Status::Sensor) {
-    return session.reply(counter, Failure{Detail::BadParameter,
-                                          "sensor status is everybody's: acquire actor or master",
-                                          {}, {}});
+    return session.reply(
+        counter,
+        Failure{
+            Detail::BadParameter, "sensor status is everybody's: acquire actor or master", {}, {}});
   }
   const TimePoint now = watched_.now();
   const bool held_before = leases_.status_of(session.id()) != access::Status::Sensor;
@@ -132,7 +144,8 @@ void ServedObject::release(ServerSession& session, std::uint64_t counter, wire::
     return session.reply(counter, undecodable(from));
   }
   const std::uint64_t held_now = number(leases_.epoch());
-  if (session.held_from <= epoch && epoch < held_now) epoch = held_now;  // stops of its own renewed it
+  if (session.held_from <= epoch && epoch < held_now)
+    epoch = held_now;  // stops of its own renewed it
   if (now && Epoch{epoch} == leases_.epoch() &&
       leases_.status_of(session.id()) != access::Status::Sensor) {
     end_commands([&](const ServerCall& call) { return call.client == session.id(); },
@@ -162,8 +175,9 @@ void ServedObject::outcome(ServerSession& session, std::uint64_t counter, wire::
   }
   OutcomeRecord record;
   if (boot != number(process_boot())) {
-    record = {number_of(Detail::OutcomeUnknown),
-              "the server of " + name_ + " was started anew since; what came before it does not know"};
+    record = {
+        number_of(Detail::OutcomeUnknown),
+        "the server of " + name_ + " was started anew since; what came before it does not know"};
   } else {
     record = outcome_of(SessionId{asked}, which);
   }
@@ -186,8 +200,9 @@ OutcomeRecord ServedObject::outcome_of(SessionId asked, std::uint64_t counter) {
     if (!session->window.seen(counter)) {
       if (!session->repeats()) return {number_of(Detail::Sent), "it is on its way"};
       if (session->window.arrived(counter) == DuplicateWindow::Verdict::Beyond) {
-        return {number_of(Detail::Sent),
-                "it has not arrived, and is too far ahead of a missing one to be barred; ask again"};
+        return {
+            number_of(Detail::Sent),
+            "it has not arrived, and is too far ahead of a missing one to be barred; ask again"};
       }
       session->reply(counter, Failure{Detail::NotStarted, never.text, {}, {}});
       take_early(session);
@@ -196,9 +211,10 @@ OutcomeRecord ServedObject::outcome_of(SessionId asked, std::uint64_t counter) {
   } else if (history_.had_arrived(asked, counter) == std::optional(false)) {
     return never;
   }
-  return {number_of(Detail::OutcomeUnknown),
-          "it is not known, or not any more: the last outcomes of actor commands are kept, and none "
-          "of sensor operations"};
+  return {
+      number_of(Detail::OutcomeUnknown),
+      "it is not known, or not any more: the last outcomes of actor commands are kept, and none "
+      "of sensor operations"};
 }
 
 void ServedObject::subscribe(ServerSession& session, std::uint64_t counter, wire::Decoder& from) {
@@ -209,13 +225,16 @@ void ServedObject::subscribe(ServerSession& session, std::uint64_t counter, wire
     return session.reply(counter, Failure{Detail::UnknownOperation,
                                           name_ + " (" + std::string(interface_.name) +
                                               ") has no stream with code " + std::to_string(code),
-                                          {}, {}});
+                                          {},
+                                          {}});
   }
   const auto may = leases_.may_queue(session.id(), leases_.epoch(), stream->status, watched_.now());
   if (!may) {
     return session.reply(counter, Failure{Detail::Denied,
                                           "stream '" + std::string(stream->name) + "' of " + name_ +
-                                              " " + may.error().text, {}, {}});
+                                              " " + may.error().text,
+                                          {},
+                                          {}});
   }
   const auto shared = session.share(*stream);
   if (!shared) return session.reply(counter, Failure{Detail::Rejected, shared.error(), {}, {}});
@@ -225,8 +244,7 @@ void ServedObject::subscribe(ServerSession& session, std::uint64_t counter, wire
   session.reply(counter, result);
 }
 
-void ServedObject::unsubscribe(ServerSession& session, std::uint64_t counter,
-                               wire::Decoder& from) {
+void ServedObject::unsubscribe(ServerSession& session, std::uint64_t counter, wire::Decoder& from) {
   std::uint32_t code = 0;
   if (!from.get(code, "code")) return session.reply(counter, undecodable(from));
   const auto found = session.subscriptions.find(FunctionCode{code});

@@ -21,7 +21,10 @@ using session::ServedObject;
 class Server::Core {
  public:
   explicit Core(std::shared_ptr<LabCore> lab)
-      : lab_(std::move(lab)), io_(lab_->runtime()), registrar_(lab_), upkeep_(std::make_shared<Upkeep>(*this)) {
+      : lab_(std::move(lab)),
+        io_(lab_->runtime()),
+        registrar_(lab_),
+        upkeep_(std::make_shared<Upkeep>(*this)) {
     lab_->runtime()->housekeeping().tend(upkeep_);
   }
   ~Core();
@@ -107,9 +110,8 @@ tl::expected<Server::Core::Opened, ServeError> Server::Core::open_places(
       opened.acceptors.push_back(std::move(*acceptor));
       continue;
     }
-    const std::string why =
-        name + " is not served over " + std::string(media::to_string(kind)) + ": " +
-        acceptor.error().text;
+    const std::string why = name + " is not served over " + std::string(media::to_string(kind)) +
+                            ": " + acceptor.error().text;
     if (needed) return tl::unexpected(ServeError{why});
     log_warning("session", why);
     failed += (failed.empty() ? "" : "; ") + why;
@@ -127,7 +129,8 @@ tl::expected<void, ServeError> Server::Core::await_broker(Duration patience) {
 tl::expected<void, ServeError> Server::Core::add(std::string name, Servant& servant,
                                                  ObjectOptions options) {
   if (name.empty() || name.find('\0') != std::string::npos) {
-    return tl::unexpected(ServeError{"an object's name has at least one character, and none that is NUL"});
+    return tl::unexpected(
+        ServeError{"an object's name has at least one character, and none that is NUL"});
   }
   const bool well_known = options.well_known;
   if (!well_known) {
@@ -168,8 +171,7 @@ void Server::Core::run() {
 
 void Server::Core::shut_down() { ended_.ring(); }
 
-Server::Server(Lab& lab)
-    : core_(std::make_unique<Core>(lab.core().shared_from_this())) {}
+Server::Server(Lab& lab) : core_(std::make_unique<Core>(lab.core().shared_from_this())) {}
 Server::~Server() {
   if (core_->inherited()) static_cast<void>(core_.release());  // the parent's, with all it holds
 }

@@ -14,7 +14,8 @@ namespace gecos {
 struct ObjectOptions {
   bool simulated = false;    ///< undeclared counts as hardware
   bool thread_safe = false;  ///< handlers may run on several threads at once
-  bool blocking = false;     ///< every handler runs on the object's worker, none on the thread that polls
+  bool blocking =
+      false;  ///< every handler runs on the object's worker, none on the thread that polls
   /// Called at once, on a housekeeping thread, when somebody stops the object: must not block.
   std::function<void()> on_stop{};
   /// Media that clients may use; empty: all that can be opened here.
@@ -40,7 +41,8 @@ class Server {
   /// Waits until the lab's broker answers; else says where it was looked for. `add` does this too.
   tl::expected<void, ServeError> await_broker(Duration patience);
   /// Serves `servant` under `name` from now on. The servant must outlive the server.
-  tl::expected<void, ServeError> add(std::string name, Servant& servant, ObjectOptions options = {});
+  tl::expected<void, ServeError> add(std::string name, Servant& servant,
+                                     ObjectOptions options = {});
   /// Waits until SIGINT or SIGTERM, whichever thread gets it, or `shut_down()`.
   void run();
   /// Ends `run()`. Any thread.

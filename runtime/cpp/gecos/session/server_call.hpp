@@ -50,14 +50,14 @@ class ServerCall final : public CallCore,
   std::shared_ptr<ServerSession> heir;  ///< in which it was sent again, because its own was lost
   std::uint64_t heir_counter = 0;
   TimePoint deadline = TimePoint::max();
-  bool terminal = false;   ///< the caller has its outcome
-  bool answered = false;   ///< the handler has given its answer, heard or not
-  bool returned = false;   ///< the handler's thread came back
+  bool terminal = false;  ///< the caller has its outcome
+  bool answered = false;  ///< the handler has given its answer, heard or not
+  bool returned = false;  ///< the handler's thread came back
   bool canceling = false;
-  bool listed = false;     ///< among the object's open calls
+  bool listed = false;  ///< among the object's open calls
   double fraction = 0;
   Bytes feedback;
-  bool untold = false;     ///< progress that the caller does not know yet
+  bool untold = false;  ///< progress that the caller does not know yet
   TimePoint told{};
   std::size_t told_position = 0;
 

@@ -27,13 +27,14 @@ Failure shortened(const Failure& failure, std::size_t takes, std::size_t carried
   constexpr std::size_t longest_text = 1024;
   std::size_t cut = std::min(failure.text.size(), longest_text);
   const auto inside_character = [&] {
-    return cut < failure.text.size() && (static_cast<unsigned char>(failure.text[cut]) & 0xC0) == 0x80;
+    return cut < failure.text.size() &&
+           (static_cast<unsigned char>(failure.text[cut]) & 0xC0) == 0x80;
   };
   while (cut > 0 && inside_character()) --cut;
   return {failure.detail,
           failure.text.substr(0, cut) + (cut < failure.text.size() ? "…" : "") +
-              " (cut: as a whole it takes " + std::to_string(takes) + " bytes and the medium carries " +
-              std::to_string(carried) + ")",
+              " (cut: as a whole it takes " + std::to_string(takes) +
+              " bytes and the medium carries " + std::to_string(carried) + ")",
           {},
           {}};
 }
@@ -59,8 +60,11 @@ void ServerSession::reply_as(std::uint64_t counter, const wire::PacketView& befo
   if (const std::size_t carried = link_->offer().largest_packet;
       wire::packet_size(before.body.size()) > carried) {
     write_failure(packet_, header,
-                  {Detail::Fault, "the answer takes " + std::to_string(before.body.size()) +
-                                      " bytes and the medium carries " + std::to_string(carried), {}, {}});
+                  {Detail::Fault,
+                   "the answer takes " + std::to_string(before.body.size()) +
+                       " bytes and the medium carries " + std::to_string(carried),
+                   {},
+                   {}});
   } else {
     write_packet(packet_, header, before.body);
   }
@@ -74,15 +78,21 @@ void ServerSession::reply(std::uint64_t counter, ByteView result, Epoch epoch) {
   header.session = id_;
   header.epoch = epoch;
   if (wire::packet_size(result.size()) > link_->offer().largest_packet) {
-    write_failure(packet_, header,
-                  {Detail::Fault, "the result takes " + std::to_string(result.size()) +
-                                      " bytes and the medium carries " +
-                                      std::to_string(link_->offer().largest_packet), {}, {}});
+    write_failure(
+        packet_, header,
+        {Detail::Fault,
+         "the result takes " + std::to_string(result.size()) + " bytes and the medium carries " +
+             std::to_string(link_->offer().largest_packet),
+         {},
+         {}});
   } else if (backlog_bytes_ + result.size() > most_backlog_bytes) {
     write_failure(packet_, header,
-                  {Detail::Fault, "the result of " + std::to_string(result.size()) +
-                                      " bytes was dropped: " + std::to_string(backlog_bytes_) +
-                                      " bytes wait already for this client to take them", {}, {}});
+                  {Detail::Fault,
+                   "the result of " + std::to_string(result.size()) +
+                       " bytes was dropped: " + std::to_string(backlog_bytes_) +
+                       " bytes wait already for this client to take them",
+                   {},
+                   {}});
   } else {
     write_packet(packet_, header, result);
   }
@@ -118,7 +128,8 @@ bool ServerSession::report(const ServerCall& call, Detail detail, std::size_t po
 
 void ServerSession::send_again(const Bytes& packet) {
   const std::lock_guard lock(send_mutex_);
-  if (std::ranges::find(backlog_, packet) != backlog_.end()) return;  // it has not gone for the first time
+  if (std::ranges::find(backlog_, packet) != backlog_.end())
+    return;  // it has not gone for the first time
   deliver(packet);
 }
 

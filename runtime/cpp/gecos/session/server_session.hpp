@@ -74,8 +74,8 @@ class ServerSession {
   // Guarded by the object's mutex.
   CallTable<ServerCall> calls;
   DuplicateWindow window;
-  /// Of a medium that loses packets, and what is answered once the link is gone: it may be asked for
-  /// in another session.
+  /// Of a medium that loses packets, and what is answered once the link is gone: it may be asked
+  /// for in another session.
   const std::shared_ptr<ReplyCache> replies = std::make_shared<ReplyCache>();
   std::map<std::uint64_t, EarlyCall> early;  ///< by counter: calls that overtook one before them
   std::map<FunctionCode, std::uint32_t> subscriptions;  ///< stream and the id it is shared under
@@ -83,9 +83,10 @@ class ServerSession {
   std::uint64_t held_from = std::numeric_limits<std::uint64_t>::max();
   std::size_t commands = 0;    ///< actor commands that have not reached their end
   std::size_t unreturned = 0;  ///< calls that wait, or whose handler has not answered and returned
-  Duration accept_within{0};  ///< as its client asked: what is older is not taken up; 0: however old
-  bool left = false;         ///< said goodbye
-  bool departed = false;     ///< its link is gone
+  Duration accept_within{
+      0};                 ///< as its client asked: what is older is not taken up; 0: however old
+  bool left = false;      ///< said goodbye
+  bool departed = false;  ///< its link is gone
   std::uint64_t beats_judged = 0;
   TimePoint last_sign{};
 
@@ -99,7 +100,7 @@ class ServerSession {
   Caller caller_;
 
   Mutex send_mutex_;
-  Bytes packet_;              ///< reused
+  Bytes packet_;               ///< reused
   std::deque<Bytes> backlog_;  ///< what found no room
   std::size_t backlog_bytes_ = 0;
   std::atomic<bool> overrun_{false};  // publishes nothing but itself

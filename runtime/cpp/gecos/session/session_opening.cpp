@@ -2,10 +2,10 @@
 #include <algorithm>
 
 #include "gecos/base/log.hpp"
-#include "gecos/session/runtime.hpp"
 #include "gecos/session/linked_session.hpp"
 #include "gecos/session/packets.hpp"
 #include "gecos/session/retry.hpp"
+#include "gecos/session/runtime.hpp"
 
 namespace gecos::session {
 namespace {

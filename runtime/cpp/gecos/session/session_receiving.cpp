@@ -37,9 +37,12 @@ bool LinkedSession::wait(const void* subject, FunctionRef<bool()> done, TimePoin
       return finished;
     }
     switch (baton_.follow(subject, done, deadline)) {
-      case Baton::Woken::Done: return true;
-      case Baton::Woken::TimedOut: return done();
-      case Baton::Woken::Poked: break;
+      case Baton::Woken::Done:
+        return true;
+      case Baton::Woken::TimedOut:
+        return done();
+      case Baton::Woken::Poked:
+        break;
     }
   }
 }
@@ -53,7 +56,8 @@ bool LinkedSession::lead(FunctionRef<bool()> done, TimePoint deadline) {
     if (taken != 0) {
       baton_.poke(nullptr);
       // Others' answers may go on coming for as long as they call.
-      if (deadline != TimePoint::max() && std::chrono::steady_clock::now() >= deadline) return false;
+      if (deadline != TimePoint::max() && std::chrono::steady_clock::now() >= deadline)
+        return false;
       rested = false;
       spin_.begin();
     } else if (!spin_.again()) {
@@ -66,8 +70,9 @@ bool LinkedSession::lead(FunctionRef<bool()> done, TimePoint deadline) {
   }
 }
 
-/// Who keeps many calls going beside its server on one core leaves it the core for a while: woken by each
-/// answer, it would take the core from the server for one call, and from all its other clients.
+/// Who keeps many calls going beside its server on one core leaves it the core for a while: woken
+/// by each answer, it would take the core from the server for one call, and from all its other
+/// clients.
 bool LinkedSession::rest(FunctionRef<bool()> done, TimePoint deadline) {
   if (!spin_.in_vain()) return false;
   {
@@ -107,11 +112,13 @@ void LinkedSession::look_for_loss() {
   read_all();  // what it answered before it went
   const std::string who = welcome_.object + " (" + link_->peer().description + ")";
   switch (loss) {
-    case media::Loss::Died: return lose(Ending::Died, "the server of " + who + " died");
+    case media::Loss::Died:
+      return lose(Ending::Died, "the server of " + who + " died");
     case media::Loss::Broken:
-      return lose(Ending::Broken, "the server of " + who + " broke the rules of its medium: " +
-                                      link_->loss_text());
-    default: return lose(Ending::Closed, "the server closed the session with " + who);
+      return lose(Ending::Broken,
+                  "the server of " + who + " broke the rules of its medium: " + link_->loss_text());
+    default:
+      return lose(Ending::Closed, "the server closed the session with " + who);
   }
 }
 
@@ -128,9 +135,10 @@ void LinkedSession::take_packet(ByteView bytes) {
     case wire::PacketKind::Goodbye:
       goodbye_heard_.store(true, std::memory_order_release);
       if (closed()) return lose(Ending::ByUs, closed_by_us);  // the answer to ours
-      return lose(Ending::Closed, "the server closed the session with " + welcome_.object +
-                                      text_of(packet->body));
-    default: return;  // newer kinds, and answers to what is over
+      return lose(Ending::Closed,
+                  "the server closed the session with " + welcome_.object + text_of(packet->body));
+    default:
+      return;  // newer kinds, and answers to what is over
   }
 }
 
@@ -139,7 +147,7 @@ void LinkedSession::take_reply(const wire::PacketView& packet) {
   {
     const std::lock_guard lock(mutex_);
     command = calls_.take(packet.header.counter);
-    if (!command) return;  // a repeated reply
+    if (!command) return;                                  // a repeated reply
     if (packet.header.epoch != Epoch{} && leases_ != 0) {  // a stop renewed it
       epoch_.store(number(packet.header.epoch), std::memory_order_relaxed);
     }

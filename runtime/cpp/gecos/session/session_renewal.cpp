@@ -85,13 +85,14 @@ tl::expected<void, media::SendProblem> LinkedSession::send_repeatable(
   // To another process it is a new call; the same one may know what became of it.
   const bool known = again.sessions != 0 && command->boot == welcome_.boot;
   if (known) header.flags = sent_again;
-  return send_call(header, welcome_.credits, again.arguments.size() + (known ? sent_before_size : 0),
-                   [&](wire::Encoder& to) {
-                     if (known) to.put(command->session_id);
-                     if (known) to.put(command->counter);
-                     to.put_bytes(again.arguments);
-                   },
-                   command);
+  return send_call(
+      header, welcome_.credits, again.arguments.size() + (known ? sent_before_size : 0),
+      [&](wire::Encoder& to) {
+        if (known) to.put(command->session_id);
+        if (known) to.put(command->counter);
+        to.put_bytes(again.arguments);
+      },
+      command);
 }
 
 tl::expected<bool, Failure> LinkedSession::send_again(
@@ -197,7 +198,8 @@ void PendingCommand::cancel_in_any_session() {
       at_sea = adrift();
     }
     if (at_sea) {
-      return fail({Detail::Canceled, "canceled while its server was gone; it is not sent again", {}, {}});
+      return fail(
+          {Detail::Canceled, "canceled while its server was gone; it is not sent again", {}, {}});
     }
     if (session->cancel(*this, here) || home_.load() == session.get()) return;
   }

@@ -28,21 +28,24 @@ tl::expected<std::shared_ptr<StreamCore>, Failure> LinkedSession::open_subscribe
   if (subscribed.progress().detail != Detail::Done) return tl::unexpected(subscribed.failure());
   std::uint32_t id = 0;
   if (wire::Decoder from(subscribed.result()); !from.get(id, "id")) {
-    return tl::unexpected(Failure{Detail::Fault, "the reply does not decode: " +
-                                                     from.error().message(), {}, {}});
+    return tl::unexpected(
+        Failure{Detail::Fault, "the reply does not decode: " + from.error().message(), {}, {}});
   }
   std::unique_ptr<media::StreamReader> reader;
-  wait(nullptr,
-       [&] {
-         if (!reader) reader = open_stream(id);
-         return reader != nullptr || lost();
-       },
-       deadline_after(runtime_->options().grace));
+  wait(
+      nullptr,
+      [&] {
+        if (!reader) reader = open_stream(id);
+        return reader != nullptr || lost();
+      },
+      deadline_after(runtime_->options().grace));
   if (!reader) {
     return tl::unexpected(Failure{Detail::OutcomeUnknown,
                                   "stream '" + std::string(stream.name) + "' of " +
                                       welcome_.object + " did not arrive over " +
-                                      std::string(media::to_string(link_->offer().kind)), {}, {}});
+                                      std::string(media::to_string(link_->offer().kind)),
+                                  {},
+                                  {}});
   }
   return std::make_shared<ClientStream>(shared_from_this(), stream.code, std::move(reader));
 }

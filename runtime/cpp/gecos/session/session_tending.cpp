@@ -1,16 +1,17 @@
 // What housekeeping does for the client side of a session.
 #include <algorithm>
 
-#include "gecos/session/runtime.hpp"
 #include "gecos/session/linked_session.hpp"
 #include "gecos/session/packets.hpp"
 #include "gecos/session/retry.hpp"
+#include "gecos/session/runtime.hpp"
 
 namespace gecos::session {
 namespace {
 
-/// Silence after which a server counts as UNREACHABLE: earlier than it ends our status for our silence,
-/// so that its commands have ended `grace` + `lease_ttl` after its death, with time to notice it.
+/// Silence after which a server counts as UNREACHABLE: earlier than it ends our status for our
+/// silence, so that its commands have ended `grace` + `lease_ttl` after its death, with time to
+/// notice it.
 Duration unreachable_after(const LabOptions& options) {
   return std::max(options.lease_ttl - 2 * options.heartbeat, 2 * options.heartbeat);
 }
@@ -61,11 +62,12 @@ void LinkedSession::judge_silence(TimePoint now) {
                            ") has been silent for " + std::to_string(milliseconds) + " ms");
 }
 
-/// Until a call's outcome is known it is asked for again under its own counter: in full while it may
-/// not have arrived, then without its arguments.
+/// Until a call's outcome is known it is asked for again under its own counter: in full while it
+/// may not have arrived, then without its arguments.
 TimePoint LinkedSession::repeat(TimePoint now) {
   const std::lock_guard lock(mutex_);
-  // With nothing open the next sign of life is all that is due: many idle clients shall cost nothing.
+  // With nothing open the next sign of life is all that is due: many idle clients shall cost
+  // nothing.
   if (!repeats_ && calls_.size() == 0) return next_beat_;
   const TimePoint soon = now + Housekeeping::tick;
   if (!repeats_ && !cancels_waiting_) return soon;

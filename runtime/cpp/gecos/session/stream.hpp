@@ -21,9 +21,9 @@ template <class T>
 struct Sample {
   T value{};
   std::uint64_t sequence = 0;  ///< rises by one per published sample
-  std::uint64_t lost = 0;      ///< samples between the last one read and this one that were not read
-  double stamp = 0;            ///< when it was measured, Unix time in s by the server's clock
-  Duration age{};              ///< at reading; on one host exact, between hosts only as good as their clocks
+  std::uint64_t lost = 0;  ///< samples between the last one read and this one that were not read
+  double stamp = 0;        ///< when it was measured, Unix time in s by the server's clock
+  Duration age{};  ///< at reading; on one host exact, between hosts only as good as their clocks
 };
 
 /// Why a stream gives nothing more.
@@ -51,8 +51,8 @@ class StreamCore {
 }  // namespace session
 
 /// A subscription to an outward stream. One thread reads at a time. Ends with its last copy.
-/// A slow reader loses old samples and is told how many; it never slows the writer. A sample that does not
-/// decode is passed over: it counts as lost (once one was read), and as `unreadable`.
+/// A slow reader loses old samples and is told how many; it never slows the writer. A sample that
+/// does not decode is passed over: it counts as lost (once one was read), and as `unreadable`.
 template <class T>
 class Stream {
  public:
@@ -60,9 +60,10 @@ class Stream {
   Stream(std::shared_ptr<session::StreamCore> core, Decode decode)
       : core_(std::move(core)), decode_(decode) {}
 
-  /// The newest sample, again if need be; nothing before the first, while the newest does not decode, and
-  /// once the stream is lost(). A server that is gone is noticed within a heartbeat where the kernel reports
-  /// it, else only after its silence has lasted `grace`: until then look at `age`. Never waits.
+  /// The newest sample, again if need be; nothing before the first, while the newest does not
+  /// decode, and once the stream is lost(). A server that is gone is noticed within a heartbeat
+  /// where the kernel reports it, else only after its silence has lasted `grace`: until then look
+  /// at `age`. Never waits.
   std::optional<Sample<T>> latest() {
     if (!core_->latest(raw_)) return std::nullopt;
     return decoded();
@@ -77,11 +78,11 @@ class Stream {
       if (std::chrono::steady_clock::now() >= deadline) return tl::unexpected(StreamEnd::Nothing);
     }
   }
-  /// The server is gone, silent or has closed the session, or the Lab was closed: latest() gives nothing any
-  /// more, next() what had come before, but nothing of a Lab that was closed.
+  /// The server is gone, silent or has closed the session, or the Lab was closed: latest() gives
+  /// nothing any more, next() what had come before, but nothing of a Lab that was closed.
   bool lost() const { return core_->lost(); }
-  /// How many samples came that do not decode. Their server is broken: one that means another type is
-  /// refused when the stream is opened.
+  /// How many samples came that do not decode. Their server is broken: one that means another type
+  /// is refused when the stream is opened.
   std::uint64_t unreadable() const { return unreadable_; }
 
  private:

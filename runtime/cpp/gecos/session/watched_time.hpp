@@ -6,9 +6,9 @@
 
 namespace gecos::session {
 
-/// Time by which peers are judged for their silence. It stands while the judge does not look: who was
-/// himself kept from running has not read what the others said meanwhile, and must not count it as
-/// their silence. Each look adds what passed since the last one, at most `longest_step`.
+/// Time by which peers are judged for their silence. It stands while the judge does not look: who
+/// was himself kept from running has not read what the others said meanwhile, and must not count it
+/// as their silence. Each look adds what passed since the last one, at most `longest_step`.
 class WatchedTime {
  public:
   WatchedTime(TimePoint begin, Duration longest_step)

@@ -26,8 +26,7 @@ std::string out_of_range(std::string_view field, long long value, std::string_vi
   return outside(field, value, range);
 }
 
-std::string out_of_range(std::string_view field, unsigned long long value,
-                         std::string_view range) {
+std::string out_of_range(std::string_view field, unsigned long long value, std::string_view range) {
   return outside(field, value, range);
 }
 

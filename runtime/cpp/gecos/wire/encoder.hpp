@@ -37,8 +37,7 @@ class Encoder {
   /// Numbers and booleans, one after the other. Many at once are faster than each by itself: for
   /// all that the compiler knows, what is written might be the encoder's own place.
   template <typename... T>
-  requires((Number<T> || std::same_as<T, bool>)&&...)
-  void put(T... values) {
+  requires((Number<T> || std::same_as<T, bool>)&&...) void put(T... values) {
     assert((sizeof(T) + ... + 0) <= room());
     std::byte* cursor = cursor_;
     ((store(cursor, values), cursor += sizeof(T)), ...);

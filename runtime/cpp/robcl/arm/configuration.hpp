@@ -1,7 +1,7 @@
 // The eight ways in which a six-axis arm with a spherical wrist reaches one pose.
 //
-// With the wrist centre W, the shoulder S and the elbow E in the arm's plane (wx, ex horizontal along
-// joint 1's direction, wz, ez heights above S): righty while wx > 0; above while
+// With the wrist centre W, the shoulder S and the elbow E in the arm's plane (wx, ex horizontal
+// along joint 1's direction, wz, ez heights above S): righty while wx > 0; above while
 // sign(wx)·(wx·ez - wz·ex) > 0; noflip while joint 5, counted from where axes 4 and 6 are parallel,
 // is > 0. Each measure is zero exactly at the shoulder, elbow and wrist singularity.
 #pragma once

@@ -1,4 +1,5 @@
-// Why an arm cannot be where it is asked to be. One struct per exception in idl/robcl/manipulator.gidl.
+// Why an arm cannot be where it is asked to be. One struct per exception in
+// idl/robcl/manipulator.gidl.
 #pragma once
 
 #include <cstddef>

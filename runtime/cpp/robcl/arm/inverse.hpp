@@ -18,8 +18,9 @@ class InverseKinematics {
  public:
   virtual ~InverseKinematics() = default;
 
-  /// Joint positions inside the limits, in a configuration that `wanted` admits, that the arm reaches
-  /// soonest from `reference`. A joint that does not matter (at a singularity) stays where it is.
+  /// Joint positions inside the limits, in a configuration that `wanted` admits, that the arm
+  /// reaches soonest from `reference`. A joint that does not matter (at a singularity) stays where
+  /// it is.
   virtual tl::expected<JointValues, Failure> solve(const Frame& base_from_flange,
                                                    const JointValues& reference,
                                                    const Configuration& wanted = {}) = 0;

@@ -79,7 +79,8 @@ tl::expected<ArmModel, ModelError> ArmModel::from_urdf(const std::string& xml,
       continue;
     }
     if (joint->type != urdf::Joint::REVOLUTE && joint->type != urdf::Joint::CONTINUOUS) {
-      return refuse("joint '" + joint->name + "' does not turn; arms here have revolute joints only");
+      return refuse("joint '" + joint->name +
+                    "' does not turn; arms here have revolute joints only");
     }
     auto limits = limits_of(*joint, seconds_to_full_speed);
     if (!limits) return tl::unexpected(limits.error());

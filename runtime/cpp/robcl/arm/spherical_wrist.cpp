@@ -19,8 +19,8 @@ using Eigen::Vector3d;
 constexpr double geometry_tolerance = 1e-6;  // m and rad by which a URDF's numbers may be rounded
 constexpr double stretched = 1e-9;           // m beyond the reach that are rounding, not distance
 constexpr double singular = 1e-9;            // m below which joint 1, or 2, is free
-constexpr double aligned = 1e-7;             // rad of joint 5 below which joint 4 is free: an arm that is
-                                             // stretched to 1e-16 knows its angles to 1e-8 only
+constexpr double aligned = 1e-7;  // rad of joint 5 below which joint 4 is free: an arm that is
+                                  // stretched to 1e-16 knows its angles to 1e-8 only
 
 double angle_of(const Vector2d& in_plane) { return std::atan2(in_plane.x(), in_plane.y()); }
 
@@ -39,8 +39,7 @@ std::optional<Vector3d> meeting_point(const Line& a, const Line& b) {
   const double denominator = 1 - cosine * cosine;
   if (denominator < geometry_tolerance) return std::nullopt;  // parallel
   const Vector3d between = b.point - a.point;
-  const double along =
-      (between.dot(a.direction) - cosine * between.dot(b.direction)) / denominator;
+  const double along = (between.dot(a.direction) - cosine * between.dot(b.direction)) / denominator;
   return Vector3d(a.point + along * a.direction);
 }
 
@@ -148,8 +147,8 @@ bool SphericalWristInverse::verify() {
 SphericalWristInverse::Solutions SphericalWristInverse::all(const Frame& base_from_flange,
                                                             const JointValues& reference) const {
   Solutions found;
-  const Vector3d wrist = base_from_plane_.transpose() *
-                         (base_from_flange.transform(flange_to_wrist_) - origin_);
+  const Vector3d wrist =
+      base_from_plane_.transpose() * (base_from_flange.transform(flange_to_wrist_) - origin_);
   const double from_axis = std::hypot(wrist.x(), wrist.y());
   if (from_axis < std::abs(lateral_) - stretched) return found;
   const double forward = std::sqrt(std::max(0.0, from_axis * from_axis - lateral_ * lateral_));
@@ -184,11 +183,11 @@ SphericalWristInverse::Solutions SphericalWristInverse::all(const Frame& base_fr
   return found;
 }
 
-void SphericalWristInverse::add_wrists(const Frame& base_from_flange,
-                                       const Vector3d& first_three, const JointValues& reference,
-                                       Configuration configuration, Solutions& found) const {
-  const Matrix3d arm = (AngleAxisd(first_three[0], axes_[0]) * AngleAxisd(first_three[1], axes_[1]) *
-                        AngleAxisd(first_three[2], axes_[2]))
+void SphericalWristInverse::add_wrists(const Frame& base_from_flange, const Vector3d& first_three,
+                                       const JointValues& reference, Configuration configuration,
+                                       Solutions& found) const {
+  const Matrix3d arm = (AngleAxisd(first_three[0], axes_[0]) *
+                        AngleAxisd(first_three[1], axes_[1]) * AngleAxisd(first_three[2], axes_[2]))
                            .toRotationMatrix();
   // Rz(q4)·Ry(q5 + tilt)·Rz(±q6), seen from the wrist.
   const Matrix3d left = base_from_wrist_.transpose() * arm.transpose() *
@@ -258,21 +257,21 @@ Configuration SphericalWristInverse::configuration(const JointValues& joints) {
   const Vector2d wrist = elbow + at_angle(forearm_, fore);
   const double along = wrist.x() + shoulder_;
   const double side = along < 0 ? -1 : 1;
-  return {by_sign(along, Shoulder::Righty, Shoulder::Lefty),
-          by_sign(side * (wrist.x() * elbow.y() - wrist.y() * elbow.x()), Elbow::Above,
-                  Elbow::Below),
-          by_sign(std::sin(joints[4] + sixth_tilt_), Wrist::Noflip, Wrist::Flip)};
+  return {
+      by_sign(along, Shoulder::Righty, Shoulder::Lefty),
+      by_sign(side * (wrist.x() * elbow.y() - wrist.y() * elbow.x()), Elbow::Above, Elbow::Below),
+      by_sign(std::sin(joints[4] + sixth_tilt_), Wrist::Noflip, Wrist::Flip)};
 }
 
 std::string SphericalWristInverse::why_out_of_reach(const Frame& base_from_flange) const {
-  const Vector3d wrist = base_from_plane_.transpose() *
-                         (base_from_flange.transform(flange_to_wrist_) - origin_);
+  const Vector3d wrist =
+      base_from_plane_.transpose() * (base_from_flange.transform(flange_to_wrist_) - origin_);
   const double from_axis = std::hypot(wrist.x(), wrist.y());
   std::ostringstream text;
   text << std::fixed << std::setprecision(1);
   if (from_axis < std::abs(lateral_)) {
-    text << "the wrist centre would be " << in_mm(from_axis) << " mm from axis 1, it can come as near as "
-         << in_mm(std::abs(lateral_)) << " mm";
+    text << "the wrist centre would be " << in_mm(from_axis)
+         << " mm from axis 1, it can come as near as " << in_mm(std::abs(lateral_)) << " mm";
     return text.str();
   }
   const double along = std::sqrt(from_axis * from_axis - lateral_ * lateral_);

@@ -69,11 +69,11 @@ Frame Frame::from_matrix(const Eigen::Matrix4d& matrix) {
     refuse("last row of the matrix is " + listed(last) + ", it must be (0, 0, 0, 1)");
   }
   const Eigen::Matrix3d turn = matrix.topLeftCorner<3, 3>();
-  const double off =
-      (turn.transpose() * turn - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+  const double off = (turn.transpose() * turn - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
   if (off > 2 * unit_tolerance) {
     std::ostringstream text;
-    text << "the matrix stretches or shears by " << off << "; a rotation's columns are at right angles "
+    text << "the matrix stretches or shears by " << off
+         << "; a rotation's columns are at right angles "
          << "and of length 1";
     refuse(text.str());
   }

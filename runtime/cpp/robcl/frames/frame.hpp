@@ -5,12 +5,14 @@
 //   make     translate(x, y, z)   rotate_x(a)   rotate_y(a)   rotate_z(a)   Frame() is "here"
 //            Frame.from_euler_zyz(x, y, z, a, b, c)     Rz(a)·Ry'(b)·Rz''(c): the paper's, and V+'s
 //            Frame.from_euler_zyx(x, y, z, a, b, c)     Rz(a)·Ry'(b)·Rx''(c)
-//            Frame.from_fixed_xyz(x, y, z, rx, ry, rz)  turns about the fixed axes X, then Y, then Z (the
+//            Frame.from_fixed_xyz(x, y, z, rx, ry, rz)  turns about the fixed axes X, then Y, then
+//            Z (the
 //                                                       paper's CXYZ, URDF's rpy) = ZYX(rz, ry, rx)
 //            Frame.from_quaternion(x, y, z, qw, qx, qy, qz)
 //            Frame.from_matrix(m)                       4×4, homogeneous
-//   read     f.x f.y f.z (in C++ calls)   f.euler_zyz()   f.euler_zyx()   f.fixed_xyz()   f.quaternion()   f.matrix()
-//   compute  a * b   f.inverse()   f.transform(point)   distance(a, b)   angle(a, b)
+//   read     f.x f.y f.z (in C++ calls)   f.euler_zyz()   f.euler_zyx()   f.fixed_xyz()
+//   f.quaternion()   f.matrix() compute  a * b   f.inverse()   f.transform(point)   distance(a, b)
+//   angle(a, b)
 //            near(a, b, position_tolerance, angle_tolerance)
 //   units    metres and radians; mm(200), deg(90), in C++ also 200_mm, 90_deg
 //
@@ -33,7 +35,8 @@
 namespace robcl {
 
 /// Numbers that do not describe a rigid placement: not finite, a quaternion that is not of unit
-/// length, a matrix that stretches, shears, mirrors or projects. The text says which and by how much.
+/// length, a matrix that stretches, shears, mirrors or projects. The text says which and by how
+/// much.
 class InvalidFrame : public std::invalid_argument {
  public:
   using std::invalid_argument::invalid_argument;
@@ -109,12 +112,13 @@ Frame rotate_z(double angle);
 
 /// Between the two origins, m.
 double distance(const Frame& left, const Frame& right);
-/// Of the single turn that brings one orientation to the other, rad in [0, pi]. Exact for small ones.
+/// Of the single turn that brings one orientation to the other, rad in [0, pi]. Exact for small
+/// ones.
 double angle(const Frame& left, const Frame& right);
-bool near(const Frame& left, const Frame& right, double position_tolerance,
-          double angle_tolerance);
+bool near(const Frame& left, const Frame& right, double position_tolerance, double angle_tolerance);
 
-/// "(452.1, -150.0, 431.8) mm, ZYZ (0.00, 90.00, 0.00) deg": for people; machines take the encoding.
+/// "(452.1, -150.0, 431.8) mm, ZYZ (0.00, 90.00, 0.00) deg": for people; machines take the
+/// encoding.
 std::ostream& operator<<(std::ostream& out, const Frame& frame);
 std::string to_string(const Frame& frame);
 

@@ -9,8 +9,8 @@
 
 namespace robcl::motion {
 
-/// Limits of ds/dt and d²s/dt² along a path. With x = (ds/dt)² and u = d²s/dt², joint i accelerates by
-/// q'u + q''x: all limits are linear in (u, x), and standing (0, 0) is always allowed.
+/// Limits of ds/dt and d²s/dt² along a path. With x = (ds/dt)² and u = d²s/dt², joint i accelerates
+/// by q'u + q''x: all limits are linear in (u, x), and standing (0, 0) is always allowed.
 class PathBounds {
  public:
   struct Interval {
@@ -44,8 +44,8 @@ class PathBounds {
   void restrict_joints(Interval& interval, std::size_t knot, double x, double u_in_x) const;
 
   JointValues accelerations_;
-  double tool_acceleration_;         // of s, rad or m divided out
-  std::vector<double> caps_;         // (ds/dt)² per knot
+  double tool_acceleration_;  // of s, rad or m divided out
+  std::vector<double> caps_;  // (ds/dt)² per knot
   std::vector<JointValues> slopes_, curvatures_;
 };
 

@@ -18,9 +18,7 @@ Eigen::Vector3d turn_between(const Frame& from, const Frame& to) {
 }  // namespace
 
 Line::Line(const Frame& start, const Frame& goal)
-    : start_(start),
-      way_(goal.position() - start.position()),
-      turn_(turn_between(start, goal)) {}
+    : start_(start), way_(goal.position() - start.position()), turn_(turn_between(start, goal)) {}
 
 Frame Line::at(double part) const {
   const double all = turn();

@@ -6,8 +6,8 @@
 
 namespace robcl::motion {
 
-/// A straight way between two frames: the position goes along a line while the orientation turns evenly
-/// about one axis, the short way round.
+/// A straight way between two frames: the position goes along a line while the orientation turns
+/// evenly about one axis, the short way round.
 class Line {
  public:
   Line(const Frame& start, const Frame& goal);

@@ -9,16 +9,16 @@ namespace robcl::motion {
 
 /// What the tool itself may do on a straight line, whatever the joints could.
 struct ToolLimits {
-  double speed = 1.0;                  ///< m/s
-  double acceleration = 3.0;           ///< m/s²
-  double turn_speed = deg(180);        ///< rad/s
-  double turn_acceleration = deg(720); ///< rad/s²
+  double speed = 1.0;                   ///< m/s
+  double acceleration = 3.0;            ///< m/s²
+  double turn_speed = deg(180);         ///< rad/s
+  double turn_acceleration = deg(720);  ///< rad/s²
 };
 
 /// How fast a move shall be; the slowest of all limits binds.
 struct Pace {
-  double speed = 1;         ///< fraction of the robot's own maximum, above 0, at most 1
-  double acceleration = 1;  ///< likewise
+  double speed = 1;                    ///< fraction of the robot's own maximum, above 0, at most 1
+  double acceleration = 1;             ///< likewise
   std::optional<double> tool_speed{};  ///< m/s, above 0
   std::optional<double> turn_speed{};  ///< rad/s, above 0
 };

@@ -10,8 +10,8 @@ namespace robcl::motion {
 
 using arm::JointValues;
 
-/// Joint positions over s in [0, 1]: knots at equal steps, a cubic Hermite between them, so position
-/// and slope are continuous. Reading never allocates.
+/// Joint positions over s in [0, 1]: knots at equal steps, a cubic Hermite between them, so
+/// position and slope are continuous. Reading never allocates.
 class Path {
  public:
   /// @pre at least two knots, all of one size.

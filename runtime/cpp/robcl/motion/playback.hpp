@@ -13,7 +13,8 @@ class Playback {
   /// Goes on by `seconds` and says where the joints shall be then.
   JointValues advance(double seconds);
 
-  /// Decelerates on the path, as hard as the arm's own limits allow. It then stands somewhere on it.
+  /// Decelerates on the path, as hard as the arm's own limits allow. It then stands somewhere on
+  /// it.
   void stop() { stopping_ = true; }
 
   bool standing() const { return standing_; }
@@ -28,7 +29,7 @@ class Playback {
   void brake(double seconds);
 
   Plan plan_;
-  double time_ = 0;   // since the start, s, as long as nobody stopped it
+  double time_ = 0;  // since the start, s, as long as nobody stopped it
   double s_ = 0;
   double speed_ = 0;  // ds/dt
   bool stopping_ = false;

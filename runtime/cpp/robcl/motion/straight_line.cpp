@@ -1,4 +1,5 @@
-// The joints' way along a straight line of the tool: the part of planning that looks at every point.
+// The joints' way along a straight line of the tool: the part of planning that looks at every
+// point.
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
@@ -16,11 +17,11 @@ using arm::JointLimit;
 using arm::OutOfReach;
 using arm::Singular;
 
-constexpr double line_step = mm(1);        // of the tool between two knots, at most
-constexpr double turn_step = deg(0.2);     // of its orientation
-constexpr double joint_step = 0.03;        // rad between two knots, else the knots are set closer
-constexpr double joint_jump = 0.1;         // rad between the closest knots, beyond which it is refused
-constexpr std::size_t closer = 8;          // times, at most
+constexpr double line_step = mm(1);     // of the tool between two knots, at most
+constexpr double turn_step = deg(0.2);  // of its orientation
+constexpr double joint_step = 0.03;     // rad between two knots, else the knots are set closer
+constexpr double joint_jump = 0.1;      // rad between the closest knots, beyond which it is refused
+constexpr std::size_t closer = 8;       // times, at most
 constexpr std::size_t fewest = 50, most = 4000;
 
 Failure with_place(Failure failure, const std::string& where) {

@@ -17,10 +17,11 @@ Interval allowed(const PathBounds& bounds, std::size_t knot, double x, double ne
   return u;
 }
 
-/// Greatest x at a knot from which the next one can be met. What is allowed is convex and holds x = 0,
-/// so bisection finds it.
+/// Greatest x at a knot from which the next one can be met. What is allowed is convex and holds x =
+/// 0, so bisection finds it.
 double fastest_at(const PathBounds& bounds, std::size_t knot, double next) {
-  // No x leads below `next` that exceeds what the hardest braking loses; without a speed cap start there.
+  // No x leads below `next` that exceeds what the hardest braking loses; without a speed cap start
+  // there.
   double good = 0, bad = bounds.speed_cap(knot);
   if (!std::isfinite(bad)) {
     bad = 1;
@@ -56,7 +57,8 @@ TimeLaw TimeLaw::standing() {
 }
 
 TimeLaw::TimeLaw(const std::vector<double>& squared_speeds) {
-  const double step = 1.0 / static_cast<double>(std::max<std::size_t>(squared_speeds.size() - 1, 1));
+  const double step =
+      1.0 / static_cast<double>(std::max<std::size_t>(squared_speeds.size() - 1, 1));
   double time = 0;
   for (std::size_t i = 0; i < squared_speeds.size(); ++i) {
     speeds_.push_back(std::sqrt(squared_speeds[i]));

@@ -16,8 +16,8 @@ class TimeLaw {
     double acceleration = 0;  ///< d²s/dt², 1/s²
   };
 
-  /// The fastest law that keeps all bounds: a backward pass finds how fast each knot may be passed so
-  /// that the end can still be met standing, a forward pass accelerates as hard as that allows
+  /// The fastest law that keeps all bounds: a backward pass finds how fast each knot may be passed
+  /// so that the end can still be met standing, a forward pass accelerates as hard as that allows
   /// (H. Pham and Q.-C. Pham, "A New Approach to Time-Optimal Path Parameterization Based on
   /// Reachability Analysis", 2018). Where only speed and acceleration of the tool bind, it is the
   /// trapezoid.

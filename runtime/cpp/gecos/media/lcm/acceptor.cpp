@@ -27,8 +27,9 @@ std::string channel_of_name(std::string_view name) {
   return channel;
 }
 
-/// Says to this host that a place is served. Multicast lets anybody listen beside us, so a name in the
-/// kernel's table of abstract sockets stands for the place: it goes with the process that holds it.
+/// Says to this host that a place is served. Multicast lets anybody listen beside us, so a name in
+/// the kernel's table of abstract sockets stands for the place: it goes with the process that holds
+/// it.
 class Claim {
  public:
   static tl::expected<std::unique_ptr<Claim>, MediumError> stake(const LcmAddress& place) {
@@ -44,7 +45,7 @@ class Claim {
       return tl::unexpected(MediumError{
           errno == EADDRINUSE
               ? place.place() + " is served already by another program of this host; `ss -xap | "
-                                    "grep gecos/lcm` tells by which"
+                                "grep gecos/lcm` tells by which"
               : place.place() + " cannot be claimed: " + system_text(errno)});
     }
     return std::make_unique<Claim>(std::move(held));
@@ -53,9 +54,8 @@ class Claim {
 
  private:
   Descriptor held_;
-  const ForkWatch fork_watch_{this, [](void* owner) noexcept {
-                                static_cast<Claim*>(owner)->held_.reset();
-                              }};
+  const ForkWatch fork_watch_{
+      this, [](void* owner) noexcept { static_cast<Claim*>(owner)->held_.reset(); }};
 };
 
 class LcmAcceptor final : public Acceptor {
@@ -93,11 +93,11 @@ class LcmAcceptor final : public Acceptor {
     }
     SharedStream where;
     where.largest = static_cast<std::uint32_t>(std::min(largest, largest_lcm_packet));
-    where.depth = static_cast<std::uint16_t>(std::clamp<std::size_t>(depth, 1, SharedStream::most_depth));
+    where.depth =
+        static_cast<std::uint16_t>(std::clamp<std::size_t>(depth, 1, SharedStream::most_depth));
     where.port = stream_port_;
     where.channel = draw_number();
-    return std::make_unique<LcmStreamWriter>(
-        std::make_shared<LcmStream>(streams_, where));
+    return std::make_unique<LcmStreamWriter>(std::make_shared<LcmStream>(streams_, where));
   }
 
  private:
@@ -140,8 +140,8 @@ class Lcm final : public Medium {
   tl::expected<std::unique_ptr<Link>, MediumError> connect(std::string_view address) override {
     const auto parsed = LcmAddress::parse(address);
     if (!parsed) {
-      return tl::unexpected(MediumError{std::string(address) +
-                                        ": an address of lcm reads lcm:<group>:<port>/<channel>#<key>"});
+      return tl::unexpected(MediumError{
+          std::string(address) + ": an address of lcm reads lcm:<group>:<port>/<channel>#<key>"});
     }
     const auto keys = this->keys();
     if (!keys) return tl::unexpected(keys.error());

@@ -126,11 +126,10 @@ std::optional<LcmAddress> LcmAddress::parse(std::string_view text) {
     if (!address.key) return std::nullopt;
   }
   // It becomes part of a provider's name of LCM: nothing but an address may get there.
-  const bool plain = std::ranges::all_of(
-      address.group, [](char c) { return (c >= '0' && c <= '9') || c == '.'; });
+  const bool plain =
+      std::ranges::all_of(address.group, [](char c) { return (c >= '0' && c <= '9') || c == '.'; });
   const std::string_view port = text.substr(colon + 1, slash - colon - 1);
-  const auto [end, problem] =
-      std::from_chars(port.data(), port.data() + port.size(), address.port);
+  const auto [end, problem] = std::from_chars(port.data(), port.data() + port.size(), address.port);
   if (!plain || address.group.empty() || address.group.size() > longest_group ||
       problem != std::errc{} || end != port.data() + port.size() || address.port == 0 ||
       address.channel.empty() || address.channel.size() > longest_channel) {
@@ -142,8 +141,8 @@ std::optional<LcmAddress> LcmAddress::parse(std::string_view text) {
 Bytes handshake_context(const LcmAddress& address, ByteView first_header) {
   Bytes context;
   const std::string place = address.place();
-  for (const ByteView part : {std::as_bytes(std::span(context_name)),
-                              std::as_bytes(std::span(place)), first_header}) {
+  for (const ByteView part :
+       {std::as_bytes(std::span(context_name)), std::as_bytes(std::span(place)), first_header}) {
     context.insert(context.end(), part.begin(), part.end());
   }
   return context;

@@ -12,8 +12,8 @@
 #include "gecos/crypto/stream_seal.hpp"
 
 /// What is in a datagram of the lcm medium: a header of 16 bytes in clear, then one frame that the
-/// header is bound to. docs/protocol.md, sections "Datagrams" to "Streams", is normative; integers are
-/// big-endian. Pure: bytes in, bytes out.
+/// header is bound to. docs/protocol.md, sections "Datagrams" to "Streams", is normative; integers
+/// are big-endian. Pure: bytes in, bytes out.
 namespace gecos::media {
 
 enum class DatagramKind : std::uint8_t {
@@ -90,8 +90,8 @@ struct LcmAddress {
   static std::optional<LcmAddress> parse(std::string_view text);
 };
 
-/// What both sides know of a handshake without saying it: version, place, and the header in clear of
-/// its first message.
+/// What both sides know of a handshake without saying it: version, place, and the header in clear
+/// of its first message.
 Bytes handshake_context(const LcmAddress& address, ByteView first_header);
 
 }  // namespace gecos::media

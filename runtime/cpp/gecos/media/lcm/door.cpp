@@ -31,8 +31,8 @@ LcmDoor::LcmDoor(LcmOptions options, std::shared_ptr<const LcmKeys> keys,
       in_(std::move(in)),
       address_(std::move(address)),
       handshakes_(
-          keys_->own, [keys = keys_](const crypto::PublicKey& key) { return keys->admits(key); }, {},
-          options_.rekey) {}
+          keys_->own, [keys = keys_](const crypto::PublicKey& key) { return keys->admits(key); },
+          {}, options_.rekey) {}
 
 tl::expected<void, MediumError> LcmDoor::open() {
   return in_->subscribe(address_.channel, [this](ByteView datagram) { take(datagram); });
@@ -60,7 +60,8 @@ void LcmDoor::take_first(const DatagramHeader& header, ByteView datagram, TimePo
   if (!answered) {
     const auto& refused = answered.error();
     if (refused.why == crypto::Refusal::NotAdmitted && refused.who && warnings_.take(now)) {
-      log_warning("lcm", address_.place() + " refused a client: " + keys_->not_admitted(*refused.who));
+      log_warning("lcm",
+                  address_.place() + " refused a client: " + keys_->not_admitted(*refused.who));
     }
     return;
   }

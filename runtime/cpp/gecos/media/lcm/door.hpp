@@ -17,9 +17,9 @@
 
 namespace gecos::media {
 
-/// What the acceptor of an object and its links share: the port where all clients' datagrams come in,
-/// and the handshake. A client has come once something was opened that it sealed; what was played back
-/// never gets so far, displaces nobody, and holds no descriptor.
+/// What the acceptor of an object and its links share: the port where all clients' datagrams come
+/// in, and the handshake. A client has come once something was opened that it sealed; what was
+/// played back never gets so far, displaces nobody, and holds no descriptor.
 class LcmDoor {
  public:
   /// A client that has come and was not yet accepted.
@@ -81,7 +81,7 @@ class LcmDoor {
   crypto::HandshakeDoor handshakes_;
   Budget answers_{400};
   Budget warnings_{1};
-  std::mutex mutex_;                 // guards what follows
+  std::mutex mutex_;                    // guards what follows
   std::list<Unconfirmed> unconfirmed_;  // oldest first
   std::map<std::uint64_t, std::shared_ptr<LcmInbox>> inboxes_;
   std::deque<Guest> guests_;

@@ -9,8 +9,8 @@
 
 namespace gecos::media {
 
-/// Who this program is on lcm, and whom it lets in. What is opened once by a medium outlives it with
-/// those who share it. Any thread.
+/// Who this program is on lcm, and whom it lets in. What is opened once by a medium outlives it
+/// with those who share it. Any thread.
 struct LcmKeys {
   crypto::KeyDirectory directory;
   crypto::Identity own;

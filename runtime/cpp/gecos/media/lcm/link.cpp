@@ -105,12 +105,11 @@ tl::expected<std::unique_ptr<Link>, MediumError> LcmClientLink::connect(
   if (!in) return tl::unexpected(std::move(in.error()));
   auto out = LcmPort::open(here, address.port);
   if (!out) return tl::unexpected(std::move(out.error()));
-  auto outlet =
-      std::make_shared<LcmOutlet>(std::move(*out), address.channel, client, reply_port);
+  auto outlet = std::make_shared<LcmOutlet>(std::move(*out), address.channel, client, reply_port);
   auto inbox = std::make_shared<LcmInbox>();
   auto opening = std::make_shared<LcmOpening>(std::move(keys), here, address, outlet, inbox);
-  const auto subscribed = (*in)->subscribe(
-      lcm_channel("GC", client), [inbox, opening, here](ByteView datagram) {
+  const auto subscribed =
+      (*in)->subscribe(lcm_channel("GC", client), [inbox, opening, here](ByteView datagram) {
         const auto header = DatagramHeader::read(datagram);
         if (!header) return;
         const ByteView frame = datagram.subspan(DatagramHeader::bytes);
@@ -203,7 +202,8 @@ bool LcmClientLink::new_samples() {
   return found;
 }
 
-tl::expected<void, SendProblem> LcmClientLink::share(std::uint32_t /*id*/, StreamWriter& /*stream*/) {
+tl::expected<void, SendProblem> LcmClientLink::share(std::uint32_t /*id*/,
+                                                     StreamWriter& /*stream*/) {
   return tl::unexpected(SendProblem::Lost);  // only servers have outward streams
 }
 void LcmClientLink::unshare(std::uint32_t /*id*/) {}
@@ -221,14 +221,12 @@ std::unique_ptr<StreamReader> LcmClientLink::open_stream(std::uint32_t id) {
   const std::shared_ptr<LcmPort> port = std::move(*opened);
   auto inbox = std::make_shared<LcmStreamInbox>(port, where, inbox_);
   // The port keeps the callback, and the inbox the port: a weak one back, or none would ever go.
-  const auto subscribed =
-      port->subscribe(lcm_channel("GS", where.channel),
-                      [weak = std::weak_ptr(inbox)](ByteView datagram) {
-                        if (const auto to = weak.lock()) to->take(datagram);
-                      });
+  const auto subscribed = port->subscribe(lcm_channel("GS", where.channel),
+                                          [weak = std::weak_ptr(inbox)](ByteView datagram) {
+                                            if (const auto to = weak.lock()) to->take(datagram);
+                                          });
   epoll_event event{EPOLLIN, {.fd = port->descriptor()}};
-  if (!subscribed ||
-      ::epoll_ctl(streams_.get(), EPOLL_CTL_ADD, port->descriptor(), &event) != 0) {
+  if (!subscribed || ::epoll_ctl(streams_.get(), EPOLL_CTL_ADD, port->descriptor(), &event) != 0) {
     return nullptr;
   }
   reading_.push_back(inbox);

@@ -91,10 +91,10 @@ class LcmClientLink final : public LcmLink {
   const std::shared_ptr<LcmOpening> opening_;
   const Descriptor streams_;  // an epoll of the ports of streams, which come later
   const std::array<int, 3> descriptors_;
-  /// Since somebody looked for a stream one was told of, maybe by a look for something else: whoever
-  /// is about to sleep looks once more. Publishes nothing but itself.
+  /// Since somebody looked for a stream one was told of, maybe by a look for something else:
+  /// whoever is about to sleep looks once more. Publishes nothing but itself.
   std::atomic<bool> heard_of_streams_{false};
-  std::mutex mutex_;          // guards what follows
+  std::mutex mutex_;  // guards what follows
   std::map<std::uint32_t, Arrived> arrived_;
   std::vector<std::weak_ptr<LcmStreamInbox>> reading_;
 };

@@ -99,7 +99,8 @@ void LcmOpening::take_second(ByteView frame, TimePoint now) {
 std::string LcmOpening::trouble() const {
   const std::lock_guard lock(mutex_);
   if (open_) return inbox_->heard() ? "" : "the server has let us in and was not heard since";
-  if (!handshake_ && not_admitted_) return "who answered there was refused: " + keys_->not_admitted(*not_admitted_);
+  if (!handshake_ && not_admitted_)
+    return "who answered there was refused: " + keys_->not_admitted(*not_admitted_);
   return "nobody is there, or our key " + keys_->own.public_key().short_name() +
          " is not admitted there: then its user needs a copy of " + keys_->directory.path() + "/" +
          keys_->own.public_key().to_string() + ".public";

@@ -16,7 +16,8 @@ namespace gecos::media {
 /// Where one end of a link sends: seals and publishes. Any thread.
 class LcmOutlet {
  public:
-  /// What is sent before the channel is open waits for it, up to these; more is lost, as on a network.
+  /// What is sent before the channel is open waits for it, up to these; more is lost, as on a
+  /// network.
   static constexpr std::size_t most_held = 64;
   static constexpr std::size_t most_bytes_held = 1024 * 1024;
 

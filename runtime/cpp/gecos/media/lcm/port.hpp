@@ -17,8 +17,8 @@ struct _lcm_t;
 
 namespace gecos::media {
 
-/// One UDP port of a multicast group: sends through LCM, and hears what LCM sends. Defined in lcm.cpp,
-/// the only file that knows LCM.
+/// One UDP port of a multicast group: sends through LCM, and hears what LCM sends. Defined in
+/// lcm.cpp, the only file that knows LCM.
 class LcmPort {
  public:
   using Take = std::function<void(ByteView datagram)>;
@@ -29,7 +29,8 @@ class LcmPort {
   LcmPort(const LcmPort&) = delete;
   LcmPort& operator=(const LcmPort&) = delete;
 
-  /// From now on datagrams of `channel` are given to `take`, by whoever calls pump(). Not beside pump().
+  /// From now on datagrams of `channel` are given to `take`, by whoever calls pump(). Not beside
+  /// pump().
   tl::expected<void, MediumError> subscribe(const std::string& channel, Take take);
   /// Readable when pump() has something to do; -1 before the first subscription.
   int descriptor() const { return receiver_ ? receiver_->descriptor() : -1; }

@@ -36,7 +36,8 @@ void warn_of_small_buffer(int socket, int wanted) {
   if (said.exchange(true)) return;
   log_warning("lcm", "the kernel lets " + std::to_string(doubled / 2) +
                          " bytes wait for us, and more are lost while we are busy; run as root:  "
-                         "sysctl -w net.core.rmem_max=" + std::to_string(wanted));
+                         "sysctl -w net.core.rmem_max=" +
+                         std::to_string(wanted));
 }
 
 MediumError cannot_hear(const LcmOptions& options, std::uint16_t port) {
@@ -55,14 +56,16 @@ std::string multicast_advice(const LcmOptions& options) {
 }
 
 std::optional<LcmMessage> LcmMessage::read(ByteView datagram) {
-  if (datagram.size() <= numbers_size || crypto::read_u64(datagram.first<8>()) >> 32 != magic_of_small) {
+  if (datagram.size() <= numbers_size ||
+      crypto::read_u64(datagram.first<8>()) >> 32 != magic_of_small) {
     return std::nullopt;
   }
   const ByteView named = datagram.subspan(numbers_size);
   const auto end = std::ranges::find(named, std::byte{0});
   if (end == named.end()) return std::nullopt;
   const auto length = static_cast<std::size_t>(end - named.begin());
-  return LcmMessage{{reinterpret_cast<const char*>(named.data()), length}, named.subspan(length + 1)};
+  return LcmMessage{{reinterpret_cast<const char*>(named.data()), length},
+                    named.subspan(length + 1)};
 }
 
 LcmReceiver::LcmReceiver(Descriptor socket)
@@ -92,7 +95,8 @@ std::optional<LcmMessage> LcmReceiver::next() {
     const ssize_t size = ::recv(socket_.get(), memory_.get(), largest_datagram, MSG_DONTWAIT);
     if (size < 0 && errno == EINTR) continue;
     if (size < 0) return std::nullopt;
-    if (auto message = LcmMessage::read({memory_.get(), static_cast<std::size_t>(size)})) return message;
+    if (auto message = LcmMessage::read({memory_.get(), static_cast<std::size_t>(size)}))
+      return message;
   }
 }
 

@@ -20,9 +20,9 @@ struct LcmMessage {
   static std::optional<LcmMessage> read(ByteView datagram);
 };
 
-/// Hears a UDP port of a multicast group. LCM's own receiver runs a thread for each port, which hands
-/// every message on through a pipe: two wake-ups where one will do. This one is a socket, read by who
-/// waits for it. One thread at a time.
+/// Hears a UDP port of a multicast group. LCM's own receiver runs a thread for each port, which
+/// hands every message on through a pipe: two wake-ups where one will do. This one is a socket,
+/// read by who waits for it. One thread at a time.
 class LcmReceiver {
  public:
   /// Fails with a text that says what to do.

@@ -8,9 +8,10 @@
 
 namespace gecos::media {
 
-/// Tells how long packets have waited, from what the sender's clock said when each was sent. The two
-/// clocks need only go at the same pace: the packet that took least is held to have taken nothing, so
-/// an age is too small by what the quickest way takes, and never too large. One thread at a time.
+/// Tells how long packets have waited, from what the sender's clock said when each was sent. The
+/// two clocks need only go at the same pace: the packet that took least is held to have taken
+/// nothing, so an age is too small by what the quickest way takes, and never too large. One thread
+/// at a time.
 class SendersClock {
  public:
   /// What two clocks may drift apart: one part in so many.
@@ -21,8 +22,9 @@ class SendersClock {
   /// How old a packet is that said `sent_ns` and was read at `now`.
   Duration age(std::int64_t sent_ns, TimePoint now) {
     const auto here = static_cast<std::uint64_t>(now.time_since_epoch().count());
-    const Duration took = std::clamp(
-        Duration(static_cast<std::int64_t>(here - static_cast<std::uint64_t>(sent_ns))), -longest, longest);
+    const Duration took =
+        std::clamp(Duration(static_cast<std::int64_t>(here - static_cast<std::uint64_t>(sent_ns))),
+                   -longest, longest);
     if (!least_ || took <= *least_ + (now - since_) / drift) {
       least_ = took;
       since_ = now;

@@ -58,9 +58,7 @@ Descriptor new_socket() {
 }
 
 /// @pre the directory's lock is held.
-bool server_is_dead(const std::string& path) {
-  return !connect_to(path) && errno == ECONNREFUSED;
-}
+bool server_is_dead(const std::string& path) { return !connect_to(path) && errno == ECONNREFUSED; }
 
 /// What to say of a well-known place that somebody serves; `their` is a connection there, if any.
 tl::unexpected<MediumError> taken(const std::string& path, const Descriptor& their) {
@@ -217,8 +215,7 @@ std::unique_ptr<Link> ShmAcceptor::accept() {
   if (inherited_) return nullptr;
   short_of_descriptors_ = false;
   std::array<epoll_event, 16> events;
-  const int count =
-      ::epoll_wait(epoll_.get(), events.data(), static_cast<int>(events.size()), 0);
+  const int count = ::epoll_wait(epoll_.get(), events.data(), static_cast<int>(events.size()), 0);
   if (count <= 0) return nullptr;
   more_.quiet();
   for (std::size_t guest = guests_.size(); guest-- > 0;) {

@@ -9,8 +9,8 @@
 
 namespace gecos::media::shm {
 
-/// The areas of one link: each in sealed memory of its own, which goes over the socket before the first
-/// packet in it is announced.
+/// The areas of one link: each in sealed memory of its own, which goes over the socket before the
+/// first packet in it is announced.
 class ShmBulk final : private AreaMaker {
  public:
   /// `look` reads the socket, also what another thread reads of it just now.

@@ -9,7 +9,8 @@
 #include "gecos/media/descriptor.hpp"
 #include "gecos/media/medium.hpp"
 
-/// What goes over the socket of a connection: descriptors, and what is rare. Calls go through rings.
+/// What goes over the socket of a connection: descriptors, and what is rare. Calls go through
+/// rings.
 namespace gecos::media::shm {
 
 enum class ControlType : std::uint32_t {
@@ -26,7 +27,8 @@ enum class ControlType : std::uint32_t {
 /// Both ends run on one kernel, so it travels as it lies in memory.
 struct ControlMessage {
   static constexpr std::uint32_t this_version = 0x67630002;
-  std::uint32_t version = this_version;  ///< rises with every change of this, of the ring, of the stream
+  std::uint32_t version =
+      this_version;  ///< rises with every change of this, of the ring, of the stream
   ControlType type = ControlType::Poke;
   std::uint32_t id = 0;
   std::uint32_t reserved = 0;
@@ -56,8 +58,8 @@ bool send_control(int socket, const ControlMessage& message, std::span<const int
 /// Never blocks. Garbage: anything that is no message of ours, or brings too many descriptors.
 ControlRead receive_control(int socket, ReceivedControl& into);
 
-/// Who is at the other end of a connected socket, as the kernel says. Fails for those that it cannot
-/// name here: another user or process namespace.
+/// Who is at the other end of a connected socket, as the kernel says. Fails for those that it
+/// cannot name here: another user or process namespace.
 tl::expected<Peer, std::string> peer_of(int socket);
 /// Becomes readable when the process at the other end dies. Fails when it has died already; holds
 /// none where the kernel has no such.

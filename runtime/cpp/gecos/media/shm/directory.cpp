@@ -56,7 +56,8 @@ tl::expected<void, MediumError> prepare_directory(const std::string& directory) 
     return error("cannot look at " + directory + ": " + system_text(errno));
   }
   if (!S_ISDIR(found.st_mode)) {
-    return error(directory + " is not a directory; remove it or name another one in "
+    return error(directory +
+                 " is not a directory; remove it or name another one in "
                  "GECOS_RUNTIME_DIR");
   }
   if (sticky_of_root(found)) return {};
@@ -79,8 +80,8 @@ tl::expected<std::string, MediumError> host_identity(const std::string& director
   std::getline(std::ifstream("/proc/sys/kernel/random/boot_id"), boot);
   struct stat found {};
   if (boot.empty() || ::stat(directory.c_str(), &found) != 0) {
-    return error("cannot tell which host this is: /proc/sys/kernel/random/boot_id or " +
-                 directory + " is not readable");
+    return error("cannot tell which host this is: /proc/sys/kernel/random/boot_id or " + directory +
+                 " is not readable");
   }
   return boot + "/" + std::to_string(found.st_dev) + ":" + std::to_string(found.st_ino);
 }
@@ -94,8 +95,8 @@ tl::expected<DirectoryLock, MediumError> DirectoryLock::take(const std::string& 
       return error("cannot lock " + directory + ": " + system_text(errno));
     }
     if (std::chrono::steady_clock::now() >= patience) {
-      return error("another program has kept " + directory +
-                   " locked for a second; `fuser -v " + directory + "` tells which");
+      return error("another program has kept " + directory + " locked for a second; `fuser -v " +
+                   directory + "` tells which");
     }
     const timespec a_little{0, 1'000'000};
     ::nanosleep(&a_little, nullptr);

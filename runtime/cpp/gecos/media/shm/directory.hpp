@@ -18,8 +18,8 @@ tl::expected<void, MediumError> prepare_directory(const std::string& directory);
 /// True when several users meet in `directory`.
 bool shared_between_users(const std::string& directory);
 
-/// What is equal exactly where programs reach each other over shm through `directory`: the boot id of
-/// the kernel and the inode of the directory, "6b0c…-…/2049:131".
+/// What is equal exactly where programs reach each other over shm through `directory`: the boot id
+/// of the kernel and the inode of the directory, "6b0c…-…/2049:131".
 tl::expected<std::string, MediumError> host_identity(const std::string& directory);
 
 /// Held while sockets come and go in the directory, so that nobody removes one between its making

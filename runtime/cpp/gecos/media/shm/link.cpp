@@ -94,8 +94,8 @@ tl::expected<std::unique_ptr<Link>, MediumError> ShmLink::greet(Descriptor socke
                                                                 Descriptor death) {
   auto own = make_sealed("gecos client", ring_bytes);
   if (!own) return tl::unexpected(std::move(own.error()));
-  auto made = make_link(Role::Client, std::make_shared<PeerEnd>(std::move(socket)),
-                        std::move(peer), std::move(death), std::move(*own));
+  auto made = make_link(Role::Client, std::make_shared<PeerEnd>(std::move(socket)), std::move(peer),
+                        std::move(death), std::move(*own));
   if (!made) return tl::unexpected(MediumError{"shm: " + made.error()});
   auto link = std::move(*made);
   const std::array given{link->own_memory_.memfd.get(), link->bell_.descriptor()};
@@ -148,7 +148,8 @@ tl::expected<std::uint64_t, SendProblem> ShmLink::send(ByteView head, ByteView b
   const bool large = head.size() + body.size() > largest_ring_packet;
   auto number = large ? bulk_.out.write(head, body) : writer_.write(head, body);
   if (!number) return number;
-  // A server that is not known yet may sleep already: it cannot tell us, so it is woken in any case.
+  // A server that is not known yet may sleep already: it cannot tell us, so it is woken in any
+  // case.
   if (!other_->known() || writer_.reader_sleeps()) other_->wake();
   return number;
 }
@@ -176,8 +177,7 @@ bool ShmLink::arm() {
   bulk_.in.rest();
   own_.control->asleep.store(1, std::memory_order_seq_cst);
   const bool packet = other_->known() && reader_->ready();
-  if (!packet && !watches_.anything_new() &&
-      loss_.load(std::memory_order_seq_cst) == Loss::None) {
+  if (!packet && !watches_.anything_new() && loss_.load(std::memory_order_seq_cst) == Loss::None) {
     return true;
   }
   own_.control->asleep.store(0, std::memory_order_relaxed);
@@ -283,7 +283,8 @@ void ShmLink::read_control() {
     } else if (read == ControlRead::Ended) {
       note_loss(Loss::Died, peer_.description + " closed its socket without a word");
     } else if (read == ControlRead::NoDescriptors) {
-      const std::string why = "there is no descriptor here for what it sent: " + system_text(EMFILE);
+      const std::string why =
+          "there is no descriptor here for what it sent: " + system_text(EMFILE);
       if (role_ == Role::Client && control.message.type == ControlType::Share) {
         log_warning("shm", "a stream of " + peer_.description + " cannot be opened: " + why);
       } else {
@@ -350,7 +351,8 @@ void ShmLink::take_stream(ReceivedControl& control) {
   const ControlMessage& message = control.message;
   constexpr std::size_t most = StreamMemory::most_bytes;
   if (arrived_.size() >= most_streams || message.depth == 0 || message.depth > most ||
-      message.largest > most || message.depth + 1 > most / StreamMemory::slot_bytes(message.largest)) {
+      message.largest > most ||
+      message.depth + 1 > most / StreamMemory::slot_bytes(message.largest)) {
     note_loss(Loss::Broken, "it shared a stream of an impossible size");
     return;
   }

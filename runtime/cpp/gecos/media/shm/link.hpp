@@ -76,8 +76,7 @@ class ShmLink final : public Link {
   void unshare(std::uint32_t id) override;
   std::unique_ptr<StreamReader> open_stream(std::uint32_t id) override;
 
-  ShmLink(Role role, std::shared_ptr<PeerEnd> other, Peer peer, Descriptor death,
-          SealedMemory own);
+  ShmLink(Role role, std::shared_ptr<PeerEnd> other, Peer peer, Descriptor death, SealedMemory own);
 
  private:
   struct Arrived {
@@ -108,12 +107,12 @@ class ShmLink final : public Link {
   const std::shared_ptr<PeerEnd> other_;
   RingWriter writer_;
   ShmBulk bulk_;
-  std::optional<RingReader> reader_;      // set before other_ is known, which publishes it
+  std::optional<RingReader> reader_;  // set before other_ is known, which publishes it
   StreamWatches watches_;
   const std::array<int, 3> descriptors_;
-  std::atomic<Loss> loss_{Loss::None};    // tells every thread; the text is under the mutex
+  std::atomic<Loss> loss_{Loss::None};  // tells every thread; the text is under the mutex
 
-  mutable std::mutex control_mutex_;      // guards the socket's messages and all below
+  mutable std::mutex control_mutex_;  // guards the socket's messages and all below
   std::string loss_text_;
   std::map<std::uint32_t, Arrived> arrived_;
   std::map<std::uint32_t, std::weak_ptr<SleeperList>> shared_;

@@ -12,15 +12,15 @@
 /// own sealed memory, which the other one maps read-only; calls go through rings in it, without the
 /// kernel. Whoever sleeps does so on descriptors: its bell, the socket, the peer's death.
 ///
-/// The peer is not trusted with our memory, our time or our descriptors. Only a peer of the same user
-/// (who could kill us anyway) is given or rung a bell, since a hostile holder of an eventfd can block
-/// a writer; others are woken through the socket, a microsecond slower.
+/// The peer is not trusted with our memory, our time or our descriptors. Only a peer of the same
+/// user (who could kill us anyway) is given or rung a bell, since a hostile holder of an eventfd
+/// can block a writer; others are woken through the socket, a microsecond slower.
 namespace gecos::media {
 
 struct ShmOptions {
   std::string directory = shm::default_runtime_directory();
-  /// Also meet processes of other users (and see to it above who may do what). Otherwise only the own
-  /// user and root are met.
+  /// Also meet processes of other users (and see to it above who may do what). Otherwise only the
+  /// own user and root are met.
   bool other_users = false;
 };
 
