@@ -56,10 +56,9 @@ bench: build  ## speeds, shown and never asserted
 # What the peers need is this target's alone. BENCH="--quick", "--without NAME", "--only TITLE": bench_peers.py --help
 .PHONY: bench-peers
 bench-peers: build  ## ours beside omniORB, Ice, Cap'n Proto, iceoryx, iceoryx2 and LCM, in one run
-	@tools/configure.sh build-lto $(BUILD_TYPE) -DGECOS_LTO=ON -DBUILD_TESTING=OFF
-	@cmake --build build-lto -j$(JOBS) --target gecos_peer limits_peer
-	@benchmarks/peers/setup.sh build-lto
-	@$(PYTHON) benchmarks/peers/bench_peers.py --build build-lto $(BENCH)
+	@BUILD_TYPE=$(BUILD_TYPE) JOBS=$(JOBS) tools/build_release.sh build-release gecos_peer limits_peer
+	@benchmarks/peers/setup.sh build-release
+	@$(PYTHON) benchmarks/peers/bench_peers.py --build build-release $(BENCH)
 
 # Each run says what it found; all of them run, whatever the others said. FUZZ_SECONDS=60 for shorter ones.
 FUZZ_SECONDS ?= 600
@@ -75,16 +74,19 @@ SOAK ?=
 soak: build  ## programs killed 10,000 times, bad lines, cut lines, stopped programs: does every command end?
 	@$(PYTHON) tests/stress/soak.py --build $(BUILD) $(SOAK)
 
+.PHONY: release
+release: setup  ## all C++ as fast as it gets, into build-release: link-time and profile-guided optimisation
+	@BUILD_TYPE=$(BUILD_TYPE) JOBS=$(JOBS) tools/build_release.sh build-release
+
 .PHONY: wheels
 wheels: setup  ## both wheels into dist/, tried where the tree is not known
 	@tools/check_wheels.sh
 
 .PHONY: format
 format: setup  ## C++ and Python laid out as the house does
-	@command -v clang-format >/dev/null || { echo "format: apt-get install clang-format"; exit 1; }
-	@git ls-files '*.cpp' '*.hpp' ':!generated' | xargs clang-format -i
+	@git ls-files '*.cpp' '*.hpp' ':!generated' | xargs clang-format-14 -i
 	@.venv/bin/ruff check --fix --quiet . && .venv/bin/ruff format --quiet .
 
 .PHONY: clean
 clean:  ## all that was built; the virtual environment stays
-	@rm -rf build build-asan build-tsan build-fuzz build-lto build-wheel dist runtime/python/gecos/_core*.so runtime/python/gecos/wire/_plans*.so
+	@rm -rf build build-asan build-tsan build-fuzz build-release build-wheel dist runtime/python/gecos/_core*.so runtime/python/gecos/wire/_plans*.so

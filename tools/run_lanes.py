@@ -47,6 +47,7 @@ def all_lanes(build: str, jobs: int) -> list[Lane]:
         Lane("gidl-fmt", (python, "-m", "gidl", "fmt", "--check"), r"^gidl: "),
         Lane("gidl-lint", (python, "-m", "gidl", "lint"), r"^gidl: "),
         Lane("ruff", (python, "-m", "ruff", "check", "."), r"^(All checks passed|Found )"),
+        Lane("clang-format", (python, "tools/check_format.py"), r"^check_format: "),
         Lane("mypy", (python, "-m", "mypy"), r"^(Success|Found )"),
         Lane(
             "ctest",

@@ -7,7 +7,7 @@ cd "$(dirname "$0")/.."
 # What the C++ is built with, and the interpreter; a big-endian machine for tests. a|b: either will do (Ubuntu 24.04
 # renamed some).
 packages=(
-  build-essential clang-14 cmake ninja-build pkg-config omniidl
+  build-essential clang-14 clang-format-14 cmake ninja-build pkg-config omniidl
   python3 python3-venv python3-dev
   libeigen3-dev liborocos-kdl-dev liburdfdom-dev libexpected-dev libsodium-dev nlohmann-json3-dev
   "libglib2.0-0|libglib2.0-0t64"

@@ -1,0 +1,30 @@
+"""Is all C++ laid out as clang-format does it? `make format` does it."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+TREE = Path(__file__).resolve().parent.parent
+CLANG_FORMAT = "clang-format-14"  # others lay out differently; tools/setup.sh installs it
+
+
+def main() -> int:
+    listed = subprocess.run(
+        ["git", "ls-files", "*.cpp", "*.hpp", ":!generated"],
+        cwd=TREE, check=True, capture_output=True, text=True,
+    ).stdout.split()  # fmt: skip
+    files = [name for name in listed if (TREE / name).exists()]
+    try:
+        looked = subprocess.run([CLANG_FORMAT, "--dry-run", "--Werror", *files], cwd=TREE)
+    except FileNotFoundError:
+        print(f"check_format: there is no {CLANG_FORMAT}; `make setup` installs it")
+        return 1
+    if looked.returncode == 0:
+        print(f"check_format: {len(files)} files as {CLANG_FORMAT} lays them out")
+    else:
+        print("check_format: the files above are laid out differently; run `make format`")
+    return looked.returncode
+
+
+if __name__ == "__main__":
+    sys.exit(main())
