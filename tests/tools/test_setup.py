@@ -10,6 +10,7 @@ FIRST = "build-essential"
 ALL_BUT_TWO = """\
 ii  build-essential
 ii  clang-14
+ii  clang-format-14
 ii  omniidl
 ii  cmake
 ii  pkg-config
