@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Iterable
 
 from gidl.keywords import PYTHON
-from gidl.model import Interface, Model, Struct
-from gidl.targets.naming import LocalNames, escaped, snake_case, source_stem
+from gidl.model import File, Interface, Model, Struct
+from gidl.targets.naming import LocalNames, UnsupportedError, escaped, snake_case, source_stem
 
 # What a name cannot be in Python gets an underscore behind. All that generated code needs of the
 # runtime and the standard library has one in front, as no name of an interface has; what is left
@@ -53,6 +54,22 @@ def type_name(model: Model, scoped_name: str) -> str:
     while modules and model.has("::".join(parts[:modules])):
         modules -= 1
     return escaped("_".join(parts[modules:]), TYPE_WORDS)
+
+
+def refuse_same_names(model: Model, file: File, used: Iterable[str]) -> None:
+    """Raises UnsupportedError where two types that a file declares or uses are one name in Python."""
+    scoped_names: dict[str, str] = {}
+    for name in [*(d.name for d in file.declarations), *filter(model.has, sorted(used))]:
+        simple = type_name(model, name)
+        other = scoped_names.setdefault(simple, name)
+        if other == name:
+            continue
+        here = next((d for d in file.declarations if d.name in (other, name)), file.declarations[0])
+        raise UnsupportedError(
+            here.facts.location,
+            f"{other} and {name} are both {simple} in Python, and {file.path} has both;"
+            " give one of them another name",
+        )
 
 
 def value_name(model: Model, scoped_name: str) -> str:

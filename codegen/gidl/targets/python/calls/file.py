@@ -94,6 +94,8 @@ def _imports(lowering: Lowering, file: File, builders: list[_Interface]) -> dict
     """Types and base classes that live in other generated modules."""
     model = lowering.model
     modules: dict[str, set[str]] = {}
+    used = {name for each in builders for name in (*each.used_types, *each.interface.bases)}
+    names.refuse_same_names(model, file, used)
     for builder in builders:
         for name in builder.used_types:
             if not model.has(name) and name != names.OBJECT_REF:

@@ -127,6 +127,7 @@ def _imports(
                 used |= lowering.imports(target)
             case _:
                 pass
+    names.refuse_same_names(model, file, used)
     modules: dict[str, set[str]] = {}
     if {t.kind for t in types} & {"struct", "union", "bits"}:
         modules["gecos"] = set(private(["wire"]))
