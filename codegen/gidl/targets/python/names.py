@@ -57,7 +57,7 @@ def type_name(model: Model, scoped_name: str) -> str:
 
 
 def refuse_same_names(model: Model, file: File, used: Iterable[str]) -> None:
-    """Raises UnsupportedError where two types that a file declares or uses are one name in Python."""
+    """Raises UnsupportedError where two types that a file has are one name in Python."""
     scoped_names: dict[str, str] = {}
     for name in [*(d.name for d in file.declarations), *filter(model.has, sorted(used))]:
         simple = type_name(model, name)
