@@ -40,6 +40,8 @@ class Verdict:
 
 def all_lanes(build: str, jobs: int) -> list[Lane]:
     python = sys.executable
+    of_compiler = ("tests/gidl", "tests/generated", "tests/fuzz")
+    pytest_sum = r"^=+ .*(passed|failed|error|no tests).* =+$"
     return [
         Lane("host", (python, "tools/check_host.py"), r"^check_host: "),
         Lane("layers", (python, "tools/check_layers.py"), r"^check_layers: "),
@@ -54,7 +56,11 @@ def all_lanes(build: str, jobs: int) -> list[Lane]:
             ("ctest", "--test-dir", build, "--output-on-failure", "--no-tests=error", f"-j{jobs}"),
             r"^\d+% tests passed",
         ),
-        Lane("pytest", (python, "-m", "pytest"), r"^=+ .*(passed|failed|error|no tests).* =+$"),
+        # Of the compiler, on all cores: nothing there is timed, and nobody meets at one place.
+        Lane("compiler", (python, "-m", "pytest", f"-n{jobs}", *of_compiler), pytest_sum),
+        Lane(
+            "pytest", (python, "-m", "pytest", *(f"--ignore={f}" for f in of_compiler)), pytest_sum
+        ),
     ]
 
 

@@ -64,6 +64,8 @@ def test_it_is_stopped_and_nothing_starts_until_it_returns(
         endless = bench.tap(1, 0) if operation == "tap" else bench.file(1, 0, 0.0)
         waiting = bench.tap(2, 1)
         laboratory.server.program.wait_for("started 1")
+        while waiting.progress().detail is not gecos.Detail.QUEUED:  # else stop overtakes it
+            assert waiting.state is gecos.State.RUNNING
 
         began = time.monotonic()
         gecos.stop(other).result()
