@@ -121,8 +121,15 @@ class Program:
         return gone
 
     def terminate(self) -> int:
+        """Of a server: it says that it is ready just before it takes the signal."""
+        until(lambda: self._takes(signal.SIGTERM), f"{self} takes SIGTERM")
         self.signal(signal.SIGTERM)
         return self.finish()
+
+    def _takes(self, number: signal.Signals) -> bool:
+        status = Path(f"/proc/{self._process.pid}/status").read_text()
+        caught = next(line for line in status.splitlines() if line.startswith("SigCgt:"))
+        return bool(int(caught.split()[1], 16) >> (number - 1) & 1)
 
     def output(self) -> str:
         return "\n".join(self.lines)
