@@ -287,6 +287,21 @@ def test_a_call_that_waits_for_its_handler_when_the_server_closes_was_not_starte
     assert running.wait(30) is not State.RUNNING
 
 
+def names_while_it_closes(
+    server: gecos.Server, handler: str, capfd: pytest.CaptureFixture[str], go_on: threading.Event
+) -> None:
+    """Closing says that it waits for `handler`, and ends when that may go on."""
+    closing = threading.Thread(target=server.close)
+    closing.start()
+    said = ""
+    while f"closing waits for the handler {handler}" not in said:
+        assert closing.is_alive(), said
+        said += capfd.readouterr().err
+    go_on.set()
+    closing.join(30)
+    assert not closing.is_alive()
+
+
 def test_a_handler_that_closing_waits_for_is_named(
     lamp: Lamp,
     server: gecos.Server,
@@ -299,15 +314,7 @@ def test_a_handler_that_closing_waits_for_is_named(
     servant.before_label = lambda: (begun.set(), go_on.wait(30))
     running = lamp.label()
     assert begun.wait(30)
-    closing = threading.Thread(target=server.close)
-    closing.start()
-    said = ""
-    while "closing waits for the handler PlainLamp.label" not in said:
-        assert closing.is_alive(), said
-        said += capfd.readouterr().err
-    go_on.set()
-    closing.join(30)
-    assert not closing.is_alive()
+    names_while_it_closes(server, "PlainLamp.label", capfd, go_on)
     assert running.wait(30) is not State.RUNNING
 
 
@@ -323,15 +330,7 @@ def test_a_stop_that_closing_waits_for_is_named(
     monkeypatch.setattr(servant, "gecos_on_stop", lambda: (begun.set(), go_on.wait(30)))
     gecos.stop(lamp).result(30)
     assert begun.wait(30)
-    closing = threading.Thread(target=server.close)
-    closing.start()
-    said = ""
-    while "closing waits for the handler PlainLamp.gecos_on_stop" not in said:
-        assert closing.is_alive(), said
-        said += capfd.readouterr().err
-    go_on.set()
-    closing.join(30)
-    assert not closing.is_alive()
+    names_while_it_closes(server, "PlainLamp.gecos_on_stop", capfd, go_on)
 
 
 def test_handlers_may_close_their_server_both_at_once(

@@ -40,9 +40,8 @@ class Server:
         self._core = _core.Server(lab._core)
         self._servants: dict[int, Servant] = {}  # by their places, under which they are called
         self._places = itertools.count()
-        self._running: dict[
-            int, _core.IncomingCall | int
-        ] = {}  # by lane; a stop as its servant's place
+        # By lane, the servant and its call, or None for a stop.
+        self._running: dict[int, tuple[Servant, _core.IncomingCall | None]] = {}
         self._adding = threading.Lock()
         self._threads = [
             threading.Thread(target=self._work, args=(lane,), name=f"gecos-{name}", daemon=True)
@@ -106,7 +105,7 @@ class Server:
                 self._tell_running(lane)
         for thread in self._threads:
             thread.join()
-        for servant in self._servants.values():
+        for servant in list(self._servants.values()):  # another thread may be adding
             servant._gecos_core = None
 
     def __enter__(self) -> Self:
@@ -125,24 +124,24 @@ class Server:
             task = self._core.next(lane, None)
             if task is None:
                 continue
-            place = task.servant if isinstance(task, _core.IncomingCall) else task
+            call, place = (None, task) if isinstance(task, int) else (task, task.servant)
             servant = self._servants.get(place)
             if servant is None:  # its add failed in the end
                 continue
-            self._running[lane] = task
-            if isinstance(task, _core.IncomingCall):
-                _answer(servant, task)
-            else:
+            self._running[lane] = servant, call
+            if call is None:
                 _stopped(servant)
+            else:
+                _answer(servant, call)
             self._running.pop(lane)
 
     def _tell_running(self, lane: int) -> None:
-        task = self._running.get(lane)
-        if task is None:
+        running = self._running.get(lane)
+        if running is None:
             return
-        if isinstance(task, _core.IncomingCall):
-            servant = self._servants[task.servant]
-            handler = servant._gecos_handlers.get(task.code)
+        servant, call = running
+        if call is not None:
+            handler = servant._gecos_handlers.get(call.code)
             method = handler.method if handler else "?"
             advice = (
                 "let it look at `run.interrupted`, or sleep in `run.wait_interrupted(…)`"
@@ -150,7 +149,6 @@ class Server:
                 else "make its operation @cancelable: only such a handler is told to end"
             )
         else:
-            servant = self._servants[task]
             method = "gecos_on_stop"
             advice = "let it only say that all shall stop, and not wait until it has"
         log.error(
