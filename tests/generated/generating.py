@@ -9,7 +9,7 @@ from pathlib import Path
 TREE = Path(__file__).resolve().parents[2]
 
 
-def generate(out: Path, *files: Path) -> None:
+def generate(out: Path, *files: Path | str) -> None:
     """`gidl gen` as a user calls it."""
     search = ["-I", str(TREE / "idl"), "-I", str(TREE / "tests" / "idl")]
     subprocess.run(

@@ -2,25 +2,19 @@
 
 #include <gtest/gtest.h>
 
-#include <string>
-
+#include "channel_pair.hpp"
 #include "json.hpp"
 
 namespace gecos::crypto {
 namespace {
 
+using gecos::testing::bytes_of;
 using gecos::testing::Json;
 using gecos::testing::to_hex;
 
 KeyPair pair_of(const Json& secret) {
   const Bytes bytes = secret.bytes();
   return KeyPair::of(Secret<key_bytes>(std::span<const std::byte, key_bytes>(bytes)));
-}
-
-Bytes bytes_of(std::string_view text) {
-  Bytes bytes(text.size());
-  std::ranges::transform(text, bytes.begin(), [](char c) { return std::byte(c); });
-  return bytes;
 }
 
 void expect_transport(const Key& key, std::uint64_t counter, const Json& message) {

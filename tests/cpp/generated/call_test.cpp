@@ -138,8 +138,6 @@ struct GeneratedCalls : testing::Test {
   Deep stage{session};
 };
 
-}  // namespace
-
 TEST_F(GeneratedCalls, GiveTheResultOfTheHandler) {
   const auto painted = stage.paint(Colour::BLUE, {"a"}, 5).get();
   ASSERT_TRUE(painted);
@@ -245,3 +243,5 @@ TEST(GeneratedDescriptions, AreSortedByCodeAndHoldWhatIsInherited) {
   EXPECT_EQ(deep.streams[0].rate_hz, 10);
   EXPECT_EQ(deep.find(deep.streams[0].code)->kind, gecos::OperationKind::Getter);
 }
+
+}  // namespace

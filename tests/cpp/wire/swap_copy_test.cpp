@@ -57,7 +57,7 @@ void PrintTo(const Loop& loop, std::ostream* out) {
   *out << names[static_cast<int>(loop.kind)] << ", " << loop.width << " bytes";
 }
 
-class SwapLoop : public testing::TestWithParam<Loop> {};
+class SwapLoop : public ::testing::TestWithParam<Loop> {};
 
 TEST_P(SwapLoop, ReversesEveryLengthAtEveryAlignmentAndNothingElse) {
   const detail::SwapKind kind = GetParam().kind;
@@ -73,10 +73,10 @@ TEST_P(SwapLoop, ReversesEveryLengthAtEveryAlignmentAndNothingElse) {
 
 using enum detail::SwapKind;
 INSTANTIATE_TEST_SUITE_P(Kinds, SwapLoop,
-                         testing::Values(Loop{Portable, 2}, Loop{Portable, 4}, Loop{Portable, 8},
-                                         Loop{Ssse3, 2}, Loop{Ssse3, 4}, Loop{Ssse3, 8},
-                                         Loop{Avx2, 2}, Loop{Avx2, 4}, Loop{Avx2, 8},
-                                         Loop{Avx512, 2}, Loop{Avx512, 4}, Loop{Avx512, 8}));
+                         ::testing::Values(Loop{Portable, 2}, Loop{Portable, 4}, Loop{Portable, 8},
+                                           Loop{Ssse3, 2}, Loop{Ssse3, 4}, Loop{Ssse3, 8},
+                                           Loop{Avx2, 2}, Loop{Avx2, 4}, Loop{Avx2, 8},
+                                           Loop{Avx512, 2}, Loop{Avx512, 4}, Loop{Avx512, 8}));
 
 template <std::size_t width>
 void check_chosen() {

@@ -6,7 +6,13 @@ from gidl.keywords import CPP
 from gidl.model import Interface, Model, Struct
 from gidl.targets.naming import escaped
 
-KEYWORDS = CPP | {"std", "tl", "NULL", "TRUE", "FALSE", "DOMAIN", "EOF"}
+_MACROS = set(
+    """
+    assert errno stdin stdout stderr offsetof alloca NULL TRUE FALSE DOMAIN EOF NAN INFINITY HUGE_VAL
+    BIG_ENDIAN LITTLE_ENDIAN BYTE_ORDER
+    """.split()
+)
+KEYWORDS = CPP | {"std", "tl"} | _MACROS
 """Keywords, the namespaces that generated code names, and the macros that headers bring along."""
 
 OBJECT_REF = "gecos::ObjectRef"
@@ -15,6 +21,23 @@ OBJECT_REF_STEM = "gecos/object_ref"
 
 # Members that every generated struct has besides its own.
 STRUCT_WORDS = KEYWORDS | {"encoded_size", "encode", "decode", "fingerprint", "type_name"}
+
+UNION_WORDS = STRUCT_WORDS | {"tag", "value", "Held"}
+BITSET_WORDS = STRUCT_WORDS | {"bits", "set_bits", "raw"}
+
+# What a type must not be called: the functions beside types, the members, and what the bodies of
+# both call their parameters and locals. Each would hide it.
+TYPE_WORDS = (
+    UNION_WORDS
+    | BITSET_WORDS
+    | set(
+        """
+        a arm b call code core decode_enum entry field flags from guard has item key main names
+        number out read result row run selecting separator session size stamp_ns to to_string why
+        wrong
+        """.split()
+    )
+)
 
 
 def scope_of(model: Model, scoped_name: str) -> tuple[str, ...]:
@@ -29,7 +52,7 @@ def simple_name(model: Model, scoped_name: str) -> str:
     """`robcl::Manipulator::Mode` is called `Manipulator_Mode`: classes cannot be reopened."""
     parts = scoped_name.split("::")
     modules = len(scope_of(model, scoped_name))
-    return escaped("_".join(parts[modules:]), KEYWORDS)
+    return escaped("_".join(parts[modules:]), TYPE_WORDS)
 
 
 def full_name(model: Model, scoped_name: str) -> str:

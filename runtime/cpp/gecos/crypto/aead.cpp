@@ -5,15 +5,12 @@
 #include <array>
 #include <limits>
 
+#include "gecos/crypto/raw.hpp"
+
 namespace gecos::crypto {
 namespace {
 
 static_assert(tag_bytes == crypto_aead_chacha20poly1305_ietf_ABYTES);
-
-unsigned char* raw(std::byte* bytes) { return reinterpret_cast<unsigned char*>(bytes); }
-const unsigned char* raw(const std::byte* bytes) {
-  return reinterpret_cast<const unsigned char*>(bytes);
-}
 
 using Nonce = std::array<unsigned char, crypto_aead_chacha20poly1305_ietf_NPUBBYTES>;
 

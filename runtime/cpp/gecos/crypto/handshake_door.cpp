@@ -7,13 +7,10 @@
 #include <utility>
 
 #include "gecos/crypto/big_endian.hpp"
+#include "gecos/crypto/raw.hpp"
 
 namespace gecos::crypto {
 namespace {
-
-const unsigned char* raw(const std::byte* bytes) {
-  return reinterpret_cast<const unsigned char*>(bytes);
-}
 
 std::array<std::byte, 16> digest_of(ByteView first, ByteView context) {
   std::array<std::byte, 8> size;
@@ -24,8 +21,7 @@ std::array<std::byte, 16> digest_of(ByteView first, ByteView context) {
   for (const ByteView part : {ByteView(size), context, first}) {
     ::crypto_generichash_update(&state, raw(part.data()), part.size());
   }
-  ::crypto_generichash_final(&state, reinterpret_cast<unsigned char*>(digest.data()),
-                             digest.size());
+  ::crypto_generichash_final(&state, raw(digest.data()), digest.size());
   return digest;
 }
 

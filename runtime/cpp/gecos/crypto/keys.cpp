@@ -6,15 +6,12 @@
 #include <new>
 #include <stdexcept>
 
+#include "gecos/crypto/raw.hpp"
+
 namespace gecos::crypto {
 namespace {
 
 static_assert(key_bytes == crypto_scalarmult_BYTES && key_bytes == crypto_scalarmult_SCALARBYTES);
-
-unsigned char* raw(std::byte* bytes) { return reinterpret_cast<unsigned char*>(bytes); }
-const unsigned char* raw(const std::byte* bytes) {
-  return reinterpret_cast<const unsigned char*>(bytes);
-}
 
 /// Chooses the fast code for this processor, and opens the source of random numbers.
 void start_sodium() {

@@ -5,15 +5,12 @@
 #include <algorithm>
 #include <tuple>
 
+#include "gecos/crypto/raw.hpp"
+
 namespace gecos::crypto {
 namespace {
 
 static_assert(sizeof(Hash) == crypto_hash_sha256_BYTES);
-
-const unsigned char* raw(const std::byte* bytes) {
-  return reinterpret_cast<const unsigned char*>(bytes);
-}
-unsigned char* raw(std::byte* bytes) { return reinterpret_cast<unsigned char*>(bytes); }
 
 /// HMAC-SHA256 of `first` and `second`, one behind the other.
 Key hmac(const Key& key, ByteView first, ByteView second) {

@@ -9,6 +9,7 @@
 
 #include "gecos/crypto/big_endian.hpp"
 #include "gecos/crypto/keys.hpp"
+#include "gecos/crypto/raw.hpp"
 
 namespace gecos::crypto {
 namespace {
@@ -17,11 +18,6 @@ static_assert(StreamSealer::signature_bytes == crypto_sign_BYTES);
 static_assert(crypto_sign_SECRETKEYBYTES == 64 && crypto_sign_PUBLICKEYBYTES == 32);
 
 using Digest = std::array<unsigned char, crypto_generichash_BYTES_MAX>;
-
-const unsigned char* raw(const std::byte* bytes) {
-  return reinterpret_cast<const unsigned char*>(bytes);
-}
-unsigned char* raw(std::byte* bytes) { return reinterpret_cast<unsigned char*>(bytes); }
 
 /// What is signed: its purpose, its place in the stream, what it is about, and the sample.
 Digest digest_of(std::span<const std::byte, Sealer::text_at> counter, ByteView associated,

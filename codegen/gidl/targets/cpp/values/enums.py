@@ -72,7 +72,7 @@ class Enums(ValueNames):
         for field in self._model.all_fields(bitset):
             if field.name is None:
                 continue
-            name = escaped(field.name, names.STRUCT_WORDS | {"bits", "set_bits"})
+            name = escaped(field.name, names.BITSET_WORDS)
             kind = field.type.kind
             mask = (1 << field.width) - 1
             used |= mask << field.position

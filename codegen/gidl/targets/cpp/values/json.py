@@ -118,7 +118,7 @@ class _Shapes(Structs):
         return NamesShape("names", type_name, type_name, table, known, put, get)
 
     def _bitset(self, bitset: Bitset) -> MembersShape:
-        reserved = names.STRUCT_WORDS | {"bits", "set_bits"}
+        reserved = names.BITSET_WORDS
         members = tuple(
             MemberView(field.name, escaped(field.name, reserved), False)
             for field in self._model.all_fields(bitset)

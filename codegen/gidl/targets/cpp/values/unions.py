@@ -41,7 +41,7 @@ class Unions(ValueNames):
             label = lowering.literal(case.labels[0], union.discriminator) if case.labels else ""
             arms.append(
                 ArmView(
-                    escaped(case.member.name, names.STRUCT_WORDS | {"tag", "value"}),
+                    escaped(case.member.name, names.UNION_WORDS),
                     lowering.type(case.member.type),
                     lowering.parameter(case.member.type),
                     index + 1,
