@@ -5,12 +5,13 @@ from __future__ import annotations
 import keyword
 
 
-def _words(text: str) -> frozenset[str]:
+def words(text: str) -> frozenset[str]:
+    """A set, written as people read one."""
     return frozenset(text.split())
 
 
 # Words with a meaning here, or refused by name: never an identifier.
-USED = _words(
+USED = words(
     """
     any attribute bitfield bitmask bitset boolean case char const context default double enum
     exception FALSE fixed float getraises import in inout int8 int16 int32 int64 interface local
@@ -22,7 +23,7 @@ USED = _words(
 
 # Words of building blocks that are not part of .gidl: allowed as identifiers, with a warning,
 # because a tool for the whole of IDL will refuse them.
-UNUSED = _words(
+UNUSED = words(
     """
     alias component connector consumes custom emits eventtype factory finder home manages
     mirrorport multiple port porttype primarykey private provides public publishes supports
@@ -31,7 +32,7 @@ UNUSED = _words(
 )
 
 # Words of C++ and Python; each target puts an underscore behind those that it cannot write.
-CPP = _words(
+CPP = words(
     """
     alignas alignof and and_eq asm auto bitand bitor bool break case catch char char8_t char16_t
     char32_t class compl concept const consteval constexpr constinit const_cast continue

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from gidl.keywords import CPP
+from gidl.keywords import CPP, words
 from gidl.model import Interface, Model, Struct
 from gidl.targets.naming import escaped
 
-_MACROS = set(
+_MACROS = words(
     """
-    assert errno stdin stdout stderr offsetof alloca NULL TRUE FALSE DOMAIN EOF NAN INFINITY HUGE_VAL
-    BIG_ENDIAN LITTLE_ENDIAN BYTE_ORDER
-    """.split()
+    assert errno stdin stdout stderr offsetof alloca NULL TRUE FALSE DOMAIN EOF NAN INFINITY
+    HUGE_VAL BIG_ENDIAN LITTLE_ENDIAN BYTE_ORDER
+    """
 )
 KEYWORDS = CPP | {"std", "tl"} | _MACROS
 """Keywords, the namespaces that generated code names, and the macros that headers bring along."""
@@ -30,12 +30,12 @@ BITSET_WORDS = STRUCT_WORDS | {"bits", "set_bits", "raw"}
 TYPE_WORDS = (
     UNION_WORDS
     | BITSET_WORDS
-    | set(
+    | words(
         """
         a arm b call code core decode_enum entry field flags from guard has item key main names
         number out read result row run selecting separator session size stamp_ns to to_string why
         wrong
-        """.split()
+        """
     )
 )
 
