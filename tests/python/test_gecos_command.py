@@ -62,6 +62,19 @@ def test_without_a_broker_it_says_what_was_tried(
     assert err.startswith("gecos: BROKER: NO_SERVER: ")
 
 
+@pytest.mark.parametrize("variable", ["GECOS_BROKER", "GECOS_RUNTIME_DIR"])
+def test_a_place_that_is_no_text_is_refused_by_name(
+    place: object,
+    variable: str,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.setenv(variable, os.fsdecode(b"/tmp/\xff"))
+    assert run(monkeypatch, "ls") == 1
+    said = f"gecos: {variable} is b'/tmp/\\xff', which is not UTF-8; name another place\n"
+    assert capsys.readouterr().err == said
+
+
 def test_describe_shows_state_of_any_object(
     held: Lamp, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

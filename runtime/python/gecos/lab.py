@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Self, TypeVar
 from gecos import _core, farewell
 from gecos.errors import Attempt, CreateError, Detail
 from gecos.interface import Interface
-from gecos.program import program_name
+from gecos.program import check_environment, program_name
 from gecos.proxy import Object
 
 if TYPE_CHECKING:
@@ -24,6 +24,7 @@ class Lab:
     end early; at the end of the program it takes leave in order anyway."""
 
     def __init__(self, broker: str | None = None) -> None:
+        check_environment()
         self._core = _core.Lab(broker or "", program_name())
         farewell.at_exit(self, farewell.Turn.LABS)
 

@@ -1,7 +1,8 @@
-"""What this program is called, for those who ask who holds a robot."""
+"""What this program is called, for those who ask who holds a robot, and what it was started in."""
 
 from __future__ import annotations
 
+import os
 import sys
 from pathlib import Path
 
@@ -15,3 +16,16 @@ def program_name() -> str:
     if name in ("", "-", "-c"):
         return "python"
     return name.encode(errors="replace").decode()
+
+
+def check_environment() -> None:
+    """Raises ValueError where a variable that says where things are is no text: every message
+    about that place would be none either."""
+    for variable in ("GECOS_BROKER", "GECOS_RUNTIME_DIR"):
+        value = os.environ.get(variable, "")
+        try:
+            value.encode()
+        except UnicodeEncodeError:
+            raise ValueError(
+                f"{variable} is {os.fsencode(value)!r}, which is not UTF-8; name another place"
+            ) from None
