@@ -4,6 +4,7 @@ builtin or local its bodies name may be what a type, parameter or member is call
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -20,6 +21,21 @@ from names_in_use import members_file, names_in_use, types_file
 
 ROOTS = [TREE / "runtime" / "python", TREE / "generated" / "python"]
 
+
+# Capitals alone, or an underscore, tell these apart; constants of a module are all capitals.
+ALIKE = """
+module alike {
+  @final struct fooBar { double x; };
+  @final struct foo_bar { string s; long n; };
+  interface Arm_c { double d(in fooBar x); };
+  interface Arm {
+    double c(in foo_bar x);
+    double c_d(in double x);
+    @sensor @stream(rate="1Hz") readonly attribute double at;
+    @sensor double at_stream();
+  };
+};
+"""
 
 # What no other interface of the tests asks for.
 TERMS = """
@@ -187,3 +203,14 @@ def test_mypy_has_nothing_to_say(shadowing: Path, tmp_path: Path) -> None:
         text=True,
     )  # fmt: skip
     assert judged.returncode == 0, judged.stdout[-4000:] + judged.stderr
+
+
+def test_names_that_capitals_make_alike_are_kept_apart(tmp_path: Path) -> None:
+    (tmp_path / "alike.gidl").write_text(ALIKE)
+    generate(tmp_path, tmp_path / "alike.gidl")
+    module = (tmp_path / "python" / "alike.py").read_text()
+    types = (tmp_path / "python" / "alike_types.py").read_text()
+    for text in (module, types):
+        assigned = re.findall(r"^(_[A-Z_]+)(?:: .*)? = ", text, re.MULTILINE)
+        assert len(assigned) > 1
+        assert len(assigned) == len(set(assigned))

@@ -123,7 +123,7 @@ class _Mock:
     def view(self) -> MockView:
         held, methods, streams = [], [], []
         for interface in self._model.lineage(self.interface):
-            facts = Members(self._lowering, interface)
+            facts = Members(self._lowering, interface, names.Constants())
             for call in self._layout.interfaces[interface.name].calls:
                 member = facts._member(call)
                 head = facts._handler(call).head

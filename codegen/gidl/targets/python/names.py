@@ -94,9 +94,19 @@ def member_name(name: str, words: frozenset[str] = STRUCT_WORDS) -> str:
     return escaped(name, words)
 
 
-def constant(*words: str) -> str:
-    """("Manipulator", "tool_offset") -> "_MANIPULATOR_TOOL_OFFSET"."""
-    return "_" + "_".join(snake_case(word) for word in words).upper().lstrip("_")
+class Constants:
+    """What a module calls its own constants: ("Manipulator", "tool_offset") is
+    `_MANIPULATOR_TOOL_OFFSET`. Each has a name of its own, also where capitals make two alike."""
+
+    def __init__(self) -> None:
+        self._taken = LocalNames()
+        self._names: dict[tuple[str, ...], str] = {}
+
+    def name(self, *words: str) -> str:
+        if words not in self._names:
+            plain = "_" + "_".join(snake_case(word) for word in words).upper().lstrip("_")
+            self._names[words] = self._taken.fresh(plain)
+        return self._names[words]
 
 
 def method_names(model: Model, interface: Interface) -> LocalNames:

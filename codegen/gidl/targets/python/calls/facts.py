@@ -23,8 +23,11 @@ from gidl.wire_layout import CallKind, CallLayout
 
 
 class CallFacts:
-    def __init__(self, lowering: Lowering, interface: Interface) -> None:
+    def __init__(
+        self, lowering: Lowering, interface: Interface, constants: names.Constants
+    ) -> None:
         self.interface = interface
+        self.constants = constants  # of all interfaces of the file
         self.used_types: set[str] = set()
         self._lowering = lowering
         self._model = lowering.model
@@ -41,7 +44,7 @@ class CallFacts:
     def _constant(self, call: CallLayout) -> str:
         short = short_name(call)
         words = ("set", short.removesuffix("=")) if short.endswith("=") else (short,)
-        return names.constant(self._name, *words)
+        return self.constants.name(self._name, *words)
 
     def _function(self, call: CallLayout, what: str) -> str:
         return f"{self._constant(call).lower()}_{what}"
@@ -109,4 +112,4 @@ class CallFacts:
         return "None"
 
     def _stream_constant(self, attribute: Attribute) -> str:
-        return names.constant(self._name, attribute.name, "stream")
+        return self.constants.name(self._name, attribute.name, "stream")

@@ -21,7 +21,9 @@ from gidl.targets.python.values.names import BUILTIN_FUNCTIONS, type_doc
 
 
 def interfaces_view(lowering: Lowering, file: File, types: tuple[str, ...]) -> InterfacesView:
-    builders = [_Interface(lowering, d) for d in file.declarations if isinstance(d, Interface)]
+    constants = names.Constants()
+    interfaces = [d for d in file.declarations if isinstance(d, Interface)]
+    builders = [_Interface(lowering, interface, constants) for interface in interfaces]
     views = tuple(builder.view() for builder in builders)
     text = "\n".join(_all_text(view) for view in views)
     doc = tuple(line for view in views[:1] for line in view.doc)
@@ -125,7 +127,7 @@ class _Interface(Tables, Members):
         bases = [names.type_name(self._model, base) for base in interface.bases]
         return InterfaceView(
             self._name,
-            names.constant(self._name),
+            self.constants.name(self._name),
             interface.name,
             interface.facts.version or "",
             f"0x{self._layout.interfaces[interface.name].hash:016X}",

@@ -24,6 +24,7 @@ class ValueNames:
     def __init__(self, lowering: Lowering) -> None:
         self._lowering = lowering
         self._model = lowering.model
+        self._constants = names.Constants()  # one builder makes the views of one file
 
     def _name(self, declaration: AnyDeclaration) -> str:
         return names.type_name(self._model, declaration.name)

@@ -27,6 +27,7 @@ class Plan:
     def __init__(
         self,
         lowering: Lowering,
+        constants: names.Constants,
         struct: Struct,
         members: tuple[Member, ...],
         slots: list[Slot],
@@ -57,9 +58,9 @@ class Plan:
                 self._groups.append((Run(leaves), [i]))
         runs = [run for run, _ in self._groups if run is not None]
         self._names = {
-            id(run): names.constant(name, "layout")
+            id(run): constants.name(name, "layout")
             if len(runs) == 1
-            else names.constant(name, "layout", str(n))
+            else constants.name(name, "layout", str(n))
             for n, run in enumerate(runs, start=1)
         }
 

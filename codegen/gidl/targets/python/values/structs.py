@@ -37,7 +37,9 @@ class Structs(ValueNames):
         arrays = any(self._lowering.holds_array(m.type) for m in members)
         known = self._model.has(struct.name)
         layout = self._lowering.layout.structs.get(struct.name)
-        plan = Plan(self._lowering, struct, members, slots, self._name(struct), words)
+        plan = Plan(
+            self._lowering, self._constants, struct, members, slots, self._name(struct), words
+        )
         by_hand = is_exception or arrays
         return StructView(
             "struct",
