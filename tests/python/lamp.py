@@ -6,6 +6,7 @@ exception Burnt { long hours; };
 @actor double dim(in double by);
 @actor @cancelable void burn_in();
 @sensor @idempotent string label();
+@sensor @cancelable void watch();
 """
 
 from __future__ import annotations
@@ -98,11 +99,14 @@ BURN_IN = Method[None, None](Operation(code=0x1004, name="burn_in", cancelable=T
 LABEL = Method[str, None](
     Operation(code=0x1005, name="label", access=Access.SENSOR, idempotent=True), _string
 )
+WATCH = Method[None, None](
+    Operation(code=0x1006, name="watch", access=Access.SENSOR, cancelable=True), nothing
+)
 LEVEL_STREAM = OutwardStream(code=0x1002, name="level", rate_hz=100.0, largest=8)
 LAMP = Interface(
     name="test::Lamp",
     version="1.0",
-    operations=tuple(m.operation for m in (SHINE, LEVEL, DIM, BURN_IN, LABEL)),
+    operations=tuple(m.operation for m in (SHINE, LEVEL, DIM, BURN_IN, LABEL, WATCH)),
     streams=(LEVEL_STREAM,),
 )
 
@@ -126,6 +130,9 @@ class Lamp(gecos.Object):
     def label(self) -> gecos.Command[str]:
         return self._gecos_call(LABEL, [])
 
+    def watch(self) -> gecos.Command[None]:
+        return self._gecos_call(WATCH, [])
+
 
 class Heater(gecos.Object):
     """Another type."""
@@ -141,6 +148,7 @@ class LampServant(gecos.Servant):
         0x1003: Handler(DIM.operation, "dim", _double_argument, _double_result),
         0x1004: Handler(BURN_IN.operation, "burn_in", no_arguments, no_result),
         0x1005: Handler(LABEL.operation, "label", no_arguments, _string_result),
+        0x1006: Handler(WATCH.operation, "watch", no_arguments, no_result),
     }
 
     @abstractmethod
@@ -157,6 +165,9 @@ class LampServant(gecos.Servant):
 
     @abstractmethod
     def label(self) -> str: ...
+
+    @abstractmethod
+    def watch(self, run: gecos.Execution[None]) -> None: ...
 
     def publish_level(self, value: float, stamp: float | None = None) -> None:
         self._gecos_publish(0x1002, [_DOUBLE.pack(value)], stamp)
@@ -209,6 +220,9 @@ class PlainLamp(LampServant):
     def label(self) -> str:
         self.before_label()
         return "a lamp"
+
+    def watch(self, run: gecos.Execution[None]) -> None:
+        self.starts.append("watch")
 
     def gecos_on_stop(self) -> None:
         self.stopped.set()

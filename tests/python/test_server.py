@@ -25,40 +25,63 @@ def test_a_sensor_call_is_answered_while_a_command_runs(held: Lamp, servant: Pla
     burning.result()
 
 
-def test_two_objects_of_one_server_take_turns(
+def test_objects_of_one_server_do_not_wait_for_each_other(
     lab: gecos.Lab, server: gecos.Server, held: Lamp, servant: PlainLamp
 ) -> None:
-    second = PlainLamp()
-    server.add("LAMP2", second)
+    server.add("LAMP2", PlainLamp())
     lamp2 = lab.create(Lamp, "LAMP2")
+    asked, go = threading.Event(), threading.Event()
+    servant.before_label = lambda: (asked.set(), go.wait(30.0))
     with gecos.actor(lamp2):
-        burning = held.burn_in()
+        burning, labelled = held.burn_in(), held.label()
         servant.burning.wait()
-        dimmed = lamp2.dim(1.0)
+        asked.wait()
+        assert lamp2.dim(1.0).result() == 0.0
         assert lamp2.label().result() == "a lamp"
-        assert second.starts == []
-        servant.finish.set()
-        dimmed.result()
-        burning.result()
+        assert (burning.state, labelled.state) == (State.RUNNING, State.RUNNING)
+    servant.finish.set()
+    go.set()
+    burning.result()
+    labelled.result()
 
 
-def test_a_command_that_was_stopped_while_another_object_had_the_thread_never_starts(
-    lab: gecos.Lab, server: gecos.Server, held: Lamp, servant: PlainLamp
+class Asking(PlainLamp):
+    """Does what it is asked by asking another one."""
+
+    def __init__(self, other: Lamp) -> None:
+        super().__init__()
+        self.other = other
+
+    def dim(self, by: float) -> float:
+        return self.other.dim(by).result()
+
+    def label(self) -> str:
+        return self.other.label().result()
+
+
+def test_a_handler_may_wait_for_another_object_of_its_server(
+    lab: gecos.Lab, server: gecos.Server, held: Lamp
 ) -> None:
-    second = PlainLamp()
-    server.add("LAMP2", second)
-    lamp2 = lab.create(Lamp, "LAMP2")
-    with gecos.actor(lamp2):
-        burning = held.burn_in()
-        servant.burning.wait()
-        dimmed = lamp2.dim(1.0)
-        gecos.ping(lamp2).result()
-        gecos.stop(lamp2).result()
-        assert dimmed.wait() is State.COMMAND_FAILED
+    server.add("ASKING", Asking(held))
+    asking = lab.create(Lamp, "ASKING")
+    with gecos.actor(asking):
+        assert asking.dim(1.0).result() == 0.0
+        assert asking.label().result() == "a lamp"
+
+
+def test_a_reading_that_is_canceled_while_a_command_has_the_thread_never_starts(
+    held: Lamp, servant: PlainLamp
+) -> None:
+    burning = held.burn_in()
+    servant.burning.wait()
+    watched = held.watch()
+    watched.cancel()
+    gecos.ping(held).result()  # behind the cancel
     servant.finish.set()
     burning.result()
-    held.dim(1.0).result()
-    assert second.starts == []
+    assert watched.wait() is State.COMMAND_FAILED
+    assert watched.progress().detail is Detail.CANCELED
+    assert servant.starts == ["burn_in"]
 
 
 class Unspeakable(Exception):

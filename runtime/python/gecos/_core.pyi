@@ -1,6 +1,7 @@
 """The C++ runtime at the byte seam: untyped names that `gecos` gives their types."""
 
 from collections.abc import Sequence
+from typing import Literal
 
 from gecos.interface import Interface
 
@@ -60,13 +61,14 @@ class Lease:
     def release_now(self) -> None: ...
 
 class PulledServant:
+    def next(self, lane: int) -> IncomingCall | Literal["stopped"] | None:
+        """The next call of a lane (0 sensor and safety, 1 the FIFO), "stopped" (lane 0 only) when
+        somebody stopped the object, or None: it is closed. Waits without end."""
     def publish(self, code: int, sample: bytes, stamp_ns: int) -> None: ...
 
 class IncomingCall:
     @property
     def code(self) -> int: ...
-    @property
-    def servant(self) -> int: ...
     @property
     def arguments(self) -> bytes: ...
     def caller(self) -> tuple[str, str, str, int, int]: ...
@@ -80,17 +82,14 @@ class Server:
     def __init__(self, lab: Lab) -> None: ...
     def await_broker(self, patience: float) -> str | None:
         """None once a broker answers; where it was looked for when none did for `patience`."""
-    def prepare(self, place: int, interface: Interface) -> PulledServant:
-        """Who may be served. `next` gives `place` with its calls and stops."""
+    def prepare(self, interface: Interface) -> PulledServant:
+        """Who may be served."""
     def add(
         self, prepared: PulledServant, name: str, simulated: bool, media: Sequence[str]
     ) -> str | None:
         """Serves what was prepared here; else says why it cannot be."""
-    def next(self, lane: int, timeout: float | None) -> IncomingCall | int | None:
-        """The next call of a lane (0 sensor and safety, 1 the FIFOs), the number of a servant that
-        was stopped (lane 0 only), or None: nothing came in time, or the server is closed."""
-    @property
-    def closed(self) -> bool: ...
+    def forget(self, prepared: PulledServant) -> None:
+        """Closes what was prepared and is not served."""
     def close(self) -> None: ...
 
 class Broker:

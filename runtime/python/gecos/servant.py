@@ -42,7 +42,8 @@ class Servant(ABC):  # noqa: B024  # the skeletons declare what is abstract
     """Handlers may raise a declared exception of their operation, `gecos.Rejected` or
     `gecos.Interrupted`; anything else becomes a FAULT with its text, and is logged.
 
-    Sensor and safety operations are called from one thread, all others one at a time from another.
+    Sensor and safety operations are called from one thread of the object, all others one at a time
+    from another.
     """
 
     _gecos_interface: ClassVar[Interface] = Interface(name="gecos::Object")
@@ -50,7 +51,7 @@ class Servant(ABC):  # noqa: B024  # the skeletons declare what is abstract
     _gecos_core: _core.PulledServant | None = None  # set while it is served
 
     def gecos_on_stop(self) -> None:  # noqa: B027  # most servants watch run.interrupted instead
-        """Somebody stopped the object: make it stand. Called on the thread of the sensor operations
+        """Somebody stopped the object: make it stand. Called on the thread of its sensor operations
         while the interrupted handler may still run. Leases and queue are gone already."""
 
     def _gecos_publish(self, code: int, sample: Parts, stamp: float | None) -> None:

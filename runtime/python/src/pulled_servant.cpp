@@ -7,63 +7,60 @@ namespace gecos::python {
 namespace {
 
 void refuse(Task& task) {
-  auto* const arrived = std::get_if<Arrived>(&task);
-  if (arrived == nullptr) return;
-  arrived->call.fail({Detail::Rejected,
-                      "'" + std::string(arrived->call.operation().name) +
-                          "' was not started: the server is about to end",
-                      {},
-                      {}});
+  auto* const call = std::get_if<IncomingCall>(&task);
+  if (call == nullptr) return;
+  call->fail(
+      {Detail::Rejected,
+       "'" + std::string(call->operation().name) + "' was not started: the server is about to end",
+       {},
+       {}});
 }
 
 }  // namespace
 
-void TaskQueue::push(Lane lane, Task task) {
+void TaskQueue::push(Task task) {
   {
     const std::lock_guard lock(mutex_);
     if (!closed_) {
-      lanes_[static_cast<std::size_t>(lane)].push_back(std::move(task));
-      arrived_.notify_all();
+      waiting_.push_back(std::move(task));
+      arrived_.notify_one();
       return;
     }
   }
   refuse(task);
 }
 
-std::optional<Task> TaskQueue::next(Lane lane, TimePoint until) {
+std::optional<Task> TaskQueue::next() {
   std::unique_lock lock(mutex_);
-  auto& waiting = lanes_[static_cast<std::size_t>(lane)];
-  arrived_.wait_until(lock, until, [&] { return closed_ || !waiting.empty(); });
-  if (closed_ || waiting.empty()) return std::nullopt;
-  Task task = std::move(waiting.front());
-  waiting.pop_front();
+  arrived_.wait(lock, [&] { return closed_ || !waiting_.empty(); });
+  if (closed_) return std::nullopt;
+  Task task = std::move(waiting_.front());
+  waiting_.pop_front();
   return task;
 }
 
 void TaskQueue::close() {
-  std::array<std::deque<Task>, 2> unhandled;  // answered after the lock is gone
+  std::deque<Task> unhandled;  // answered after the lock is gone
   {
     const std::lock_guard lock(mutex_);
     closed_ = true;
-    std::swap(unhandled, lanes_);
+    std::swap(unhandled, waiting_);
   }
   arrived_.notify_all();
-  for (auto& lane : unhandled) {
-    for (Task& task : lane) refuse(task);
-  }
-}
-
-bool TaskQueue::closed() const {
-  const std::lock_guard lock(mutex_);
-  return closed_;
+  for (Task& task : unhandled) refuse(task);
 }
 
 void PulledServant::gecos_dispatch(IncomingCall call) {
   const OperationDescription& operation = call.operation();
   const bool is_short =
       operation.status == access::Status::Sensor && !operation.cancelable && !operation.ordered;
-  const Lane lane = operation.safety || is_short ? Lane::Sensor : Lane::Fifo;
-  tasks_.push(lane, Arrived{number_, std::move(call)});
+  TaskQueue& lane = operation.safety || is_short ? sensor_ : fifo_;
+  lane.push(std::move(call));
+}
+
+void PulledServant::close() {
+  sensor_.close();
+  fifo_.close();
 }
 
 bool PulledServant::publish(FunctionCode code, ByteView sample, std::int64_t stamp_ns) {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
@@ -20,51 +19,46 @@ enum class Lane : std::uint8_t {
   Fifo,    ///< everything else, in its order
 };
 
-/// A call for a servant, by its number.
-struct Arrived {
-  std::size_t servant = 0;
-  IncomingCall call;
-};
-/// Somebody stopped a servant.
-struct Stopped {
-  std::size_t servant = 0;
-};
-using Task = std::variant<Arrived, Stopped>;
+/// Somebody stopped the servant.
+struct Stopped {};
+using Task = std::variant<IncomingCall, Stopped>;
 
-/// What waits for the handlers of one server. Thread-safe.
+/// What waits for the handlers of one lane. Thread-safe.
 class TaskQueue {
  public:
-  void push(Lane lane, Task task);
-  /// Waits for the next task of a lane; nothing at `until`, or when closed.
-  std::optional<Task> next(Lane lane, TimePoint until);
+  void push(Task task);
+  /// Waits for the next task; nothing once it is closed.
+  std::optional<Task> next();
   /// Nothing is given out any more; what still waits is answered as not handled.
   void close();
-  bool closed() const;
 
  private:
-  mutable std::mutex mutex_;
+  std::mutex mutex_;
   std::condition_variable arrived_;
-  std::array<std::deque<Task>, 2> lanes_;
+  std::deque<Task> waiting_;
   bool closed_ = false;
 };
 
-/// Queues its calls. The queue must outlive it.
+/// Queues its calls, by their lanes.
 class PulledServant final : public Servant {
  public:
-  PulledServant(const InterfaceDescription& interface, TaskQueue& tasks, std::size_t number)
-      : interface_(interface), tasks_(tasks), number_(number) {}
+  explicit PulledServant(const InterfaceDescription& interface) : interface_(interface) {}
 
   const InterfaceDescription& gecos_interface() const override { return interface_; }
   void gecos_dispatch(IncomingCall call) override;
   /// Any thread.
-  void stopped() { tasks_.push(Lane::Sensor, Stopped{number_}); }
+  void stopped() { sensor_.push(Stopped{}); }
+  /// Any thread; waits for the next task of that lane, nothing once it is closed.
+  std::optional<Task> next(Lane lane) { return (lane == Lane::Sensor ? sensor_ : fifo_).next(); }
+  /// No handler is called any more.
+  void close();
   /// Publishes a sample of the stream with this code; false when the interface has none.
   bool publish(FunctionCode code, ByteView sample, std::int64_t stamp_ns);
 
  private:
   const InterfaceDescription& interface_;
-  TaskQueue& tasks_;
-  const std::size_t number_;
+  TaskQueue sensor_;
+  TaskQueue fifo_;
 };
 
 }  // namespace gecos::python

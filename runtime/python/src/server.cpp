@@ -22,33 +22,12 @@ namespace {
 
 namespace nb = nanobind;
 
-/// What servants and the calls of their queue belong to; as long as one of them lives.
-struct Served {
-  TaskQueue tasks;
-  std::vector<std::shared_ptr<PulledServant>> servants;
-};
-
-class ServantHandle {
- public:
-  ServantHandle(std::shared_ptr<Served> served, std::shared_ptr<PulledServant> servant)
-      : served_(std::move(served)), servant_(std::move(servant)) {}
-  const std::shared_ptr<PulledServant>& servant() const { return servant_; }
-
- private:
-  std::shared_ptr<Served> served_;
-  std::shared_ptr<PulledServant> servant_;
-};
-
 /// A call that Python answers. Answering moves it out; whoever is late is ignored.
 class CallHandle {
  public:
-  explicit CallHandle(Arrived arrived)
-      : servant_(arrived.servant),
-        code_(arrived.call.operation().code),
-        call_(std::move(arrived.call)) {}
+  explicit CallHandle(IncomingCall call) : code_(call.operation().code), call_(std::move(call)) {}
   CallHandle(CallHandle&&) = default;
 
-  std::size_t servant() const { return servant_; }
   std::uint32_t code() const { return number(code_); }
   IncomingCall& call() {
     if (!call_) throw nb::value_error("the call was answered already");
@@ -57,9 +36,32 @@ class CallHandle {
   std::optional<IncomingCall> answer() { return std::exchange(call_, std::nullopt); }
 
  private:
-  std::size_t servant_;
   FunctionCode code_;
   std::optional<IncomingCall> call_;
+};
+
+class ServantHandle {
+ public:
+  explicit ServantHandle(std::shared_ptr<PulledServant> servant) : servant_(std::move(servant)) {}
+  const std::shared_ptr<PulledServant>& servant() const { return servant_; }
+
+  /// The next call of a lane, "stopped", or None once it is closed. Signals are the main thread's,
+  /// which does not wait here, so this needs no slices.
+  nb::object next(int lane) {
+    auto task = without_gil([&] { return servant_->next(static_cast<Lane>(lane)); });
+    if (!task) return nb::none();
+    if (auto* const call = std::get_if<IncomingCall>(&*task)) {
+      return nb::cast(CallHandle(std::move(*call)));
+    }
+    return nb::str("stopped");
+  }
+
+  void close() {
+    without_gil([&] { servant_->close(); });
+  }
+
+ private:
+  std::shared_ptr<PulledServant> servant_;
 };
 
 class ServerHandle {
@@ -70,11 +72,12 @@ class ServerHandle {
   ServerHandle& operator=(const ServerHandle&) = delete;
   ~ServerHandle() { close(); }
 
-  /// `place`: the servant's number in the calls and stops that `next` gives. It is not served yet.
-  ServantHandle prepare(std::size_t place, nb::handle interface) {
+  /// Who may be served.
+  ServantHandle prepare(nb::handle interface) {
     owner_.demand("this Server");
-    return {served_,
-            std::make_shared<PulledServant>(description_of(interface), served_->tasks, place)};
+    auto servant = std::make_shared<PulledServant>(description_of(interface));
+    if (server_ == nullptr) servant->close();
+    return ServantHandle(servants_.emplace_back(std::move(servant)));
   }
 
   /// Serves what was prepared here; else says why not.
@@ -95,13 +98,10 @@ class ServerHandle {
       }
       options.media.push_back(*kind);
     }
-    const auto& servant = served_->servants.emplace_back(prepared.servant());
+    const auto servant = prepared.servant();
     options.on_stop = [servant = servant.get()] { servant->stopped(); };
-    const auto added = without_gil(
-        [&, servant = servant] { return server->add(name, *servant, std::move(options)); });
-    if (added) return nb::none();
-    std::erase(served_->servants, prepared.servant());
-    return nb::str(added.error().text.c_str());
+    const auto added = without_gil([&] { return server->add(name, *servant, std::move(options)); });
+    return added ? nb::none() : nb::object(nb::str(added.error().text.c_str()));
   }
 
   /// Nothing once a broker answers, else where it was looked for.
@@ -119,40 +119,35 @@ class ServerHandle {
     return nb::str(why.c_str());
   }
 
-  nb::object next(int lane, std::optional<double> timeout) {
-    std::optional<Task> task;
-    wait_in_slices(timeout, [&, served = served_](TimePoint until) {
-      task = served->tasks.next(static_cast<Lane>(lane), until);
-      return task || served->tasks.closed();
-    });
-    if (!task) return nb::none();
-    if (const auto* stopped = std::get_if<Stopped>(&*task)) return nb::int_(stopped->servant);
-    return nb::cast(CallHandle(std::move(std::get<Arrived>(*task))));
+  /// What was prepared and is not served is closed.
+  void forget(const ServantHandle& prepared) {
+    const auto servant = prepared.servant();
+    std::erase(servants_, servant);
+    without_gil([&] { servant->close(); });
   }
-
-  bool closed() const { return owner_.inherited() || served_->tasks.closed(); }
 
   void close() {
     if (owner_.inherited()) {
       static_cast<void>(new auto(std::exchange(server_, nullptr)));
-      static_cast<void>(new auto(served_));
+      static_cast<void>(new auto(std::move(servants_)));
       let_go(lab_, owner_);
       return;
     }
-    without_gil([this, server = std::exchange(server_, nullptr)]() mutable {
-      served_->tasks.close();
+    const auto servants = servants_;  // another thread may be adding
+    without_gil([&, server = std::exchange(server_, nullptr)]() mutable {
+      for (const auto& servant : servants) servant->close();
       server.reset();
     });
     // Who keeps this object keeps the servants, which must not keep the lab and its thread.
-    for (const auto& servant : served_->servants) servant->gecos_attach(nullptr);
+    for (const auto& servant : servants) servant->gecos_attach(nullptr);
     let_go(lab_, owner_);
   }
 
  private:
   const Owner owner_;
   std::shared_ptr<Lab> lab_;
-  std::shared_ptr<Served> served_ = std::make_shared<Served>();
-  std::shared_ptr<Server> server_;
+  std::vector<std::shared_ptr<PulledServant>> servants_;
+  std::shared_ptr<Server> server_;  // last: ends before those that it serves
 };
 
 /// A broker in this process, with a server of its own.
@@ -213,6 +208,7 @@ void fail(CallHandle& self, int detail, std::string text, std::string exception,
 
 void bind_server(nb::module_& module) {
   nb::class_<ServantHandle>(module, "PulledServant")
+      .def("next", &ServantHandle::next, nb::arg("lane"))
       .def(
           "publish",
           [](const ServantHandle& self, std::uint32_t code, const nb::bytes& sample,
@@ -225,7 +221,6 @@ void bind_server(nb::module_& module) {
 
   nb::class_<CallHandle>(module, "IncomingCall")
       .def_prop_ro("code", &CallHandle::code)
-      .def_prop_ro("servant", &CallHandle::servant)
       .def_prop_ro("arguments", [](CallHandle& self) { return to_python(self.call().arguments()); })
       .def("caller", &caller)
       .def("interrupted", [](CallHandle& self) { return self.call().interrupted(); })
@@ -243,11 +238,10 @@ void bind_server(nb::module_& module) {
   nb::class_<ServerHandle>(module, "Server")
       .def(nb::init<const LabHandle&>(), nb::arg("lab"))
       .def("await_broker", &ServerHandle::await_broker, nb::arg("patience"))
-      .def("prepare", &ServerHandle::prepare, nb::arg("place"), nb::arg("interface"))
+      .def("prepare", &ServerHandle::prepare, nb::arg("interface"))
       .def("add", &ServerHandle::add, nb::arg("prepared"), nb::arg("name"), nb::arg("simulated"),
            nb::arg("media"))
-      .def("next", &ServerHandle::next, nb::arg("lane"), nb::arg("timeout").none())
-      .def_prop_ro("closed", &ServerHandle::closed)
+      .def("forget", &ServerHandle::forget, nb::arg("prepared"))
       .def("close", &ServerHandle::close);
 
   nb::class_<BrokerHandle>(module, "Broker")

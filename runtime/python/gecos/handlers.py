@@ -1,0 +1,136 @@
+"""Threads that run the handlers of a servant, and what becomes of what they give or raise."""
+
+from __future__ import annotations
+
+import threading
+import traceback
+from typing import TYPE_CHECKING, Literal
+
+from gecos import _core, log
+from gecos.errors import DeclaredError, Detail, Interrupted, Rejected
+from gecos.execution import Execution
+from gecos.interface import Handler
+from gecos.servant import Servant
+from gecos.wire import DecodeError, Decoder, to_bytes
+
+if TYPE_CHECKING:
+    from gecos.server import Server
+
+LANES = ("sensor", "fifo")  # as the extension numbers them
+_LONGEST_TEXT = 10_000  # characters of a failure
+
+
+class Lane(threading.Thread):
+    """Runs the handlers of a servant's lane, one after the other, until the lane is closed."""
+
+    def __init__(
+        self, server: Server, name: str, servant: Servant, core: _core.PulledServant, lane: int
+    ) -> None:
+        super().__init__(name=f"gecos-{LANES[lane]}-{name}", daemon=True)
+        self._server = server  # which serves as long as its threads run, whoever lets go of it
+        self.servant = servant
+        self._core = core
+        self._lane = lane
+        self._running: _core.IncomingCall | Literal["stopped"] | None = None
+
+    def run(self) -> None:
+        while (task := self._core.next(self._lane)) is not None:
+            self._running = task
+            if task == "stopped":
+                _stopped(self.servant)
+            else:
+                _answer(self.servant, task)
+            self._running = None
+
+    def tell_running(self) -> None:
+        """Says on stderr for which handler whoever closes the server waits."""
+        running = self._running
+        if running is None:
+            return
+        if running != "stopped":
+            handler = self.servant._gecos_handlers.get(running.code)
+            method = handler.method if handler else "?"
+            advice = (
+                "let it look at `run.interrupted`, or sleep in `run.wait_interrupted(…)`"
+                if handler and handler.operation.cancelable
+                else "make its operation @cancelable: only such a handler is told to end"
+            )
+        else:
+            method = "gecos_on_stop"
+            advice = "let it only say that all shall stop, and not wait until it has"
+        log.error(
+            "server",
+            f"closing waits for the handler {type(self.servant).__name__}.{method}, which has "
+            f"not returned; {advice}. The server is not closed until it returns",
+        )
+
+
+def _answer(servant: Servant, call: _core.IncomingCall) -> None:
+    """Whatever the handler raises ends its call, not the thread of all calls."""
+    handler = servant._gecos_handlers.get(call.code)
+    if handler is None:
+        call.fail(Detail.UNKNOWN_OPERATION, f"no operation has the code {call.code:#x}", "", b"")
+        return
+    try:
+        arguments = handler.arguments(Decoder(call.arguments))
+    except DecodeError as error:
+        call.fail(Detail.BAD_PARAMETER, f"{handler.operation.name}: {error}", "", b"")
+        return
+    except BaseException as error:  # of a value type that a user wrote
+        _fault(call, handler, error)
+        return
+    if call.interrupted():  # stopped or canceled while another handler had the thread
+        call.fail(Detail.CANCELED, f"{handler.operation.name}: ended before it started", "", b"")
+        return
+    if handler.operation.cancelable:
+        arguments = (*arguments, Execution(call))
+    try:
+        value = getattr(servant, handler.method)(*arguments)
+        result = b"".join(handler.result(value))
+    except BaseException as error:
+        _raised(call, handler, error)
+    else:
+        call.finish(result)
+
+
+def _raised(call: _core.IncomingCall, handler: Handler, error: BaseException) -> None:
+    """Ends the call with what its handler raised, as far as that can be sent."""
+    try:
+        if isinstance(error, DeclaredError):
+            call.fail(Detail.FAULT, _sendable(str(error)), error._gecos_name, to_bytes(error))
+            return
+        if isinstance(error, Rejected | Interrupted):
+            call.fail(error.detail, _sendable(str(error.text)), "", b"")
+            return
+    except BaseException as unsendable:  # a member, or the text, of a type that it must not have
+        unsendable.__cause__ = error
+        error = unsendable
+    _fault(call, handler, error)
+
+
+def _fault(call: _core.IncomingCall, handler: Handler, error: BaseException) -> None:
+    text = ": ".join(filter(None, (handler.operation.name, type(error).__name__, _text(error))))
+    trace = "".join(traceback.format_exception(error))
+    log.error("server", _sendable(f"{text}\n{trace}"))
+    call.fail(Detail.FAULT, _sendable(text), "", b"")
+
+
+def _text(error: BaseException) -> str:
+    try:
+        return str(error)
+    except BaseException as unspeakable:
+        return f"its text cannot be had: {type(unspeakable).__name__}"
+
+
+def _sendable(text: str) -> str:
+    """Half of a surrogate pair and NUL cannot be sent; a text of megabytes helps nobody."""
+    text = text.encode(errors="backslashreplace").decode().replace("\0", "\\0")
+    return text if len(text) <= _LONGEST_TEXT else f"{text[:_LONGEST_TEXT]} …"
+
+
+def _stopped(servant: Servant) -> None:
+    try:
+        servant.gecos_on_stop()
+    except BaseException:
+        text = f"{servant._gecos_interface.name}: gecos_on_stop failed\n{traceback.format_exc()}"
+        log.error("server", _sendable(text))
