@@ -69,6 +69,29 @@ def test_a_handler_may_wait_for_another_object_of_its_server(
         assert asking.label().result() == "a lamp"
 
 
+def test_an_object_without_its_threads_is_not_served_and_leaves_none(
+    server: gecos.Server, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    before = set(threading.enumerate())
+    start, began = threading.Thread.start, list[threading.Thread]()
+
+    def only_one(thread: threading.Thread) -> None:
+        if began:
+            raise RuntimeError("can't start new thread")
+        began.append(thread)
+        start(thread)
+
+    second = PlainLamp()
+    with monkeypatch.context() as patched:
+        patched.setattr(threading.Thread, "start", only_one)
+        with pytest.raises(gecos.ServeError) as refused:
+            server.add("LAMP2", second)
+    assert str(refused.value) == "LAMP2: no thread for its handlers: can't start new thread"
+    began[0].join(30.0)
+    assert set(threading.enumerate()) <= before
+    server.add("LAMP2", second)
+
+
 def test_a_reading_that_is_canceled_while_a_command_has_the_thread_never_starts(
     held: Lamp, servant: PlainLamp
 ) -> None:
