@@ -69,6 +69,91 @@ def test_a_handler_may_wait_for_another_object_of_its_server(
         assert asking.label().result() == "a lamp"
 
 
+def test_closing_a_server_again_leaves_what_another_serves_since(lab: gecos.Lab) -> None:
+    lamp = PlainLamp()
+    with gecos.Server(lab) as first, gecos.Server(lab) as second:
+        first.add("LAMP", lamp)
+        first.close()
+        second.add("LAMP2", lamp)
+        first.close()
+        lamp.publish_level(1.0)
+        with pytest.raises(gecos.ServeError, match="is served already under another name"):
+            second.add("LAMP3", lamp)
+
+
+def test_a_servant_whose_handler_closed_its_server_can_be_served_by_another(
+    lab: gecos.Lab,
+) -> None:
+    lamp, server = PlainLamp(), gecos.Server(lab)
+    server.add("LAMP", lamp)
+    closed = threading.Event()
+    lamp.before_label = lambda: (server.close(), closed.set())
+    lab.create(Lamp, "LAMP").label().wait()
+    assert closed.wait(30.0)
+    with pytest.raises(gecos.ServeError, match="publishes while it is not served"):
+        lamp.publish_level(1.0)
+    server.close()
+    with gecos.Server(lab) as second:
+        second.add("LAMP2", lamp)
+
+
+def test_an_add_that_ctrl_c_breaks_off_can_be_repeated(
+    server: gecos.Server, lab: gecos.Lab, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    second = PlainLamp()
+    with monkeypatch.context() as patched:
+        patched.setattr(threading.Thread, "start", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            server.add("LAMP2", second)
+    server.add("LAMP2", second)
+    assert lab.create(Lamp, "LAMP2").label().result() == "a lamp"
+
+
+def interrupted(thread: threading.Thread) -> NoReturn:
+    raise KeyboardInterrupt
+
+
+def test_a_stop_does_not_wait_for_readings(lamp: Lamp, servant: PlainLamp) -> None:
+    asked, go = threading.Event(), threading.Event()
+    servant.before_label = lambda: (asked.set(), go.wait(30.0))
+    first, second = lamp.label(), lamp.label()
+    asked.wait()
+    gecos.stop(lamp).result()
+    assert servant.stopped.wait(30.0)
+    assert first.state is State.RUNNING
+    go.set()
+    assert [first.result(), second.result()] == ["a lamp", "a lamp"]
+
+
+class Unquotable(Exception):
+    @property
+    def __notes__(self) -> NoReturn:
+        raise ValueError
+
+
+def test_an_exception_without_a_trace_ends_its_call_alone(lamp: Lamp, servant: PlainLamp) -> None:
+    def fail() -> NoReturn:
+        raise Unquotable("burnt")
+
+    servant.before_label = fail
+    first, second = lamp.label(), lamp.label()
+    for label in (first, second):
+        with pytest.raises(gecos.CommandFailed, match="label: Unquotable: burnt"):
+            label.result(30.0)
+
+
+def test_a_child_that_a_handler_forked_ends_and_leaves_the_answer_to_its_parent(
+    lamp: Lamp, servant: PlainLamp
+) -> None:
+    children: list[int] = []
+    servant.before_label = lambda: children.append(os.fork())
+    assert lamp.label().result() == "a lamp"
+    (child,) = (pid for pid in children if pid != 0)
+    assert os.waitpid(child, 0)[0] == child
+    servant.before_label = lambda: None
+    assert lamp.label().result() == "a lamp"
+
+
 def test_an_object_without_its_threads_is_not_served_and_leaves_none(
     server: gecos.Server, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -62,8 +62,8 @@ class Lease:
 
 class PulledServant:
     def next(self, lane: int) -> IncomingCall | Literal["stopped"] | None:
-        """The next call of a lane (0 sensor and safety, 1 the FIFO), "stopped" (lane 0 only) when
-        somebody stopped the object, or None: it is closed. Waits without end."""
+        """The next call of a lane (0 safety, 1 short sensor operations, 2 the FIFO), "stopped" (of
+        lane 0) when somebody stopped the object, or None: it is closed. Waits without end."""
     def publish(self, code: int, sample: bytes, stamp_ns: int) -> None: ...
 
 class IncomingCall:
@@ -89,7 +89,7 @@ class Server:
     ) -> str | None:
         """Serves what was prepared here; else says why it cannot be."""
     def forget(self, prepared: PulledServant) -> None:
-        """Closes what was prepared and is not served."""
+        """Ends the lanes of what was prepared and is not to be served."""
     def close(self) -> None: ...
 
 class Broker:

@@ -16,7 +16,7 @@ from gecos.wire import DecodeError, Decoder, to_bytes
 if TYPE_CHECKING:
     from gecos.server import Server
 
-LANES = ("sensor", "fifo")  # as the extension numbers them
+LANES = ("safety", "sensor", "fifo")  # as the extension numbers them
 _LONGEST_TEXT = 10_000  # characters of a failure
 
 
@@ -29,12 +29,12 @@ class Lane(threading.Thread):
         super().__init__(name=f"gecos-{LANES[lane]}-{name}", daemon=True)
         self._server = server  # which serves as long as its threads run, whoever lets go of it
         self.servant = servant
-        self._core = core
+        self.core = core
         self._lane = lane
         self._running: _core.IncomingCall | Literal["stopped"] | None = None
 
     def run(self) -> None:
-        while (task := self._core.next(self._lane)) is not None:
+        while (task := self.core.next(self._lane)) is not None:
             self._running = task
             if task == "stopped":
                 _stopped(self.servant)
@@ -61,12 +61,13 @@ class Lane(threading.Thread):
         log.error(
             "server",
             f"closing waits for the handler {type(self.servant).__name__}.{method}, which has "
-            f"not returned; {advice}. The server is not closed until it returns",
+            f"not returned; {advice}. The server is not closed until it returns; "
+            "another SIGINT or SIGTERM ends the program",
         )
 
 
 def _answer(servant: Servant, call: _core.IncomingCall) -> None:
-    """Whatever the handler raises ends its call, not the thread of all calls."""
+    """Whatever the handler raises ends its call, not the thread of its lane."""
     handler = servant._gecos_handlers.get(call.code)
     if handler is None:
         call.fail(Detail.UNKNOWN_OPERATION, f"no operation has the code {call.code:#x}", "", b"")
@@ -110,8 +111,7 @@ def _raised(call: _core.IncomingCall, handler: Handler, error: BaseException) ->
 
 def _fault(call: _core.IncomingCall, handler: Handler, error: BaseException) -> None:
     text = ": ".join(filter(None, (handler.operation.name, type(error).__name__, _text(error))))
-    trace = "".join(traceback.format_exception(error))
-    log.error("server", _sendable(f"{text}\n{trace}"))
+    log.error("server", _sendable(f"{text}\n{_trace(error)}"))
     call.fail(Detail.FAULT, _sendable(text), "", b"")
 
 
@@ -120,6 +120,13 @@ def _text(error: BaseException) -> str:
         return str(error)
     except BaseException as unspeakable:
         return f"its text cannot be had: {type(unspeakable).__name__}"
+
+
+def _trace(error: BaseException) -> str:
+    try:
+        return "".join(traceback.format_exception(error))
+    except BaseException as unspeakable:  # of its notes or its causes
+        return f"its trace cannot be had: {type(unspeakable).__name__}"
 
 
 def _sendable(text: str) -> str:
@@ -131,6 +138,6 @@ def _sendable(text: str) -> str:
 def _stopped(servant: Servant) -> None:
     try:
         servant.gecos_on_stop()
-    except BaseException:
-        text = f"{servant._gecos_interface.name}: gecos_on_stop failed\n{traceback.format_exc()}"
+    except BaseException as error:
+        text = f"{servant._gecos_interface.name}: gecos_on_stop failed\n{_trace(error)}"
         log.error("server", _sendable(text))

@@ -19,13 +19,13 @@ def program_name() -> str:
 
 
 def check_environment() -> None:
-    """Raises ValueError where a variable that says where things are is no text: every message
+    """Raises RuntimeError where a variable that says where things are is no text: every message
     about that place would be none either."""
     for variable in ("GECOS_BROKER", "GECOS_RUNTIME_DIR"):
         value = os.environ.get(variable, "")
         try:
             value.encode()
         except UnicodeEncodeError:
-            raise ValueError(
+            raise RuntimeError(
                 f"{variable} is {os.fsencode(value)!r}, which is not UTF-8; name another place"
             ) from None

@@ -42,8 +42,9 @@ class Servant(ABC):  # noqa: B024  # the skeletons declare what is abstract
     """Handlers may raise a declared exception of their operation, `gecos.Rejected` or
     `gecos.Interrupted`; anything else becomes a FAULT with its text, and is logged.
 
-    Sensor and safety operations are called from one thread of the object, all others one at a time
-    from another.
+    Each object has three threads, which call its handlers one at a time each: one those of safety
+    operations, one those of sensor operations that are neither cancelable nor ordered, one all
+    others.
     """
 
     _gecos_interface: ClassVar[Interface] = Interface(name="gecos::Object")
@@ -51,8 +52,8 @@ class Servant(ABC):  # noqa: B024  # the skeletons declare what is abstract
     _gecos_core: _core.PulledServant | None = None  # set while it is served
 
     def gecos_on_stop(self) -> None:  # noqa: B027  # most servants watch run.interrupted instead
-        """Somebody stopped the object: make it stand. Called on the thread of its sensor operations
-        while the interrupted handler may still run. Leases and queue are gone already."""
+        """Somebody stopped the object: make it stand. Called on the thread of its safety operations
+        while other handlers may still run. Leases and queue are gone already."""
 
     def _gecos_publish(self, code: int, sample: Parts, stamp: float | None) -> None:
         if self._gecos_core is None:

@@ -17,6 +17,7 @@ from gecos.servant import Servant
 
 BROKER_PATIENCE = 10.0
 """How long a server waits for a broker that is starting, in seconds."""
+_claiming = threading.Lock()  # who a servant belongs to
 _PATIENCE_WITH_HANDLERS = 1.0  # s, until close() names the one that it waits for
 
 
@@ -26,8 +27,8 @@ class Server:
         with gecos.Server(lab) as server:
             server.add("LASER", Lds())
 
-    Each object has two threads: one runs the handlers of its sensor and safety operations, one
-    all others in their order.
+    Each object has three threads: one for its stop and its safety operations, one for sensor
+    operations that are neither cancelable nor ordered, one for all others in their order.
     """
 
     def __init__(self, lab: Lab) -> None:
@@ -59,38 +60,32 @@ class Server:
             )
         self.await_broker()
         with self._adding:
-            if servant._gecos_core is not None:
-                raise ServeError(
-                    f"{name}: this {type(servant).__name__} is served already under another name, "
-                    "and would publish for one of them only; make one for each object"
-                )
-            prepared = servant._gecos_core = self._core.prepare(servant._gecos_interface)
+            prepared = self._core.prepare(servant._gecos_interface)
+            lanes = [Lane(self, name, servant, prepared, lane) for lane in range(len(LANES))]
+            # First of all, so that close() knows them; without those whose add has failed.
+            self._lanes = [*filter(Lane.is_alive, self._lanes), *lanes]
+            may_be_served = False
             try:
-                self._start_lanes(name, servant, prepared)
+                _claim(servant, prepared, name)
+                _start(lanes, name)
+                may_be_served = True
                 if why := self._core.add(prepared, name, simulated, list(media)):
                     raise ServeError(why)  # which names it
-            except Exception:  # not Ctrl-C: then it may be served
-                servant._gecos_core = None
-                self._core.forget(prepared)  # which ends its lanes
-                self._lanes = [lane for lane in self._lanes if lane.servant is not servant]
+            except BaseException as error:
+                if not may_be_served or isinstance(error, Exception):  # else Ctrl-C came too late
+                    _release(servant, prepared)
+                    self._core.forget(prepared)  # which ends its lanes
                 raise
-
-    def _start_lanes(self, name: str, servant: Servant, prepared: _core.PulledServant) -> None:
-        for number in range(len(LANES)):
-            lane = Lane(self, name, servant, prepared, number)
-            try:
-                lane.start()
-            except RuntimeError as error:
-                raise ServeError(f"{name}: no thread for its handlers: {error}") from None
-            self._lanes.append(lane)
 
     def close(self) -> None:
         """Withdraws all objects; running handlers are interrupted and waited for. One that does not
         look whether it is interrupted is named on stderr, and still waited for; a handler that
         closes its own server waits for none."""
         self._core.close()
-        lanes = list(self._lanes)  # another thread may be adding
+        lanes = [lane for lane in self._lanes if lane.ident is not None]  # which were started
         if threading.current_thread() in lanes:
+            for lane in lanes:
+                _release(lane.servant, lane.core)
             return
         until = time.monotonic() + _PATIENCE_WITH_HANDLERS
         for lane in lanes:
@@ -100,7 +95,7 @@ class Server:
                 lane.tell_running()
         for lane in lanes:
             lane.join()
-            lane.servant._gecos_core = None
+            _release(lane.servant, lane.core)
 
     def __enter__(self) -> Self:
         return self
@@ -112,6 +107,31 @@ class Server:
         trace: TracebackType | None,
     ) -> None:
         self.close()
+
+
+def _claim(servant: Servant, prepared: _core.PulledServant, name: str) -> None:
+    with _claiming:
+        if servant._gecos_core is not None:
+            raise ServeError(
+                f"{name}: this {type(servant).__name__} is served already under another name, "
+                "and would publish for one of them only; make one for each object"
+            )
+        servant._gecos_core = prepared
+
+
+def _release(servant: Servant, prepared: _core.PulledServant) -> None:
+    """Unless another server serves it since."""
+    with _claiming:
+        if servant._gecos_core is prepared:
+            servant._gecos_core = None
+
+
+def _start(lanes: Iterable[Lane], name: str) -> None:
+    try:
+        for lane in lanes:
+            lane.start()
+    except RuntimeError as error:
+        raise ServeError(f"{name}: no thread for its handlers: {error}") from None
 
 
 def serve(
@@ -127,7 +147,8 @@ def serve(
             "gecos.serve waits for signals, which the main thread alone gets; in another one use "
             "`with gecos.Server(lab) as server: server.add(…)`"
         )
-    with EndingSignals() as signals, Server(lab or Lab()) as server:
+    # Signals last: while the server is closed the next ends the program, also if a handler hangs.
+    with Server(lab or Lab()) as server, EndingSignals() as signals:
         if not _broker_found(server, signals):
             return
         for name, servant in servants.items():

@@ -54,13 +54,12 @@ void PulledServant::gecos_dispatch(IncomingCall call) {
   const OperationDescription& operation = call.operation();
   const bool is_short =
       operation.status == access::Status::Sensor && !operation.cancelable && !operation.ordered;
-  TaskQueue& lane = operation.safety || is_short ? sensor_ : fifo_;
-  lane.push(std::move(call));
+  const Lane lane = operation.safety ? Lane::Safety : is_short ? Lane::Sensor : Lane::Fifo;
+  queue(lane).push(std::move(call));
 }
 
 void PulledServant::close() {
-  sensor_.close();
-  fifo_.close();
+  for (TaskQueue& lane : lanes_) lane.close();
 }
 
 bool PulledServant::publish(FunctionCode code, ByteView sample, std::int64_t stamp_ns) {

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <condition_variable>
+#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <mutex>
@@ -15,7 +17,8 @@
 namespace gecos::python {
 
 enum class Lane : std::uint8_t {
-  Sensor,  ///< short sensor operations, safety operations, stops
+  Safety,  ///< stops, safety operations
+  Sensor,  ///< sensor operations that are neither cancelable nor ordered
   Fifo,    ///< everything else, in its order
 };
 
@@ -47,18 +50,19 @@ class PulledServant final : public Servant {
   const InterfaceDescription& gecos_interface() const override { return interface_; }
   void gecos_dispatch(IncomingCall call) override;
   /// Any thread.
-  void stopped() { sensor_.push(Stopped{}); }
+  void stopped() { queue(Lane::Safety).push(Stopped{}); }
   /// Any thread; waits for the next task of that lane, nothing once it is closed.
-  std::optional<Task> next(Lane lane) { return (lane == Lane::Sensor ? sensor_ : fifo_).next(); }
-  /// No handler is called any more.
+  std::optional<Task> next(Lane lane) { return queue(lane).next(); }
+  /// No further task is given out.
   void close();
   /// Publishes a sample of the stream with this code; false when the interface has none.
   bool publish(FunctionCode code, ByteView sample, std::int64_t stamp_ns);
 
  private:
+  TaskQueue& queue(Lane lane) { return lanes_.at(static_cast<std::size_t>(lane)); }
+
   const InterfaceDescription& interface_;
-  TaskQueue sensor_;
-  TaskQueue fifo_;
+  std::array<TaskQueue, 3> lanes_;
 };
 
 }  // namespace gecos::python

@@ -6,6 +6,7 @@
 #include <nanobind/stl/vector.h>
 
 #include <memory>
+#include <mutex>
 #include <stdexcept>
 #include <vector>
 
@@ -22,20 +23,28 @@ namespace {
 
 namespace nb = nanobind;
 
-/// A call that Python answers. Answering moves it out; whoever is late is ignored.
+/// A call that Python answers. Answering moves it out; whoever is late is ignored, and so is a
+/// child that the handler forked: its parent answers.
 class CallHandle {
  public:
   explicit CallHandle(IncomingCall call) : code_(call.operation().code), call_(std::move(call)) {}
   CallHandle(CallHandle&&) = default;
+  ~CallHandle() { static_cast<void>(answer()); }
 
   std::uint32_t code() const { return number(code_); }
   IncomingCall& call() {
     if (!call_) throw nb::value_error("the call was answered already");
     return *call_;
   }
-  std::optional<IncomingCall> answer() { return std::exchange(call_, std::nullopt); }
+  std::optional<IncomingCall> answer() {
+    auto call = std::exchange(call_, std::nullopt);
+    if (!owner_.inherited()) return call;
+    static_cast<void>(new auto(std::move(call)));
+    return std::nullopt;
+  }
 
  private:
+  const Owner owner_;
   FunctionCode code_;
   std::optional<IncomingCall> call_;
 };
@@ -45,9 +54,10 @@ class ServantHandle {
   explicit ServantHandle(std::shared_ptr<PulledServant> servant) : servant_(std::move(servant)) {}
   const std::shared_ptr<PulledServant>& servant() const { return servant_; }
 
-  /// The next call of a lane, "stopped", or None once it is closed. Signals are the main thread's,
-  /// which does not wait here, so this needs no slices.
+  /// The next call of a lane, "stopped", or None once it is closed or in a forked child. Signals
+  /// are the main thread's, which does not wait here, so this needs no slices.
   nb::object next(int lane) {
+    if (owner_.inherited()) return nb::none();
     auto task = without_gil([&] { return servant_->next(static_cast<Lane>(lane)); });
     if (!task) return nb::none();
     if (auto* const call = std::get_if<IncomingCall>(&*task)) {
@@ -56,11 +66,15 @@ class ServantHandle {
     return nb::str("stopped");
   }
 
-  void close() {
-    without_gil([&] { servant_->close(); });
+  void publish(std::uint32_t code, const nb::bytes& sample, std::int64_t stamp_ns) {
+    owner_.demand("this servant");
+    if (!servant_->publish(FunctionCode{code}, from_python(sample), stamp_ns)) {
+      throw nb::key_error("no stream of the interface has this code");
+    }
   }
 
  private:
+  const Owner owner_;
   std::shared_ptr<PulledServant> servant_;
 };
 
@@ -84,7 +98,7 @@ class ServerHandle {
   nb::object add(const ServantHandle& prepared, const std::string& name, bool simulated,
                  const std::vector<std::string>& media) {
     owner_.demand("this Server");
-    const auto server = server_;  // another thread may close meanwhile
+    auto server = server_;  // another thread may close meanwhile
     if (server == nullptr) return nb::str((name + " is not served: the server is closed").c_str());
     ObjectOptions options;
     options.simulated = simulated;
@@ -100,30 +114,44 @@ class ServerHandle {
     }
     const auto servant = prepared.servant();
     options.on_stop = [servant = servant.get()] { servant->stopped(); };
-    const auto added = without_gil([&] { return server->add(name, *servant, std::move(options)); });
-    return added ? nb::none() : nb::object(nb::str(added.error().text.c_str()));
+    const auto added = without_gil([&, server = std::move(server)]() mutable {
+      const std::lock_guard lock(serving_);
+      auto result = server->add(name, *servant, std::move(options));
+      server.reset();  // the last one, where it was closed meanwhile
+      return result;
+    });
+    if (!added) return nb::str(added.error().text.c_str());
+    if (server_ != nullptr) return nb::none();
+    return nb::str((name + " is not served any more: the server was closed").c_str());
   }
 
   /// Nothing once a broker answers, else where it was looked for.
   nb::object await_broker(double patience) {
     owner_.demand("this Server");
-    const auto server = server_;  // another thread may close meanwhile
-    if (server == nullptr) return nb::str("the server is closed");
-    std::string why;
-    const bool found = wait_in_slices(patience, [&](TimePoint until) {
+    std::string why = "the server is closed";
+    const auto closed = [this] { return server_ == nullptr; };
+    bool found = false;
+    const auto wait = [&, held = std::weak_ptr(server_)](TimePoint until) {
+      const auto server = held.lock();  // another thread may close meanwhile
+      if (server == nullptr) return true;
       const auto answers = server->await_broker(until - SystemClock().now());
       if (!answers) why = answers.error().text;
-      return answers.has_value();
-    });
+      found = answers.has_value();
+      return found;
+    };
+    wait_in_slices(patience, wait, closed);
     if (found) return nb::none();
-    return nb::str(why.c_str());
+    return nb::str(closed() ? "the server is closed" : why.c_str());
   }
 
-  /// What was prepared and is not served is closed.
+  /// Ends the lanes of what was prepared and is not to be served. It stays until the server ends,
+  /// whose threads may look at it until then.
   void forget(const ServantHandle& prepared) {
-    const auto servant = prepared.servant();
-    std::erase(servants_, servant);
-    without_gil([&] { servant->close(); });
+    without_gil([this, servant = prepared.servant()] {
+      const std::lock_guard lock(serving_);
+      servant->close();
+      servant->gecos_attach(nullptr);
+    });
   }
 
   void close() {
@@ -133,19 +161,20 @@ class ServerHandle {
       let_go(lab_, owner_);
       return;
     }
-    const auto servants = servants_;  // another thread may be adding
-    without_gil([&, server = std::exchange(server_, nullptr)]() mutable {
+    without_gil([this, servants = servants_, server = std::exchange(server_, nullptr)]() mutable {
       for (const auto& servant : servants) servant->close();
+      const std::lock_guard lock(serving_);  // another thread may be adding
       server.reset();
+      // Who keeps this object keeps the servants, which must not keep the lab and its thread.
+      for (const auto& servant : servants) servant->gecos_attach(nullptr);
     });
-    // Who keeps this object keeps the servants, which must not keep the lab and its thread.
-    for (const auto& servant : servants) servant->gecos_attach(nullptr);
     let_go(lab_, owner_);
   }
 
  private:
   const Owner owner_;
   std::shared_ptr<Lab> lab_;
+  std::mutex serving_;  // while somebody is added or all are let go; taken without the GIL
   std::vector<std::shared_ptr<PulledServant>> servants_;
   std::shared_ptr<Server> server_;  // last: ends before those that it serves
 };
@@ -209,15 +238,8 @@ void fail(CallHandle& self, int detail, std::string text, std::string exception,
 void bind_server(nb::module_& module) {
   nb::class_<ServantHandle>(module, "PulledServant")
       .def("next", &ServantHandle::next, nb::arg("lane"))
-      .def(
-          "publish",
-          [](const ServantHandle& self, std::uint32_t code, const nb::bytes& sample,
-             std::int64_t stamp_ns) {
-            if (!self.servant()->publish(FunctionCode{code}, from_python(sample), stamp_ns)) {
-              throw nb::key_error("no stream of the interface has this code");
-            }
-          },
-          nb::arg("code"), nb::arg("sample"), nb::arg("stamp_ns"));
+      .def("publish", &ServantHandle::publish, nb::arg("code"), nb::arg("sample"),
+           nb::arg("stamp_ns"));
 
   nb::class_<CallHandle>(module, "IncomingCall")
       .def_prop_ro("code", &CallHandle::code)

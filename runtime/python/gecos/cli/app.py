@@ -75,7 +75,7 @@ def _reporting(command: Callable[[], object]) -> int:
         code = command()
     except KeyboardInterrupt:
         return 130
-    except (ConnectionError, RuntimeError, PermissionError, ValueError) as error:
+    except (ConnectionError, RuntimeError, PermissionError) as error:
         print(f"gecos: {error}", file=sys.stderr)
         return 1
     except typer.Exit as end:
