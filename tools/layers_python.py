@@ -34,7 +34,15 @@ _MODEL = ("model", "policy")
 _WORDS = ("keywords", "places")
 _TEXT = (*_WORDS, "lexer", "preprocess", "docs_text", "token_reader", "syntax")
 _PARSER = ("parser", r"\w+_parser")
-_LAYOUT = ("wire_layout", "wire_nodes", "lcm_lowering", "function_codes", "hashes")
+_LAYOUT = (
+    "wire_layout",
+    "wire_nodes",
+    "lcm_lowering",
+    "function_codes",
+    "hashes",
+    "type_names",
+    "languages",
+)
 _COMPILER = "the compiler stands alone: standard library, and jinja2 in emit.py"
 
 ROWS = (

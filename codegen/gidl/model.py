@@ -58,6 +58,15 @@ class Range:
     maximum: int | float | None = None
 
 
+def within(inner: Range | None, outer: Range | None) -> Range | None:
+    """Both ranges at once: the narrower bound of each side."""
+    if inner is None or outer is None:
+        return inner or outer
+    lower = [m for m in (inner.minimum, outer.minimum) if m is not None]
+    upper = [m for m in (inner.maximum, outer.maximum) if m is not None]
+    return Range(max(lower, default=None), min(upper, default=None))
+
+
 # ---------------------------------------------------------------------------------------------
 # Types as they are used
 

@@ -8,6 +8,7 @@ from gidl.constants import computed
 from gidl.diagnostics import Findings, Note
 from gidl.model import (
     AnyDeclaration,
+    ArrayType,
     Bitfield,
     Bitmask,
     Bitset,
@@ -20,11 +21,13 @@ from gidl.model import (
     Facts,
     Flag,
     MapsTo,
+    MapType,
     Member,
     NamedType,
     Primitive,
     PrimitiveType,
     Range,
+    SequenceType,
     StringType,
     Struct,
     Type,
@@ -32,6 +35,7 @@ from gidl.model import (
     Union,
     UnionCase,
     Value,
+    within,
 )
 from gidl.quantities import cpp_type, python_type
 from gidl.resolve_values import Marks, ValueResolver
@@ -207,7 +211,8 @@ class TypeResolver(ValueResolver):
         return self._of_typedef.get(name, (None, None))
 
     def _range(self, marks: Marks, used: Type) -> Range | None:
-        """Bounds as numbers of the type; those of a typedef unless there are own ones."""
+        """Bounds as numbers of the type, within those of its typedefs. On an array or a sequence
+        they speak of the elements."""
         both, low, high = marks.get("range"), marks.get("min"), marks.get("max")
         written = both or low or high
         if written is None:
@@ -216,10 +221,13 @@ class TypeResolver(ValueResolver):
             self._findings.error(
                 "G0505", both.span, "'@range' and '@min' or '@max' say the same: write one of them"
             )
-        target = self._target(used)
+        target, inherited = self._bounded(used)
         if not (isinstance(target, PrimitiveType) and target.kind.is_number):
+            hint = ""
+            if isinstance(target, MapType):
+                hint = "bound a typedef, and make that the type of the keys or values of the map"
             self._findings.error(
-                "G0307", written.span, f"'@{written.name}' needs a number to bound"
+                "G0307", written.span, f"'@{written.name}' needs a number to bound", hint
             )
             return None
         minimum = both.arguments["min"] if both else low.arguments["value"] if low else None
@@ -231,7 +239,28 @@ class TypeResolver(ValueResolver):
                 "G0307", written.span, f"nothing is between {least} and {most}", "swap them"
             )
             return None
-        return Range(least, most)
+        both_ranges = within(Range(least, most), inherited)
+        assert both_ranges is not None
+        least, most = both_ranges.minimum, both_ranges.maximum
+        if least is not None and most is not None and least > most:
+            self._findings.error(
+                "G0307",
+                written.span,
+                f"no value lies in this range and in that of the type: {least} is above {most}",
+                "narrow the range of the typedef, do not leave it",
+            )
+            return None
+        return both_ranges
+
+    def _bounded(self, used: Type) -> tuple[Type, Range | None]:
+        """What a range speaks of (the number inside arrays and sequences), and the range that the
+        typedefs on the way give it."""
+        inherited = self._from_typedef(used)[1]
+        target = self._target(used)
+        while isinstance(target, ArrayType | SequenceType):
+            inherited = within(inherited, self._from_typedef(target.element)[1])
+            target = self._target(target.element)
+        return target, inherited
 
     def _bound_value(self, value: Value | None, target: Type, span: Span) -> int | float | None:
         if value is None:

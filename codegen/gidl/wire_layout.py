@@ -2,7 +2,8 @@
 
 The encoding is LCM's (big-endian, fields in order). What LCM lacks is lowered:
 
-    ScalarNode      1 to 8 bytes; unsigned and char are bit-cast to the signed type of their width
+    ScalarNode      1 to 8 bytes; unsigned and char are bit-cast to the signed type of their width.
+                    It carries the range of its place, also as an element, key or arm
     EnumNode        enum, bitmask or bitset as int32 (int64 above 32 bits)
     StringNode      int32 length with NUL, UTF-8, NUL
     StructNode      the fields of a final struct, inline, without fingerprint
@@ -27,6 +28,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 from gidl import function_codes, hashes
+from gidl.languages import CPP_TYPES, PYTHON_TYPES
 from gidl.lcm_lowering import LcmStruct, Lowering, fingerprint
 from gidl.model import (
     ArrayType,
@@ -42,13 +44,16 @@ from gidl.model import (
     Operation,
     Primitive,
     PrimitiveType,
+    Range,
     SequenceType,
     StringType,
     Struct,
     Type,
     Typedef,
     Union,
+    within,
 )
+from gidl.type_names import TypeNames, name_types
 from gidl.wire_nodes import (
     AppendableNode,
     ArrayNode,
@@ -148,6 +153,8 @@ class Layout:
     unions: Mapping[str, UnionLayout]
     interfaces: Mapping[str, InterfaceLayout]
     lcm_structs: Mapping[str, tuple[LcmStruct, ...]]  # per file, helpers before what uses them
+    cpp_names: TypeNames
+    python_names: TypeNames
 
     def all_calls(self, model: Model, interface: Interface) -> tuple[CallLayout, ...]:
         return tuple(c for i in model.lineage(interface) for c in self.interfaces[i.name].calls)
@@ -167,32 +174,45 @@ def build(model: Model) -> Layout:
     return _Builder(model).build()
 
 
-def node_of(model: Model, used: Type, optional: bool = False) -> Node:
-    """The node of a value of type `used`, typedefs followed."""
-    node = _bare_node(model, used)
+def node_of(model: Model, used: Type, optional: bool = False, limits: Range | None = None) -> Node:
+    """The node of a value of type `used`, typedefs followed. `limits` is the range written where
+    the value stands: that of the number, or of the elements of an array or sequence."""
+    node = _bare_node(model, used, limits)
     return OptionalNode(node) if optional else node
 
 
-def _bare_node(model: Model, used: Type) -> Node:
+def _bare_node(model: Model, used: Type, limits: Range | None) -> Node:
     match used:
         case PrimitiveType(kind):
-            return ScalarNode(kind)
+            return ScalarNode(kind, _binding(kind, limits))
         case StringType(bound):
             return StringNode(bound)
         case SequenceType(element, bound):
-            return SequenceNode(_bare_node(model, element), bound)
+            return SequenceNode(_bare_node(model, element, limits), bound)
         case MapType(key, value, bound):
-            return MapNode(_bare_node(model, key), _bare_node(model, value), bound)
+            return MapNode(_bare_node(model, key, None), _bare_node(model, value, None), bound)
         case ArrayType(element, dimensions):
-            return ArrayNode(_bare_node(model, element), dimensions)
+            return ArrayNode(_bare_node(model, element, limits), dimensions)
         case NamedType(name):
-            return _named_node(model, name)
+            return _named_node(model, name, limits)
 
 
-def _named_node(model: Model, name: str) -> Node:
+def _binding(kind: Primitive, limits: Range | None) -> Range | None:
+    """`limits` without the bounds that no value of the type can violate."""
+    if limits is None or not kind.is_number:
+        return None
+    low, high = limits.minimum, limits.maximum
+    if kind.is_integer:
+        least, most = kind.integer_limits
+        low = None if low is not None and low <= least else low
+        high = None if high is not None and high >= most else high
+    return None if low is None and high is None else Range(low, high)
+
+
+def _named_node(model: Model, name: str, limits: Range | None) -> Node:
     match model.find(name):
-        case Typedef(type=target):
-            return _bare_node(model, target)
+        case Typedef(type=target, range=own):
+            return _bare_node(model, target, within(limits, own))
         case Struct() as struct:
             return AppendableNode(name) if struct.is_appendable else StructNode(name)
         case Union() as union:
@@ -222,7 +242,14 @@ class _Builder:
                 unions[declaration.name] = self._union(declaration)
             elif isinstance(declaration, Interface):
                 interfaces[declaration.name] = self._interface(declaration)
-        return Layout(structs, unions, interfaces, self._lowering.by_file())
+        return Layout(
+            structs,
+            unions,
+            interfaces,
+            self._lowering.by_file(),
+            name_types(self._model, CPP_TYPES),
+            name_types(self._model, PYTHON_TYPES),
+        )
 
     def _struct(self, struct: Struct) -> StructLayout:
         fields = self._struct_fields(struct)
@@ -240,14 +267,16 @@ class _Builder:
         if struct.name not in self._fields:
             members = self._model.all_members(struct)
             self._fields[struct.name] = tuple(
-                self._field(m.name, m.type, m.optional) for m in members
+                self._field(m.name, m.type, m.optional, m.range) for m in members
             )
         return self._fields[struct.name]
 
     def _union(self, union: Union) -> UnionLayout:
         tag = node_of(self._model, union.discriminator)
         assert isinstance(tag, ScalarNode | EnumNode)
-        arms = tuple(self._field(c.member.name, c.member.type, False) for c in union.cases)
+        arms = tuple(
+            self._field(c.member.name, c.member.type, False, c.member.range) for c in union.cases
+        )
         wire_tag = wire_tag_of(tag)
         return UnionLayout(
             union.name,
@@ -260,8 +289,10 @@ class _Builder:
             fingerprint(self._lowering, union.name),
         )
 
-    def _field(self, name: str, used: Type, optional: bool) -> FieldLayout:
-        node = node_of(self._model, used, optional)
+    def _field(
+        self, name: str, used: Type, optional: bool, limits: Range | None = None
+    ) -> FieldLayout:
+        node = node_of(self._model, used, optional, limits)
         return FieldLayout(
             name, node, min_size_of(self._model, node), fixed_size_of(self._model, node)
         )
@@ -284,13 +315,16 @@ class _Builder:
         )
 
     def _operation(self, operation: Operation) -> CallLayout:
-        request = tuple(self._field(p.name, p.type, p.optional) for p in operation.inputs)
-        reply = [self._field(p.name, p.type, p.optional) for p in operation.outputs]
+        request = tuple(self._field(p.name, p.type, p.optional, p.range) for p in operation.inputs)
+        reply = [self._field(p.name, p.type, p.optional, p.range) for p in operation.outputs]
         if operation.result is not None:
             name = "result"
             while any(f.name == name for f in reply):
                 name += "_"
-            reply.insert(0, self._field(name, operation.result, operation.result_optional))
+            result = self._field(
+                name, operation.result, operation.result_optional, operation.result_range
+            )
+            reply.insert(0, result)
         return CallLayout(
             CallKind.EVENT if operation.is_event else CallKind.OPERATION,
             operation.scoped_name,
@@ -302,7 +336,7 @@ class _Builder:
         )
 
     def _attribute_calls(self, attribute: Attribute) -> list[CallLayout]:
-        value = self._field("value", attribute.type, attribute.optional)
+        value = self._field("value", attribute.type, attribute.optional, attribute.range)
         digest = hashes.attribute_hash(self._model, attribute)
         calls = []
         if attribute.has_getter:
@@ -332,7 +366,7 @@ class _Builder:
         return calls
 
     def _stream(self, attribute: Attribute) -> StreamLayout:
-        sample = self._field("value", attribute.type, attribute.optional)
+        sample = self._field("value", attribute.type, attribute.optional, attribute.range)
         node = sample.node
         struct = node.name if isinstance(node, StructNode | AppendableNode) else None
         return StreamLayout(

@@ -3,14 +3,26 @@
 from __future__ import annotations
 
 import math
+import struct
 from dataclasses import dataclass
 
-from gidl.model import Primitive
+from gidl.model import Primitive, Range
 
 
 @dataclass(frozen=True, slots=True)
 class ScalarNode:
+    """A number, boolean or character. `limits` is what @range allows at this very place, the ranges
+    of all typedefs on the way included; None where every value of the type is allowed."""
+
     primitive: Primitive
+    limits: Range | None = None
+
+    @property
+    def bounds(self) -> Range | None:
+        """`limits` in the precision of the type: a float is compared with the nearest float."""
+        if self.limits is None or self.primitive is not Primitive.FLOAT:
+            return self.limits
+        return Range(_single(self.limits.minimum), _single(self.limits.maximum))
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,3 +89,10 @@ Node = (
     ScalarNode | EnumNode | StringNode | StructNode | AppendableNode | UnionNode | ArrayNode
     | SequenceNode | OptionalNode | MapNode | ObjectNode
 )  # fmt: skip
+
+
+def _single(bound: int | float | None) -> float | None:
+    if bound is None:
+        return None
+    rounded: float = struct.unpack("f", struct.pack("f", bound))[0]
+    return rounded

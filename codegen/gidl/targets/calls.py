@@ -38,14 +38,15 @@ class CallValue:
     range: Range | None = None
     default: Value | None = None
     unit: str | None = None
+    secret: bool = False
 
 
 def parameter_value(p: Parameter) -> CallValue:
-    return CallValue(p.name, p.type, p.optional, p.range, p.default, p.unit)
+    return CallValue(p.name, p.type, p.optional, p.range, p.default, p.unit, p.secret)
 
 
 def attribute_value(a: Attribute) -> CallValue:
-    return CallValue("value", a.type, a.optional, a.range, None, a.unit)
+    return CallValue("value", a.type, a.optional, a.range, None, a.unit, a.secret)
 
 
 def reply_values(operation: Operation, call: CallLayout) -> list[CallValue]:
@@ -55,7 +56,7 @@ def reply_values(operation: Operation, call: CallLayout) -> list[CallValue]:
         values.append(
             CallValue(
                 call.reply[0].name, operation.result, operation.result_optional,
-                operation.result_range, None, operation.result_unit,
+                operation.result_range, None, operation.result_unit, operation.result_secret,
             )
         )  # fmt: skip
     return values + [parameter_value(p) for p in operation.outputs]
@@ -83,7 +84,8 @@ def result_struct(layout: Layout, operation: Operation) -> Struct | None:
         return None
     bare = Facts(operation.facts.location)
     members = tuple(
-        Member(v.name, v.type, bare, v.unit, v.range, v.default, v.optional) for v in values
+        Member(v.name, v.type, bare, v.unit, v.range, v.default, v.optional, secret=v.secret)
+        for v in values
     )
     return Struct(
         f"{operation.interface}_{operation.name}_result",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Collection, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from gidl.model import (
@@ -46,11 +46,6 @@ class LocalNames:
             wanted += "_"
         self._taken.add(wanted)
         return wanted
-
-
-def escaped(name: str, reserved: Collection[str]) -> str:
-    """`name`, or with an underscore behind it where the language or our code has that word."""
-    return f"{name}_" if name in reserved else name
 
 
 def source_stem(path: str) -> str:
@@ -98,15 +93,6 @@ def range_text(limits: Range) -> str:
     lower = "-inf" if limits.minimum is None else str(limits.minimum)
     upper = "inf" if limits.maximum is None else str(limits.maximum)
     return f"[{lower}, {upper}]"
-
-
-def within(inner: Range | None, outer: Range | None) -> Range | None:
-    """Both at once: the narrower bound of each side."""
-    if inner is None or outer is None:
-        return inner or outer
-    lower = [m for m in (inner.minimum, outer.minimum) if m is not None]
-    upper = [m for m in (inner.maximum, outer.maximum) if m is not None]
-    return Range(max(lower, default=None), min(upper, default=None))
 
 
 def is_number(value: Value | None) -> bool:

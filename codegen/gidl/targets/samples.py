@@ -17,8 +17,8 @@ from gidl.model import (
     Typedef,
     Union,
     UnionCase,
+    within,
 )
-from gidl.targets.naming import within
 
 
 def limits_of(model: Model, used: Type, limits: Range | None) -> Range | None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from gidl.languages import CPP_WORDS
 from gidl.model import (
     ArrayType,
     Attribute,
@@ -26,7 +27,8 @@ from gidl.targets.cpp import names
 from gidl.targets.cpp.calls.server import ServerSide
 from gidl.targets.cpp.lower import Lowering
 from gidl.targets.cpp.lower.statements import indented
-from gidl.targets.naming import LocalNames, escaped, snake_case, source_stem
+from gidl.targets.naming import LocalNames, snake_case, source_stem
+from gidl.type_names import escaped
 from gidl.wire_layout import CallKind, CallLayout
 
 
@@ -137,14 +139,14 @@ class _Facts(ServerSide):
 
     def _operation(self, call: CallLayout, member: Operation) -> MethodView:
         values = [parameter_value(p) for p in member.inputs]
-        taken = {escaped(v.name, names.KEYWORDS) for v in values}
+        taken = {escaped(v.name, CPP_WORDS) for v in values}
         answers = reply_values(member, call)
         used = {v.name for v in answers} & {p.name for p in member.inputs}
         lines, told = [], []
         if member.access is not Access.SENSOR or member.safety:
             used |= {p.name for p in member.inputs if not p.secret}
             for p in member.inputs:
-                shown = "mock_secret" if p.secret else escaped(p.name, names.KEYWORDS)
+                shown = "mock_secret" if p.secret else escaped(p.name, CPP_WORDS)
                 told += [f'"{p.name} ="', shown]
             words = ", ".join(["mock_name_", f'"{member.name}"', *told])
             lines.append(f"mock_says({words});")
@@ -159,7 +161,7 @@ class _Facts(ServerSide):
             lines.append(f"{run}.progress(1.0{self._feedback(member)});")
         returns = f"gecos::Result<{self._result_type(call, member)}>"
         lines += self._answer_with(call, member, answers, taken)
-        head = f"{returns} {escaped(member.name, names.KEYWORDS)}({', '.join(parameters)}) override"
+        head = f"{returns} {escaped(member.name, CPP_WORDS)}({', '.join(parameters)}) override"
         return MethodView(head, tuple(lines))
 
     def _feedback(self, member: Operation) -> str:
@@ -175,7 +177,7 @@ class _Facts(ServerSide):
             return ["return {};"]
         if len(answers) == 1:
             (only,) = answers
-            name = escaped(only.name, names.KEYWORDS)
+            name = escaped(only.name, CPP_WORDS)
             text = name if only.name in given else in_place(self._lowering, only)
             return [f"return {text};"]
         result = LocalNames(taken).fresh("mock_answer")
@@ -183,7 +185,7 @@ class _Facts(ServerSide):
         for v in answers:
             place = f"{result}.{names.member_name(v.name)}"
             if v.name in given:
-                lines.append(f"{place} = {escaped(v.name, names.KEYWORDS)};")
+                lines.append(f"{place} = {escaped(v.name, CPP_WORDS)};")
             elif not v.optional:
                 lines += assigned(self._lowering, place, v.type, v.range, alone=False)
         return [*lines, f"return {result};"]
@@ -243,7 +245,7 @@ def _named(lowering: Lowering, x: str, name: str) -> list[str]:
     declaration = model.find(name)
     match declaration:
         case EnumDeclaration():
-            word = escaped(declaration.initial.name, names.KEYWORDS)
+            word = escaped(declaration.initial.name, CPP_WORDS)
             return [f"{x} = {names.full_name(model, name)}::{word};"]
         case Struct():
             lines = []

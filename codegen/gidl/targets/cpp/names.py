@@ -2,42 +2,13 @@
 
 from __future__ import annotations
 
-from gidl.keywords import CPP, words
+from gidl.languages import CPP_STRUCT_WORDS, CPP_TYPES, CPP_WORDS
 from gidl.model import Interface, Model, Struct
-from gidl.targets.naming import escaped
-
-_MACROS = words(
-    """
-    assert errno stdin stdout stderr offsetof alloca NULL TRUE FALSE DOMAIN EOF NAN INFINITY
-    HUGE_VAL BIG_ENDIAN LITTLE_ENDIAN BYTE_ORDER
-    """
-)
-KEYWORDS = CPP | {"std", "tl"} | _MACROS
-"""Keywords, the namespaces that generated code names, and the macros that headers bring along."""
+from gidl.type_names import escaped
 
 OBJECT_REF = "gecos::ObjectRef"
 """What a value of an interface's type is, and where that is declared."""
 OBJECT_REF_STEM = "gecos/object_ref"
-
-# Members that every generated struct has besides its own.
-STRUCT_WORDS = KEYWORDS | {"encoded_size", "encode", "decode", "fingerprint", "type_name"}
-
-UNION_WORDS = STRUCT_WORDS | {"tag", "value", "Held"}
-BITSET_WORDS = STRUCT_WORDS | {"bits", "set_bits", "raw"}
-
-# What a type must not be called: the functions beside types, the members, and what the bodies of
-# both call their parameters and locals. Each would hide it.
-TYPE_WORDS = (
-    UNION_WORDS
-    | BITSET_WORDS
-    | words(
-        """
-        a arm b call code core decode_enum entry field flags from guard has item key main names
-        number out read result row run selecting separator session size stamp_ns to to_string why
-        wrong
-        """
-    )
-)
 
 
 def scope_of(model: Model, scoped_name: str) -> tuple[str, ...]:
@@ -45,14 +16,14 @@ def scope_of(model: Model, scoped_name: str) -> tuple[str, ...]:
     parts = scoped_name.split("::")[:-1]
     while parts and model.has("::".join(parts)):
         parts.pop()
-    return tuple(escaped(part, KEYWORDS) for part in parts)
+    return tuple(escaped(part, CPP_WORDS) for part in parts)
 
 
 def simple_name(model: Model, scoped_name: str) -> str:
     """`robcl::Manipulator::Mode` is called `Manipulator_Mode`: classes cannot be reopened."""
     parts = scoped_name.split("::")
     modules = len(scope_of(model, scoped_name))
-    return escaped("_".join(parts[modules:]), TYPE_WORDS)
+    return escaped("_".join(parts[modules:]), CPP_TYPES.type_words)
 
 
 def full_name(model: Model, scoped_name: str) -> str:
@@ -71,9 +42,9 @@ def full_name_of(model: Model, scoped_name: str) -> str:
 
 
 def member_name(name: str) -> str:
-    return escaped(name, STRUCT_WORDS)
+    return escaped(name, CPP_STRUCT_WORDS)
 
 
 def method_names(model: Model, interface: Interface) -> set[str]:
     """Every name that the operations and attributes of an interface bring to its class."""
-    return {escaped(m.name, KEYWORDS) for m in model.all_interface_members(interface)}
+    return {escaped(m.name, CPP_WORDS) for m in model.all_interface_members(interface)}

@@ -5,30 +5,20 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Iterable
 
-from gidl.keywords import PYTHON
+from gidl.languages import PYTHON_CLASS_WORDS, PYTHON_TYPES, PYTHON_WORDS
 from gidl.model import File, Interface, Model, Struct
-from gidl.targets.naming import LocalNames, UnsupportedError, escaped, snake_case, source_stem
+from gidl.targets.naming import LocalNames, UnsupportedError, snake_case, source_stem
+from gidl.type_names import escaped
 
 # What a name cannot be in Python gets an underscore behind. All that generated code needs of the
 # runtime and the standard library has one in front, as no name of an interface has; what is left
-# are the words below.
-KEYWORDS = PYTHON | {"self", "cls"}
-# Builtins that stand in the body of a class beside its members, as hints and decorators.
-CLASS_WORDS = frozenset(
-    ("bool", "bytes", "classmethod", "dict", "float", "int", "list", "object", "property")
-) | {"staticmethod", "str"}
-# Builtins that generated code names anywhere. Those that bodies call where parameters stand have
-# an underscore in front, see BUILTIN_FUNCTIONS.
-BUILTINS = CLASS_WORDS | {"NotImplemented", "chr", "isinstance", "range", "tuple", "type"}
-# Also locals beside which code names types.
-TYPE_WORDS = KEYWORDS | BUILTINS | {"annotations"}
-TYPE_WORDS |= {"number", "other", "out", "source", "stamp", "tag", "value"}
-METHOD_WORDS = KEYWORDS | {"property"}
-STRUCT_WORDS = KEYWORDS | CLASS_WORDS | {"encode", "decode", "fingerprint"}
+# are the words of gidl.languages and those below.
+METHOD_WORDS = PYTHON_WORDS | {"property"}
+STRUCT_WORDS = PYTHON_WORDS | PYTHON_CLASS_WORDS | {"encode", "decode", "fingerprint"}
 # A declared exception also is a CommandFailed and a BaseException.
 EXCEPTION_WORDS = STRUCT_WORDS | {"text", "detail", "args", "add_note", "with_traceback"}
 # What an enumerator cannot be called.
-ENUM_WORDS = KEYWORDS | {"mro", "name", "value"}
+ENUM_WORDS = PYTHON_WORDS | {"mro", "name", "value"}
 
 # What a value of an interface's type is, and where that is declared.
 OBJECT_REF = "gecos::ObjectRef"
@@ -40,7 +30,7 @@ def module_stem(path: str) -> str:
     parts = source_stem(path).split("/")
     if parts[0] == "gecos" and len(parts) > 1:
         parts[0] = "gecos_idl"
-    return "/".join(escaped(part, KEYWORDS) for part in parts)
+    return "/".join(escaped(part, PYTHON_WORDS) for part in parts)
 
 
 def module_of(path: str) -> str:
@@ -53,7 +43,7 @@ def type_name(model: Model, scoped_name: str) -> str:
     modules = len(parts) - 1
     while modules and model.has("::".join(parts[:modules])):
         modules -= 1
-    return escaped("_".join(parts[modules:]), TYPE_WORDS)
+    return escaped("_".join(parts[modules:]), PYTHON_TYPES.type_words)
 
 
 def refuse_same_names(model: Model, file: File, used: Iterable[str]) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from gidl.languages import CPP_WORDS
 from gidl.model import (
     Attribute,
     Operation,
@@ -14,7 +15,6 @@ from gidl.targets.calls import (
     parameter_value,
     short_name,
 )
-from gidl.targets.cpp import names
 from gidl.targets.cpp.calls.facts import CallFacts
 from gidl.targets.cpp.calls.views import (
     MethodView,
@@ -23,9 +23,9 @@ from gidl.targets.cpp.lower.statements import block, conjunction, indented
 from gidl.targets.naming import (
     LocalNames,
     doc_lines,
-    escaped,
     value_note,
 )
+from gidl.type_names import escaped
 from gidl.wire_layout import CallKind, CallLayout
 
 
@@ -34,7 +34,7 @@ class Client(CallFacts):
         member = self._member(call)
         if isinstance(member, Operation):
             name, values = (
-                escaped(member.name, names.KEYWORDS),
+                escaped(member.name, CPP_WORDS),
                 [parameter_value(p) for p in member.inputs],
             )
             doc = self._operation_doc(member)
@@ -43,7 +43,7 @@ class Client(CallFacts):
             note = value_note(member.unit, member.range)
             doc = doc_lines(member.facts, note) or (f"Sets {member.name}.",)
         else:
-            name, values = escaped(member.name, names.KEYWORDS), []
+            name, values = escaped(member.name, CPP_WORDS), []
             doc = doc_lines(member.facts, value_note(member.unit, member.range))
         returns = f"gecos::Command<{self._command_types(call, member)}>"
         parameters = self._parameters(values)
@@ -142,7 +142,7 @@ class Client(CallFacts):
         return MethodView(
             (note,),
             f"tl::expected<gecos::Stream<{used}>, gecos::Failure>",
-            escaped(attribute.name, names.KEYWORDS),
+            escaped(attribute.name, CPP_WORDS),
             "gecos::StreamTag",
             "gecos::StreamTag",
             (

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from gidl.languages import CPP_WORDS
 from gidl.model import (
     Attribute,
     Interface,
@@ -20,10 +21,10 @@ from gidl.targets.cpp.lower import Lowering, Slot
 from gidl.targets.naming import (
     LocalNames,
     doc_lines,
-    escaped,
     snake_case,
     value_note,
 )
+from gidl.type_names import escaped
 from gidl.wire_layout import CallKind, CallLayout
 
 
@@ -55,7 +56,7 @@ class CallFacts:
             note = value_note(p.unit, p.range)
             if note or p.facts.doc:
                 text = " ".join(doc_lines(p.facts, note))
-                doc.append(f"@param {escaped(p.name, names.KEYWORDS)} {text}")
+                doc.append(f"@param {escaped(p.name, CPP_WORDS)} {text}")
         if operation.raises:
             raised = ", ".join(names.full_name(self._model, name) for name in operation.raises)
             doc.append(f"May fail with {raised}.")
@@ -77,7 +78,7 @@ class CallFacts:
             result.append(
                 (
                     self._lowering.parameter(value.type, value.optional),
-                    escaped(value.name, names.KEYWORDS),
+                    escaped(value.name, CPP_WORDS),
                     default,
                 )
             )
@@ -111,7 +112,7 @@ class CallFacts:
 
     def _slots(self, values: list[CallValue], owner: str) -> list[Slot]:
         return [
-            Slot(escaped(v.name, names.KEYWORDS), f"{owner}.{v.name}", v.type, v.optional, v.range)
+            Slot(escaped(v.name, CPP_WORDS), f"{owner}.{v.name}", v.type, v.optional, v.range)
             for v in values
         ]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from gidl.languages import CPP_WORDS
 from gidl.model import (
     Attribute,
     Operation,
@@ -24,9 +25,9 @@ from gidl.targets.cpp.lower.statements import block, conjunction, indented, or_a
 from gidl.targets.naming import (
     LocalNames,
     doc_lines,
-    escaped,
     value_note,
 )
+from gidl.type_names import escaped
 from gidl.wire_layout import CallKind, CallLayout
 
 
@@ -35,7 +36,7 @@ class ServerSide(CallFacts):
         member = self._member(call)
         if isinstance(member, Operation):
             name, values = (
-                escaped(member.name, names.KEYWORDS),
+                escaped(member.name, CPP_WORDS),
                 [parameter_value(p) for p in member.inputs],
             )
             doc = self._operation_doc(member)
@@ -43,14 +44,14 @@ class ServerSide(CallFacts):
             name, values = self._setter_name(member), [attribute_value(member)]
             doc = doc_lines(member.facts, value_note(member.unit, member.range))
         else:
-            name, values = escaped(member.name, names.KEYWORDS), []
+            name, values = escaped(member.name, CPP_WORDS), []
             doc = doc_lines(member.facts, value_note(member.unit, member.range))
         parameters = [f"{t} {n}" for t, n, _ in self._parameters(values)]
         execution = ""
         if isinstance(member, Operation) and member.cancelable:
             feedback = self._lowering.type(member.feedback) if member.feedback else ""
             execution = f"gecos::Execution<{feedback}>"
-            run = LocalNames(escaped(v.name, names.KEYWORDS) for v in values).fresh("run")
+            run = LocalNames(escaped(v.name, CPP_WORDS) for v in values).fresh("run")
             parameters.append(f"{execution}& {run}")
         returns = f"gecos::Result<{self._result_type(call, member)}>"
         return HandlerView(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from gidl.languages import CPP_WORDS
 from gidl.model import (
     ArrayType,
     Bitmask,
@@ -21,9 +22,10 @@ from gidl.model import (
     Type,
     Typedef,
     Value,
+    within,
 )
 from gidl.targets.cpp import names
-from gidl.targets.naming import escaped, within
+from gidl.type_names import escaped
 from gidl.wire_layout import Layout
 from gidl.wire_nodes import (
     Node,
@@ -92,7 +94,7 @@ class Types:
     def literal(self, value: Value, used: Type) -> str:
         match value:
             case EnumValue(enum, literal):
-                return f"{names.full_name(self.model, enum)}::{escaped(literal, names.KEYWORDS)}"
+                return f"{names.full_name(self.model, enum)}::{escaped(literal, CPP_WORDS)}"
             case bool():
                 return "true" if value else "false"
             case str():
@@ -133,7 +135,7 @@ class Types:
             declaration = self.model.find(target.name)
             if isinstance(declaration, EnumDeclaration):
                 enum = names.full_name(self.model, declaration.name)
-                return f" = {enum}::{escaped(declaration.initial.name, names.KEYWORDS)}"
+                return f" = {enum}::{escaped(declaration.initial.name, CPP_WORDS)}"
         if isinstance(target, ArrayType):
             return self._initial_array(target)
         return "{}"
@@ -147,7 +149,7 @@ class Types:
             declaration = self.model.find(element.name)
             if isinstance(declaration, EnumDeclaration) and declaration.initial.number != 0:
                 enum = names.full_name(self.model, declaration.name)
-                word = escaped(declaration.initial.name, names.KEYWORDS)
+                word = escaped(declaration.initial.name, CPP_WORDS)
                 return f" = gecos::wire::Everywhere{{{enum}::{word}}}"
         return "{}"
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from gidl.languages import CPP_BITSET_WORDS, CPP_WORDS
 from gidl.model import (
     Bitmask,
     Bitset,
     EnumDeclaration,
     Primitive,
 )
-from gidl.targets.cpp import names
 from gidl.targets.cpp.lower import PRIMITIVES
 from gidl.targets.cpp.lower.statements import block
 from gidl.targets.cpp.values.names import ValueNames
@@ -23,14 +23,14 @@ from gidl.targets.cpp.values.views import (
 )
 from gidl.targets.naming import (
     doc_lines,
-    escaped,
 )
+from gidl.type_names import escaped
 
 
 class Enums(ValueNames):
     def _enum(self, enum: EnumDeclaration) -> EnumView:
         def word(name: str) -> str:
-            return escaped(name, names.KEYWORDS)
+            return escaped(name, CPP_WORDS)
 
         return EnumView(
             "enum",
@@ -55,7 +55,7 @@ class Enums(ValueNames):
             f"std::int{bits}_t",
             tuple(
                 EnumeratorView(
-                    escaped(f.name, names.KEYWORDS),
+                    escaped(f.name, CPP_WORDS),
                     f"std::uint{bits}_t{{1}} << {f.position}",
                     doc_lines(f.facts),
                 )
@@ -72,7 +72,7 @@ class Enums(ValueNames):
         for field in self._model.all_fields(bitset):
             if field.name is None:
                 continue
-            name = escaped(field.name, names.BITSET_WORDS)
+            name = escaped(field.name, CPP_BITSET_WORDS)
             kind = field.type.kind
             mask = (1 << field.width) - 1
             used |= mask << field.position

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
+from gidl.languages import CPP_BITSET_WORDS, CPP_WORDS
 from gidl.model import (
     AnyDeclaration,
     Bitmask,
@@ -19,7 +20,8 @@ from gidl.targets.cpp import names
 from gidl.targets.cpp.lower import Lowering
 from gidl.targets.cpp.values.structs import Structs
 from gidl.targets.cpp.values.views import StructView
-from gidl.targets.naming import escaped, has_output, source_stem
+from gidl.targets.naming import has_output, source_stem
+from gidl.type_names import escaped
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,11 +116,11 @@ class _Shapes(Structs):
     ) -> NamesShape:
         type_name = names.full_name(self._model, declaration.name)
         table = f"names_of_{declaration.name.replace('::', '_')}"
-        known = tuple((word, escaped(word, names.KEYWORDS)) for word in words)
+        known = tuple((word, escaped(word, CPP_WORDS)) for word in words)
         return NamesShape("names", type_name, type_name, table, known, put, get)
 
     def _bitset(self, bitset: Bitset) -> MembersShape:
-        reserved = names.BITSET_WORDS
+        reserved = CPP_BITSET_WORDS
         members = tuple(
             MemberView(field.name, escaped(field.name, reserved), False)
             for field in self._model.all_fields(bitset)

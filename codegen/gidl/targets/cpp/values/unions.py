@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from gidl.languages import CPP_UNION_WORDS
 from gidl.model import (
     Member,
     Primitive,
@@ -23,10 +24,10 @@ from gidl.targets.cpp.values.views import (
 from gidl.targets.naming import (
     LocalNames,
     doc_lines,
-    escaped,
     value_note,
 )
 from gidl.targets.reach import type_reaches
+from gidl.type_names import escaped
 from gidl.wire_layout import node_of, wire_tag_of
 from gidl.wire_nodes import EnumNode, ScalarNode
 
@@ -41,7 +42,7 @@ class Unions(ValueNames):
             label = lowering.literal(case.labels[0], union.discriminator) if case.labels else ""
             arms.append(
                 ArmView(
-                    escaped(case.member.name, names.UNION_WORDS),
+                    escaped(case.member.name, CPP_UNION_WORDS),
                     lowering.type(case.member.type),
                     lowering.parameter(case.member.type),
                     index + 1,

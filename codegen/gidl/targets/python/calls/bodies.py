@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from gidl.languages import PYTHON_WORDS
 from gidl.targets.calls import (
     CallValue,
     first_missing,
@@ -50,7 +51,7 @@ class Bodies(CallFacts):
         name = self._function(call, "arguments")
         label = short_name(call).removesuffix("=")
         required = first_missing(values)
-        local = LocalNames(LOCAL_WORDS | names.KEYWORDS | self._type_names(values))
+        local = LocalNames(LOCAL_WORDS | PYTHON_WORDS | self._type_names(values))
         lines, variables, hints = [], [], []
         for i, value in enumerate(values):
             slot = Slot("", f"{label}.{value.name}", value.type, value.optional, value.range)

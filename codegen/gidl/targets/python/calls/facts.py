@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 
+from gidl.languages import PYTHON_WORDS
 from gidl.model import Attribute, Interface, Operation, Struct
 from gidl.targets.calls import (
     CallValue,
@@ -64,7 +65,7 @@ class CallFacts:
     def _parameter_names(self, call: CallLayout) -> list[str]:
         """Of the inputs, in order: what else a body names is none of them."""
         inputs = self._inputs(call)
-        local = LocalNames(names.KEYWORDS | {"out"} | self._type_names(inputs))
+        local = LocalNames(PYTHON_WORDS | {"out"} | self._type_names(inputs))
         return [local.fresh(value.name) for value in inputs]
 
     def _type_names(self, values: list[CallValue]) -> set[str]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from gidl.languages import PYTHON_BUILTINS
 from gidl.model import (
     AnyDeclaration,
     Facts,
@@ -17,7 +18,7 @@ from gidl.targets.python.lower import Lowering
 # Bodies call these where parameters stand, which may have their names: `_len` is no such name.
 BUILTIN_FUNCTIONS = ("len", "sorted")
 # What a body calls something else, and so none of its locals.
-LOCAL_WORDS = names.BUILTINS | {"out", "source", "cls", "self"}
+LOCAL_WORDS = PYTHON_BUILTINS | {"out", "source", "cls", "self"}
 
 
 class ValueNames:

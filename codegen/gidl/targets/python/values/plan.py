@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from gidl.languages import PYTHON_WORDS
 from gidl.model import (
     Member,
     Struct,
 )
-from gidl.targets.naming import LocalNames, escaped
+from gidl.targets.naming import LocalNames
 from gidl.targets.python import names
 from gidl.targets.python.lower import Leaf, Lowering, Run, Slot
 from gidl.targets.python.values.names import (
@@ -17,6 +18,7 @@ from gidl.targets.python.values.names import (
 from gidl.targets.python.values.views import (
     RunView,
 )
+from gidl.type_names import escaped
 from gidl.wire_layout import node_of
 from gidl.wire_nodes import ScalarNode
 
@@ -168,4 +170,4 @@ class Plan:
 
 def _variable(leaf: Leaf) -> str:
     """ "self.position.x" -> "position_x"."""
-    return escaped(leaf.access.removeprefix("self.").replace(".", "_"), names.KEYWORDS)
+    return escaped(leaf.access.removeprefix("self.").replace(".", "_"), PYTHON_WORDS)
