@@ -5,10 +5,23 @@ from __future__ import annotations
 import argparse
 import sys
 from collections import Counter
+from pathlib import Path
 
-from gidl.cli_shared import FAILED, FINDINGS, FINE, USAGE, add_files, files_of, show
-from gidl.compile import Compiled, compile_files
+from gidl.cli_shared import (
+    FAILED,
+    FINDINGS,
+    FINE,
+    USAGE,
+    add_files,
+    compiled_from,
+    files_of,
+    show,
+)
+from gidl.compile import compile_files
+from gidl.loader import default_search
 from gidl.source import Source
+
+_OLD = "old:"  # before the paths of files as they were
 
 
 def add_verb(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -30,36 +43,44 @@ def run(chosen: argparse.Namespace) -> int:
     files = files_of(chosen)
     if files is None:
         return USAGE
-    new = compile_files(files, chosen.search)
+    if "-" in files:
+        print("gidl: breaking compares files; stdin has no older version", file=sys.stderr)
+        return USAGE
+    new = compiled_from(chosen, files)
     if new.has_errors:
         show(chosen, new.findings, new.sources)
         return FINDINGS
+    read = {file.path for file in new.model.files}
     try:
-        with baseline(chosen.against, _subfolder(chosen)) as before:
-            old = compile_files(before.files, [str(before.folder)])
-            old_sources = _relabelled(old, before.label)
-            label = before.label
+        with baseline(chosen.against, _roots(chosen, files)) as before:
+            search = [str(root.folder) for root in before.roots]
+            named = before.files(read if chosen.files else None)
+            old = compile_files(named, search + chosen.search[1:])
+            old_sources = {
+                path: Source(path, before.shown(source.shown), source.text)
+                for path, source in old.sources.items()
+            }
     except AgainstError as problem:
         print(f"gidl: --against: {problem}", file=sys.stderr)
         return FAILED
     if old.has_errors:
-        show(chosen, old.findings, old.sources)
+        show(chosen, old.findings, old_sources)
         print(f"gidl: --against: {chosen.against} has errors itself", file=sys.stderr)
         return FAILED
-    found = compare(old.model, new.model, label)
+    found = compare(old.model, new.model, _OLD)
     counts = Counter(category_of(f.code) for f in found)
     summary = ", ".join(f"{counts[c]} {c}" for c in CATEGORIES)
-    show(chosen, found, {**new.sources, **old_sources}, summary)
+    sources = new.sources | {f"{_OLD}{path}": source for path, source in old_sources.items()}
+    show(chosen, found, sources, summary)
     return FINDINGS if found else FINE
 
 
-def _subfolder(chosen: argparse.Namespace) -> str:
-    """Where the interfaces lie in a commit: where they lie now."""
-    return str(chosen.search[0]).strip("/") if chosen.search else "idl"
-
-
-def _relabelled(old: Compiled, label: str) -> dict[str, Source]:
-    return {
-        f"{label}{path}": Source(path, f"{label}{path}", source.text)
-        for path, source in old.sources.items()
-    }
+def _roots(chosen: argparse.Namespace, files: list[str]) -> list[Path]:
+    """The folders whose older version is wanted: where the paths of the files begin."""
+    if chosen.search:
+        return [Path(chosen.search[0])]
+    if not chosen.files:
+        return [Path("idl")]
+    roots = list(default_search(files))
+    alone = [Path(f) for f in files if not any(Path(f).is_relative_to(root) for root in roots)]
+    return list(dict.fromkeys([*roots, *(place.parent for place in alone)]))

@@ -15,7 +15,7 @@ from gidl.diagnostics import Findings, Severity
 from gidl.fmt import UnreadableError, layout
 from gidl.loader import read_text
 from gidl.model import Location
-from gidl.output import replace_text
+from gidl.output import replace_texts
 from gidl.parser import parse
 from gidl.source import Source
 
@@ -26,7 +26,7 @@ def add_verb(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None
         "files", nargs="*", metavar="FILE", help="- formats stdin; idl/**/*.gidl when left out"
     )
     parser.add_argument("--check", action="store_true", help="write nothing; show what differs")
-    parser.set_defaults(command=run, error_format="text")
+    parser.set_defaults(command=run, error_format="text", prints=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,8 +53,7 @@ def run(chosen: argparse.Namespace) -> int:
         for laid in done:
             if laid is not None and laid.shown == "-":
                 sys.stdout.write(laid.after)
-            elif laid is not None and laid.after != laid.before:
-                replace_text(Path(laid.shown), laid.after)
+        replace_texts({Path(one.shown): one.after for one in changed if one.shown != "-"})
     if files != ["-"]:
         mend = shlex.join(["gidl", "fmt", *(one.shown for one in changed if chosen.files)])
         _summary(chosen.check, len(done), len(changed), done.count(None), mend)

@@ -23,7 +23,7 @@ def add_verb(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None
     new.add_argument(
         "-I", dest="search", action="append", default=[], metavar="DIR", help="where includes begin"
     )
-    new.set_defaults(command=_new, error_format="text")
+    new.set_defaults(command=_new, error_format="text", prints=False)
 
 
 def _new(chosen: argparse.Namespace) -> int:
@@ -44,13 +44,15 @@ def _mock(chosen: argparse.Namespace) -> int:
     from gidl.emit import UnsupportedError
 
     compiled = compiled_from(chosen, [chosen.mock])
-    if compiled.has_errors:
+    findings = Findings(list(compiled.findings))
+    told = ""
+    if not compiled.has_errors:
+        try:
+            told = write_mock(compiled, chosen.lang, chosen.interface, chosen.into, chosen.search)
+        except UnsupportedError as problem:
+            findings.error("G0801", problem.location, problem.text)
+    show(chosen, findings.found, compiled.sources)
+    if findings.has_errors:
         return FINDINGS
-    try:
-        print(write_mock(compiled, chosen.lang, chosen.interface, chosen.into, chosen.search))
-    except UnsupportedError as problem:
-        findings = Findings()
-        findings.error("G0801", problem.location, problem.text)
-        show(chosen, findings.found, compiled.sources)
-        return FINDINGS
+    print(told)
     return FINE

@@ -30,6 +30,7 @@ def add_files(parser: argparse.ArgumentParser) -> None:
         "-I", dest="search", action="append", default=[], metavar="DIR", help="where includes begin"
     )
     parser.add_argument("--error-format", choices=sorted(PRINTERS), default="text")
+    parser.set_defaults(prints=False)
 
 
 def files_of(chosen: argparse.Namespace) -> list[str] | None:
@@ -44,10 +45,8 @@ def files_of(chosen: argparse.Namespace) -> list[str] | None:
 
 
 def compiled_from(chosen: argparse.Namespace, files: list[str]) -> Compiled:
-    """Compiles, and prints what was found."""
-    compiled = compile_files(files, chosen.search)
-    show(chosen, compiled.findings, compiled.sources)
-    return compiled
+    """Compiles as the command line says. What was found is the caller's to show."""
+    return compile_files(files, chosen.search)
 
 
 def show(
@@ -56,12 +55,12 @@ def show(
     sources: Mapping[str, Source],
     summary: str = "",
 ) -> None:
-    """Prints findings: text to stderr, with a last line that counts them; other formats to
-    stdout."""
+    """Prints all findings of a run, once: text to stderr, with a last line that counts them; other
+    formats are a whole report, to stdout unless the verb prints something else there."""
     found = list(findings)
     text = PRINTERS[chosen.error_format](found, sources)
     is_text = chosen.error_format == "text"
-    (sys.stderr if is_text else sys.stdout).write(text)
+    (sys.stderr if is_text or chosen.prints else sys.stdout).write(text)
     if is_text and found:
         errors = sum(f.severity is Severity.ERROR for f in found)
         counted = f"{count(errors, 'error')}, {count(len(found) - errors, 'warning')}"

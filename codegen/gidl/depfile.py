@@ -9,11 +9,11 @@ from gidl.loader import PACKAGED, VOCABULARY
 from gidl.source import Source
 
 
-def depfile_text(out: Path, outputs: Iterable[str], sources: Mapping[str, Source]) -> str:
+def depfile_text(outputs: Iterable[Path], sources: Mapping[str, Source]) -> str:
     """One rule: every output depends on every file that was read, included ones too, and on gidl
     itself, whose next version may write something else."""
     read = {_place(path, source) for path, source in sources.items() if source.shown != "-"}
-    made = [_escaped((out / path).as_posix()) for path in sorted(outputs)]
+    made = [_escaped(place.as_posix()) for place in sorted(outputs)]
     needs = [_escaped(place) for place in sorted(read | _own_files())]
     return " \\\n".join(made) + ": \\\n  " + " \\\n  ".join(needs) + "\n"
 

@@ -46,7 +46,7 @@ class Findings:
     """What was found so far. A place gets each code once, so one mistake is one finding."""
 
     found: list[Finding] = field(default_factory=list)
-    _seen: set[tuple[str, Location | None, str]] = field(default_factory=set)
+    _seen: set[tuple[str, Location | str | None, str]] = field(default_factory=set)
 
     def error(
         self,
@@ -96,7 +96,7 @@ class Findings:
         self._keep(Finding(code, severity, message, location, length, shown_help, notes))
 
     def _keep(self, finding: Finding) -> None:
-        key = (finding.code, finding.location, finding.message)
+        key = (finding.code, finding.location or finding.shown, finding.message)
         if key not in self._seen:
             self._seen.add(key)
             self.found.append(finding)

@@ -181,7 +181,12 @@ class Loader:
 def read_text(shown: str, findings: Findings) -> str | None:
     """Text of a file, or of stdin for "-"; None, and a finding, where it is no text."""
     if shown == "-":
-        return _decoded(sys.stdin.buffer.read(MAX_BYTES + 1), shown, findings)
+        try:
+            data = sys.stdin.buffer.read(MAX_BYTES + 1)
+        except OSError as problem:
+            findings.file_error("G0001", shown, f"cannot be read: {problem.strerror}")
+            return None
+        return _decoded(data, shown, findings)
     return _read(Path(shown), shown, findings)
 
 

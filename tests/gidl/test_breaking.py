@@ -3,6 +3,7 @@
 
 import os
 import re
+import shutil
 import subprocess
 from pathlib import Path
 
@@ -252,12 +253,8 @@ class TestCommand:
         assert re.search(r"^gidl: 1 WIRE, 0 SOURCE, 0 QOS, 0 SECURITY$", said, re.MULTILINE)
 
     def test_against_a_commit(self, here: Path, capsys: pytest.CaptureFixture[str]) -> None:
-        for command in (
-            ["init", "--quiet"],
-            ["add", "idl"],
-            ["-c", "user.name=n", "-c", "user.email=e", "commit", "--quiet", "-m", "first"],
-        ):
-            subprocess.run(["git", *command], check=True)
+        shutil.rmtree(here / "was")
+        self.commit()
         (here / "idl" / "lab.gidl").write_text(BASE.replace("@sensor @safety void halt();", ""))
         assert main(["breaking", "--against", "git#ref=HEAD"]) == 100
         said = capsys.readouterr().err
@@ -266,6 +263,67 @@ class TestCommand:
         assert main(["breaking", "--against", "git#ref=HEAD,subdir=was"]) == 1
         assert main(["breaking", "--against", "git#ref=nowhere"]) == 1
         assert "git has no idl/ in 'nowhere'" in capsys.readouterr().err
+
+    def commit(self) -> None:
+        for command in (
+            ["init", "--quiet"],
+            ["add", "."],
+            ["-c", "user.name=n", "-c", "user.email=e", "commit", "--quiet", "-m", "first"],
+        ):
+            subprocess.run(["git", *command], check=True)
+
+    @pytest.mark.parametrize("against", ["was", "git#ref=HEAD"])
+    def test_what_is_not_named_is_not_gone(
+        self, here: Path, against: str, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        for folder in ("was", "idl"):
+            (here / folder / "base.gidl").write_text("@final struct B { long x; };\n")
+            (here / folder / "one.gidl").write_text(
+                '#include "base.gidl"\n@final struct One { B inner; };\ninterface Old {};\n'
+            )
+        self.commit()
+        assert main(["breaking", "--against", against, "idl/one.gidl"]) == 0
+        assert capsys.readouterr() == ("", "")
+        (here / "idl" / "base.gidl").write_text("@final struct B { double x; };\n")
+        (here / "idl" / "one.gidl").write_text(
+            '#include "base.gidl"\n@final struct One { B inner; };\n'
+        )
+        assert main(["breaking", "--against", against, "idl/one.gidl"]) == 100
+        said = capsys.readouterr().err
+        assert "interface 'Old' is gone" in said
+        assert "member 'x' of 'B' was int32" in said, "what the file includes is compared too"
+        assert "lab::" not in said
+
+    def test_what_is_not_included_any_more_is_not_gone(
+        self, here: Path, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        for folder in ("was", "idl"):
+            (here / folder / "one.gidl").write_text(
+                '#include "lab.gidl"\n@final struct One { long x; };\n'
+            )
+        (here / "idl" / "one.gidl").write_text("@final struct One { long x; };\n")
+        assert main(["breaking", "--against", "was", "idl/one.gidl"]) == 0
+
+    def test_a_new_file_breaks_nothing(self, here: Path) -> None:
+        self.commit()
+        (here / "idl" / "new.gidl").write_text("@final struct New { long x; };\n")
+        assert main(["breaking", "--against", "git#ref=HEAD", "idl/new.gidl"]) == 0
+
+    def test_a_commit_is_read_from_wherever_one_stands(
+        self,
+        here: Path,
+        monkeypatch: pytest.MonkeyPatch,
+        capsys: pytest.CaptureFixture[str],
+    ) -> None:
+        (here / "sub").mkdir()
+        self.commit()
+        edited = BASE.replace("@sensor @safety void halt();", "")
+        (here / "idl" / "lab.gidl").write_text(edited)
+        monkeypatch.chdir(here / "sub")
+        for words in (["../idl/lab.gidl"], ["-I", "../idl", "../idl/lab.gidl"]):
+            assert main(["breaking", "--against", "git#ref=HEAD", *words]) == 100
+            assert "HEAD:../idl/lab.gidl:" in capsys.readouterr().err
+        assert main(["breaking", "--against", "git#ref=HEAD", "-"]) == 2
 
     @pytest.mark.parametrize("against", ["nowhere", "git#", "git#tag=x", "git#ref=--help", "empty"])
     def test_what_cannot_be_compared_with_is_said(

@@ -82,6 +82,14 @@ def test_a_file_that_cannot_be_read_is_a_finding(
     assert f"odd.gidl: error[{code}]" in capsys.readouterr().err
 
 
+def test_each_file_that_cannot_be_read_is_named(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["check", "one.gidl", "two.gidl"]) == 100
+    said = capsys.readouterr().err
+    assert "one.gidl: error[G0001]" in said and "two.gidl: error[G0001]" in said
+
+
 @pytest.mark.parametrize("arguments", [[], ["frobnicate"], ["gen", "--lang", "cobol"]])
 def test_wrong_usage_exits_with_2(here: Path, arguments: list[str]) -> None:
     assert main(arguments) == 2

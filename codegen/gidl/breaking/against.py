@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import io
+import os
 import subprocess
 import tarfile
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,30 +20,58 @@ class AgainstError(ValueError):
 
 
 @dataclass(frozen=True, slots=True)
+class Root:
+    """Where includes begin: a folder on disk, and how its name is shown ("main:idl/")."""
+
+    folder: Path
+    label: str
+
+
+@dataclass(frozen=True, slots=True)
 class Baseline:
-    folder: Path  # where includes begin
-    files: tuple[str, ...]
-    label: str  # before the paths of its files when they are shown: "main:"
+    roots: tuple[Root, ...]
+
+    def files(self, wanted: Collection[str] | None) -> list[str]:
+        """All files, or those of the paths that are wanted and were there before."""
+        found: dict[str, str] = {}
+        for root in self.roots:
+            for place in sorted(root.folder.rglob("*.gidl")):
+                found.setdefault(place.relative_to(root.folder).as_posix(), place.as_posix())
+        return [place for path, place in found.items() if wanted is None or path in wanted]
+
+    def shown(self, place: str) -> str:
+        for root in self.roots:
+            if Path(place).is_relative_to(root.folder):
+                return root.label + Path(place).relative_to(root.folder).as_posix()
+        return place
 
 
 @contextmanager
-def baseline(text: str, subfolder: str) -> Iterator[Baseline]:
-    """`text` is a folder, or git#ref=main (and git#ref=v1.2,subdir=interfaces). The folder lives
-    as long as the context. Raises AgainstError."""
+def baseline(text: str, roots: Sequence[Path]) -> Iterator[Baseline]:
+    """`text` is a folder, which stands for the first of `roots`, or git#ref=main, which has all of
+    them (git#ref=v1.2,subdir=interfaces has this one). It lives as long as the context. Raises
+    AgainstError."""
     if not text.startswith(_GIT):
         folder = Path(text)
         if not folder.is_dir():
             raise AgainstError(f"{text} is no folder; git#ref=main names a commit")
-        yield _found(folder, f"{folder.as_posix()}/")
+        yield _filled((Root(folder, f"{folder.as_posix()}/".removeprefix("./")),))
         return
     terms = dict(_term(part) for part in text.removeprefix(_GIT).split(","))
     unknown = set(terms) - {"ref", "subdir"}
     if unknown or not terms.get("ref"):
         raise AgainstError(f"'{text}' is not understood; write git#ref=main")
+    ref = terms["ref"]
+    if ref.startswith("-"):
+        raise AgainstError(f"'{ref}' is no name of a commit")
+    wanted = [Path(terms["subdir"])] if "subdir" in terms else roots
     with TemporaryDirectory(prefix="gidl-") as place:
-        subfolder = terms.get("subdir", subfolder)
-        _extract(terms["ref"], subfolder, Path(place))
-        yield _found(Path(place) / subfolder, f"{terms['ref']}:{subfolder}/")
+        yield _filled(
+            tuple(
+                _extracted(ref, folder, Path(place) / str(number))
+                for number, folder in enumerate(wanted)
+            )
+        )
 
 
 def _term(text: str) -> tuple[str, str]:
@@ -50,26 +79,33 @@ def _term(text: str) -> tuple[str, str]:
     return name.strip(), value.strip()
 
 
-def _found(folder: Path, label: str) -> Baseline:
-    files = tuple(sorted(p.as_posix() for p in folder.rglob("*.gidl")))
-    if not files:
-        raise AgainstError(f"there are no .gidl files in {label.rstrip('/')}")
-    return Baseline(folder, files, label)
+def _filled(roots: tuple[Root, ...]) -> Baseline:
+    found = Baseline(roots)
+    if not found.files(None):
+        where = ", ".join(root.label.rstrip("/") for root in roots)
+        raise AgainstError(f"there are no .gidl files in {where}")
+    return found
 
 
-def _extract(ref: str, subfolder: str, into: Path) -> None:
-    if ref.startswith("-"):
-        raise AgainstError(f"'{ref}' is no name of a commit")
-    command = ["git", "archive", "--format=tar", ref, "--", f"./{subfolder}"]
-    try:
-        run = subprocess.run(command, capture_output=True, check=False)
-    except OSError as problem:
-        raise AgainstError(f"git cannot be run: {problem.strerror}") from problem
+def _extracted(ref: str, folder: Path, into: Path) -> Root:
+    top = _git("rev-parse", "--show-toplevel").stdout.decode().strip()
+    path = os.path.relpath(folder.resolve(), top or ".")
+    tree = "" if path == "." else path
+    run = _git("-C", top or ".", "archive", "--format=tar", f"{ref}:{tree}")
     if run.returncode != 0:
         said = run.stderr.decode("utf-8", "replace").strip().splitlines()
-        raise AgainstError(f"git has no {subfolder}/ in '{ref}': {said[-1] if said else 'no word'}")
+        reason = said[-1] if said else "no word"
+        raise AgainstError(f"git has no {folder.as_posix()}/ in '{ref}': {reason}")
     with tarfile.open(fileobj=io.BytesIO(run.stdout)) as archive:
         if hasattr(tarfile, "data_filter"):  # Debian 12's Python 3.11.2 is older than it
             archive.extractall(into, filter="data")
         else:
             archive.extractall(into)  # git made it: no absolute paths, nothing outside
+    return Root(into, f"{ref}:{folder.as_posix()}/".replace(":./", ":"))
+
+
+def _git(*words: str) -> subprocess.CompletedProcess[bytes]:
+    try:
+        return subprocess.run(["git", *words], capture_output=True, check=False)
+    except OSError as problem:
+        raise AgainstError(f"git cannot be run: {problem.strerror}") from problem

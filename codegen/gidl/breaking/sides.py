@@ -35,14 +35,16 @@ class Sides:
     new: Model
 
     def declarations(self) -> Iterator[tuple[AnyDeclaration, AnyDeclaration | None]]:
-        """What the old files that were asked for declare, with what it became."""
+        """What the old files declare, with what it became. What is gone counts only in files that
+        were asked for: another one may just not be included any more."""
         became = {_key(self.new, d): d for d in self.new.declarations()}
         for file in self.old.files:
-            if not file.asked_for:
-                continue
             for declaration in file.declarations:
-                if not isinstance(declaration, AnnotationDeclaration):
-                    yield declaration, became.get(_key(self.old, declaration))
+                new = became.get(_key(self.old, declaration))
+                if isinstance(declaration, AnnotationDeclaration):
+                    continue
+                if file.asked_for or new is not None:
+                    yield declaration, new
 
     def calls(self, old: Interface, new: Interface) -> Iterator[tuple[Call, Call | None]]:
         """Own members of an interface, by the name that enters codes and hashes."""
