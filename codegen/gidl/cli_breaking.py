@@ -55,7 +55,7 @@ def run(chosen: argparse.Namespace) -> int:
         with baseline(chosen.against, _roots(chosen, files)) as before:
             search = [str(root.folder) for root in before.roots]
             named = before.files(read if chosen.files else None)
-            old = compile_files(named, search + chosen.search[1:])
+            old = compile_files(named, search + chosen.search[1:], wide=chosen.wide is not None)
             old_sources = {
                 path: Source(path, before.shown(source.shown), source.text)
                 for path, source in old.sources.items()

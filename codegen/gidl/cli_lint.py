@@ -39,7 +39,7 @@ def run(chosen: argparse.Namespace) -> int:
     files = files_of(chosen)
     if files is None:
         return USAGE
-    compiled = compile_files(files, chosen.search)
+    compiled = compile_files(files, chosen.search, wide=chosen.wide is not None)
     findings = list(compiled.findings)
     if not compiled.has_errors:
         findings += [f for f in lint(compiled.model) if f.code not in chosen.excepted]

@@ -23,7 +23,7 @@ def add_verb(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None
     new.add_argument(
         "-I", dest="search", action="append", default=[], metavar="DIR", help="where includes begin"
     )
-    new.set_defaults(command=_new, error_format="text", prints=False)
+    new.set_defaults(command=_new, error_format="text", prints=False, wide=None)
 
 
 def _new(chosen: argparse.Namespace) -> int:

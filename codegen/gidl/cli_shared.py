@@ -29,6 +29,9 @@ def add_files(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "-I", dest="search", action="append", default=[], metavar="DIR", help="where includes begin"
     )
+    parser.add_argument(
+        "--wide", choices=("utf8",), help="read wstring and wchar as string, which is UTF-8"
+    )
     parser.add_argument("--error-format", choices=sorted(PRINTERS), default="text")
     parser.set_defaults(prints=False)
 
@@ -46,7 +49,7 @@ def files_of(chosen: argparse.Namespace) -> list[str] | None:
 
 def compiled_from(chosen: argparse.Namespace, files: list[str]) -> Compiled:
     """Compiles as the command line says. What was found is the caller's to show."""
-    return compile_files(files, chosen.search)
+    return compile_files(files, chosen.search, wide=chosen.wide is not None)
 
 
 def show(

@@ -26,16 +26,19 @@ class Compiled:
     has_errors: bool  # then the model lacks what was wrong, and nothing may be generated from it
 
 
-def compile_files(paths: Iterable[str], search: Iterable[str] = ()) -> Compiled:
-    """Reads, resolves and checks `paths` and what they include; never raises for their contents."""
+def compile_files(
+    paths: Iterable[str], search: Iterable[str] = (), *, wide: bool = False
+) -> Compiled:
+    """Reads, resolves and checks `paths` and what they include; never raises for their contents.
+    With `wide`, `wstring` and `wchar` are read as `string`."""
     with room_for_nesting():
-        return _compile(list(paths), list(search))
+        return _compile(list(paths), list(search), wide)
 
 
-def _compile(wanted: list[str], search: list[str]) -> Compiled:
+def _compile(wanted: list[str], search: list[str], wide: bool) -> Compiled:
     folders = tuple(Path(p) for p in search) or default_search(wanted)
     findings = Findings()
-    loader = Loader(findings, folders)
+    loader = Loader(findings, folders, wide)
     vocabulary = loader.load_vocabulary()
     loader.load_all(wanted)
     model = resolve(loader.files.values(), vocabulary, findings)

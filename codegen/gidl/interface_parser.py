@@ -25,7 +25,7 @@ from gidl.type_parser import article
 
 class InterfaceParser(StructParser):
     @abstractmethod
-    def _type_declaration(self, extras: Extras) -> list[DeclarationSyntax] | None: ...
+    def _type_declaration(self, extras: Extras) -> DeclarationSyntax | None: ...
     @abstractmethod
     def _const(self, extras: Extras) -> ConstSyntax: ...
     @abstractmethod
@@ -44,9 +44,9 @@ class InterfaceParser(StructParser):
             return [ForwardSyntax("interface", name)]
         bases: list[ScopedName] = []
         if self._accept(":"):
-            bases.extend(self._base_interface())
+            bases.append(self._scoped_name("a base interface"))
             while self._accept(","):
-                bases.extend(self._base_interface())
+                bases.append(self._scoped_name("a base interface"))
         self._opened(extras)
         what = f"interface '{name.text}'"
         opened = self._expect("{", f"to open {what}")
@@ -62,12 +62,6 @@ class InterfaceParser(StructParser):
         self._close_body(opened, what)
         self._finish(extras, "the interface's '}'")
         return [InterfaceSyntax(name, bases, body, extras)]
-
-    def _base_interface(self) -> list[ScopedName]:
-        if self._is("Object"):
-            self._type()  # says that it is refused
-            return []
-        return [self._scoped_name("a base interface")]
 
     def _refuse_kind(self, token: Token) -> None:
         self._advance()
@@ -97,8 +91,6 @@ class InterfaceParser(StructParser):
                     return [self._exception(extras)]
                 case "typeid" | "typeprefix":
                     return [self._repository()]
-                case "enum" | "struct" | "union" | "bitmask" | "bitset" | "typedef":
-                    return self._type_declaration(extras) or []
                 case "interface" | "module":
                     self._findings.error(
                         "G0100",
@@ -106,6 +98,9 @@ class InterfaceParser(StructParser):
                         f"{article(token.text)} cannot stand inside an interface",
                     )
                     raise Skip
+            declared = self._type_declaration(extras)
+            if declared is not None:
+                return [declared]
         if self._is(";"):
             self._findings.error(
                 "G0100", self._span(token), "this ';' ends nothing", "leave it out"

@@ -16,7 +16,6 @@ from gidl.model import (
     Bitmask,
     Bitset,
     EnumDeclaration,
-    Interface,
     Model,
     Primitive,
     Struct,
@@ -137,12 +136,12 @@ class Lowering:
                 self._full_names[declaration.name] = wanted if ours else self._free(wanted)
 
     def _dotted(self, scoped_name: str) -> str:
-        """Modules become the package; an interface around a type becomes a prefix of its name."""
+        """Modules become the package; a declaration around a type becomes a prefix of its name."""
         parts = scoped_name.split("::")
         split = len(parts) - 1
         while split > 0:
             around = "::".join(parts[:split])
-            if not (self._model.has(around) and isinstance(self._model.find(around), Interface)):
+            if not self._model.has(around):
                 break
             split -= 1
         return ".".join((*parts[:split], "_".join(parts[split:])))

@@ -17,7 +17,8 @@ from gidl.source import Source, Span
 
 
 class Token(NamedTuple):
-    kind: str  # "id" "escaped" "int" "float" "string" "char" "wide" "op" "directive" "eof"
+    kind: str  # "id" "escaped" "op" "directive" "eof", and a literal's: "int" "float" "fixed"
+    # "string" "char" "wide_string" "wide_char"
     text: str  # identifiers without escape, literals with their quotes
     start: int
     end: int
@@ -43,9 +44,11 @@ TOKEN = re.compile(
       (?P<space>[ \t\r\n\f\v\ufeff]+)
     | (?P<comment>//[^\n]*|/\*.*?\*/)
     | (?P<open_comment>/\*)
-    | (?P<wide>L(?:"|'))
+    | (?P<wide_string>L"(?:[^"\\\n]|\\[^\n])*")
+    | (?P<wide_char>L'(?:[^'\\\n]|\\[^\n])[^'\n]{0,7}')
     | (?P<escaped>_[A-Za-z][A-Za-z0-9_]*)
     | (?P<id>[A-Za-z][A-Za-z0-9_]*)
+    | (?P<fixed>(?:[0-9]+\.?[0-9]*|\.[0-9]+)[dD](?![A-Za-z0-9_]))
     | (?P<float>(?:[0-9]+\.[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?|[0-9]+[eE][+-]?[0-9]+)
     | (?P<int>0[xX][0-9A-Fa-f]+|[0-9]+)
     | (?P<string>"(?:[^"\\\n]|\\[^\n])*")
@@ -95,15 +98,6 @@ class _Lexer:
             elif kind == "open_comment":
                 self._error("G0006", at, at + 2, "this comment is never closed", "write '*/'")
                 stop = end
-            elif kind == "wide":
-                stop = at + 1
-                self._error(
-                    "G0206",
-                    at,
-                    at + 2,
-                    "wide characters and strings are not part of .gidl",
-                    "leave out the L: strings are UTF-8",
-                )
             else:
                 body = text[at:stop]
                 if kind in ("int", "float"):
@@ -166,22 +160,18 @@ class _Lexer:
         return end
 
     def _number(self, start: int, end: int) -> int:
-        """A number may not run into letters, and 089 is no octal number."""
+        """End of a number: it may not run into letters. 089 is no octal number."""
         text = self._source.text
         tail = _IDENTIFIER_TAIL.match(text, end)
         if tail is not None:
-            if tail.group() in ("d", "D"):
-                message = "fixed-point literals are not part of .gidl"
-                self._error("G0203", start, tail.end(), message, "write a double, without the d")
-            else:
-                shown = text[start : tail.end()]
-                self._error(
-                    "G0009",
-                    start,
-                    tail.end(),
-                    f"'{shown}' is no number",
-                    'quantities with a unit are strings: "5ms", "250Hz"',
-                )
+            shown = text[start : tail.end()]
+            self._error(
+                "G0009",
+                start,
+                tail.end(),
+                f"'{shown}' is no number",
+                'quantities with a unit are strings: "5ms", "250Hz"',
+            )
             return tail.end()
         digits = text[start:end]
         if len(digits) > 1 and digits[0] == "0" and digits.isdigit() and set(digits) & {"8", "9"}:
@@ -252,7 +242,7 @@ class _Lexer:
             kind, stop = match.lastgroup or "", match.end()
             if kind == "comment":
                 self._comment(match.group(), at, stop)
-            elif kind in ("id", "int", "float", "string", "char", "op"):
+            elif kind not in ("space", "escaped", "open_comment", "directive"):
                 found.append(Token(kind, match.group(), at, stop))
             elif kind == "escaped":
                 found.append(Token(kind, match.group()[1:], at, stop))

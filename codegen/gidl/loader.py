@@ -11,11 +11,12 @@ from pathlib import Path, PurePosixPath
 from gidl.diagnostics import Findings
 from gidl.parser import parse
 from gidl.preprocess import Macros
-from gidl.source import MAX_BYTES, Source
+from gidl.source import MAX_BYTES, Source, Span
 from gidl.syntax import FileSyntax, Include
 
 PACKAGED = Path(__file__).parent / "include"
 VOCABULARY = "gecos/annotations.gidl"
+OBJECT_REF = "gecos/object_ref.gidl"  # what `Object` is a value of
 _MAX_INCLUDE_DEPTH = 100
 
 
@@ -36,6 +37,7 @@ class Loader:
 
     findings: Findings
     search: tuple[Path, ...] = ()
+    wide: bool = False  # wide text is read as text
     files: dict[str, LoadedFile] = field(default_factory=dict)  # a file after what it includes
     sources: dict[str, Source] = field(default_factory=dict)
     _by_place: dict[Path, str] = field(default_factory=dict)
@@ -107,7 +109,9 @@ class Loader:
                 includes.append(found)
 
         before = dict(self._macros)
-        tree = parse(source, self.findings, self._macros, on_include)
+        tree = parse(source, self.findings, self._macros, on_include, wide=self.wide)
+        if tree.uses_object:
+            on_include(Include(OBJECT_REF, True, Span(source, 0, 0)))
         self._open.pop()
         left = {k: v for k, v in self._macros.items() if before.get(k) is not v}
         cut = self._cut.pop(path, [])

@@ -230,7 +230,7 @@ class Declaration:
 
     @property
     def scope(self) -> str:
-        """Scoped name of the module (or interface) around it, "" at the top."""
+        """Scoped name of the module, interface, struct or union around it, "" at the top."""
         return self.name.rpartition("::")[0]
 
 
@@ -511,7 +511,7 @@ AnyDeclaration = (
 class File:
     path: str  # as others include it, "robcl/geometry.gidl"
     includes: tuple[str, ...]  # paths of the files it includes directly, in order
-    declarations: tuple[AnyDeclaration, ...]  # in order, flat; nested types before their interface
+    declarations: tuple[AnyDeclaration, ...]  # in order, flat; nested ones before what is around
     asked_for: bool = True  # named on the command line; False: only included
     doc: str = ""
     modules: tuple[Declaration, ...] = ()  # its openings of modules, in order

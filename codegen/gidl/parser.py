@@ -27,7 +27,6 @@ from gidl.syntax import (
     RepositorySyntax,
     ScopedName,
     TypedefSyntax,
-    TypeUse,
 )
 from gidl.token_reader import GiveUp, Skip, keyword_hint
 
@@ -54,14 +53,19 @@ def parse(
     findings: Findings,
     macros: Macros,
     on_include: Callable[[Include], None],
+    *,
+    wide: bool = False,
 ) -> FileSyntax:
-    """Reads one file. Never raises: what cannot be read is missing from the tree and reported."""
+    """Reads one file. Never raises: what cannot be read is missing from the tree and reported.
+    With `wide`, wide text is read as text."""
     of_tokens = Findings()
     lexed = lex(source, of_tokens)
     done = preprocess(lexed, findings, macros, on_include)
     findings.take(of_tokens, [_lines(source, *stretch) for stretch in done.skipped])
     parser = Parser(lexed, done.tokens, DocReader(lexed, done.skipped), findings)
+    parser._wide = wide
     tree = parser.file()
+    tree.uses_object = parser._uses_object
     tree.includes = done.includes
     if done.first_directive is not None:
         tree.doc = DocReader(lexed, done.skipped).head(done.first_directive)
@@ -150,7 +154,7 @@ class Parser(InterfaceParser):
                 raise Skip
             found = self._type_declaration(extras)
             if found is not None:
-                return found
+                return [found]
         if self._is(";"):
             self._findings.error(
                 "G0100", self._span(token), "this ';' ends nothing", "leave it out"
@@ -160,19 +164,11 @@ class Parser(InterfaceParser):
         self._syntax_error("a declaration", "", _start_hint(token.text))
         raise Skip
 
-    def _type_declaration(self, extras: Extras) -> list[DeclarationSyntax] | None:
+    def _type_declaration(self, extras: Extras) -> DeclarationSyntax | None:
         """type_dcl: what may stand in modules and in interfaces alike."""
         match self._now.text if self._now.kind == "id" else "":
-            case "struct":
-                return [self._struct(extras)]
-            case "union":
-                return [self._union(extras)]
-            case "enum":
-                return [self._enum(extras)]
-            case "bitmask":
-                return [self._bitmask(extras)]
-            case "bitset":
-                return [self._bitset(extras)]
+            case "struct" | "union" | "enum" | "bitmask" | "bitset":
+                return self._constructed_declaration(extras)
             case "typedef":
                 return self._typedef(extras)
             case _:
@@ -199,35 +195,16 @@ class Parser(InterfaceParser):
         const_type = self._type("the constant's type")
         name = self._identifier("the constant's name")
         self._expect("=", "after the constant's name")
-        value = self._expression()
+        value = self._value_of(const_type)
         self._finish(extras, "the constant")
         return ConstSyntax(const_type, name, value, extras)
 
-    def _typedef(self, extras: Extras) -> list[DeclarationSyntax]:
-        """A struct, union or enum declared in it becomes a declaration before the typedef."""
+    def _typedef(self, extras: Extras) -> TypedefSyntax:
         self._advance()
-        found: list[DeclarationSyntax] = []
-        is_constructed = self._is("struct") or self._is("union") or self._is("enum")
-        if is_constructed and self._tokens[min(self._at + 2, len(self._tokens) - 1)].text in (
-            "{",
-            "switch",
-            ":",
-        ):
-            name_token = self._ahead
-            self._inside_typedef = True
-            try:
-                found.extend(self._type_declaration(Extras()) or [])
-            finally:
-                self._inside_typedef = False
-            span = self._span(name_token)
-            target: TypeUse = TypeUse(ScopedName((name_token.text,), False, span), span)
-            declarators = self._declarators("the new type's name")
-            self._finish(extras, "the typedef")
-            return [*found, TypedefSyntax(target, declarators, extras)]
-        aliased = self._type()
+        aliased = self._type_or_declaration()
         declarators = self._declarators("the new type's name")
         self._finish(extras, "the typedef")
-        return [TypedefSyntax(aliased, declarators, extras)]
+        return TypedefSyntax(aliased, declarators, extras)
 
     def _import(self) -> ImportSyntax:
         self._advance()
@@ -290,11 +267,11 @@ class Parser(InterfaceParser):
         extras = self._extras()
         match self._now.text:
             case "enum":
-                body.append(self._enum(extras))
+                body.append(self._constructed_declaration(extras))
             case "const":
                 body.append(self._const(extras))
             case "typedef":
-                body.extend(self._typedef(extras))
+                body.append(self._typedef(extras))
             case _:
                 parameter_type = None if self._accept("any") else self._type("the parameter's type")
                 name = self._identifier("the parameter's name")
@@ -320,9 +297,6 @@ class Parser(InterfaceParser):
 
     def _finish(self, extras: Extras, where: str) -> None:
         """Closing `;`, then the comment and the `//@` comments on its line."""
-        if self._inside_typedef:
-            self._inside_typedef = False
-            return
         self._expect_semicolon(where)
         self._after(extras)
 
@@ -340,6 +314,7 @@ class Parser(InterfaceParser):
         InterfaceParser.__init__(
             reader, self._source, [*tokens, Token("eof", "", end, end)], self._findings
         )
+        reader._wide = self._wide
         try:
             extras.annotations.extend(reader._annotations())
             if reader._now.kind != "eof":

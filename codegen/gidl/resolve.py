@@ -40,11 +40,14 @@ from gidl.syntax import (
     FileSyntax,
     ForwardSyntax,
     ImportSyntax,
+    InlineType,
     InterfaceSyntax,
     ModuleSyntax,
     RepositorySyntax,
     ScopedName,
+    StructSyntax,
     TypedefSyntax,
+    UnionSyntax,
 )
 from gidl.vocabulary import Declared, Parameter, Vocabulary
 
@@ -236,6 +239,7 @@ def _declared_names(body: Iterable[DeclarationSyntax]) -> Iterator[tuple[str, in
     for syntax in body:
         if isinstance(syntax, ModuleSyntax | InterfaceSyntax):
             yield from _declared_names(syntax.body)
+        yield from _declared_names(_inline(syntax))
         if isinstance(syntax, TypedefSyntax):
             names = [d.name for d in syntax.declarators]
         elif isinstance(
@@ -246,6 +250,20 @@ def _declared_names(body: Iterable[DeclarationSyntax]) -> Iterator[tuple[str, in
             names = [syntax.name]
         for name in names:
             yield name.text, name.span.location.line
+
+
+def _inline(syntax: DeclarationSyntax) -> list[DeclarationSyntax]:
+    """Types declared in the declaration."""
+    match syntax:
+        case TypedefSyntax(type=used):
+            types = [used]
+        case StructSyntax(members=members):
+            types = [member.type for member in members]
+        case UnionSyntax(discriminator=switch, cases=cases):
+            types = [switch, *(case.member.type for case in cases)]
+        case _:
+            types = []
+    return [used.declaration for used in types if isinstance(used, InlineType)]
 
 
 def _files_of(symbol: Symbol) -> set[str]:

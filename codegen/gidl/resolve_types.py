@@ -50,6 +50,7 @@ from gidl.syntax import (
     DeclarationSyntax,
     EnumSyntax,
     ForwardSyntax,
+    InlineType,
     MemberSyntax,
     ScopedName,
     StructSyntax,
@@ -96,6 +97,14 @@ class TypeResolver(ValueResolver):
                 return False
         return True
 
+    def _declared_inline(self, syntax: InlineType, scope: Scope) -> NamedType | None:
+        """The type is a declaration of its own, before what it is declared in."""
+        self._type_declaration(syntax.declaration, scope)
+        symbol = scope.symbols.get(syntax.declaration.name.text.lower())
+        if symbol is None or symbol.span != syntax.declaration.name.span:
+            return None
+        return NamedType(symbol.scoped)
+
     def _keep(self, symbol: Symbol | None, declaration: AnyDeclaration) -> None:
         """A second declaration of a name was reported, and is not part of the model."""
         if symbol is not None:
@@ -111,6 +120,8 @@ class TypeResolver(ValueResolver):
             base = self._base(syntax.base, scope, _STRUCT, "struct")
         symbol = self._names.declare(scope, syntax.name, kind)
         inside = Scope(scope.qualified(syntax.name.text), kind, scope)
+        if symbol is not None:
+            symbol.scope = inside
         members = self._members(syntax.members, inside)
         made = ExceptionStruct if syntax.is_exception else Struct
         self._keep(
@@ -295,7 +306,12 @@ class TypeResolver(ValueResolver):
 
     def _union(self, syntax: UnionSyntax, scope: Scope) -> None:
         marks = self._marks(syntax.extras, "union", scope)
-        used = self._type(syntax.discriminator, scope)
+        symbol = self._names.declare(scope, syntax.name, "union")
+        inside = Scope(scope.qualified(syntax.name.text), "union", scope)
+        if symbol is not None:
+            symbol.scope = inside
+        used = self._type(syntax.discriminator, inside)
+        labels_scope = Scope(inside.name, "operation", scope, dict(inside.symbols))
         discriminator = None if used is None else self._target(used)
         if discriminator is not None and not _may_discriminate(discriminator, self._enums):
             self._findings.error(
@@ -304,14 +320,12 @@ class TypeResolver(ValueResolver):
                 "a union is switched by an integer, boolean, char, octet or enum",
             )
             discriminator = None
-        symbol = self._names.declare(scope, syntax.name, "union")
-        inside = Scope(scope.qualified(syntax.name.text), "union", scope)
         cases = []
         for case in syntax.cases:
             labels: list[Value] = []
             for label in case.labels:
                 if discriminator is not None:
-                    value = self._typed_value(label, discriminator, scope)
+                    value = self._typed_value(label, discriminator, labels_scope)
                     if value is not None:
                         labels.append(value)
             members = self._member(case.member, inside)

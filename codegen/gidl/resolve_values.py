@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 
 from gidl.constants import Arithmetic, Computed, compute, computed, describe_kind
 from gidl.diagnostics import Findings, Note
@@ -29,6 +30,7 @@ from gidl.syntax import (
     Declarator,
     Expression,
     Extras,
+    InlineType,
     MapOf,
     Name,
     NameUse,
@@ -79,7 +81,7 @@ class Marks:
         return list(self._applied.values())
 
 
-class ValueResolver:
+class ValueResolver(ABC):
     def __init__(self, findings: Findings, names: Names, vocabulary: Vocabulary) -> None:
         self._findings = findings
         self._names = names
@@ -235,6 +237,8 @@ class ValueResolver:
                 return PrimitiveType(Primitive(name))
             case RefusedType():
                 return None
+            case InlineType():
+                return self._declared_inline(syntax, scope)
             case TypeUse(name, _):
                 return self._named(name, scope)
             case StringOf(bound, _):
@@ -259,6 +263,9 @@ class ValueResolver:
                 if key_type is None or value_type is None or (bound is not None and size is None):
                     return None
                 return MapType(key_type, value_type, size)
+
+    @abstractmethod
+    def _declared_inline(self, syntax: InlineType, scope: Scope) -> NamedType | None: ...
 
     def _named(self, name: ScopedName, scope: Scope) -> NamedType | None:
         symbol = self._symbol(name, scope, TYPE_KINDS, "type", "G0102")

@@ -11,6 +11,7 @@ from gidl.syntax import (
     BitmaskSyntax,
     BitsetSyntax,
     CaseSyntax,
+    ConstructedSyntax,
     DeclarationSyntax,
     EnumSyntax,
     Expression,
@@ -28,7 +29,7 @@ from gidl.type_parser import TypeParser
 
 
 class StructParser(TypeParser):
-    _inside_typedef = False  # then a type declaration ends without `;`
+    """A declaration is read up to its `}`: `_finish` reads the `;` where it stands alone."""
 
     @abstractmethod
     def _extras(self) -> Extras: ...
@@ -39,14 +40,38 @@ class StructParser(TypeParser):
     @abstractmethod
     def _after(self, extras: Extras) -> None: ...
 
+    # -- constr_type_dcl -----------------------------------------------------------------------
+
+    def _constructed(self, extras: Extras) -> ConstructedSyntax:
+        match self._now.text:
+            case "struct":
+                return self._struct(extras)
+            case "union":
+                return self._union(extras)
+            case "enum":
+                return self._enum(extras)
+            case "bitmask":
+                return self._bitmask(extras)
+            case _:
+                return self._bitset(extras)
+
+    def _constructed_declaration(self, extras: Extras) -> DeclarationSyntax:
+        """It alone, or its forward declaration."""
+        kind = self._now.text
+        if kind in ("struct", "union") and self._token_at(2).text == ";":
+            self._advance()
+            forward = ForwardSyntax(kind, self._identifier(f"the {kind}'s name"))
+            self._advance()
+            return forward
+        declaration = self._constructed(extras)
+        self._finish(extras, f"the {kind}'s '}}'")
+        return declaration
+
     # -- struct_dcl, except_dcl ----------------------------------------------------------------
 
-    def _struct(self, extras: Extras) -> DeclarationSyntax:
+    def _struct(self, extras: Extras) -> StructSyntax:
         self._advance()
         name = self._identifier("the struct's name")
-        if self._is(";"):
-            self._advance()
-            return ForwardSyntax("struct", name)
         base = self._scoped_name("the base struct") if self._accept(":") else None
         if base is not None and self._is(","):
             self._findings.error(
@@ -58,7 +83,6 @@ class StructParser(TypeParser):
             while self._accept(","):
                 self._scoped_name("a name")
         members = self._members(extras, f"struct '{name.text}'")
-        self._finish(extras, "the struct's '}'")
         return StructSyntax(name, base, members, extras)
 
     def _exception(self, extras: Extras) -> StructSyntax:
@@ -71,7 +95,6 @@ class StructParser(TypeParser):
     def _members(self, extras: Extras, what: str) -> list[MemberSyntax]:
         self._opened(extras)
         opened = self._expect("{", f"to open {what}")
-        inner, self._inside_typedef = self._inside_typedef, False
         members: list[MemberSyntax] = []
         while not self._is("}") and self._now.kind != "eof":
             before = self._at
@@ -82,12 +105,11 @@ class StructParser(TypeParser):
                 if self._at == before and not self._is("}"):
                     self._advance()
         self._close_body(opened, what)
-        self._inside_typedef = inner
         return members
 
     def _member(self) -> MemberSyntax:
         extras = self._extras()
-        member_type = self._type("a member's type")
+        member_type = self._type_or_declaration("a member's type")
         if isinstance(member_type, RefusedType) and self._now.kind not in ("id", "escaped"):
             raise Skip
         declarators = self._declarators("the member's name")
@@ -96,21 +118,17 @@ class StructParser(TypeParser):
 
     # -- union_dcl -----------------------------------------------------------------------------
 
-    def _union(self, extras: Extras) -> DeclarationSyntax:
+    def _union(self, extras: Extras) -> UnionSyntax:
         self._advance()
         name = self._identifier("the union's name")
-        if self._is(";"):
-            self._advance()
-            return ForwardSyntax("union", name)
         self._expect("switch", "after the union's name")
         self._expect("(", "before the type of the discriminator")
         self._annotations()
-        discriminator = self._type("the type of the discriminator")
+        discriminator = self._type_or_declaration("the type of the discriminator")
         self._expect(")", "after the type of the discriminator")
         self._opened(extras)
         what = f"union '{name.text}'"
         opened = self._expect("{", f"to open {what}")
-        inner, self._inside_typedef = self._inside_typedef, False
         cases: list[CaseSyntax] = []
         cases_read = True  # whether each of them could be
         while not self._is("}") and self._now.kind != "eof":
@@ -125,8 +143,6 @@ class StructParser(TypeParser):
         if not cases and cases_read and self._is("}"):
             self._syntax_error("'case' or 'default'", f"in {what}")
         self._close_body(opened, what)
-        self._inside_typedef = inner
-        self._finish(extras, "the union's '}'")
         return UnionSyntax(name, discriminator, cases, extras)
 
     def _case(self) -> CaseSyntax:
@@ -150,14 +166,12 @@ class StructParser(TypeParser):
         self._advance()
         name = self._identifier("the enum's name")
         items = self._items(extras, f"enum '{name.text}'", "an enumerator")
-        self._finish(extras, "the enum's '}'")
         return EnumSyntax(name, items, extras)
 
     def _bitmask(self, extras: Extras) -> BitmaskSyntax:
         self._advance()
         name = self._identifier("the bitmask's name")
         items = self._items(extras, f"bitmask '{name.text}'", "a flag")
-        self._finish(extras, "the bitmask's '}'")
         return BitmaskSyntax(name, items, extras)
 
     def _items(self, extras: Extras, what: str, item_name: str) -> list[NamedItem]:
@@ -205,7 +219,6 @@ class StructParser(TypeParser):
         self._opened(extras)
         what = f"bitset '{name.text}'"
         opened = self._expect("{", f"to open {what}")
-        inner, self._inside_typedef = self._inside_typedef, False
         fields: list[BitfieldSyntax] = []
         while not self._is("}") and self._now.kind != "eof":
             before = self._at
@@ -216,8 +229,6 @@ class StructParser(TypeParser):
                 if self._at == before and not self._is("}"):
                     self._advance()
         self._close_body(opened, what)
-        self._inside_typedef = inner
-        self._finish(extras, "the bitset's '}'")
         return BitsetSyntax(name, base, fields, extras)
 
     def _bitfield(self) -> BitfieldSyntax:

@@ -115,7 +115,15 @@ class MapOf:
     span: Span
 
 
-TypeSyntax = BasicType | RefusedType | TypeUse | StringOf | SequenceOf | MapOf
+@dataclass(frozen=True, slots=True)
+class InlineType:
+    """A type declared where it is used: by a member, a typedef or the switch of a union."""
+
+    declaration: ConstructedSyntax
+    span: Span
+
+
+TypeSyntax = BasicType | RefusedType | TypeUse | StringOf | SequenceOf | MapOf | InlineType
 
 
 @dataclass(frozen=True, slots=True)
@@ -204,6 +212,9 @@ class BitsetSyntax:
     base: ScopedName | None
     fields: list[BitfieldSyntax]
     extras: Extras
+
+
+ConstructedSyntax = StructSyntax | UnionSyntax | EnumSyntax | BitmaskSyntax | BitsetSyntax
 
 
 @dataclass(slots=True)
@@ -321,3 +332,4 @@ class FileSyntax:
     includes: list[Include] = field(default_factory=list)
     body: list[DeclarationSyntax] = field(default_factory=list)
     doc: str = ""
+    uses_object: bool = False  # the type `Object` stands in it

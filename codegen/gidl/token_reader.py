@@ -37,7 +37,11 @@ class TokenReader:
 
     @property
     def _ahead(self) -> Token:
-        return self._tokens[min(self._at + 1, len(self._tokens) - 1)]
+        return self._token_at(1)
+
+    def _token_at(self, distance: int) -> Token:
+        """The token so many behind the next one."""
+        return self._tokens[min(self._at + distance, len(self._tokens) - 1)]
 
     @property
     def _previous(self) -> Token:
@@ -163,8 +167,12 @@ class TokenReader:
         if token.kind == "escaped":
             return self._advance().text
         if token.text == "Object":
-            instead = "use the interface that is meant, or its most general base"
-            self._refuse("G0212", self._span(token), "'Object' is", instead)
+            self._findings.error(
+                "G0212",
+                self._span(token),
+                "'Object' is a type of values, and names no interface",
+                "every interface has what 'Object' stands for: leave it out",
+            )
             raise Skip
         if token.kind != "id" or token.text in USED_BY_LOWER.values():
             self._syntax_error(what, "", keyword_hint(token.text))

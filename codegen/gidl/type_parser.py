@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
+
 from gidl.lexer import Token
 from gidl.source import Span
 from gidl.syntax import (
     AnnotationUse,
     BasicType,
     Binary,
+    ConstructedSyntax,
     Declarator,
     Expression,
+    Extras,
+    InlineType,
     Literal,
     MapOf,
     Name,
@@ -32,14 +37,19 @@ _SIMPLE_TYPES = {
     "uint8": "uint8", "uint16": "uint16", "uint32": "uint32", "uint64": "uint64",
 }  # fmt: skip
 
+_WIDE_HELP = "use a string: it is UTF-8; --wide=utf8 reads wide text as that"
 _REFUSED_TYPES = {
     "any": ("G0201", "'any' is", "declare a union of what it may hold"),
-    "Object": ("G0212", "'Object' is", "use the interface that is meant, or its most general base"),
     "ValueBase": ("G0202", "'ValueBase' is", "use a struct"),
     "fixed": ("G0203", "'fixed' is", "use an int64 in the smallest unit, or a double"),
-    "wchar": ("G0206", "'wchar' is", "use a string: it is UTF-8"),
-    "wstring": ("G0206", "'wstring' is", "use a string: it is UTF-8"),
+    "wchar": ("G0206", "'wchar' is", _WIDE_HELP),
+    "wstring": ("G0206", "'wstring' is", _WIDE_HELP),
 }
+
+_LITERALS = ("int", "float", "fixed", "string", "char", "wide_string", "wide_char")
+_BYTES_OF_A_CHARACTER = 4  # at most, in UTF-8
+_OBJECT_REF = ("gecos", "ObjectRef")
+_CONSTRUCTED = ("struct", "union", "enum", "bitmask", "bitset")
 
 _ESCAPES = {
     "n": "\n", "t": "\t", "v": "\v", "b": "\b", "r": "\r", "f": "\f", "a": "\a",
@@ -51,6 +61,12 @@ class TypeParser(TokenReader):
     """One function per rule; each is called with its first token next."""
 
     _in_angles = False  # then `>>` closes two brackets and is no shift
+    _wide = False  # wide text is read as text
+    _wide_refused = False  # `wchar` or `wstring` was refused
+    _uses_object = False  # the type `Object` was read
+
+    @abstractmethod
+    def _constructed(self, extras: Extras) -> ConstructedSyntax: ...
 
     # -- const_expr ----------------------------------------------------------------------------
 
@@ -87,7 +103,7 @@ class TypeParser(TokenReader):
 
     def _primary(self) -> Expression:
         token = self._now
-        if token.kind in ("int", "float", "string", "char"):
+        if token.kind in _LITERALS:
             return self._literal()
         if self._is("TRUE") or self._is("FALSE"):
             self._advance()
@@ -108,6 +124,15 @@ class TypeParser(TokenReader):
         self._syntax_error("a value")
         raise Skip
 
+    def _value_of(self, used: TypeSyntax) -> Expression:
+        """The value of a constant. That of a refused type is part of what is refused."""
+        if not isinstance(used, RefusedType):
+            return self._expression()
+        start = self._now
+        while not self._is(";") and not self._is("}") and self._now.kind != "eof":
+            self._advance()
+        return Literal(0, "int", self._span(start))
+
     def _literal(self) -> Literal:
         token = self._advance()
         span = self._span(token)
@@ -116,12 +141,42 @@ class TypeParser(TokenReader):
                 return Literal(_integer(token.text), "int", span)
             case "float":
                 return Literal(float(token.text), "float", span)
+            case "fixed":
+                self._refuse("G0203", span, "a fixed-point number is", "write a double, without d")
+                return Literal(float(token.text[:-1]), "float", span)
             case "char":
                 return self._character(token)
-        text = self._unescape(token)
-        while self._now.kind == "string":  # neighbours are one string
-            text += self._unescape(self._advance())
+            case "wide_char":
+                return self._wide_character(token)
+        text = self._part(token)
+        while self._now.kind in ("string", "wide_string"):  # neighbours are one string
+            text += self._part(self._advance())
         return Literal(text, "string", self._since(token))
+
+    def _part(self, token: Token) -> str:
+        if token.kind == "wide_string":
+            self._refuse_wide(token)
+        return self._unescape(token)
+
+    def _refuse_wide(self, token: Token) -> None:
+        """A literal of a type that is refused already is the same mistake."""
+        if self._wide or self._wide_refused:
+            return
+        self._refuse(
+            "G0206",
+            self._span(token),
+            "wide text is",
+            "leave out the L: strings are UTF-8; --wide=utf8 reads wide text as that",
+        )
+
+    def _wide_character(self, token: Token) -> Literal:
+        """A text of one character."""
+        self._refuse_wide(token)
+        text = self._unescape(token)
+        if len(text) != 1:
+            self._findings.error("G0010", self._span(token), f"{token.text} is not one character")
+            text = "?"
+        return Literal(text, "string", self._span(token))
 
     def _character(self, token: Token) -> Literal:
         text = self._unescape(token)
@@ -133,8 +188,10 @@ class TypeParser(TokenReader):
         return Literal(text, "char", self._span(token))
 
     def _unescape(self, token: Token) -> str:
-        """Text of a literal. Octal, \\x and \\u escapes as in the standard; no NUL."""
-        body = token.text[1:-1]
+        """Text of a literal. Octal, \\x and \\u escapes as in the standard; a NUL is a character,
+        but stands in no string."""
+        opening = token.text.index(token.text[-1]) + 1
+        body = token.text[opening:-1]
         if "\\" not in body:
             return body
         out: list[str] = []
@@ -145,8 +202,9 @@ class TypeParser(TokenReader):
                 at += 1
                 continue
             text, width = _escape(body[at + 1 :])
-            if text is None or text == "\0":
-                span = Span(self._source, token.start + 1 + at, token.start + 1 + at + 1 + width)
+            if text is None or (text == "\0" and token.kind != "char"):
+                start = token.start + opening + at
+                span = Span(self._source, start, start + 1 + width)
                 what = "a NUL cannot stand in a string" if text else "unknown escape"
                 self._findings.error("G0010", span, f"{what}: '{body[at : at + 1 + width]}'")
                 text = "?"
@@ -194,6 +252,26 @@ class TypeParser(TokenReader):
 
     # -- type_spec -----------------------------------------------------------------------------
 
+    def _type_or_declaration(self, what: str = "a type") -> TypeSyntax:
+        """Where a type may be declared in passing: `struct T { ... } member;`."""
+        token = self._now
+        if token.kind != "id" or token.text not in _CONSTRUCTED or not self._declares_here():
+            return self._type(what)
+        if self._ahead.text == "{":
+            self._findings.error(
+                "G0100",
+                self._span(token),
+                f"this {token.text} has no name",
+                f"every type has one: {token.text} Name {{ ... }}",
+            )
+            self._skip_braces()
+            return RefusedType(self._since(token))
+        with self._nested():
+            return InlineType(self._constructed(Extras()), self._since(token))
+
+    def _declares_here(self) -> bool:
+        return self._ahead.text in ("{", "switch") or self._token_at(2).text in ("{", "switch", ":")
+
     def _type(self, what: str = "a type") -> TypeSyntax:
         with self._nested():
             token = self._now
@@ -201,9 +279,16 @@ class TypeParser(TokenReader):
                 if token.text in _SIMPLE_TYPES:
                     self._advance()
                     return BasicType(_SIMPLE_TYPES[token.text], self._span(token))
+                if self._wide and token.text in ("wchar", "wstring"):
+                    return self._wide_type()
                 if token.text in _REFUSED_TYPES:
                     return self._refused_type()
                 match token.text:
+                    case "Object":
+                        self._advance()
+                        self._uses_object = True
+                        name = ScopedName(_OBJECT_REF, True, self._span(token))
+                        return TypeUse(name, name.span)
                     case "long" | "unsigned":
                         return self._integer_type()
                     case "string":
@@ -212,8 +297,8 @@ class TypeParser(TokenReader):
                         return self._sequence_type()
                     case "map":
                         return self._map_type()
-                    case "struct" | "union" | "enum":
-                        return self._inline_type()
+                    case "struct" | "union" | "enum" | "bitmask" | "bitset":
+                        return self._misplaced_declaration()
             if token.kind in ("id", "escaped") or self._is("::"):
                 name = self._scoped_name(what)
                 return TypeUse(name, name.span)
@@ -247,6 +332,20 @@ class TypeParser(TokenReader):
             bound = self._bound()
             self._close_angle("the string's bound")
         return StringOf(bound, self._since(start))
+
+    def _wide_type(self) -> StringOf:
+        """`wstring` is a string, `wchar` one with room for any character, `wstring<N>` one with
+        room for N of them."""
+        token = self._advance()
+        room = Literal(_BYTES_OF_A_CHARACTER, "int", self._span(token))
+        if token.text == "wchar":
+            return StringOf(room, self._span(token))
+        bound = None
+        if self._accept("<"):
+            written = self._bound()
+            bound = Binary("*", written, room, written.span)
+            self._close_angle("the string's bound")
+        return StringOf(bound, self._since(token))
 
     def _sequence_type(self) -> SequenceOf:
         start = self._advance()
@@ -290,12 +389,13 @@ class TypeParser(TokenReader):
                 self._advance()
             self._close_angle(token.text)
         self._refuse(code, self._span(token), what, instead)
+        self._wide_refused |= code == "G0206"
         return RefusedType(self._since(token))
 
-    def _inline_type(self) -> TypeSyntax:
-        """`struct S` as a type (C style), or a type declared where it is used."""
+    def _misplaced_declaration(self) -> TypeSyntax:
+        """`struct S` as a type (C style), or a type declared where none may be."""
+        declares = self._declares_here()
         token = self._advance()
-        declares = self._ahead.text in ("{", "switch", ":")
         if self._now.kind in ("id", "escaped") and not declares:
             name = self._scoped_name("a type")
             self._findings.error(
@@ -308,7 +408,7 @@ class TypeParser(TokenReader):
         self._refuse(
             "G0213",
             self._span(token),
-            f"declaring {article(token.text)} inside another declaration is",
+            f"declaring {article(token.text)} here is",
             f"declare the {token.text} before, and use its name here",
         )
         while self._now.text not in ("{", ";", "}") and self._now.kind != "eof":

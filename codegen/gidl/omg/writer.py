@@ -58,6 +58,8 @@ class OmgWriter(ABC):
 
     def text(self, whole: bool) -> str:
         printed = [f for f in self._model.files if whole or f.asked_for]
+        if self._types_in_types(printed):
+            return ""
         here = {f.path for f in printed}
         for file in self._model.files:
             if file.path not in here:
@@ -65,6 +67,17 @@ class OmgWriter(ABC):
         for file in printed:
             self._file(file, here)
         return "\n".join(self._lines) + "\n"
+
+    def _types_in_types(self, files: Iterable[File]) -> bool:
+        """OMG IDL 4.2 declares nothing inside a struct or union."""
+        found = False
+        for declaration in (d for file in files for d in file.declarations):
+            scope = declaration.scope
+            if self._model.has(scope) and not isinstance(self._model.find(scope), Interface):
+                self._at = declaration.facts.location
+                self._cannot("a type declared inside another", f"declare it before '{scope}'")
+                found = True
+        return found
 
     # -- files and modules ---------------------------------------------------------------------
 
