@@ -4,7 +4,10 @@ BUILD ?= build
 BUILD_TYPE ?= RelWithDebInfo
 JOBS ?= $(shell nproc)
 PYTHON := .venv/bin/python
-CTEST := ctest --output-on-failure -j$(JOBS)
+CTEST := ctest --output-on-failure --no-tests=error -j$(JOBS)
+CONFIGURE := tools/configure.sh $(BUILD) $(BUILD_TYPE)
+# What is built for use, without tests and benchmarks: a part of the same folder that the tests are built in.
+PARTS := $(addsuffix /all,runtime/cpp generated/cpp devices examples runtime/python)
 
 .DEFAULT_GOAL := help
 .PHONY: help
@@ -16,75 +19,103 @@ demo: build  ## broker, devices and the block: the whole system at work, in C++ 
 	@$(PYTHON) examples/demo.py --build $(BUILD)
 
 .PHONY: test
-test: build  ## everything that must hold, in lanes; says at the end what each of them said last
+test:  ## everything that must hold, in lanes; says at the end what each of them said last
+	@tools/setup.sh test
+	@$(CONFIGURE) -DBUILD_TESTING=ON -DCMAKE_REQUIRE_FIND_PACKAGE_benchmark=ON
+	@cmake --build $(BUILD) -j$(JOBS)
 	@$(PYTHON) tools/run_lanes.py --build $(BUILD) --jobs $(JOBS)
 
 .PHONY: setup
-setup:  ## missing apt packages and the virtual environment; quick when they are there
-	@tools/setup.sh
+setup:  ## what `make test` needs: missing apt packages and the virtual environment; quick when they are there
+	@tools/setup.sh test
 
 .PHONY: build
-build: setup  ## all C++ and the Python extension
-	@tools/configure.sh $(BUILD) $(BUILD_TYPE)
-	@cmake --build $(BUILD) -j$(JOBS)
+build:  ## all C++ but tests and benchmarks, and the Python extension
+	@tools/setup.sh build
+	@$(CONFIGURE)
+	@cmake --build $(BUILD) -j$(JOBS) --target $(PARTS)
 
 .PHONY: generate
-generate: setup  ## generated/ from idl/
+generate:  ## generated/ from idl/
+	@tools/setup.sh gidl
 	@.venv/bin/gidl gen
 
 .PHONY: check-generated
-check-generated: setup  ## is generated/ what idl/ says?
+check-generated:  ## is generated/ what idl/ says?
+	@tools/setup.sh gidl
 	@.venv/bin/gidl gen --check
 
+# TESTS="wire_test robcl_frames_test" builds and runs these programs alone.
+TESTS ?=
+space := $(subst ,, )
+define sanitized
+	@tools/setup.sh tests
+	@tools/configure.sh $(1) $(BUILD_TYPE) -DBUILD_TESTING=ON -DGECOS_SANITIZE=$(2)
+	@cmake --build $(1) -j$(JOBS) $(if $(TESTS),--target $(TESTS))
+	@$(CTEST) --test-dir $(1) $(if $(TESTS),-R '^($(subst $(space),|,$(strip $(TESTS))))[.]')
+endef
+
 .PHONY: test-asan
-test-asan: setup  ## the C++ tests under AddressSanitizer and UndefinedBehaviorSanitizer
-	@tools/configure.sh build-asan $(BUILD_TYPE) -DGECOS_SANITIZE=address
-	@cmake --build build-asan -j$(JOBS)
-	@$(CTEST) --test-dir build-asan
+test-asan:  ## the C++ tests under AddressSanitizer and UndefinedBehaviorSanitizer
+	$(call sanitized,build-asan,address)
 
 .PHONY: test-tsan
-test-tsan: setup  ## the C++ tests under ThreadSanitizer
-	@tools/configure.sh build-tsan $(BUILD_TYPE) -DGECOS_SANITIZE=thread
-	@cmake --build build-tsan -j$(JOBS)
-	@$(CTEST) --test-dir build-tsan
+test-tsan:  ## the C++ tests under ThreadSanitizer
+	$(call sanitized,build-tsan,thread)
 
 .PHONY: bench
-bench: build  ## speeds, shown and never asserted
+bench:  ## speeds, shown and never asserted
+	@tools/setup.sh bench
+	@$(CONFIGURE) -DCMAKE_REQUIRE_FIND_PACKAGE_benchmark=ON
+	@cmake --build $(BUILD) -j$(JOBS) --target benchmarks/all runtime/python/all
 	@for program in $$(find $(BUILD)/benchmarks -maxdepth 1 -type f -executable | sort); do \
 	  echo "──── $$program" && $$program || exit 1; done
 
 # What the peers need is this target's alone. BENCH="--quick", "--without NAME", "--only TITLE": bench_peers.py --help
 .PHONY: bench-peers
-bench-peers: build  ## ours beside omniORB, Ice, Cap'n Proto, iceoryx, iceoryx2 and LCM, in one run
+bench-peers:  ## ours beside omniORB, Ice, Cap'n Proto, iceoryx, iceoryx2 and LCM, in one run
+	@tools/setup.sh build
+	@$(CONFIGURE)
+	@cmake --build $(BUILD) -j$(JOBS) --target runtime/python/all
 	@BUILD_TYPE=$(BUILD_TYPE) JOBS=$(JOBS) tools/build_release.sh build-release gecos_peer limits_peer
 	@benchmarks/peers/setup.sh build-release
 	@$(PYTHON) benchmarks/peers/bench_peers.py --build build-release $(BENCH)
 
 # Each run says what it found; all of them run, whatever the others said. FUZZ_SECONDS=60 for shorter ones.
 FUZZ_SECONDS ?= 600
+FUZZ ?= parser decoders packets datagrams rings verdicts lcm-gen evolution
 .PHONY: fuzz
-fuzz: build  ## input that nobody would write: to parser, decoders, sessions, lcm and rings; ours against lcm-gen's
-	@failed=; for run in parser decoders packets datagrams rings verdicts lcm-gen evolution; do \
+fuzz:  ## input that nobody would write: to parser, decoders, sessions, lcm and rings; ours against lcm-gen's
+	@tools/setup.sh fuzz
+	@$(CONFIGURE) -DBUILD_TESTING=ON
+	@cmake --build $(BUILD) -j$(JOBS) --target $(PARTS)
+	@failed=; for run in $(FUZZ); do \
 	  echo "──── $$run" && FUZZ_SECONDS=$(FUZZ_SECONDS) BUILD=$(BUILD) JOBS=$(JOBS) tools/fuzz.sh $$run || failed="$$failed $$run"; \
 	done; test -z "$$failed" || { echo "fuzz: FAILED:$$failed"; exit 1; }
 
 # SOAK says how much of what: SOAK="--kills 500 --calls 100000 --seed 7".
 SOAK ?=
 .PHONY: soak
-soak: build  ## programs killed 10,000 times, bad lines, cut lines, stopped programs: does every command end?
+soak:  ## programs killed 10,000 times, bad lines, cut lines, stopped programs: does every command end?
+	@tools/setup.sh tests
+	@$(CONFIGURE) -DBUILD_TESTING=ON
+	@cmake --build $(BUILD) -j$(JOBS) --target $(PARTS) tests/stress/all crypto_test
 	@$(PYTHON) tests/stress/soak.py --build $(BUILD) $(SOAK)
 
 .PHONY: release
-release: setup  ## all C++ as fast as it gets, into build-release: link-time and profile-guided optimisation
+release:  ## all C++ as fast as it gets, into build-release: link-time and profile-guided optimisation
+	@tools/setup.sh build
 	@BUILD_TYPE=$(BUILD_TYPE) JOBS=$(JOBS) tools/build_release.sh build-release
 
 .PHONY: wheels
-wheels: setup  ## both wheels into dist/, tried where the tree is not known
-	@tools/check_wheels.sh
+wheels:  ## both wheels into dist/, tried where the tree is not known
+	@tools/setup.sh wheels
+	@tools/wheels.sh
 
 .PHONY: format
-format: setup  ## C++ and Python laid out as the house does
-	@git ls-files '*.cpp' '*.hpp' ':!generated' | xargs clang-format-14 -i
+format:  ## C++ and Python laid out as the house does
+	@tools/setup.sh format
+	@git ls-files '*.cpp' '*.hpp' ':!generated' | xargs .venv/bin/clang-format -i
 	@.venv/bin/ruff check --fix --quiet . && .venv/bin/ruff format --quiet .
 
 .PHONY: clean

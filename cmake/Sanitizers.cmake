@@ -9,7 +9,7 @@ elseif(NOT GECOS_SANITIZE STREQUAL "")
 endif()
 if(GECOS_FUZZ)  # everything is built so that libFuzzer sees which branches were taken
   if(NOT CMAKE_CXX_COMPILER_ID MATCHES Clang)
-    message(FATAL_ERROR "GECOS_FUZZ needs clang: configure with -DCMAKE_CXX_COMPILER=clang++-14")
+    message(FATAL_ERROR "GECOS_FUZZ needs clang: configure with -DCMAKE_CXX_COMPILER=$(tools/clang.sh)")
   endif()
   list(APPEND GECOS_SANITIZE_FLAGS -fsanitize=fuzzer-no-link)
 endif()

@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 
 TREE = Path(__file__).resolve().parent.parent
-CLANG_FORMAT = "clang-format-14"  # others lay out differently; tools/setup.sh installs it
+CLANG_FORMAT = Path(sys.executable).parent / "clang-format"  # tools/requirements has its version
 
 
 def main() -> int:
@@ -17,10 +17,10 @@ def main() -> int:
     try:
         looked = subprocess.run([CLANG_FORMAT, "--dry-run", "--Werror", *files], cwd=TREE)
     except FileNotFoundError:
-        print(f"check_format: there is no {CLANG_FORMAT}; `make setup` installs it")
+        print(f"check_format: there is no {CLANG_FORMAT}; tools/setup.sh format installs it")
         return 1
     if looked.returncode == 0:
-        print(f"check_format: {len(files)} files as {CLANG_FORMAT} lays them out")
+        print(f"check_format: {len(files)} files as clang-format lays them out")
     else:
         print("check_format: the files above are laid out differently; run `make format`")
     return looked.returncode

@@ -13,13 +13,14 @@ case "${1-}" in
     ;;
   decoders | packets | datagrams | rings)
     fuzzer=$1_fuzzer
-    compiler=$(command -v clang++-14 || command -v clang++ || echo clang++-14)
+    compiler=$(tools/clang.sh)
     entry='extern "C" int LLVMFuzzerTestOneInput(const unsigned char*, unsigned long) { return 0; }'
     "$compiler" -fsanitize=fuzzer,address,undefined -x c++ - -o /dev/null <<<"$entry" || {
-      echo "fuzz: $compiler cannot link libFuzzer: apt-get install clang-14 libclang-rt-14-dev" >&2
+      echo "fuzz: $compiler cannot link libFuzzer: tools/setup.sh fuzz installs what it needs" >&2
       exit 1
     }
-    tools/configure.sh build-fuzz RelWithDebInfo -DGECOS_FUZZ=ON -DGECOS_SANITIZE=address "-DCMAKE_CXX_COMPILER=$compiler"
+    tools/configure.sh build-fuzz RelWithDebInfo -DBUILD_TESTING=ON -DGECOS_FUZZ=ON -DGECOS_SANITIZE=address \
+      "-DCMAKE_CXX_COMPILER=$compiler"
     cmake --build build-fuzz "-j$jobs" --target "$fuzzer"
     corpus=build-fuzz/corpus/$1
     given=tests/fuzz/inputs/$1

@@ -50,6 +50,8 @@ def all_lanes(build: str, jobs: int) -> list[Lane]:
         Lane("gidl-lint", (python, "-m", "gidl", "lint"), r"^gidl: "),
         Lane("ruff", (python, "-m", "ruff", "check", "."), r"^(All checks passed|Found )"),
         Lane("clang-format", (python, "tools/check_format.py"), r"^check_format: "),
+        # What `make wheels` does, with what the build has compiled already.
+        Lane("wheels", ("tools/wheels.sh", "--of-build"), r"^wheels: "),
         Lane("mypy", (python, "-m", "mypy"), r"^(Success|Found )"),
         Lane(
             "ctest",

@@ -9,6 +9,7 @@ from difflib import get_close_matches
 from pathlib import Path, PurePosixPath
 
 from gidl.diagnostics import Findings
+from gidl.installed import installed_folders
 from gidl.parser import parse
 from gidl.preprocess import Macros
 from gidl.source import MAX_BYTES, Source, Span
@@ -33,13 +34,15 @@ class LoadedFile:
 
 @dataclass(slots=True)
 class Loader:
-    """`search` are the folders of -I; the packaged gecos/ files are found after them."""
+    """`search` are the folders of -I; the packaged gecos/ files are found after them, and last
+    those of installed packages."""
 
     findings: Findings
     search: tuple[Path, ...] = ()
     wide: bool = False  # wide text is read as text
     files: dict[str, LoadedFile] = field(default_factory=dict)  # a file after what it includes
     sources: dict[str, Source] = field(default_factory=dict)
+    _installed: tuple[Path, ...] = ()
     _by_place: dict[Path, str] = field(default_factory=dict)
     _macros: Macros = field(default_factory=dict)
     _open: list[str] = field(default_factory=list)
@@ -67,7 +70,7 @@ class Loader:
         """How others include the file: relative to the search folder it lies in, else as the file
         `beside` it wrote it."""
         absolute = place.absolute()
-        for folder in (*self.search, PACKAGED):
+        for folder in (*self._installed, PACKAGED, *self.search):  # -I . may hold the former two
             if absolute.is_relative_to(folder.absolute()):
                 return absolute.relative_to(folder.absolute()).as_posix()
         if beside is not None:
@@ -155,14 +158,11 @@ class Loader:
         return [*self.search, *beside, PACKAGED]
 
     def _find(self, include: Include, source: Source) -> Path | None:
-        for folder in self._folders(include, source):
-            try:
-                place = folder / include.path
-                if place.is_file():
-                    return place
-            except (OSError, ValueError):
-                continue
-        return None
+        place = _first_file(self._folders(include, source), include.path)
+        if place is None:
+            self._installed = installed_folders()  # asked for now: looking for them takes a while
+            place = _first_file(self._installed, include.path)
+        return place
 
     def _not_found(self, include: Include, source: Source) -> None:
         folders = self._folders(include, source)
@@ -180,6 +180,16 @@ class Loader:
             f"did you mean '{names[close[0]]}'?" if close else "",
             f"looked in {searched}; -I adds a folder",
         )
+
+
+def _first_file(folders: Iterable[Path], path: str) -> Path | None:
+    for folder in folders:
+        try:
+            if (folder / path).is_file():
+                return folder / path
+        except (OSError, ValueError):
+            continue
+    return None
 
 
 def read_text(shown: str, findings: Findings) -> str | None:

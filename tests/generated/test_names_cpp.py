@@ -45,8 +45,9 @@ def test_types_and_members_of_these_names_compile(folder: Path, part: str) -> No
     assert len(sources) == 4
     every.write_text("".join(f'#include "{source.name}"\n' for source in sources))
     include = [f"-I{f}" for f in (folder, TREE / "generated" / "cpp", TREE / "runtime" / "cpp")]
+    clang = [TREE / "tools/clang.sh", "-std=c++20", "-fsyntax-only", "-Wall", "-Wextra"]
     run = subprocess.run(
-        ["clang++-14", "-std=c++20", "-fsyntax-only", "-Wall", "-Wextra", *include, str(every)],
+        [*clang, *include, every],
         capture_output=True,
         text=True,
     )

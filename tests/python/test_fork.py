@@ -8,8 +8,11 @@ from lamp import PlainLamp
 from test_process import running
 
 PARENT = """
-import gecos, os, sys, threading
+import gecos, os, sys, threading, warnings
 from lamp import Lamp, PlainLamp
+
+# From Python 3.12 on every fork of a process with threads warns.
+warnings.filterwarnings("ignore", ".* is multi-threaded", DeprecationWarning)
 
 lab = gecos.Lab()
 server = gecos.Server(lab)

@@ -9,8 +9,7 @@ TREE = Path(__file__).resolve().parents[2]
 FIRST = "build-essential"
 ALL_BUT_TWO = """\
 ii  build-essential
-ii  clang-14
-ii  clang-format-14
+ii  clang-17
 ii  omniidl
 ii  cmake
 ii  pkg-config
@@ -53,10 +52,10 @@ class Machine:
     def user(self, number: int) -> None:
         self.program("id", f"echo {number}")
 
-    def set_up(self) -> subprocess.CompletedProcess[str]:
+    def set_up(self, *parts: str) -> subprocess.CompletedProcess[str]:
         """Runs setup.sh up to the interpreter, which is one that it must refuse."""
         return subprocess.run(
-            [TREE / "tools/setup.sh"],
+            [TREE / "tools/setup.sh", *parts],
             env={"PATH": f"{self.folder}:/usr/bin:/bin", "GECOS_PYTHON": "/bin/false"},
             stdin=subprocess.DEVNULL,
             capture_output=True,
@@ -134,5 +133,46 @@ def test_a_machine_without_dpkg_is_told_what_it_needs(machine: Machine) -> None:
     machine.program("dpkg-query", "exit 127")
     done = machine.set_up()
     assert done.returncode == 1
-    assert "knows Debian 12 and Ubuntu 24.04" in done.stderr
+    assert "knows Debian 12, Debian 13 and Ubuntu 24.04" in done.stderr
     assert FIRST in done.stderr
+
+
+TEST_TOOLING = {"libgtest-dev", "libbenchmark-dev", "clang", "omniidl", "qemu-user"}
+
+
+def test_the_demo_needs_no_test_tooling(machine: Machine) -> None:
+    machine.user(0)
+    machine.set_up("build")
+    installed = set(machine.apt_calls()[1].split())
+    assert {"build-essential", "libglib2.0-0", "python3-dev"} <= installed
+    assert not TEST_TOOLING & installed
+    assert not [name for name in installed if "s390x" in name or "clang" in name]
+
+
+def test_everything_of_the_tests_is_installed_where_no_part_is_named(machine: Machine) -> None:
+    machine.user(0)
+    machine.set_up()
+    assert set(machine.apt_calls()[1].split()) >= TEST_TOOLING
+
+
+def test_formatting_needs_no_compiler(machine: Machine) -> None:
+    machine.user(0)
+    machine.set_up("format")
+    assert machine.apt_calls()[1].split()[3:] == ["python3", "python3-venv"]
+
+
+def test_fuzzing_needs_the_runtime_of_the_very_clang_that_is_there(machine: Machine) -> None:
+    machine.user(0)
+    machine.installed(ALL_BUT_TWO + "ii  ninja-build\n")
+    machine.program("clang++", "echo 17.0.6")
+    machine.set_up("fuzz")
+    assert machine.apt_calls() == [
+        "update -q",
+        "install -y --no-install-recommends libclang-rt-17-dev",
+    ]
+
+
+def test_a_part_that_does_not_exist_is_refused_with_those_that_do(machine: Machine) -> None:
+    done = machine.set_up("tset")
+    assert done.returncode == 2
+    assert "there is no tset; name any of gidl, build, tests" in done.stderr

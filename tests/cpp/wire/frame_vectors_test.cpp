@@ -38,7 +38,7 @@ Eigen::Matrix4d matrix_of(const Json& json) {
   return matrix;
 }
 
-const std::vector<Json>& section(const std::string& name) {
+const std::vector<Json>& section(const char* name) {
   static const Json vectors = Json::from_vectors("frames.json");
   return vectors[name].items;
 }

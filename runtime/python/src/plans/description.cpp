@@ -162,8 +162,8 @@ Py_ssize_t slot_of(nb::handle kind, const char* name) {
   throw nb::type_error((std::string(name) + " is no slot").c_str());
 }
 
-const Plan& describe(nb::handle kind, std::uint64_t fingerprint, nb::sequence members,
-                     nb::sequence defaults, bool open) {
+const Plan& describe(nb::handle kind, std::uint64_t fingerprint, const nb::sequence& members,
+                     const nb::sequence& defaults, bool open) {
   auto plan = std::make_unique<Plan>();
   plan->kind = reinterpret_cast<PyTypeObject*>(kind.ptr());
   plan->fingerprint = fingerprint;

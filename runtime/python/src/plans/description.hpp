@@ -10,8 +10,9 @@ namespace gecos::python::plans {
 /// Keeps the plan of `kind` for as long as the process lives. `members`: name and step of each, in
 /// wire order; `defaults`: of the last ones, where an older writer may leave them out.
 /// Throws for a description that is none: a mistake in generated code.
-const Plan& describe(nanobind::handle kind, std::uint64_t fingerprint, nanobind::sequence members,
-                     nanobind::sequence defaults, bool open);
+const Plan& describe(nanobind::handle kind, std::uint64_t fingerprint,
+                     const nanobind::sequence& members, const nanobind::sequence& defaults,
+                     bool open);
 
 /// The plan of a type; null when it has none.
 const Plan* plan_of(PyTypeObject* kind);

@@ -26,8 +26,8 @@ NB_MODULE(_plans, module) {
       nb::arg("decoder"));
   module.def(
       "struct",
-      [](nb::handle kind, std::uint64_t fingerprint, nb::sequence members, nb::sequence defaults,
-         bool open, nb::handle encode, nb::handle decode) {
+      [](nb::handle kind, std::uint64_t fingerprint, const nb::sequence& members,
+         const nb::sequence& defaults, bool open, nb::handle encode, nb::handle decode) {
         const plans::Plan& plan = plans::describe(kind, fingerprint, members, defaults, open);
         return nb::make_tuple(owned(plans::encoding(plan, encode.ptr())),
                               owned(plans::decoding(plan, decode.ptr())));

@@ -1,0 +1,26 @@
+"""Folders of interfaces that installed packages bring along.
+
+A package names its folder by an entry point, as the wheel `robcl` does for `robcl/device.gidl`:
+
+    [project.entry-points."gidl.interfaces"]
+    robcl = "robcl_interfaces.idl"
+"""
+
+from importlib.metadata import entry_points
+from importlib.util import find_spec
+from pathlib import Path
+
+GROUP = "gidl.interfaces"
+
+
+def installed_folders() -> tuple[Path, ...]:
+    """In the order of the entry points' names; an entry point without its folder is passed over."""
+    found: list[Path] = []
+    for point in sorted(entry_points(group=GROUP), key=lambda point: point.name):
+        try:
+            spec = find_spec(point.module)
+        except ImportError:
+            continue
+        places = spec.submodule_search_locations if spec is not None else None
+        found += [Path(place) for place in places or ()]
+    return tuple(found)
