@@ -31,7 +31,7 @@ def _gidl(*names: str) -> str:
 
 _FOUNDATION = ("source", "diagnostics")
 _MODEL = ("model", "policy")
-_WORDS = ("keywords", "places")
+_WORDS = ("keywords", "places", "file_names", "standard_modules")
 _TEXT = (*_WORDS, "lexer", "preprocess", "docs_text", "token_reader", "syntax")
 _PARSER = ("parser", r"\w+_parser")
 _LAYOUT = (

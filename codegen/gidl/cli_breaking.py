@@ -18,6 +18,7 @@ from gidl.cli_shared import (
     show,
 )
 from gidl.compile import compile_files
+from gidl.file_names import source_stem
 from gidl.loader import default_search
 from gidl.source import Source
 
@@ -50,7 +51,7 @@ def run(chosen: argparse.Namespace) -> int:
     if new.has_errors:
         show(chosen, new.findings, new.sources)
         return FINDINGS
-    read = {file.path for file in new.model.files}
+    read = {source_stem(file.path) for file in new.model.files}
     try:
         with baseline(chosen.against, _roots(chosen, files)) as before:
             search = [str(root.folder) for root in before.roots]

@@ -23,7 +23,7 @@ from gidl.source import Source
 def add_verb(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser = verbs.add_parser("fmt", help="lay files out in the one canonical way")
     parser.add_argument(
-        "files", nargs="*", metavar="FILE", help="- formats stdin; idl/**/*.gidl when left out"
+        "files", nargs="*", metavar="FILE", help="- formats stdin; idl/ when left out"
     )
     parser.add_argument("--check", action="store_true", help="write nothing; show what differs")
     parser.set_defaults(command=run, error_format="text", prints=False)

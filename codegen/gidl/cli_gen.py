@@ -10,7 +10,8 @@ from pathlib import Path
 
 from gidl.cli_shared import FINDINGS, FINE, USAGE, add_files, compiled_from, count, files_of, show
 from gidl.compile import Compiled
-from gidl.diagnostics import Findings
+from gidl.diagnostics import Finding, Findings, Severity
+from gidl.file_names import same_modules, source_stem
 from gidl.model import Location
 from gidl.output import (
     LANGUAGES,
@@ -66,7 +67,9 @@ def run(chosen: argparse.Namespace) -> int:
     compiled = compiled_from(chosen, files)
     found = list(compiled.findings)
     texts: dict[str, str] | None = None
-    if not compiled.has_errors:
+    if not compiled.has_errors and "python" in chosen.lang:
+        found += _modules_of_two(compiled)
+    if not any(finding.severity is Severity.ERROR for finding in found):
         try:
             texts = texts_of(compiled, chosen.lang)
         except UnsupportedError as problem:
@@ -96,6 +99,16 @@ def run(chosen: argparse.Namespace) -> int:
     return FINE
 
 
+def _modules_of_two(compiled: Compiled) -> list[Finding]:
+    from gidl.targets.naming import has_output
+
+    model = compiled.model
+    wrong = Findings()
+    for clash in same_modules(f.path for f in model.files if has_output(model, f.path)):
+        clash.report("G0022", wrong, compiled.sources)
+    return wrong.found
+
+
 def texts_of(compiled: Compiled, languages: Collection[str]) -> dict[str, str]:
     """Path below the output folder -> text. Raises UnsupportedError."""
     from gidl import wire_layout
@@ -108,8 +121,7 @@ def texts_of(compiled: Compiled, languages: Collection[str]) -> dict[str, str]:
     if "model" in languages:
         for file in model.files:
             if file.asked_for:
-                path = f"model/{file.path.removesuffix('.gidl')}.json"
-                texts[path] = file_text(model, layout, file)
+                texts[f"model/{source_stem(file.path)}.json"] = file_text(model, layout, file)
     return texts
 
 
@@ -118,7 +130,7 @@ def _sources(chosen: argparse.Namespace, compiled: Compiled) -> Collection[str] 
     all interfaces, and what is made from another one is made from one that is gone."""
     if chosen.prune or not chosen.files:
         return None
-    return {file.path for file in compiled.model.files if file.asked_for}
+    return {source_stem(file.path) for file in compiled.model.files if file.asked_for}
 
 
 def differing(

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from gidl.compile import Compiled, compile_files
 from gidl.diagnostics import Finding, Printer, Severity, as_json, as_text
+from gidl.file_names import interfaces_below
 from gidl.report_formats import as_github_actions, as_sarif
 from gidl.source import Source
 
@@ -24,7 +25,7 @@ PRINTERS: dict[str, Printer] = {
 
 def add_files(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "files", nargs="*", metavar="FILE", help="- reads stdin; idl/**/*.gidl when left out"
+        "files", nargs="*", metavar="FILE", help="- reads stdin; idl/ when left out"
     )
     parser.add_argument(
         "-I", dest="search", action="append", default=[], metavar="DIR", help="where includes begin"
@@ -40,7 +41,7 @@ def files_of(chosen: argparse.Namespace) -> list[str] | None:
     """The files named, else those of idl/; None (and a message) where there are none."""
     if chosen.files:
         return list(chosen.files)
-    found = sorted(place.as_posix() for place in Path("idl").rglob("*.gidl"))
+    found = [place.as_posix() for place in interfaces_below(Path("idl"))]
     if not found:
         print("gidl: no files named, and there is no idl/ folder here with any", file=sys.stderr)
         return None

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from gidl.diagnostics import Finding, Findings
+from gidl.file_names import same_files
 from gidl.function_codes import codes_of
 from gidl.loader import Loader, default_search
 from gidl.missing_include import point_at_includes
@@ -41,6 +42,8 @@ def _compile(wanted: list[str], search: list[str], wide: bool) -> Compiled:
     loader = Loader(findings, folders, wide)
     vocabulary = loader.load_vocabulary()
     loader.load_all(wanted)
+    for clash in same_files(loader.files):
+        clash.report("G0021", findings, loader.sources)
     model = resolve(loader.files.values(), vocabulary, findings)
     check_all(model, findings, codes_of)
     point_at_includes(findings, folders)

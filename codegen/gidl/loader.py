@@ -9,6 +9,7 @@ from difflib import get_close_matches
 from pathlib import Path, PurePosixPath
 
 from gidl.diagnostics import Findings
+from gidl.file_names import is_interface
 from gidl.installed import installed_folders
 from gidl.parser import parse
 from gidl.preprocess import Macros
@@ -169,7 +170,9 @@ class Loader:
         wanted = PurePosixPath(include.path).stem
         names: dict[str, str] = {}
         for folder in folders[:-1]:
-            for place in sorted(folder.glob("*.gidl")) + sorted(folder.glob("*/*.gidl")):
+            for place in sorted(folder.glob("*")) + sorted(folder.glob("*/*")):
+                if not is_interface(place.name):
+                    continue
                 names.setdefault(place.stem, place.relative_to(folder).as_posix())
         close = get_close_matches(wanted, list(names), n=1, cutoff=0.7)
         searched = ", ".join(_shown(f) + "/" for f in folders[:-1]) or "nowhere"
@@ -208,7 +211,7 @@ def _read(place: Path, shown: str, findings: Findings) -> str | None:
     try:
         if place.is_dir():
             findings.file_error(
-                "G0001", shown, "is a folder", f"name its files: {shown.rstrip('/')}/*.gidl"
+                "G0001", shown, "is a folder", f"name its files: {shown.rstrip('/')}/*.*idl"
             )
             return None
         if place.exists() and not place.is_file():

@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from gidl.diagnostics import Finding, Findings
+from gidl.file_names import interfaces_below
 
 _MOST_FILES = 500
 _MOST_BYTES = 1_000_000
@@ -44,7 +45,7 @@ def _homes(folders: Sequence[Path]) -> dict[str, str]:
     """Name -> the first file that declares it, as others include it."""
     homes: dict[str, str] = {}
     for folder in folders:
-        for place in sorted(folder.rglob("*.gidl"))[:_MOST_FILES]:
+        for place in interfaces_below(folder)[:_MOST_FILES]:
             try:
                 if not place.is_file() or place.stat().st_size > _MOST_BYTES:
                     continue

@@ -12,6 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from gidl.file_names import interfaces_below, source_stem
+
 _GIT = "git#"
 
 
@@ -32,12 +34,14 @@ class Baseline:
     roots: tuple[Root, ...]
 
     def files(self, wanted: Collection[str] | None) -> list[str]:
-        """All files, or those of the paths that are wanted and were there before."""
+        """All files, or those of the stems that are wanted and were there before."""
         found: dict[str, str] = {}
         for root in self.roots:
-            for place in sorted(root.folder.rglob("*.gidl")):
+            for place in interfaces_below(root.folder):
                 found.setdefault(place.relative_to(root.folder).as_posix(), place.as_posix())
-        return [place for path, place in found.items() if wanted is None or path in wanted]
+        return [
+            place for path, place in found.items() if wanted is None or source_stem(path) in wanted
+        ]
 
     def shown(self, place: str) -> str:
         for root in self.roots:
@@ -83,7 +87,7 @@ def _filled(roots: tuple[Root, ...]) -> Baseline:
     found = Baseline(roots)
     if not found.files(None):
         where = ", ".join(root.label.rstrip("/") for root in roots)
-        raise AgainstError(f"there are no .gidl files in {where}")
+        raise AgainstError(f"there are no .gidl or .idl files in {where}")
     return found
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from gidl.breaking import slots
 from gidl.breaking.report import Report
 from gidl.breaking.sides import Sides, wire_text
+from gidl.file_names import source_stem
 from gidl.model import (
     AnyDeclaration,
     Bitmask,
@@ -68,7 +69,7 @@ def _moved(sides: Sides, old: AnyDeclaration, new: AnyDeclaration, report: Repor
                    "keep the name", new=new.facts, old=old.facts)  # fmt: skip
         return
     was, is_now = sides.old.file_of(old.name), sides.new.file_of(new.name)
-    if was != is_now:
+    if source_stem(was) != source_stem(is_now):
         report.add("G1102", old.name, f"'{new.name}' has moved from {was} to {is_now}",
                    "headers and modules that programs include are named after the file",
                    f"include {is_now} in {was}, or leave it there",
@@ -196,7 +197,7 @@ def _union(sides: Sides, old: Union, new: Union, report: Report) -> None:
 def _typedef(sides: Sides, old: Typedef, new: Typedef, report: Report) -> None:
     was, is_now = wire_text(sides.old, old.type), wire_text(sides.new, new.type)
     what = f"type '{old.name}'"
-    if was != is_now:
+    if source_stem(was) != source_stem(is_now):
         report.add("G1102", old.name, f"{what} was {was} and is {is_now}",
                    "programs that name it do not build any more, or compute with another type",
                    "keep it, and add another type", new=new.facts, old=old.facts)  # fmt: skip

@@ -11,6 +11,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator
 
 from gidl.diagnostics import Findings
+from gidl.file_names import source_stem
 from gidl.keywords import UNUSED_BY_LOWER, USED_BY_LOWER
 from gidl.model import (
     AnnotationDeclaration,
@@ -85,7 +86,7 @@ class OmgWriter(ABC):
         self._lines.append(f"// {file.path} as {self.dialect}: gidl dump")
         for path in file.includes:
             if path not in here and self._anything_in(path):
-                self._lines.append(f'#include "{path.removesuffix(".gidl")}.idl"')
+                self._lines.append(f'#include "{source_stem(path)}.idl"')
         for unit in self._units(file.declarations):
             modules = self._modules_of(unit[-1])
             for needed in self._missing(unit):

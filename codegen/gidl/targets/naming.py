@@ -48,11 +48,6 @@ class LocalNames:
         return wanted
 
 
-def source_stem(path: str) -> str:
-    """ "robcl/geometry.gidl" -> "robcl/geometry"."""
-    return path.removesuffix(".gidl")
-
-
 def doc_lines(facts: Facts, note: str = "") -> tuple[str, ...]:
     """The author's comment, then unit and range in brackets, then since and deprecation."""
     lines: list[str] = []

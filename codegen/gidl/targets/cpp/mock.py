@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from gidl.file_names import source_stem
 from gidl.languages import CPP_WORDS
 from gidl.model import (
     ArrayType,
@@ -27,7 +28,7 @@ from gidl.targets.cpp import names
 from gidl.targets.cpp.calls.server import ServerSide
 from gidl.targets.cpp.lower import Lowering
 from gidl.targets.cpp.lower.statements import indented
-from gidl.targets.naming import LocalNames, snake_case, source_stem
+from gidl.targets.naming import LocalNames, snake_case
 from gidl.type_names import escaped
 from gidl.wire_layout import CallKind, CallLayout
 

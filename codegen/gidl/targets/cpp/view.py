@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from gidl.file_names import source_stem
 from gidl.model import Model
 from gidl.targets.calls import result_structs
 from gidl.targets.cpp.calls.file import interfaces_view
 from gidl.targets.cpp.lower import Lowering
 from gidl.targets.cpp.values.file import types_view
 from gidl.targets.cpp.values.json import json_view
-from gidl.targets.naming import OutputFile, has_output, source_stem
+from gidl.targets.naming import OutputFile, has_output
 from gidl.wire_layout import Layout
 
 

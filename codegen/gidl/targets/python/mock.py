@@ -6,6 +6,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from gidl.file_names import python_module
 from gidl.model import (
     ArrayType,
     Attribute,
@@ -89,7 +90,7 @@ def mocks_view(lowering: Lowering, path: str, interfaces: Sequence[Interface]) -
         for name in builder.used:
             module = names.types_module(lowering.model, name)
             modules.setdefault(module, set()).add(names.value_name(lowering.model, name))
-        home = names.module_of(lowering.model.file_of(builder.interface.name))
+        home = python_module(lowering.model.file_of(builder.interface.name))
         modules.setdefault(home, set()).add(f"{builder.name}Servant")
         for module, words in builder.results.items():
             modules.setdefault(module, set()).update(words)
@@ -176,7 +177,7 @@ class _Mock:
         struct = facts._result_struct(call)
         if struct is not None:
             kind = names.type_name(self._model, struct.name)
-            home = names.module_of(self._model.file_of(member.interface)) + "_types"
+            home = python_module(self._model.file_of(member.interface)) + "_types"
             self.results.setdefault(home, set()).add(kind)
             words = self._lowering.words(struct)
             items = [f"    {names.member_name(v.name, words)}={text}," for v, text in answers]

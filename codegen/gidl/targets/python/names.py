@@ -5,9 +5,10 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Iterable
 
+from gidl.file_names import python_module
 from gidl.languages import PYTHON_CLASS_WORDS, PYTHON_TYPES, PYTHON_WORDS
 from gidl.model import File, Interface, Model, Struct
-from gidl.targets.naming import LocalNames, UnsupportedError, snake_case, source_stem
+from gidl.targets.naming import LocalNames, UnsupportedError, snake_case
 from gidl.type_names import escaped
 
 # What a name cannot be in Python gets an underscore behind. All that generated code needs of the
@@ -23,18 +24,6 @@ ENUM_WORDS = PYTHON_WORDS | {"mro", "name", "value"}
 # What a value of an interface's type is, and where that is declared.
 OBJECT_REF = "gecos::ObjectRef"
 OBJECT_REF_FILE = "gecos/object_ref.gidl"
-
-
-def module_stem(path: str) -> str:
-    """ "gecos/object.gidl" -> "gecos_idl/object": the name gecos is the runtime's own."""
-    parts = source_stem(path).split("/")
-    if parts[0] == "gecos" and len(parts) > 1:
-        parts[0] = "gecos_idl"
-    return "/".join(escaped(part, PYTHON_WORDS) for part in parts)
-
-
-def module_of(path: str) -> str:
-    return module_stem(path).replace("/", ".")
 
 
 def type_name(model: Model, scoped_name: str) -> str:
@@ -72,7 +61,7 @@ def value_name(model: Model, scoped_name: str) -> str:
 def types_module(model: Model, scoped_name: str) -> str:
     """The module that has the class of a value of that type."""
     home = OBJECT_REF_FILE if scoped_name == OBJECT_REF else model.file_of(scoped_name)
-    return f"{module_of(home)}_types"
+    return f"{python_module(home)}_types"
 
 
 def mapped(struct: Struct) -> tuple[str, str] | None:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from gidl.file_names import python_stem
 from gidl.model import Model
 from gidl.targets.calls import result_structs
 from gidl.targets.naming import OutputFile, has_output
-from gidl.targets.python import names
 from gidl.targets.python.calls.file import interfaces_view
 from gidl.targets.python.lower import Lowering
 from gidl.targets.python.values.file import types_view
@@ -20,7 +20,7 @@ def files(model: Model, layout: Layout) -> Iterator[OutputFile]:
     for file in model.files:
         if not (file.asked_for and has_output(model, file.path)):
             continue
-        stem = names.module_stem(file.path)
+        stem = python_stem(file.path)
         packages.update(stem.split("/")[:-1][:1])
         types = types_view(lowering, file, result_structs(layout, file))
         yield OutputFile(f"python/{stem}_types.py", "python", "types.py.j2", types)

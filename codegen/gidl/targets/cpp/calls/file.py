@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
+from gidl.file_names import source_stem
 from gidl.model import (
     Attribute,
     File,
@@ -33,7 +34,6 @@ from gidl.targets.cpp.includes import system_headers
 from gidl.targets.cpp.lower import Lowering
 from gidl.targets.naming import (
     doc_lines,
-    source_stem,
 )
 from gidl.wire_layout import CallKind
 

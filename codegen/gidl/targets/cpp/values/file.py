@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from gidl.file_names import source_stem
 from gidl.model import (
     AnyDeclaration,
     Bitmask,
@@ -35,7 +36,6 @@ from gidl.targets.cpp.values.views import (
 from gidl.targets.naming import (
     doc_lines,
     has_output,
-    source_stem,
     value_note,
 )
 from gidl.targets.reach import named_types

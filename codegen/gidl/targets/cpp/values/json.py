@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
+from gidl.file_names import source_stem
 from gidl.languages import CPP_BITSET_WORDS, CPP_WORDS
 from gidl.model import (
     AnyDeclaration,
@@ -20,7 +21,7 @@ from gidl.targets.cpp import names
 from gidl.targets.cpp.lower import Lowering
 from gidl.targets.cpp.values.structs import Structs
 from gidl.targets.cpp.values.views import StructView
-from gidl.targets.naming import has_output, source_stem
+from gidl.targets.naming import has_output
 from gidl.type_names import escaped
 
 

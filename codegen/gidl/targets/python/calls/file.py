@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 
+from gidl.file_names import python_module
 from gidl.model import File, Interface
 from gidl.targets.calls import (
     refuse_unsupported,
@@ -30,7 +31,7 @@ def interfaces_view(lowering: Lowering, file: File, types: tuple[str, ...]) -> I
     servants = [f"{view.name}Servant" for view in views]
     modules = _imports(lowering, file, builders)
     if types:
-        modules[f"{names.module_of(file.path)}_types"] = set(types)
+        modules[f"{python_module(file.path)}_types"] = set(types)
     for module, words in _RUNTIME:
         used = private(word for word in words if _uses(text, f"_{word}"))
         modules.setdefault(module, set()).update(used)
@@ -103,11 +104,11 @@ def _imports(lowering: Lowering, file: File, builders: list[_Interface]) -> dict
             if not model.has(name) and name != names.OBJECT_REF:
                 continue  # what this file makes of several results
             module = names.types_module(model, name)
-            if module != f"{names.module_of(file.path)}_types":
+            if module != f"{python_module(file.path)}_types":
                 modules.setdefault(module, set()).add(names.type_name(model, name))
         for base in builder.interface.bases:
             if model.file_of(base) != file.path:
-                module = names.module_of(model.file_of(base))
+                module = python_module(model.file_of(base))
                 simple = names.type_name(model, base)
                 modules.setdefault(module, set()).update((simple, f"{simple}Servant"))
     return modules

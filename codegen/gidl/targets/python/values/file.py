@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from gidl.file_names import python_module
 from gidl.model import (
     AnyDeclaration,
     Bitmask,
@@ -140,7 +141,7 @@ def _imports(
         modules.setdefault(module, set()).add(name)
     for name in used:
         module = names.types_module(model, name)
-        if module != f"{names.module_of(file.path)}_types":
+        if module != f"{python_module(file.path)}_types":
             modules.setdefault(module, set()).add(names.type_name(model, name))
     return import_lines(modules)
 

@@ -1,0 +1,114 @@
+"""Which files are interfaces, and what the files that are generated from them are called.
+
+Everything that turns the path of an interface file into the name of an output, a header or a Python
+module asks here.
+"""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from gidl.diagnostics import Findings
+from gidl.keywords import PYTHON
+from gidl.source import Source
+from gidl.standard_modules import OURS, STANDARD
+
+SUFFIXES = (".gidl", ".idl")
+_PACKAGES = {"gecos": "gecos_idl"}  # the name gecos is the runtime's own
+_SHARED = frozenset(("robcl", "gecos_idl"))  # packages that generated modules belong into
+_SPECIAL = frozenset(("__init__", "__main__", "__pycache__"))
+
+
+def is_interface(path: str) -> bool:
+    return path.lower().endswith(SUFFIXES)
+
+
+def interfaces_below(folder: Path) -> list[Path]:
+    """Interface files in a folder and its subfolders, sorted; not in hidden ones such as .venv."""
+    return sorted(
+        place
+        for place in folder.rglob("*")
+        if is_interface(place.name)
+        and not any(part.startswith(".") for part in place.relative_to(folder).parts[:-1])
+    )
+
+
+def source_stem(path: str) -> str:
+    """ "robcl/geometry.gidl" -> "robcl/geometry": generated files begin with it."""
+    for suffix in SUFFIXES:
+        if path.lower().endswith(suffix):
+            return path[: -len(suffix)]
+    return path
+
+
+def python_stem(path: str) -> str:
+    """ "my-lab/2fast.gidl" -> "my_lab/_2fast": a module that can be imported and hides none."""
+    parts = [_identifier(part) for part in source_stem(path).split("/")]
+    first = parts[0]
+    if len(parts) > 1 and first in _PACKAGES:
+        parts[0] = _PACKAGES[first]
+    elif first in STANDARD or (first in OURS and (len(parts) == 1 or first not in _SHARED)):
+        parts[0] = f"{first}_"
+    return "/".join(parts)
+
+
+def python_module(path: str) -> str:
+    """ "robcl/geometry.gidl" -> "robcl.geometry"."""
+    return python_stem(path).replace("/", ".")
+
+
+def _identifier(part: str) -> str:
+    name = unicodedata.normalize("NFKC", part)  # as Python reads names
+    name = "".join(c if f"_{c}".isidentifier() else "_" for c in name)
+    if not re.match(r"[^\W\d]", name):
+        name = f"_{name}" if name[:1] != "_" else name
+    return f"{name}_" if name in PYTHON or name in _SPECIAL else name
+
+
+@dataclass(frozen=True, slots=True)
+class Clash:
+    """Two files that would be generated to one place."""
+
+    path: str
+    other: str
+    what: str  # "the Python module my_lab"
+
+    def report(self, code: str, findings: Findings, sources: Mapping[str, Source]) -> None:
+        shown, other = sources[self.path].shown, sources[self.other].shown
+        message = f"gives {self.what}, and so does {other}"
+        findings.file_error(code, shown, message, "rename one of the two files")
+
+
+def same_files(paths: Iterable[str]) -> Iterator[Clash]:
+    """Files whose outputs are the same in every language: foo.gidl and foo.idl."""
+    first: dict[str, str] = {}
+    for path in paths:
+        other = first.setdefault(source_stem(path), path)
+        if other != path:
+            yield Clash(path, other, f"the files {source_stem(path)}_types.hpp …")
+
+
+def same_modules(paths: Iterable[str]) -> Iterator[Clash]:
+    """Files that are one module in Python: my-lab.gidl and my_lab.gidl, or foo_types.gidl and the
+    module of the types of foo.gidl; and a file that hides the folder of another: lab.gidl and
+    lab/lamp.gidl."""
+    paths = list(paths)
+    first: dict[str, str] = {}
+    told: set[tuple[str, str]] = set()
+    for path in paths:
+        for name in (python_stem(path), f"{python_stem(path)}_types"):
+            other = first.setdefault(name, path)
+            if other != path and (path, other) not in told:
+                told.add((path, other))
+                yield Clash(path, other, f"the Python module {name.replace('/', '.')}")
+    for path in paths:
+        parts = python_stem(path).split("/")
+        for depth in range(1, len(parts)):
+            package = "/".join(parts[:depth])
+            if package in first:
+                what = f"the Python package {package.replace('/', '.')}"
+                yield Clash(path, first[package], what)
