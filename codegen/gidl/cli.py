@@ -10,7 +10,7 @@ import os
 import sys
 from collections.abc import Callable, Sequence
 
-from gidl import cli_breaking, cli_fmt, cli_gen, cli_lint, cli_new
+from gidl import __version__, cli_breaking, cli_fmt, cli_gen, cli_lint, cli_new
 from gidl.cli_shared import (
     FAILED,
     FINDINGS,
@@ -19,7 +19,9 @@ from gidl.cli_shared import (
     add_files,
     compiled_from,
     files_of,
+    settle,
     show,
+    strictly,
 )
 from gidl.compile import Compiled
 from gidl.diagnostics import Findings
@@ -40,6 +42,8 @@ def main(arguments: Sequence[str]) -> int:
         return ended.code if isinstance(ended.code, int) else USAGE
     command: Callable[[argparse.Namespace], int] = chosen.command
     try:
+        if chosen.settles and not settle(chosen):
+            return USAGE
         status = command(chosen)
         sys.stdout.flush()
         return status
@@ -68,6 +72,7 @@ def _parser() -> argparse.ArgumentParser:
         description="Compiler of .gidl robot interfaces.",
         epilog="Exit status: 0 fine, 1 could not run, 2 wrong usage, 100 findings.",
     )
+    parser.add_argument("--version", action="version", version=f"gidl {__version__}")
     verbs = parser.add_subparsers(metavar="VERB", required=True)
 
     cli_gen.add_verb(verbs)
@@ -94,7 +99,7 @@ def _parser() -> argparse.ArgumentParser:
 
     explain = verbs.add_parser("explain", help="the page of a finding's code")
     explain.add_argument("code", nargs="?", help="like G0102; all of them when left out")
-    explain.set_defaults(command=_explain)
+    explain.set_defaults(command=_explain, settles=False)
     return parser
 
 
@@ -106,7 +111,7 @@ def _check(chosen: argparse.Namespace) -> int:
     files = files_of(chosen)
     if files is None:
         return USAGE
-    compiled = compiled_from(chosen, files)
+    compiled = strictly(chosen, compiled_from(chosen, files))
     show(chosen, compiled.findings, compiled.sources)
     return FINDINGS if compiled.has_errors else FINE
 
@@ -115,7 +120,7 @@ def _dump(chosen: argparse.Namespace) -> int:
     files = files_of(chosen)
     if files is None:
         return USAGE
-    compiled = compiled_from(chosen, files)
+    compiled = strictly(chosen, compiled_from(chosen, files))
     findings = Findings(list(compiled.findings))
     text = "" if compiled.has_errors else _dumped(chosen, compiled, findings)
     order = [file.path for file in compiled.model.files]

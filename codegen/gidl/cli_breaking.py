@@ -56,7 +56,12 @@ def run(chosen: argparse.Namespace) -> int:
         with baseline(chosen.against, _roots(chosen, files)) as before:
             search = [str(root.folder) for root in before.roots]
             named = before.files(read if chosen.files else None)
-            old = compile_files(named, search + chosen.search[1:], wide=chosen.wide is not None)
+            old = compile_files(
+                named,
+                search + [each for each in chosen.search if Path(each) not in chosen.roots],
+                wide=chosen.wide is not None,
+                defines=chosen.defines,
+            )
             old_sources = {
                 path: Source(path, before.shown(source.shown), source.text)
                 for path, source in old.sources.items()
@@ -78,10 +83,8 @@ def run(chosen: argparse.Namespace) -> int:
 
 def _roots(chosen: argparse.Namespace, files: list[str]) -> list[Path]:
     """The folders whose older version is wanted: where the paths of the files begin."""
-    if chosen.search:
-        return [Path(chosen.search[0])]
-    if not chosen.files:
-        return [Path("idl")]
+    if chosen.roots or not chosen.files:
+        return chosen.roots or list(chosen.project.roots)
     roots = list(default_search(files))
     alone = [Path(f) for f in files if not any(Path(f).is_relative_to(root) for root in roots)]
     return list(dict.fromkeys([*roots, *(place.parent for place in alone)]))

@@ -9,7 +9,7 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-from gidl.cli_shared import FINDINGS, FINE, USAGE, count, files_of, show
+from gidl.cli_shared import FINDINGS, FINE, USAGE, WHEN_LEFT_OUT, count, files_of, show
 from gidl.compile import room_for_nesting
 from gidl.diagnostics import Findings, Severity
 from gidl.fmt import UnreadableError, layout
@@ -22,11 +22,9 @@ from gidl.source import Source
 
 def add_verb(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser = verbs.add_parser("fmt", help="lay files out in the one canonical way")
-    parser.add_argument(
-        "files", nargs="*", metavar="FILE", help="- formats stdin; idl/ when left out"
-    )
+    parser.add_argument("files", nargs="*", metavar="FILE", help=WHEN_LEFT_OUT)
     parser.add_argument("--check", action="store_true", help="write nothing; show what differs")
-    parser.set_defaults(command=run, error_format="text", prints=False)
+    parser.set_defaults(command=run, error_format="text", prints=False, settles=True)
 
 
 @dataclass(frozen=True, slots=True)

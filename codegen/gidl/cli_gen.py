@@ -8,7 +8,17 @@ import sys
 from collections.abc import Collection, Mapping
 from pathlib import Path
 
-from gidl.cli_shared import FINDINGS, FINE, USAGE, add_files, compiled_from, count, files_of, show
+from gidl.cli_shared import (
+    FINDINGS,
+    FINE,
+    USAGE,
+    add_files,
+    compiled_from,
+    count,
+    files_of,
+    show,
+    strictly,
+)
 from gidl.compile import Compiled
 from gidl.diagnostics import Finding, Findings, Severity
 from gidl.file_names import same_modules, source_stem
@@ -29,11 +39,10 @@ from gidl.output import (
 def add_verb(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     gen = verbs.add_parser("gen", help="write C++, Python, LCM and model files", allow_abbrev=False)
     add_files(gen)
-    gen.add_argument("--out", type=Path, default=Path("generated"), help="folder to write to")
+    gen.add_argument("--out", type=Path, help="folder to write to; generated/ when left out")
     gen.add_argument(
         "--lang",
         type=_languages,
-        default=LANGUAGES,
         metavar="A,B",
         help=f"which of {', '.join(LANGUAGES)}; all by default",
     )
@@ -64,7 +73,7 @@ def run(chosen: argparse.Namespace) -> int:
     files = files_of(chosen)
     if files is None:
         return USAGE
-    compiled = compiled_from(chosen, files)
+    compiled = strictly(chosen, compiled_from(chosen, files))
     found = list(compiled.findings)
     texts: dict[str, str] | None = None
     if not compiled.has_errors and "python" in chosen.lang:
@@ -79,7 +88,7 @@ def run(chosen: argparse.Namespace) -> int:
     if texts is None:
         show(chosen, found, compiled.sources)
         return FINDINGS
-    outputs = Outputs(chosen.out)
+    outputs = Outputs(chosen.out, chosen.outputs)
     difference = compare(outputs, texts, chosen.lang, _sources(chosen, compiled))
     if chosen.check:
         if chosen.error_format != "text":
@@ -89,8 +98,9 @@ def run(chosen: argparse.Namespace) -> int:
     show(chosen, found, compiled.sources)
     write(outputs, texts, difference)
     if chosen.depfile is not None:
+        project = [chosen.project.file] if chosen.project.file is not None else []
         made = [outputs.place(path) for path in texts]
-        replace_texts({chosen.depfile: depfile_text(made, compiled.sources)})
+        replace_texts({chosen.depfile: depfile_text(made, compiled.sources, project)})
     deleted = "".join(f"gidl: deleted {place}\n" for place in difference.stale)
     written = len(difference.changed) + len(difference.missing)
     stale = f", {len(difference.stale)} deleted" if difference.stale else ""

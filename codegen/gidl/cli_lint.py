@@ -5,8 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 
-from gidl.cli_shared import FINDINGS, FINE, USAGE, add_files, count, files_of, show
-from gidl.compile import compile_files
+from gidl.cli_shared import FINDINGS, FINE, USAGE, add_files, compiled_from, count, files_of, show
 
 
 def add_verb(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -16,7 +15,6 @@ def add_verb(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None
         "--except",
         dest="excepted",
         type=_codes,
-        default=frozenset(),
         metavar="CODE,...",
         help="rules that are not asked, like G0907",
     )
@@ -24,11 +22,11 @@ def add_verb(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None
 
 
 def _codes(text: str) -> frozenset[str]:
-    from gidl.explain import page
+    from gidl.explain import lint_rules
 
     codes = frozenset(part.strip().upper() for part in text.split(","))
     for code in sorted(codes):
-        if not code.startswith("G09") or page(code) is None:
+        if code not in lint_rules():
             raise argparse.ArgumentTypeError(f"there is no lint rule {code}")
     return codes
 
@@ -39,7 +37,7 @@ def run(chosen: argparse.Namespace) -> int:
     files = files_of(chosen)
     if files is None:
         return USAGE
-    compiled = compile_files(files, chosen.search, wide=chosen.wide is not None)
+    compiled = compiled_from(chosen, files)
     findings = list(compiled.findings)
     if not compiled.has_errors:
         findings += [f for f in lint(compiled.model) if f.code not in chosen.excepted]

@@ -6,7 +6,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from gidl.cli_shared import FINDINGS, FINE, USAGE, compiled_from, show
+from gidl.cli_shared import FINDINGS, FINE, USAGE, add_reading, compiled_from, settle, show
 from gidl.diagnostics import Findings
 from gidl.scaffold import ScaffoldRefusal, write_device, write_mock
 
@@ -20,10 +20,8 @@ def add_verb(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None
     new.add_argument("--mock", metavar="FILE", help="instead: a server that answers as FILE allows")
     new.add_argument("--lang", choices=("cpp", "python"), default="python", help="of the mock")
     new.add_argument("--interface", metavar="NAME", help="mock this one; all of FILE by default")
-    new.add_argument(
-        "-I", dest="search", action="append", default=[], metavar="DIR", help="where includes begin"
-    )
-    new.set_defaults(command=_new, error_format="text", prints=False, wide=None)
+    add_reading(new)
+    new.set_defaults(command=_new, error_format="text", prints=False, settles=False)
 
 
 def _new(chosen: argparse.Namespace) -> int:
@@ -43,7 +41,10 @@ def _new(chosen: argparse.Namespace) -> int:
 def _mock(chosen: argparse.Namespace) -> int:
     from gidl.emit import UnsupportedError
 
-    compiled = compiled_from(chosen, [chosen.mock])
+    chosen.files = [chosen.mock]
+    if not settle(chosen):
+        return USAGE
+    compiled = compiled_from(chosen, chosen.files)
     findings = Findings(list(compiled.findings))
     told = ""
     if not compiled.has_errors:

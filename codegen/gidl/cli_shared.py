@@ -5,15 +5,21 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 
+from gidl import project
 from gidl.compile import Compiled, compile_files
-from gidl.diagnostics import Finding, Printer, Severity, as_json, as_text
+from gidl.diagnostics import Finding, Findings, Printer, Severity, as_json, as_text
 from gidl.file_names import interfaces_below
+from gidl.loader import absolute, default_search
+from gidl.project_keys import DEFINE, WIDE
 from gidl.report_formats import as_github_actions, as_sarif
 from gidl.source import Source
 
 FINE, FAILED, USAGE, FINDINGS = 0, 1, 2, 100
+
+WHEN_LEFT_OUT = "- is stdin; all files of the roots in gidl.toml, or of idl/, when left out"
 
 PRINTERS: dict[str, Printer] = {
     "text": as_text,
@@ -24,33 +30,103 @@ PRINTERS: dict[str, Printer] = {
 
 
 def add_files(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("files", nargs="*", metavar="FILE", help=WHEN_LEFT_OUT)
+    add_reading(parser)
     parser.add_argument(
-        "files", nargs="*", metavar="FILE", help="- reads stdin; idl/ when left out"
+        "--strict", action=argparse.BooleanOptionalAction, help="take warnings for errors"
     )
+    parser.add_argument("--error-format", choices=sorted(PRINTERS), default="text")
+    parser.set_defaults(prints=False, settles=True)
+
+
+def add_reading(parser: argparse.ArgumentParser) -> None:
+    """How files are read."""
     parser.add_argument(
         "-I", dest="search", action="append", default=[], metavar="DIR", help="where includes begin"
     )
     parser.add_argument(
-        "--wide", choices=("utf8",), help="read wstring and wchar as string, which is UTF-8"
+        "-D",
+        dest="defines",
+        action="append",
+        default=[],
+        type=_constant,
+        metavar="NAME[=VALUE]",
+        help="a constant for #if and #ifdef",
     )
-    parser.add_argument("--error-format", choices=sorted(PRINTERS), default="text")
-    parser.set_defaults(prints=False)
+    parser.add_argument(
+        "--wide", choices=WIDE, help="read wstring and wchar as string, which is UTF-8"
+    )
+
+
+def _constant(text: str) -> str:
+    if not DEFINE.match(text):
+        raise argparse.ArgumentTypeError(f"'{text}' is no NAME or NAME=VALUE")
+    return text
+
+
+def settle(chosen: argparse.Namespace) -> bool:
+    """Takes from gidl.toml what the command line leaves out. False (and a report) where the file
+    is wrong."""
+    findings = Findings()
+    sources: dict[str, Source] = {}
+    file = project.find(Path.cwd())
+    said = project.Project() if file is None else project.read(file, findings, sources)
+    if findings.found:
+        show(chosen, findings.found, sources)
+        return False
+    named = vars(chosen)
+    search: list[str] = named.get("search") or []
+    chosen.project = said
+    chosen.roots = [Path(folder) for folder in search[:1]]
+    chosen.search = search
+    if file is not None:
+        own = [*said.roots, *said.imports]
+        elsewhere = [name for name in named["files"] if not _is_below(name, own)]
+        usual = [] if search else default_search(elsewhere)
+        chosen.roots = chosen.roots or list(said.roots)
+        chosen.search = [*search, *map(str, (*own, *usual))]
+    chosen.defines = [*said.defines, *(named.get("defines") or [])]
+    chosen.wide = named.get("wide") or said.wide
+    chosen.strict = said.strict if named.get("strict") is None else chosen.strict
+    chosen.lang = named.get("lang") or said.languages
+    chosen.outputs = said.outputs if named.get("out") is None else {}
+    chosen.out = named.get("out") or said.out
+    chosen.excepted = said.excepted if named.get("excepted") is None else chosen.excepted
+    return True
+
+
+def _is_below(name: str, folders: Iterable[Path]) -> bool:
+    place = absolute(Path(name))
+    return any(place.is_relative_to(absolute(folder)) for folder in folders)
 
 
 def files_of(chosen: argparse.Namespace) -> list[str] | None:
-    """The files named, else those of idl/; None (and a message) where there are none."""
+    """The files named, else those of the roots; None (and a message) where there are none."""
     if chosen.files:
         return list(chosen.files)
-    found = [place.as_posix() for place in interfaces_below(Path("idl"))]
-    if not found:
-        print("gidl: no files named, and there is no idl/ folder here with any", file=sys.stderr)
-        return None
-    return found
+    roots = chosen.project.roots
+    found = [place.as_posix() for root in roots for place in interfaces_below(root)]
+    if found:
+        return list(dict.fromkeys(found))
+    if chosen.project.file is None:
+        there = "there is no idl/ folder here with any, and no gidl.toml here or above"
+    else:
+        there = f"the roots of {chosen.project.file} have none"
+    print(f"gidl: no files named, and {there}", file=sys.stderr)
+    return None
 
 
 def compiled_from(chosen: argparse.Namespace, files: list[str]) -> Compiled:
-    """Compiles as the command line says. What was found is the caller's to show."""
-    return compile_files(files, chosen.search, wide=chosen.wide is not None)
+    """Compiles as command line and project file say. What was found is the caller's to show."""
+    return compile_files(files, chosen.search, wide=chosen.wide is not None, defines=chosen.defines)
+
+
+def strictly(chosen: argparse.Namespace, compiled: Compiled) -> Compiled:
+    """With --strict, warnings are errors."""
+    if not chosen.strict or not compiled.findings:
+        return compiled
+    errors = tuple(replace(found, severity=Severity.ERROR) for found in compiled.findings)
+    return replace(compiled, findings=errors, has_errors=True)
 
 
 def show(

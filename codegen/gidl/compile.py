@@ -28,18 +28,26 @@ class Compiled:
 
 
 def compile_files(
-    paths: Iterable[str], search: Iterable[str] = (), *, wide: bool = False
+    paths: Iterable[str],
+    search: Iterable[str] = (),
+    *,
+    wide: bool = False,
+    defines: Iterable[str] = (),
 ) -> Compiled:
     """Reads, resolves and checks `paths` and what they include; never raises for their contents.
-    With `wide`, `wstring` and `wchar` are read as `string`."""
+    With `wide`, `wstring` and `wchar` are read as `string`; `defines` are "NAME" or "NAME=VALUE"
+    for the preprocessor."""
     with room_for_nesting():
-        return _compile(list(paths), list(search), wide)
+        return _compile(list(paths), list(search), wide, defines)
 
 
-def _compile(wanted: list[str], search: list[str], wide: bool) -> Compiled:
+def _compile(wanted: list[str], search: list[str], wide: bool, defines: Iterable[str]) -> Compiled:
     folders = tuple(Path(p) for p in search) or default_search(wanted)
     findings = Findings()
     loader = Loader(findings, folders, wide)
+    if search:
+        loader.check_search()
+    loader.define(defines)
     vocabulary = loader.load_vocabulary()
     loader.load_all(wanted)
     for clash in same_files(loader.files):

@@ -5,14 +5,21 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-from gidl.loader import PACKAGED, VOCABULARY
+from gidl.loader import COMMAND_LINE, PACKAGED, VOCABULARY
 from gidl.source import Source
 
 
-def depfile_text(outputs: Iterable[Path], sources: Mapping[str, Source]) -> str:
-    """One rule: every output depends on every file that was read, included ones too, and on gidl
-    itself, whose next version may write something else."""
-    read = {_place(path, source) for path, source in sources.items() if source.shown != "-"}
+def depfile_text(
+    outputs: Iterable[Path], sources: Mapping[str, Source], others: Iterable[Path]
+) -> str:
+    """One rule: every output depends on every file that was read, included ones too, on `others`,
+    and on gidl itself, whose next version may write something else."""
+    read = {
+        _place(path, source)
+        for path, source in sources.items()
+        if source.shown not in ("-", COMMAND_LINE)
+    }
+    read |= {place.as_posix() for place in others}
     made = [_escaped(place.as_posix()) for place in sorted(outputs)]
     needs = [_escaped(place) for place in sorted(read | _own_files())]
     return " \\\n".join(made) + ": \\\n  " + " \\\n  ".join(needs) + "\n"

@@ -23,6 +23,10 @@ def all_titles() -> list[tuple[str, str]]:
     return [(code, title) for code, (title, _) in sorted(_pages().items())]
 
 
+def lint_rules() -> list[str]:
+    return [code for code, _ in all_titles() if code.startswith("G09")]
+
+
 def closest(code: str) -> str:
     """ ", did you mean G0102?", or ""."""
     near = get_close_matches(_normal(code), list(_pages()), n=1)

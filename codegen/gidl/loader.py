@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -11,14 +12,16 @@ from pathlib import Path, PurePosixPath
 from gidl.diagnostics import Findings
 from gidl.file_names import is_interface
 from gidl.installed import installed_folders
+from gidl.lexer import lex
 from gidl.parser import parse
-from gidl.preprocess import Macros
+from gidl.preprocess import Macros, preprocess
 from gidl.source import MAX_BYTES, Source, Span
 from gidl.syntax import FileSyntax, Include
 
 PACKAGED = Path(__file__).parent / "include"
 VOCABULARY = "gecos/annotations.gidl"
 OBJECT_REF = "gecos/object_ref.gidl"  # what `Object` is a value of
+COMMAND_LINE = "<-D>"  # the source that constants of the command line are lines of
 _MAX_INCLUDE_DEPTH = 100
 
 
@@ -45,14 +48,40 @@ class Loader:
     sources: dict[str, Source] = field(default_factory=dict)
     _installed: tuple[Path, ...] = ()
     _by_place: dict[Path, str] = field(default_factory=dict)
+    _given: Macros = field(default_factory=dict)  # by -D
     _macros: Macros = field(default_factory=dict)
     _open: list[str] = field(default_factory=list)
     _protected: set[str] = field(default_factory=set)  # open ones that a guard keeps from a repeat
     _cut: dict[str, list[str]] = field(default_factory=dict)  # cycles that a guard ended, by file
 
+    def check_search(self) -> None:
+        """Finds folders of the search that cannot be looked into."""
+        for folder in self.search:
+            try:
+                with os.scandir(folder):
+                    pass
+            except (OSError, ValueError) as problem:
+                reason = getattr(problem, "strerror", None) or str(problem)
+                self.findings.file_error(
+                    "G0024",
+                    folder.as_posix(),
+                    f"cannot be searched for included files: {reason}",
+                    "-I takes a folder where includes begin",
+                )
+
+    def define(self, constants: Iterable[str]) -> None:
+        """Gives every file the macros "NAME" or "NAME=VALUE"; a name without a value is 1."""
+        text = ""
+        for constant in constants:
+            name, equals, value = constant.partition("=")
+            text += f"#define {name} {value if equals else 1}\n"
+        source = Source(COMMAND_LINE, COMMAND_LINE, text)
+        self.sources[COMMAND_LINE] = source
+        preprocess(lex(source, self.findings), self.findings, self._given, lambda _include: None)
+
     def load_all(self, paths: Iterable[str]) -> None:
         for shown in paths:
-            self._macros = {}
+            self._macros = dict(self._given)
             if shown == "-":
                 text = read_text(shown, self.findings)
                 if text is not None:
@@ -70,10 +99,10 @@ class Loader:
     def _include_path(self, place: Path, beside: tuple[str, str] | None = None) -> str:
         """How others include the file: relative to the search folder it lies in, else as the file
         `beside` it wrote it."""
-        absolute = place.absolute()
+        whole = absolute(place)
         for folder in (*self._installed, PACKAGED, *self.search):  # -I . may hold the former two
-            if absolute.is_relative_to(folder.absolute()):
-                return absolute.relative_to(folder.absolute()).as_posix()
+            if whole.is_relative_to(absolute(folder)):
+                return whole.relative_to(absolute(folder)).as_posix()
         if beside is not None:
             including, written = beside
             joined = PurePosixPath(including).parent / written
@@ -246,6 +275,11 @@ def _decoded(data: bytes, shown: str, findings: Findings) -> str | None:
         findings.file_error("G0002", shown, f"is not text: a NUL byte in line {line}")
         return None
     return text
+
+
+def absolute(place: Path) -> Path:
+    """From the root, without "..": names of one folder compare alike however they were written."""
+    return Path(os.path.abspath(place))  # noqa: PTH100 (resolve() follows links)
 
 
 def _shown(place: Path) -> str:

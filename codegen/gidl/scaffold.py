@@ -14,7 +14,8 @@ from gidl.model import Interface
 
 _STARTING_POINT = Path(__file__).parent / "starting_point"
 _FILES = {
-    "device.gidl.tmpl": "lab/{name}.gidl",
+    "device.gidl.tmpl": "idl/lab/{name}.gidl",
+    "gidl.toml.tmpl": "gidl.toml",
     "server.py.tmpl": "server.py",
     "client.cpp.tmpl": "client.cpp",
     "CMakeLists.txt.tmpl": "CMakeLists.txt",
@@ -45,7 +46,7 @@ def write_device(wanted: str, into: Path | None) -> str:
     for template, path in _FILES.items():
         pattern = Template((_STARTING_POINT / template).read_text(encoding="utf-8"))
         texts[path.format(name=name)] = pattern.substitute(words)
-    interface = f"lab/{name}.gidl"
+    interface = f"idl/lab/{name}.gidl"
     if keyword.iskeyword(name) or not _is_accepted(name, texts[interface]):
         raise ScaffoldRefusal(f"'{name}' has a meaning already; call it something else")
     _write(folder, texts)

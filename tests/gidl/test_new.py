@@ -17,7 +17,9 @@ def test_what_is_written_generates(here: Path, monkeypatch: pytest.MonkeyPatch) 
     assert main(["new", "thermometer"]) == 0
     folder = here / "thermometer"
     monkeypatch.chdir(folder)
-    assert main(["gen", "-I", ".", "lab/thermometer.gidl"]) == 0
+    assert main(["gen"]) == 0
+    assert {p.name for p in (folder / "generated").iterdir()} == {"python"}
+    assert main(["gen", "--lang", "cpp,python"]) == 0
     generated = folder / "generated"
     header = (generated / "cpp/lab/thermometer_client.hpp").read_text()
     assert "class Thermometer" in header
@@ -32,7 +34,8 @@ def test_every_name_of_the_template_is_filled_in(here: Path) -> None:
     assert main(["new", "Gas-Sensor", "--into", "elsewhere"]) == 0
     files = [p for p in (here / "elsewhere").rglob("*") if p.is_file()]
     assert {p.relative_to(here / "elsewhere").as_posix() for p in files} == {
-        "lab/gas_sensor.gidl",
+        "idl/lab/gas_sensor.gidl",
+        "gidl.toml",
         "server.py",
         "client.cpp",
         "CMakeLists.txt",
