@@ -1,12 +1,16 @@
 """gidl.toml and the options that it can stand in for."""
 
 import json
+from dataclasses import fields
 from pathlib import Path
 
 import pytest
 from gidl import __version__
 from gidl.cli import main
-from gidl.project import line_of
+from gidl.diagnostics import Findings
+from gidl.project import Project, line_of, read
+
+TREE = Path(__file__).resolve().parents[2]
 
 STRUCT = "module lab {{ @final struct {} {{ double x; }}; }};\n"
 WARNS = "@final struct S { double port; };\n"
@@ -168,6 +172,22 @@ def test_a_wrong_project_file_is_told_with_its_line(
         assert f"gidl.toml:{place}: error[G0023]: {message}" in said
         assert help_line in said
     assert not (here / "made").exists()
+
+
+def test_the_example_of_the_documentation_has_every_key(here: Path) -> None:
+    text = (TREE / "docs" / "gidl.md").read_text(encoding="utf-8")
+    example = text.split("```toml\n")[1].split("```")[0]
+    here.joinpath("gidl.toml").write_text(example)
+    for folder in ("idl", "../robcl/idl"):
+        (here / folder).mkdir(parents=True)
+    findings = Findings()
+    said = read(Path("gidl.toml"), findings, {})
+    assert findings.found == []
+    left_out = Project(Path("gidl.toml"))
+    usual = {"file", "roots", "out"}
+    assert {
+        f.name for f in fields(said) if getattr(said, f.name) == getattr(left_out, f.name)
+    } == usual
 
 
 def test_every_mistake_is_told_in_one_run(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
