@@ -1,0 +1,183 @@
+"""Output of sets of .gidl files, compiled: all Python in one folder for mypy, and a C++ program for
+each set, under AddressSanitizer and UndefinedBehaviorSanitizer, warnings being errors."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from cpp_side import Program
+from gidl import wire_layout
+from gidl.compile import compile_files
+from gidl.emit import UnsupportedError, render
+from gidl.file_names import source_stem
+from gidl.model import Model
+from gidl.wire_layout import Layout
+
+HERE = Path(__file__).resolve().parent
+TREE = HERE.parents[2]
+RUNTIME = TREE / "runtime" / "cpp"
+GENERATED = TREE / "generated" / "cpp"
+SUPPORT = (
+    HERE / "driver.cpp",
+    *(RUNTIME / "gecos" / f"{name}.cpp" for name in (
+        "wire/check", "wire/decode_error", "wire/swap_copy", "wire/text", "wire/json",
+        "session/servant", "session/command", "session/description", "base/log", "base/clock",
+    )),
+    RUNTIME / "robcl" / "frames" / "frame.cpp",
+    *(GENERATED / f"{name}.cpp" for name in (
+        "gecos/object_ref_types", "gecos/object_ref_json",
+        "robcl/geometry_types", "robcl/geometry_json",
+    )),
+)  # fmt: skip
+SANITIZERS = ("-fsanitize=address,undefined", "-fno-sanitize-recover=undefined")
+OURS = ("gecos/", "robcl/")
+
+
+@dataclass(frozen=True)
+class Set:
+    """Files that are generated together."""
+
+    name: str
+    files: tuple[Path, ...]
+    search: tuple[Path, ...]
+
+
+@dataclass(frozen=True)
+class Generated:
+    set: Set
+    model: Model
+    layout: Layout
+    stems: list[str]
+
+
+class Rejected(Exception):
+    """gidl does not accept the set, or cannot generate it."""
+
+
+def generate(given: Set, out: Path) -> Generated:
+    """All output of a set, below `out`."""
+    search = [*map(str, given.search), str(TREE / "idl")]
+    first = compile_files([str(f) for f in given.files], search)
+    # Included files that are not of our library are generated, too.
+    more = [f.path for f in first.model.files if not f.path.startswith(OURS) and not f.asked_for]
+    found = [next((r / p for r in given.search if (r / p).exists()), Path(p)) for p in more]
+    compiled = compile_files([str(f) for f in (*given.files, *found)], search)
+    if compiled.has_errors:
+        errors = [f for f in compiled.findings if f.severity.value == "error"]
+        raise Rejected("\n".join(f"{f.location}: {f.code} {f.message}" for f in errors))
+    layout = wire_layout.build(compiled.model)
+    try:
+        texts = render(compiled.model, layout)
+    except UnsupportedError as error:
+        raise Rejected(f"gen: {error}") from None
+    broken = []
+    for path, text in texts.items():
+        file = out / path
+        if path.endswith(".py"):
+            broken += _syntax_error(path, text)
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(text, encoding="utf-8")
+    if broken:
+        for path in texts:
+            (out / path).unlink()  # mypy would stop at it
+        raise Rejected("\n".join(broken))
+    stems = [source_stem(f.path) for f in compiled.model.files if f.asked_for]
+    return Generated(given, compiled.model, layout, stems)
+
+
+def _syntax_error(path: str, text: str) -> list[str]:
+    try:
+        compile(text, path, "exec")
+    except SyntaxError as error:
+        return [f"{path}:{error.lineno}: {error.msg}: {error.text}"]
+    return []
+
+
+def compilers() -> tuple[str, str]:
+    """What compiles and what links. clang takes half the time of g++, but its sanitizers are often
+    not installed; then those of g++ will do, whose interface is the same."""
+    if "CXX" in os.environ:
+        return os.environ["CXX"], os.environ["CXX"]
+    clang = next(filter(None, map(shutil.which, ("clang++-14", "clang++"))), None)
+    if clang is not None:
+        with TemporaryDirectory() as folder:
+            source, program = Path(folder) / "probe.cpp", Path(folder) / "probe"
+            source.write_text("int main(int count, char**) { return count + 1 == 2 ? 0 : 1; }\n")
+            object_ = [clang, *SANITIZERS, "-c", source, "-o", f"{program}.o"]
+            for linker in (clang, "c++"):
+                link = [linker, *SANITIZERS, f"{program}.o", "-o", program]
+                steps: tuple[list[Any], ...] = (object_, link, [program])
+                if all(not subprocess.run(s, capture_output=True).returncode for s in steps):
+                    return clang, linker
+    return "c++", "c++"
+
+
+class Compiler:
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self._command, self._linker = compilers()
+        self._cache = ["ccache"] if shutil.which("ccache") else []
+        warnings = ["-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Werror"]
+        self._flags = [
+            "-std=c++20", "-O0", *warnings, *SANITIZERS,
+            "-Icpp", f"-I{GENERATED}", f"-I{RUNTIME}", f"-I{HERE}",
+            "-isystem", "/usr/include/eigen3",
+        ]  # fmt: skip
+        self._environment = {**os.environ, "CCACHE_SLOPPINESS": "pch_defines,time_macros"}
+
+    def support(self) -> None:
+        """What every program is linked with."""
+        for source in SUPPORT:
+            self._run(
+                [
+                    *self._cache,
+                    self._command,
+                    *self._flags,
+                    "-c",
+                    str(source),
+                    "-o",
+                    self._object(source),
+                ]
+            )
+
+    @staticmethod
+    def _object(source: Path) -> str:
+        return f"{source.parent.name}_{source.stem}.o"
+
+    def program(self, made: Generated) -> tuple[Program, Path]:
+        """Raises Rejected with what the compiler says."""
+        program = Program(made.model, made.layout, self.folder / "cpp", made.stems)
+        name = made.set.name
+        (self.folder / f"{name}.gate.cpp").write_text(program.source(), encoding="utf-8")
+        self._run(
+            [*self._cache, self._command, *self._flags, "-c", f"{name}.gate.cpp", "-o", f"{name}.o"]
+        )
+        objects = [self._object(source) for source in SUPPORT]
+        self._run([self._linker, *SANITIZERS, f"{name}.o", *objects, "-o", name])
+        return program, self.folder / name
+
+    def _run(self, command: list[str]) -> None:
+        done = subprocess.run(
+            command, cwd=self.folder, capture_output=True, text=True, env=self._environment
+        )
+        if done.returncode:
+            raise Rejected(f"C++: {done.stderr[:6000]}")
+
+
+def type_checked(folder: Path) -> str:
+    """What mypy says of all generated Python; empty when it says nothing."""
+    sources = [TREE / "runtime" / "python", TREE / "generated" / "python", folder / "python"]
+    done = subprocess.run(
+        [sys.executable, "-m", "mypy", "--strict", "--explicit-package-bases",
+         "--config-file", os.devnull, "--cache-dir", str(folder / "cache"), str(folder / "python")],
+        env={**os.environ, "MYPYPATH": os.pathsep.join(map(str, sources))},
+        capture_output=True, text=True,
+    )  # fmt: skip
+    return "" if done.returncode == 0 else done.stdout + done.stderr

@@ -1,0 +1,154 @@
+"""One run of the gate over many sets of files: generated, compiled, type-checked, compared."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import shutil
+import sys
+import tempfile
+import traceback
+from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from dataclasses import dataclass, field
+from pathlib import Path
+from random import Random
+
+import files
+from building import TREE, Compiler, Generated, Rejected, Set, generate, type_checked
+from comparing import Comparison
+from cpp_side import answer
+
+AT_A_TIME = 40  # sets that mypy sees together
+
+
+@dataclass
+class Outcome:
+    name: str
+    accepted: int = 0
+    refused: int = 0
+    differences: list[str] = field(default_factory=list)
+
+
+def main(words: Sequence[str]) -> int:
+    parser = argparse.ArgumentParser(prog="gate", description=__doc__)
+    parser.add_argument("--random", type=int, default=20, help="random sets of files")
+    parser.add_argument("--seed", type=int, default=int(os.environ.get("GIDL_GATE_SEED", "1")))
+    parser.add_argument("--values", type=int, default=12, help="values of each type and call")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
+    parser.add_argument("--corpus", action="store_true", help="the corpus of the tests, too")
+    parser.add_argument("--shown", type=int, default=5, help="differences of each set")
+    parser.add_argument("--keep", type=Path, help="folder for the output, which then stays")
+    parser.add_argument("--no-mypy", action="store_true")
+    parser.add_argument("files", nargs="*", type=Path, help="sets of one file each")
+    asked = parser.parse_args(words)
+
+    folder = asked.keep or Path(tempfile.mkdtemp(prefix="gidl-gate-"))
+    folder.mkdir(parents=True, exist_ok=True)
+    print(f"gate: seed {asked.seed}, {asked.random} random sets", flush=True)
+    sets = [Set(f.stem, (f.resolve(),), (f.resolve().parent,)) for f in asked.files]
+    if asked.corpus:
+        sets += corpus()
+    for seed in range(asked.seed, asked.seed + asked.random):
+        sets.append(random_set(folder, seed))
+
+    failed = accepted = refused = 0
+    for start in range(0, len(sets), AT_A_TIME):
+        part = sets[start : start + AT_A_TIME]
+        for outcome in run(folder, part, asked.values, asked.jobs, not asked.no_mypy):
+            accepted += outcome.accepted
+            refused += outcome.refused
+            if outcome.differences:
+                failed += 1
+                print(f"──── {outcome.name}: {len(outcome.differences)} differences")
+                for text in outcome.differences[: asked.shown]:
+                    print(text)
+    print(
+        f"gate: {len(sets)} sets, {accepted} values accepted and {refused} refused by all,"
+        f" {failed} sets differ"
+    )
+    if failed:
+        print(f"gate: the output is in {folder}")
+    elif asked.keep is None:
+        shutil.rmtree(folder)
+    return 1 if failed or not accepted or not refused else 0
+
+
+def corpus() -> list[Set]:
+    """Every accepted file of the tests that can be generated: no events, no inward streams, no
+    classes that somebody would have to write by hand."""
+    gidl = TREE / "tests" / "gidl"
+    idl = TREE / "tests" / "idl"
+    found = [
+        *(gidl / "good").glob("*.gidl"),
+        *(gidl / "preprocessor").glob("*.gidl"),
+        *idl.rglob("*.gidl"),
+    ]
+    return [
+        Set(f.stem, (f,), (f.parent, idl))
+        for f in sorted(found)
+        if not any(
+            word in f.read_text(errors="replace") for word in ("@event", 'dir="in"', "own::Point")
+        )
+    ]
+
+
+def random_set(folder: Path, seed: int) -> Set:
+    source = folder / "idl" / f"s{seed}"
+    source.mkdir(parents=True, exist_ok=True)
+    return Set(f"s{seed}", tuple(files.write(source, f"s{seed}", seed)), (source,))
+
+
+def run(folder: Path, sets: list[Set], values: int, jobs: int, mypy: bool) -> list[Outcome]:
+    outcomes = {each.name: Outcome(each.name) for each in sets}
+    made: list[Generated] = []
+    for each in sets:
+        try:
+            made.append(generate(each, folder))
+        except Rejected as why:
+            outcomes[each.name].differences.append(f"not generated: {why}")
+        except Exception:
+            outcomes[each.name].differences.append(f"gidl failed: {traceback.format_exc()}")
+    compiler = Compiler(folder)
+    compiler.support()
+    said = Outcome("mypy")
+    with ThreadPoolExecutor(jobs) as threads, ProcessPoolExecutor(jobs) as processes:
+        checked = threads.submit(type_checked, folder) if mypy and made else None
+        compiled = [(each, threads.submit(compiler.program, each)) for each in made]
+        compared = []
+        for each, future in compiled:
+            try:
+                program, binary = future.result()
+            except Rejected as why:
+                outcomes[each.set.name].differences.append(str(why))
+                continue
+            except Exception:
+                outcomes[each.set.name].differences.append(traceback.format_exc())
+                continue
+            compared.append(
+                (each, processes.submit(compare, folder, each, program, binary, values))
+            )
+        for each, told in compared:
+            outcome = told.result()
+            outcome.differences = outcomes[each.set.name].differences + outcome.differences
+            outcomes[each.set.name] = outcome
+        if checked is not None and checked.result():
+            said.differences.append(checked.result())
+    return [*outcomes.values(), said]
+
+
+def compare(folder: Path, made: Generated, program: object, binary: Path, values: int) -> Outcome:
+    """In a process of its own, because generated modules are imported."""
+    sys.path.insert(0, str(folder / "python"))
+    outcome = Outcome(made.set.name)
+    try:
+        dice = Random(made.set.name)
+        comparison = Comparison(made.model, made.layout, program, dice)  # type: ignore[arg-type]
+        questions = comparison.prepare(values)
+        outcome.differences += answer(program, binary, questions)  # type: ignore[arg-type]
+        comparison.judge()
+        outcome.differences += comparison.differences
+        outcome.accepted, outcome.refused = comparison.accepted, comparison.refused
+    except Exception:
+        outcome.differences.append(traceback.format_exc())
+    return outcome
