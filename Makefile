@@ -45,7 +45,7 @@ check-generated:  ## is generated/ what idl/ says?
 	@tools/setup.sh gidl
 	@.venv/bin/gidl gen --check
 
-# TESTS="wire_test robcl_frames_test" builds and runs these programs alone.
+# TESTS="gecos_wire_test robcl_frames_test" builds and runs these programs alone.
 TESTS ?=
 space := $(subst ,, )
 define sanitized
