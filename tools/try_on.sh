@@ -56,6 +56,7 @@ mirror=${MIRROR:-$(apt-get indextargets --format '$(SITE) $(RELEASE) $(COMPONENT
 
 system=$(mktemp -d "${TMPDIR:-/var/tmp}/try_on.XXXXXX")
 trap 'rm -rf --one-file-system "$system"' EXIT  # the mounts were in namespaces of their own, which are gone
+chmod 755 "$system"  # apt downloads as a user of its own
 echo "try_on: $suite from $mirror"
 debootstrap --variant=minbase --include=ca-certificates,git,make "$suite" "$system" "$mirror" >"$system.log" 2>&1 || {
   tail "$system.log"
@@ -63,6 +64,7 @@ debootstrap --variant=minbase --include=ca-certificates,git,make "$suite" "$syst
 }
 rm "$system.log"
 
+echo force-unsafe-io >"$system/etc/dpkg/dpkg.cfg.d/90try_on"  # what is thrown away need not reach the disk at once
 cp /etc/resolv.conf /etc/hosts "$system/etc/"
 apt-config dump | grep -E '^Acquire::(https?::|Check-|Retries)' >"$system/etc/apt/apt.conf.d/90host" || true
 [ ! -f /etc/pip.conf ] || cp /etc/pip.conf "$system/etc/"
