@@ -9,6 +9,8 @@ CONFIGURE := tools/configure.sh $(BUILD) $(BUILD_TYPE)
 # What is built for use, without tests and benchmarks: a part of the same folder that the tests are built in.
 PARTS := $(addsuffix /all,runtime/cpp generated/cpp devices examples runtime/python)
 
+export GECOS_WERROR ?= $(if $(CI),ON)
+
 .DEFAULT_GOAL := help
 .PHONY: help
 help:  ## this list
