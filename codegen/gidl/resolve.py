@@ -178,35 +178,40 @@ class Resolver(InterfaceResolver):
     # -- import, typeid, typeprefix --------------------------------------------------------------
 
     def _import(self, syntax: ImportSyntax, scope: Scope) -> None:
-        symbol = self._anywhere(syntax.name, scope)
-        if symbol is None:
+        path = self._anywhere(syntax.name, scope)
+        if not path:
             self._findings.error(
                 "G0106",
                 syntax.name.span,
                 f"nothing called '{syntax.name}' is declared in the files of this run",
                 "#include the file that declares it",
             )
-        elif symbol.kind == "module":
+            return
+        self._names.check_spelling(syntax.name, path)
+        symbol = path[-1]
+        if symbol.kind == "module":
             self._names.visible.update(_files_of(symbol))
         else:
             self._names.visible.add(symbol.file)
 
-    def _anywhere(self, name: ScopedName, scope: Scope) -> Symbol | None:
-        """The symbol, whether its file is included or not."""
+    def _anywhere(self, name: ScopedName, scope: Scope) -> list[Symbol]:
+        """What the name means, whether its file is included or not."""
         visible = self._names.visible
         self._names.visible = visible | _files_of_scope(self._names.top)
         try:
-            return self._names.look_up(name, Scope(scope.name, scope.kind, scope))
+            return self._names.path(name, Scope(scope.name, scope.kind, scope))
         finally:
             self._names.visible = visible
 
     def _repository_name(self, syntax: RepositorySyntax, scope: Scope) -> None:
-        symbol = self._names.look_up(syntax.name, Scope(scope.name, scope.kind, scope))
-        if symbol is None:
+        path = self._names.path(syntax.name, Scope(scope.name, scope.kind, scope))
+        if not path:
             self._findings.error(
                 "G0106", syntax.name.span, f"unknown name '{syntax.name}'", "declare it before"
             )
             return
+        self._names.check_spelling(syntax.name, path)
+        symbol = path[-1]
         kept = Annotation(syntax.kind, (("value", syntax.text),), syntax.name.span.location)
         self._repository.setdefault(symbol.scoped, []).append(kept)
 

@@ -93,16 +93,33 @@ class ValueResolver(ABC):
     def _symbol(self, name: ScopedName, scope: Scope, kinds: frozenset[str], what: str,
                 code: str) -> Symbol | None:  # fmt: skip
         """The symbol of one of `kinds` called `name`, or a finding."""
-        symbol = self._names.look_up(name, scope)
-        if symbol is None:
+        path = self._names.path(name, scope)
+        if not path:
             hint = self._names.hint(name, scope, kinds)
             self._findings.error(code, name.span, f"unknown {what} '{name}'", hint)
+            return None
+        symbol = path[-1]
+        if symbol.kind == "ambiguous":
+            self._ambiguous(name, symbol)
             return None
         if symbol.kind not in kinds:
             self._wrong_kind(name, symbol, scope, kinds, what)
             return None
-        self._names.check_spelling(name, symbol)
+        self._names.check_spelling(name, path)
         return symbol
+
+    def _ambiguous(self, name: ScopedName, symbol: Symbol) -> None:
+        first, second, *_ = symbol.meanings
+        self._findings.error(
+            "G0110",
+            name.span,
+            f"'{name}' is ambiguous: two bases bring it, '{first.scoped}' and '{second.scoped}'",
+            f"write the one that is meant: '{first.scoped}' or '{second.scoped}'",
+            notes=(
+                Note("inherited from here", first.span.location),
+                Note("and from here", second.span.location),
+            ),
+        )
 
     def _wrong_kind(
         self, name: ScopedName, symbol: Symbol, scope: Scope, kinds: frozenset[str], what: str

@@ -6,7 +6,7 @@ Identifiers of one scope clash without regard to case, also with the name of a t
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 
@@ -16,6 +16,8 @@ from gidl.source import Span
 from gidl.syntax import Name, ScopedName
 
 _UNNAMED = frozenset(("file", "operation", "annotation"))  # may hold something of their own name
+
+_MEMBERS = frozenset(("operation", "attribute"))
 
 TYPE_KINDS = frozenset(
     ("struct", "union", "enum", "bitmask", "bitset", "typedef", "interface", "exception")
@@ -49,6 +51,7 @@ class Symbol:
     scope: Scope | None = None  # what it contains
     type: Type | None = None  # of a constant
     value: Value | None = None  # of a constant, enumerator or flag
+    meanings: tuple[Symbol, ...] = ()  # of kind "ambiguous": what several bases declare
 
 
 @dataclass(slots=True, eq=False)
@@ -161,33 +164,48 @@ class Names:
 
     def look_up(self, name: ScopedName, scope: Scope) -> Symbol | None:
         """What `name` means in `scope`; None where it means nothing (no finding)."""
+        path = self.path(name, scope)
+        return path[-1] if path else None
+
+    def path(self, name: ScopedName, scope: Scope) -> list[Symbol]:
+        """What each part of `name` means in `scope`; empty where one means nothing (no finding).
+        A part that is broken or ambiguous ends it."""
+        symbol = self._first(name, scope)
+        path: list[Symbol] = []
+        for part in name.parts[1:]:
+            if symbol is None:
+                return []
+            path.append(symbol)
+            if symbol.kind in ("broken", "ambiguous"):
+                return path
+            symbol = None if symbol.scope is None else self._in(symbol.scope, part)
+        return [] if symbol is None else [*path, symbol]
+
+    def _first(self, name: ScopedName, scope: Scope) -> Symbol | None:
         first = name.parts[0]
         if name.absolute:
-            symbol = self._in(self.top, first)
-        else:
-            symbol = None
-            for outer in scope.chain():
-                symbol = self._in(outer, first)
-                if symbol is not None:
-                    if outer is not scope:
-                        scope.uses.setdefault(first.lower(), (first, name.span))
-                    break
-        for part in name.parts[1:]:
-            if symbol is None or symbol.scope is None:
-                return None
-            symbol = self._in(symbol.scope, part)
-        return symbol
+            return self._in(self.top, first)
+        for outer in scope.chain():
+            symbol = self._in(outer, first)
+            if symbol is not None:
+                if outer is not scope:
+                    scope.uses.setdefault(first.lower(), (first, name.span))
+                return symbol
+        return None
 
-    def check_spelling(self, name: ScopedName, symbol: Symbol) -> None:
-        """A name is used as it is declared."""
-        if symbol.name != name.parts[-1]:
-            self._findings.error(
-                "G0103",
-                name.span,
-                f"'{name.parts[-1]}' differs from '{symbol.name}' only in case",
-                f"write '{symbol.name}'",
-                notes=(Note("declared here", symbol.span.location),),
-            )
+    def check_spelling(self, name: ScopedName, path: Sequence[Symbol]) -> None:
+        """Each part of a name is used as it is declared."""
+        declared = tuple(symbol.name for symbol in path)
+        for part, symbol in zip(name.parts, path, strict=False):
+            if symbol.name != part:
+                self._findings.error(
+                    "G0103",
+                    name.span,
+                    f"'{part}' differs from '{symbol.name}' only in case",
+                    f"write '{ScopedName(declared, name.absolute, name.span)}'",
+                    notes=(Note("declared here", symbol.span.location),),
+                )
+                return
 
     def hidden(self, name: ScopedName, scope: Scope, kinds: frozenset[str]) -> Symbol | None:
         """What `name` would mean further out, were it not for something nearer of another kind."""
@@ -201,13 +219,23 @@ class Names:
         symbol = scope.symbols.get(part.lower())
         if symbol is not None and (symbol.kind == "module" or symbol.file in self.visible):
             return symbol
-        for base in _bases(scope):
-            inherited = base.symbols.get(part.lower())
-            if inherited is None or inherited.file not in self.visible:
+        found = list(self._inherited(scope, part.lower(), set()))
+        if len(found) < 2:
+            return found[0] if found else None
+        one = found[0]
+        return Symbol(one.name, one.scoped, "ambiguous", one.span, one.file, meanings=tuple(found))
+
+    def _inherited(self, scope: Scope, key: str, seen: set[str]) -> Iterator[Symbol]:
+        """What the bases declare, each base once; a declaration hides those of its own bases."""
+        for base in scope.bases:
+            if base.name in seen:
                 continue
-            if inherited.kind not in ("operation", "attribute"):
-                return inherited
-        return None
+            seen.add(base.name)
+            own = base.symbols.get(key)
+            if own is None or own.file not in self.visible or own.kind in _MEMBERS:
+                yield from self._inherited(base, key, seen)
+            else:
+                yield own
 
     # -- what may have been meant --------------------------------------------------------------
 
@@ -261,18 +289,6 @@ class Names:
 
     def incomplete(self) -> Iterator[Symbol]:
         return (s for s in self._everything(self.top) if not s.complete)
-
-
-def _bases(scope: Scope) -> Iterator[Scope]:
-    """All that is inherited from, nearest first, each once however many ways lead to it."""
-    seen: set[str] = set()
-    waiting = list(reversed(scope.bases))
-    while waiting:
-        base = waiting.pop()
-        if base.name not in seen:
-            seen.add(base.name)
-            yield base
-            waiting += reversed(base.bases)
 
 
 def _file(name: Name) -> str:

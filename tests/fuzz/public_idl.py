@@ -1,0 +1,177 @@
+"""Interfaces of other projects, judged by gidl and by the compilers they were written for.
+
+    python tests/fuzz/public_idl.py FOLDER [-v]
+
+takes every .idl file below FOLDER, one project a subfolder, and asks omniidl, idlc and gidl (with `--wide=utf8`), each with
+the same include folders. It prints how many files another compiler takes, how many of these gidl takes, and for the
+others the codes that it refuses them with. A code that names no part of IDL which gidl refuses as a whole is shown with its files:
+each of these is a mistake of gidl, or a row for docs/gidl-differences.md. Run by hand: the files belong to others and are not part of the tree.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import subprocess
+import sys
+import tempfile
+from collections import Counter, defaultdict
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from gidl.compile import Compiled, compile_files
+from gidl.diagnostics import Severity, as_text
+
+REFUSED = {
+    "G0201": "any and TypeCode",
+    "G0202": "valuetype",
+    "G0203": "fixed",
+    "G0204": "long double",
+    "G0205": "native",
+    "G0207": "abstract interface",
+    "G0208": "local interface",
+    "G0209": "context",
+    "G0210": "components",
+    "G0214": "@mutable",
+    "G0215": "template modules",
+}
+SYSTEM = (
+    Path("/usr/share/idl/omniORB"),
+    Path("/usr/share/idl/omniORB/COS"),
+    Path("/usr/share/idl"),
+)
+INCLUDE = re.compile(rb'^[ \t]*#[ \t]*include[ \t]*["<]([^">\n]+)[">]', re.M)
+
+
+@dataclass(frozen=True, slots=True)
+class Judged:
+    file: Path
+    omniidl: bool
+    idlc: bool
+    gidl: Compiled
+
+    @property
+    def codes(self) -> tuple[str, ...]:
+        return tuple(sorted({f.code for f in self.gidl.findings if f.severity is Severity.ERROR}))
+
+
+class Project:
+    """The files of one project, and where their includes are found."""
+
+    def __init__(self, root: Path) -> None:
+        self._root = root
+        self._places: dict[str, list[Path]] = defaultdict(list)
+        for place in root.rglob("*"):
+            if place.is_file():
+                self._places[place.name].append(place)
+
+    def files(self) -> list[Path]:
+        return sorted(p for found in self._places.values() for p in found if p.suffix == ".idl")
+
+    def folders(self, file: Path) -> list[Path]:
+        """Folders of -I that lead to whatever the file includes, itself or through others."""
+        found: dict[Path, None] = {}
+        seen = {file}
+        work = [file]
+        while work:
+            now = work.pop()
+            for written in INCLUDE.findall(now.read_bytes()):
+                name = written.decode("utf-8", "replace")
+                beside = now.parent / name
+                if beside.is_file():
+                    place, folder = beside, now.parent
+                else:
+                    known = [f / name for f in found if (f / name).is_file()]
+                    place = known[0] if known else self._nearest(name, now)
+                    if place is None:
+                        continue
+                    folder = Path(str(place)[: -len(name)].rstrip("/"))
+                found[folder] = None
+                if place not in seen:
+                    seen.add(place)
+                    work.append(place)
+        return list(found)
+
+    def _nearest(self, name: str, asker: Path) -> Path | None:
+        """The file of that name that shares most folders with the one that includes it."""
+        ending = "/" + name
+        places = [p for p in self._places[Path(name).name] if str(p).endswith(ending)]
+        places += [s / name for s in SYSTEM if not places and (s / name).is_file()]
+        return max(places, key=lambda p: _shared(p, asker), default=None)
+
+
+def _shared(one: Path, other: Path) -> int:
+    pairs = zip(one.parts, other.parts, strict=False)
+    return next((n for n, (a, b) in enumerate(pairs) if a != b), 0)
+
+
+def judge(project: Project, file: Path, scratch: Path) -> Judged:
+    folders = [str(f) for f in project.folders(file)]
+    options = [f"-I{folder}" for folder in folders]
+    omniidl = _runs(["omniidl", *options, str(file)], scratch)
+    idlc = _runs(["idlc", *options, "-o", str(scratch), str(file)], scratch)
+    return Judged(file, omniidl, idlc, compile_files([str(file)], folders, wide=True))
+
+
+def _runs(command: list[str], scratch: Path) -> bool:
+    """Whether the command ends, and well: some input never lets idlc end."""
+    try:
+        run = subprocess.run(command, cwd=scratch, capture_output=True, timeout=15, check=False)
+    except subprocess.TimeoutExpired:
+        return False
+    return run.returncode == 0
+
+
+def judged(folder: Path) -> Iterator[tuple[str, Judged]]:
+    with tempfile.TemporaryDirectory() as scratch:
+        for root in sorted(p for p in folder.iterdir() if p.is_dir()) or [folder]:
+            project = Project(root)
+            for file in project.files():
+                yield root.name, judge(project, file, Path(scratch))
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description="gidl beside omniidl and idlc")
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("-v", dest="shows", action="store_true", help="print what gidl says")
+    chosen = parser.parse_args()
+    per_project: dict[str, Counter[str]] = defaultdict(Counter)
+    refused: Counter[str] = Counter()
+    unexplained: dict[tuple[str, ...], list[Judged]] = defaultdict(list)
+    for project, one in judged(chosen.folder.resolve()):
+        count = per_project[project]
+        count["files"] += 1
+        count["omniidl"] += one.omniidl
+        count["idlc"] += one.idlc
+        if not (one.omniidl or one.idlc):
+            continue
+        count["either"] += 1
+        if not one.gidl.has_errors:
+            count["gidl"] += 1
+        elif set(one.codes) <= REFUSED.keys():
+            refused[" and ".join(REFUSED[code] for code in one.codes)] += 1
+        else:
+            unexplained[tuple(c for c in one.codes if c not in REFUSED)].append(one)
+    columns = ("files", "omniidl", "idlc", "either", "gidl")
+    print(f"{'':32}" + "".join(f"{c:>9}" for c in columns))
+    for project, count in per_project.items():
+        print(f"{project:32}" + "".join(f"{count[c]:9}" for c in columns))
+    total = sum(per_project.values(), Counter[str]())
+    print(f"{'together':32}" + "".join(f"{total[c]:9}" for c in columns))
+    print("\nrefused by name:")
+    for what, number in refused.most_common():
+        print(f"{number:5}  {what}")
+    print(f"\nrefused otherwise: {sum(map(len, unexplained.values()))}")
+    for codes, found in sorted(unexplained.items(), key=lambda item: -len(item[1])):
+        print(f"{len(found):5}  {', '.join(codes)}")
+        for one in found:
+            print(f"         {one.file}")
+            if chosen.shows:
+                wrong = [f for f in one.gidl.findings if f.code in codes]
+                print(as_text(wrong, one.gidl.sources))
+    return 1 if unexplained else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
