@@ -62,6 +62,11 @@ def computed(value: Value) -> Computed:
             return Computed("string", value)
 
 
+def is_character(value: Value) -> bool:
+    """Whether a `char` holds it: one character of Latin-1, NUL included."""
+    return isinstance(value, str) and len(value) == 1 and ord(value) < 256
+
+
 class _Calculator:
     def __init__(
         self,

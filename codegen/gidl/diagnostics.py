@@ -68,6 +68,11 @@ class Findings:
     ) -> None:
         self._add(code, Severity.WARNING, at, message, help_lines, notes)
 
+    def warning_once(self, code: str, at: Span | Location, message: str, *help_lines: str) -> None:
+        """The first of its code in a run."""
+        if all(finding.code != code for finding in self.found):
+            self.warning(code, at, message, *help_lines)
+
     def take(self, others: Findings, without: Iterable[range]) -> None:
         """All of another's but those in some lines."""
         for finding in others.found:

@@ -16,6 +16,7 @@ from gidl.syntax import (
     Name,
     OperationSyntax,
     ParameterSyntax,
+    RefusedSyntax,
     RepositorySyntax,
     ScopedName,
 )
@@ -29,12 +30,16 @@ class InterfaceParser(StructParser):
     @abstractmethod
     def _const(self, extras: Extras) -> ConstSyntax: ...
     @abstractmethod
+    def _refused_declaration(self) -> RefusedSyntax: ...
+    @abstractmethod
     def _repository(self) -> RepositorySyntax: ...
 
     # -- interface_dcl -------------------------------------------------------------------------
 
     def _interface(self, extras: Extras) -> list[DeclarationSyntax]:
         token = self._now
+        if self._ahead.text == "valuetype":
+            return [self._refused_declaration()]
         if token.text in ("abstract", "local"):
             self._refuse_kind(token)
         self._advance()
@@ -64,15 +69,13 @@ class InterfaceParser(StructParser):
         return [InterfaceSyntax(name, bases, body, extras)]
 
     def _refuse_kind(self, token: Token) -> None:
+        """The name of a refused interface is that of an interface."""
         self._advance()
-        if self._is("valuetype"):
-            self._refuse("G0202", self._span(token), "'valuetype' is", "use a struct")
-            raise Skip
         if token.text == "abstract":
             what = ("G0207", "'abstract interface' is", "leave out 'abstract'")
         else:
             what = ("G0208", "'local interface' is", "write it in C++ or Python by hand")
-        self._refuse(what[0], self._span(token), what[1], what[2])
+        self._refuse_once(self._ahead.text, what[0], self._span(token), what[1], what[2])
         if not self._is("interface"):
             raise Skip
 
@@ -91,6 +94,8 @@ class InterfaceParser(StructParser):
                     return [self._exception(extras)]
                 case "typeid" | "typeprefix":
                     return [self._repository()]
+                case "native":
+                    return [self._refused_declaration()]
                 case "interface" | "module":
                     self._findings.error(
                         "G0100",

@@ -8,6 +8,7 @@ under `trailing` of the token before them when they follow code.
 from __future__ import annotations
 
 import re
+from bisect import bisect_right
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -105,7 +106,36 @@ class _Lexer:
                 tokens.append(Token(kind or "", body, at, stop))
             at = stop
         tokens.append(Token("eof", "", end, end))
+        if self._source.foreign:
+            self._judge_foreign_bytes()
         return self._lexed
+
+    def _judge_foreign_bytes(self) -> None:
+        """Comments may hold Latin-1, which is warned about once; nothing else may."""
+        text = self._source.text
+        starts = [comment.start for comment in self._lexed.comments]
+        warned = False
+        line_end = 0  # of the last line that was reported
+        for at in self._source.foreign:
+            index = bisect_right(starts, at) - 1
+            if index >= 0 and at < self._lexed.comments[index].end:
+                if not warned:
+                    self._findings.warning(
+                        "G0706",
+                        Span(self._source, at, at + 1),
+                        "this comment is not UTF-8; it is read as Latin-1",
+                        "said once per file; iconv -f latin1 -t utf-8 converts it",
+                    )
+                warned = True
+            elif at >= line_end:
+                line_end = text.find("\n", at) if "\n" in text[at:] else len(text)
+                self._error(
+                    "G0002",
+                    at,
+                    at + 1,
+                    f"byte {ord(text[at]):#04x} is not UTF-8",
+                    "outside comments a file is UTF-8",
+                )
 
     def _error(self, code: str, start: int, end: int, message: str, *help_lines: str) -> None:
         self._findings.error(code, Span(self._source, start, end), message, *help_lines)

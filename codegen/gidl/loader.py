@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import sys
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -23,6 +24,8 @@ VOCABULARY = "gecos/annotations.gidl"
 OBJECT_REF = "gecos/object_ref.gidl"  # what `Object` is a value of
 COMMAND_LINE = "<-D>"  # the source that constants of the command line are lines of
 _MAX_INCLUDE_DEPTH = 100
+_NOT_UTF_8 = re.compile("[\udc80-\udcff]")  # as surrogateescape shows such bytes
+_AS_LATIN_1 = {0xDC00 + byte: byte for byte in range(0x80, 0x100)}
 
 
 @dataclass(slots=True)
@@ -34,6 +37,7 @@ class LoadedFile:
     visible: set[str] = field(default_factory=set)  # itself and all it includes
     macros: Macros = field(default_factory=dict)  # that it leaves to who includes it
     cut: list[str] = field(default_factory=list)  # includes it has, read after it
+    lacks_includes: bool = False  # one of them, or of theirs, was not found
 
 
 @dataclass(slots=True)
@@ -83,9 +87,9 @@ class Loader:
         for shown in paths:
             self._macros = dict(self._given)
             if shown == "-":
-                text = read_text(shown, self.findings)
-                if text is not None:
-                    self._parse("stdin.gidl", Source("stdin.gidl", "-", text), asked_for=True)
+                data = _read_stdin(self.findings)
+                if data is not None:
+                    self._parse("stdin.gidl", _source("stdin.gidl", "-", data), asked_for=True)
                 continue
             self._load(Path(shown), self._include_path(Path(shown)), shown, asked_for=True)
 
@@ -120,24 +124,27 @@ class Loader:
             if asked_for and known in self.files:
                 self.files[known].asked_for = True
             return known
-        text = _read(place, shown, self.findings)
-        if text is None:
+        data = _read(place, shown, self.findings)
+        if data is None:
             return None
         while path in self.sources and path != VOCABULARY:
             path = f"{place.parent.name}/{path}" if "/" not in path else f"_/{path}"
         self._by_place[real] = path
-        self._parse(path, Source(path, shown, text), asked_for)
+        self._parse(path, _source(path, shown, data), asked_for)
         return path
 
     def _parse(self, path: str, source: Source, asked_for: bool) -> None:
         self.sources[path] = source
         self._open.append(path)
         includes: list[str] = []
+        lacks_includes = False
 
         def on_include(include: Include) -> None:
             if include.protected:
                 self._protected.add(path)
+            nonlocal lacks_includes
             found = self._include(include, source)
+            lacks_includes |= found is None and self._find(include, source) is None
             if found is not None and found not in includes:
                 includes.append(found)
 
@@ -149,7 +156,9 @@ class Loader:
         left = {k: v for k, v in self._macros.items() if before.get(k) is not v}
         cut = self._cut.pop(path, [])
         loaded = LoadedFile(source, tree, asked_for, includes, macros=left, cut=cut)
-        loaded.visible = {path}.union(*(self.files[p].visible for p in includes if p in self.files))
+        included = [self.files[p] for p in includes if p in self.files]
+        loaded.visible = {path}.union(*(file.visible for file in included))
+        loaded.lacks_includes = lacks_includes or any(file.lacks_includes for file in included)
         self.files[path] = loaded
 
     def _include(self, include: Include, source: Source) -> str | None:
@@ -225,18 +234,37 @@ def _first_file(folders: Iterable[Path], path: str) -> Path | None:
 
 
 def read_text(shown: str, findings: Findings) -> str | None:
-    """Text of a file, or of stdin for "-"; None, and a finding, where it is no text."""
-    if shown == "-":
-        try:
-            data = sys.stdin.buffer.read(MAX_BYTES + 1)
-        except OSError as problem:
-            findings.file_error("G0001", shown, f"cannot be read: {problem.strerror}")
-            return None
-        return _decoded(data, shown, findings)
-    return _read(Path(shown), shown, findings)
+    """Text of a file, or of stdin for "-"; None, and a finding, where it is not UTF-8."""
+    data = _read_stdin(findings) if shown == "-" else _read(Path(shown), shown, findings)
+    if data is None:
+        return None
+    try:
+        return data.decode("utf-8")
+    except UnicodeDecodeError as problem:
+        line = data.count(b"\n", 0, problem.start) + 1
+        findings.file_error(
+            "G0002", shown, f"is not UTF-8: byte {data[problem.start]:#04x} in line {line}"
+        )
+        return None
 
 
-def _read(place: Path, shown: str, findings: Findings) -> str | None:
+def _source(path: str, shown: str, data: bytes) -> Source:
+    """What is not UTF-8 is read as Latin-1. The lexer says whether it stands where it may."""
+    text = data.decode("utf-8", "surrogateescape")
+    foreign = tuple(m.start() for m in _NOT_UTF_8.finditer(text))
+    return Source(path, shown, text.translate(_AS_LATIN_1), foreign)
+
+
+def _read_stdin(findings: Findings) -> bytes | None:
+    try:
+        data = sys.stdin.buffer.read(MAX_BYTES + 1)
+    except OSError as problem:
+        findings.file_error("G0001", "-", f"cannot be read: {problem.strerror}")
+        return None
+    return _checked(data, "-", findings)
+
+
+def _read(place: Path, shown: str, findings: Findings) -> bytes | None:
     try:
         if place.is_dir():
             findings.file_error(
@@ -254,27 +282,19 @@ def _read(place: Path, shown: str, findings: Findings) -> str | None:
         reason = getattr(problem, "strerror", None) or str(problem)
         findings.file_error("G0001", shown, f"cannot be read: {reason}")
         return None
-    return _decoded(data, shown, findings)
+    return _checked(data, shown, findings)
 
 
-def _decoded(data: bytes, shown: str, findings: Findings) -> str | None:
+def _checked(data: bytes, shown: str, findings: Findings) -> bytes | None:
     if len(data) > MAX_BYTES:
         limit = MAX_BYTES // (1024 * 1024)
         findings.file_error("G0011", shown, f"is larger than {limit} MiB")
         return None
-    try:
-        text = data.decode("utf-8")
-    except UnicodeDecodeError as problem:
-        line = data.count(b"\n", 0, problem.start) + 1
-        findings.file_error(
-            "G0002", shown, f"is not UTF-8: byte {data[problem.start]:#04x} in line {line}"
-        )
-        return None
-    if "\0" in text:
-        line = text.count("\n", 0, text.index("\0")) + 1
+    if b"\0" in data:
+        line = data.count(b"\n", 0, data.index(b"\0")) + 1
         findings.file_error("G0002", shown, f"is not text: a NUL byte in line {line}")
         return None
-    return text
+    return data
 
 
 def absolute(place: Path) -> Path:

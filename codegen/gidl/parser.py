@@ -24,6 +24,7 @@ from gidl.syntax import (
     Include,
     ModuleSyntax,
     Name,
+    RefusedSyntax,
     RepositorySyntax,
     ScopedName,
     TypedefSyntax,
@@ -149,9 +150,7 @@ class Parser(InterfaceParser):
                 case "typeid" | "typeprefix":
                     return [self._repository()]
             if token.text in _REFUSED and self._ahead.kind in ("id", "escaped"):
-                code, what, instead = _REFUSED[token.text]
-                self._refuse(code, self._span(token), what, instead)
-                raise Skip
+                return [self._refused_declaration()]
             found = self._type_declaration(extras)
             if found is not None:
                 return [found]
@@ -164,6 +163,22 @@ class Parser(InterfaceParser):
         self._syntax_error("a declaration", "", _start_hint(token.text))
         raise Skip
 
+    def _refused_declaration(self) -> RefusedSyntax:
+        """One message for a name, which may be declared forward. It stays known, so that its uses
+        are no further mistakes."""
+        keyword = self._advance()
+        if keyword.text == "custom" or self._is("valuetype"):
+            keyword = self._advance()
+        code, what, instead = _REFUSED[keyword.text]
+        name = Name(self._now.text, self._span(self._now))
+        self._refuse_once(name.text, code, self._span(keyword), what, instead)
+        while not self._is("{") and not self._is(";") and self._now.kind != "eof":
+            self._advance()
+        if self._is("{"):
+            self._skip_braces()
+        self._accept(";")
+        return RefusedSyntax(name)
+
     def _type_declaration(self, extras: Extras) -> DeclarationSyntax | None:
         """type_dcl: what may stand in modules and in interfaces alike."""
         match self._now.text if self._now.kind == "id" else "":
@@ -174,13 +189,15 @@ class Parser(InterfaceParser):
             case _:
                 return None
 
-    def _module(self, extras: Extras) -> ModuleSyntax:
+    def _module(self, extras: Extras) -> ModuleSyntax | RefusedSyntax:
         self._advance()
         name = self._identifier("the module's name")
         if self._is("<"):
             what = _REFUSED["alias"]
             self._refuse(what[0], self._span(self._now), what[1], what[2])
-            raise Skip
+            self._skip_braces()
+            self._accept(";")
+            return RefusedSyntax(name)
         self._opened(extras)
         if self._is("{") and self._ahead.text == "}" and self._ahead.kind == "op":
             self._syntax_error_at(

@@ -10,7 +10,8 @@ _ATTRIBUTE = frozenset(("attribute",))
 _SLOTS = frozenset(("member", "parameter"))
 _VALUES = _SLOTS | _CALLS | {"typedef"}
 _STRUCTS = frozenset(("struct", "exception", "union"))
-_TYPES = _STRUCTS | {"enum", "bitmask", "bitset", "typedef"}
+_CONSTRUCTED = _STRUCTS | {"enum", "bitmask", "bitset"}
+_TYPES = _CONSTRUCTED | {"typedef"}
 
 # What each annotation of the vocabulary may stand on.
 PLACES: Mapping[str, frozenset[str]] = {
@@ -40,9 +41,9 @@ PLACES: Mapping[str, frozenset[str]] = {
     "value": frozenset(("enumerator",)),
     "position": frozenset(("flag",)),
     "bit_bound": frozenset(("enum", "bitmask")),
-    "final": _STRUCTS,
-    "appendable": _STRUCTS,
-    "mutable": _STRUCTS,
+    "final": _CONSTRUCTED,
+    "appendable": _CONSTRUCTED,
+    "mutable": _CONSTRUCTED,
     "bulk": _SLOTS | _CALLS,
     "secret": _SLOTS | _CALLS,
     "maps_to": frozenset(("struct",)),

@@ -148,11 +148,12 @@ class _Preprocessor:
         if rest.split()[:1] == ["once"]:
             self._protected = True
         else:
-            self._findings.warning(
+            self._findings.warning_once(
                 "G0701",
                 self._span(token),
                 f"'#pragma {rest}' has no meaning here and is ignored",
-                "identifiers of the repository are written with typeid and typeprefix",
+                "said once per run; identifiers of the repository are written with typeid and "
+                "typeprefix",
             )
 
     def _include(self, rest: str, token: Token) -> None:

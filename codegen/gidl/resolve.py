@@ -43,6 +43,7 @@ from gidl.syntax import (
     InlineType,
     InterfaceSyntax,
     ModuleSyntax,
+    RefusedSyntax,
     RepositorySyntax,
     ScopedName,
     StructSyntax,
@@ -82,6 +83,7 @@ class Resolver(InterfaceResolver):
             self._out = []
             self._modules = []
             self._names.visible = set(loaded.visible)
+            self._names.lacks_includes = loaded.lacks_includes
             self._names.cut = loaded.cut
             self._names.declared_here = dict(_declared_names(loaded.tree.body))
             if loaded.source.path != VOCABULARY:
@@ -115,6 +117,8 @@ class Resolver(InterfaceResolver):
                 self._import(syntax, scope)
             case RepositorySyntax():
                 self._repository_name(syntax, scope)
+            case RefusedSyntax():
+                self._names.poison(scope, syntax.name)
             case _:
                 self._type_declaration(syntax, scope)
 
@@ -220,12 +224,13 @@ class Resolver(InterfaceResolver):
     def _report_incomplete(self, files: list[File], places: dict[str, int]) -> None:
         """Reports what was never completed, and completes it, empty, so that rules can go on."""
         for symbol in list(self._names.incomplete()):
-            self._findings.error(
-                "G0113",
-                symbol.span,
-                f"{symbol.kind} '{symbol.name}' is declared forward and never completed",
-                "declare it in this file or in one that it includes",
-            )
+            if symbol.scoped not in self._used_incomplete:
+                self._findings.error(
+                    "G0113",
+                    symbol.span,
+                    f"{symbol.kind} '{symbol.name}' is declared forward and never completed",
+                    "declare it in this file or in one that it includes",
+                )
             facts = Facts(symbol.span.location)
             empty: AnyDeclaration
             if symbol.kind == "struct":

@@ -136,7 +136,7 @@ class InterfaceResolver(TypeResolver):
 
     def _operation(self, syntax: OperationSyntax, scope: Scope, outer: Qos) -> Operation | None:
         marks = self._marks(syntax.extras, "operation", scope)
-        result = None if syntax.result is None else self._type(syntax.result, scope)
+        result = None if syntax.result is None else self._whole(syntax.result, scope)
         broken = syntax.result is not None and result is None
         symbol = self._names.declare(scope, syntax.name, "operation")
         inside = Scope(scope.qualified(syntax.name.text), "operation", scope)
@@ -190,7 +190,7 @@ class InterfaceResolver(TypeResolver):
 
     def _parameter(self, syntax: ParameterSyntax, scope: Scope) -> Parameter | None:
         marks = self._marks(syntax.extras, "parameter", scope)
-        used = self._type(syntax.type, scope)
+        used = self._whole(syntax.type, scope)
         symbol = self._names.declare(scope, syntax.name, "parameter")
         if used is None or symbol is None:
             return None
@@ -211,12 +211,8 @@ class InterfaceResolver(TypeResolver):
         found: list[str] = []
         for name in names:
             symbol = self._symbol(name, scope, _EXCEPTION, "exception", "G0405")
-            if symbol is None:
-                continue
-            if symbol.scoped in found:
-                self._findings.error("G0405", name.span, f"'{name}' is raised already")
-                continue
-            found.append(symbol.scoped)
+            if symbol is not None and symbol.scoped not in found:
+                found.append(symbol.scoped)
         return tuple(found)
 
     def _feedback(self, cancelable: Applied, scope: Scope) -> NamedType | None:
@@ -258,7 +254,7 @@ class InterfaceResolver(TypeResolver):
 
     def _attribute(self, syntax: AttributeSyntax, scope: Scope, outer: Qos) -> list[Attribute]:
         marks = self._marks(syntax.extras, "attribute", scope)
-        used = self._type(syntax.type, scope)
+        used = self._whole(syntax.type, scope)
         get_raises = self._raises(syntax.get_raises, scope)
         set_raises = self._raises(syntax.set_raises, scope)
         stream = self._stream(marks)

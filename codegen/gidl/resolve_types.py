@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from gidl.constants import computed
+from gidl.constants import computed, is_character
 from gidl.diagnostics import Findings, Note
 from gidl.model import (
     AnyDeclaration,
@@ -137,19 +137,32 @@ class TypeResolver(ValueResolver):
         )
 
     def _base(self, name: ScopedName, scope: Scope, kinds: frozenset[str], what: str) -> str | None:
-        symbol = self._symbol(name, scope, kinds, what, "G0102")
+        symbol = self._symbol(name, scope, kinds | {"typedef"}, what, "G0102")
+        if symbol is not None and symbol.kind == "typedef":
+            symbol = self._behind(name, symbol, scope, kinds, what)
         if symbol is None:
             return None
-        if not symbol.complete:
+        if not self._names.is_complete(symbol):
             self._findings.error(
-                "G0113",
+                "G0111",
                 name.span,
                 f"'{name}' is only declared forward here, so it cannot be a base",
                 f"declare the {what} before",
                 notes=(Note("declared forward here", symbol.span.location),),
             )
+            self._used_incomplete.add(symbol.scoped)
             return None
         return symbol.scoped
+
+    def _behind(self, name: ScopedName, typedef: Symbol, scope: Scope, kinds: frozenset[str],
+                what: str) -> Symbol | None:  # fmt: skip
+        """What a typedef is another name of."""
+        target = self._target(NamedType(typedef.scoped))
+        symbol = self._names.declared(target.name) if isinstance(target, NamedType) else None
+        if symbol is None or symbol.kind not in kinds:
+            self._wrong_kind(name, typedef, scope, kinds, what)
+            return None
+        return symbol
 
     def _members(self, members: Sequence[MemberSyntax], scope: Scope) -> tuple[Member, ...]:
         found: list[Member] = []
@@ -160,6 +173,7 @@ class TypeResolver(ValueResolver):
     def _member(self, syntax: MemberSyntax, scope: Scope) -> list[Member]:
         marks = self._marks(syntax.extras, "member", scope)
         used = self._type(syntax.type, scope)
+        self._check_complete(used, syntax.type, in_sequences=False)
         found = []
         for declarator in syntax.declarators:
             symbol = self._names.declare(scope, declarator.name, "member")
@@ -192,6 +206,14 @@ class TypeResolver(ValueResolver):
                 refused.span,
                 "'@mutable' is not part of .gidl",
                 "use @appendable: members may be added at the end",
+            )
+        final, appendable = marks.get("final"), marks.get("appendable")
+        if final is not None and appendable is not None:
+            self._findings.error(
+                "G0505",
+                max(final.span, appendable.span, key=lambda span: span.start),
+                "'@final' and '@appendable' contradict each other",
+                "write the one that is meant",
             )
         return Extensibility.APPENDABLE if "appendable" in marks else Extensibility.FINAL
 
@@ -298,7 +320,7 @@ class TypeResolver(ValueResolver):
                 else "members of that type start with the defaults the type declares",
             )
             return None
-        if target == PrimitiveType(Primitive.CHAR) and isinstance(value, str) and len(value) == 1:
+        if target == PrimitiveType(Primitive.CHAR) and is_character(value):
             return value
         return self._fit(computed(value), target, applied.span)
 
@@ -384,6 +406,7 @@ class TypeResolver(ValueResolver):
             declared.value = EnumValue(scoped, item.name.text, number)
             facts = self._facts(item.name, item.extras, inner)
             enumerators.append(Enumerator(item.name.text, number, facts))
+        self._extensibility(marks)
         facts = self._facts(syntax.name, syntax.extras, marks)
         enum = EnumDeclaration(
             scoped, facts, tuple(enumerators), default, self._bit_bound(marks, 32)
@@ -420,6 +443,7 @@ class TypeResolver(ValueResolver):
         if symbol is not None:
             symbol.scope = inside
             self._bitmasks.add(inside.name)
+        self._extensibility(marks)
         facts = self._facts(syntax.name, syntax.extras, marks)
         bound = self._bit_bound(marks, 64)
         self._keep(symbol, Bitmask(inside.name, facts, tuple(flags), bound))
@@ -450,6 +474,7 @@ class TypeResolver(ValueResolver):
                 position += width
         if symbol is not None:
             self._bitset_sizes[inside.name] = position
+        self._extensibility(marks)
         facts = self._facts(syntax.name, syntax.extras, marks)
         self._keep(symbol, Bitset(inside.name, facts, tuple(fields), base, position))
 
@@ -478,6 +503,7 @@ class TypeResolver(ValueResolver):
     def _typedef(self, syntax: TypedefSyntax, scope: Scope) -> None:
         marks = self._marks(syntax.extras, "typedef", scope)
         used = self._type(syntax.type, scope)
+        self._check_complete(used, syntax.type, in_sequences=False)
         for declarator in syntax.declarators:
             symbol = self._names.declare(scope, declarator.name, "typedef")
             full = None if used is None else self._with_dimensions(used, declarator, scope)

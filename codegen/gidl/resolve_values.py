@@ -47,6 +47,7 @@ MAX_BOUND = (1 << 31) - 1
 MAX_ARRAY = 1 << 24  # elements of one array; also keeps fixed sizes within 32 bits
 
 _EXTENSIBILITIES = ("FINAL", "APPENDABLE", "MUTABLE")
+_BY_VALUE = frozenset(("struct", "union"))
 _VALUE_KINDS = frozenset(("constant", "enumerator", "flag"))
 
 
@@ -87,6 +88,7 @@ class ValueResolver(ABC):
         self._names = names
         self._vocabulary = vocabulary
         self._typedefs: dict[str, Type] = {}  # targets, for looking through
+        self._used_incomplete: set[str] = set()  # reported where only a forward declaration was
 
     # -- names ---------------------------------------------------------------------------------
 
@@ -95,8 +97,7 @@ class ValueResolver(ABC):
         """The symbol of one of `kinds` called `name`, or a finding."""
         path = self._names.path(name, scope)
         if not path:
-            hint = self._names.hint(name, scope, kinds)
-            self._findings.error(code, name.span, f"unknown {what} '{name}'", hint)
+            self._unknown(name, scope, kinds, what, code)
             return None
         symbol = path[-1]
         if symbol.kind == "ambiguous":
@@ -107,6 +108,19 @@ class ValueResolver(ABC):
             return None
         self._names.check_spelling(name, path)
         return symbol
+
+    def _unknown(self, name: ScopedName, scope: Scope, kinds: frozenset[str], what: str,
+                 code: str) -> None:  # fmt: skip
+        if kinds is TYPE_KINDS and name.parts in (("TypeCode",), ("CORBA", "TypeCode")):
+            self._findings.error(
+                "G0201",
+                name.span,
+                f"'{name}' is not part of .gidl",
+                "types are known when the interface is compiled",
+            )
+        elif not self._names.lacks_includes:  # what was not found may declare it
+            hint = self._names.hint(name, scope, kinds)
+            self._findings.error(code, name.span, f"unknown {what} '{name}'", hint)
 
     def _ambiguous(self, name: ScopedName, symbol: Symbol) -> None:
         first, second, *_ = symbol.meanings
@@ -273,13 +287,55 @@ class ValueResolver(ABC):
                     return None
                 return SequenceType(inner, size, marks.text("unit"))
             case MapOf(key, value, bound, _):
-                key_type, value_type = self._type(key, scope), self._type(value, scope)
+                key_type, value_type = self._whole(key, scope), self._whole(value, scope)
                 size = None
                 if bound is not None:
                     size = self._size(bound, scope, "the bound of a map", MAX_BOUND)
                 if key_type is None or value_type is None or (bound is not None and size is None):
                     return None
                 return MapType(key_type, value_type, size)
+
+    def _whole(self, syntax: TypeSyntax, scope: Scope) -> Type | None:
+        """A type of which nothing is only declared forward, not even the elements of sequences."""
+        used = self._type(syntax, scope)
+        self._check_complete(used, syntax, in_sequences=True)
+        return used
+
+    def _check_complete(self, used: Type | None, syntax: TypeSyntax, *, in_sequences: bool) -> None:
+        incomplete = self._incomplete(used, in_sequences)
+        if incomplete is None:
+            return
+        innermost = syntax
+        while isinstance(innermost, SequenceOf):
+            innermost = innermost.element
+        self._findings.error(
+            "G0111",
+            innermost.span,
+            f"{incomplete.kind} '{incomplete.name}' is only declared forward here",
+            f"declare the {incomplete.kind} before; members may be sequences of it until then",
+            notes=(Note("declared forward here", incomplete.span.location),),
+        )
+        self._used_incomplete.add(incomplete.scoped)
+
+    def _incomplete(
+        self, used: Type | None, in_sequences: bool, reported: bool = False
+    ) -> Symbol | None:
+        """The struct or union in it that is only declared forward so far. A typedef has `reported`
+        its own."""
+        match used:
+            case NamedType(name) if name in self._typedefs:
+                return self._incomplete(self._typedefs[name], in_sequences, True)
+            case NamedType(name) if not reported:
+                symbol = self._names.declared(name)
+                if symbol is None or symbol.kind not in _BY_VALUE:
+                    return None
+                return None if self._names.is_complete(symbol) else symbol
+            case ArrayType(element=element):
+                return self._incomplete(element, in_sequences, reported)
+            case SequenceType(element=element) if in_sequences:
+                return self._incomplete(element, in_sequences)
+            case _:
+                return None
 
     @abstractmethod
     def _declared_inline(self, syntax: InlineType, scope: Scope) -> NamedType | None: ...

@@ -47,7 +47,7 @@ class Symbol:
     kind: str  # of TYPE_KINDS, or module constant enumerator flag operation attribute member ...
     span: Span
     file: str
-    complete: bool = True  # False: only declared forward so far
+    completed_in: str = ""  # file that declares it; "": only declared forward so far
     scope: Scope | None = None  # what it contains
     type: Type | None = None  # of a constant
     value: Value | None = None  # of a constant, enumerator or flag
@@ -83,6 +83,7 @@ class Names:
         self.visible: set[str] = set()
         self.declared_here: dict[str, int] = {}  # names of the present file and their lines
         self.cut: list[str] = []  # files that it includes, and that are read after it
+        self.lacks_includes = False  # it includes a file that was not found
 
     # -- declaring -----------------------------------------------------------------------------
 
@@ -97,6 +98,8 @@ class Names:
                 "the name of a scope cannot be declared again directly in it: rename one of them",
             )
         known = scope.symbols.get(key)
+        if known is not None and known.kind == "broken":
+            known = None
         if known is not None and not self._may_redeclare(known, name, kind):
             self._clash(known, name, kind)
             return None
@@ -111,28 +114,33 @@ class Names:
                 notes=(Note("used here", used[1].location),),
             )
         if known is not None:
-            known.complete = True
+            known.completed_in = known.completed_in or _file(name)
             known.span = name.span
             return known
-        symbol = Symbol(name.text, scope.qualified(name.text), kind, name.span, _file(name))
+        file = _file(name)
+        symbol = Symbol(name.text, scope.qualified(name.text), kind, name.span, file, file)
         scope.symbols[key] = symbol
         return symbol
+
+    def poison(self, scope: Scope, name: Name) -> None:
+        """The name of a declaration that is refused: using it is no further mistake."""
+        symbol = Symbol(name.text, scope.qualified(name.text), "broken", name.span, _file(name))
+        symbol.completed_in = symbol.file
+        scope.symbols.setdefault(name.text.lower(), symbol)
 
     def forward(self, scope: Scope, name: Name, kind: str) -> None:
         known = scope.symbols.get(name.text.lower())
         if known is not None:
-            if known.kind != kind or known.name != name.text:
+            if known.kind != "broken" and (known.kind != kind or known.name != name.text):
                 self._clash(known, name, kind)
             return
-        symbol = Symbol(
-            name.text, scope.qualified(name.text), kind, name.span, _file(name), complete=False
-        )
+        symbol = Symbol(name.text, scope.qualified(name.text), kind, name.span, _file(name))
         scope.symbols[name.text.lower()] = symbol
 
     def _may_redeclare(self, known: Symbol, name: Name, kind: str) -> bool:
         if known.name != name.text or known.kind != kind:
             return False
-        return kind == "module" or not known.complete
+        return kind == "module" or not known.completed_in
 
     def _clash(self, known: Symbol, name: Name, kind: str) -> None:
         note = Note("first declared here", known.span.location)
@@ -192,6 +200,19 @@ class Names:
                     scope.uses.setdefault(first.lower(), (first, name.span))
                 return symbol
         return None
+
+    def declared(self, scoped: str) -> Symbol | None:
+        """By its scoped name, whether its file is included or not."""
+        scope: Scope | None = self.top
+        symbol = None
+        for part in scoped.split("::"):
+            symbol = None if scope is None else scope.symbols.get(part.lower())
+            scope = None if symbol is None else symbol.scope
+        return symbol
+
+    def is_complete(self, symbol: Symbol) -> bool:
+        """Whether the present file has seen more of it than a forward declaration."""
+        return symbol.completed_in in self.visible
 
     def check_spelling(self, name: ScopedName, path: Sequence[Symbol]) -> None:
         """Each part of a name is used as it is declared."""
@@ -288,7 +309,7 @@ class Names:
                 yield from self._everything(symbol.scope)
 
     def incomplete(self) -> Iterator[Symbol]:
-        return (s for s in self._everything(self.top) if not s.complete)
+        return (s for s in self._everything(self.top) if not s.completed_in)
 
 
 def _file(name: Name) -> str:

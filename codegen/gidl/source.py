@@ -17,6 +17,7 @@ class Source:
     path: str
     shown: str
     text: str
+    foreign: tuple[int, ...] = ()  # places of bytes that are not UTF-8, read as Latin-1
     _starts: list[int] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:

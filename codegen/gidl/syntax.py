@@ -239,6 +239,13 @@ class ForwardSyntax:
 
 
 @dataclass(slots=True)
+class RefusedSyntax:
+    """A declaration that is not part of .gidl; the parser has said so, and its name is known."""
+
+    name: Name
+
+
+@dataclass(slots=True)
 class ParameterSyntax:
     direction: str
     type: TypeSyntax
@@ -315,7 +322,7 @@ class RepositorySyntax:
 DeclarationSyntax = (
     ModuleSyntax | StructSyntax | UnionSyntax | EnumSyntax | BitmaskSyntax | BitsetSyntax
     | TypedefSyntax | ConstSyntax | ForwardSyntax | InterfaceSyntax | OperationSyntax
-    | AttributeSyntax | AnnotationSyntax | ImportSyntax | RepositorySyntax
+    | AttributeSyntax | AnnotationSyntax | ImportSyntax | RepositorySyntax | RefusedSyntax
 )  # fmt: skip
 
 

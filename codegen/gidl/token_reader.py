@@ -30,6 +30,7 @@ class TokenReader:
         self._findings = findings
         self._at = 0
         self._depth = 0
+        self._refused_names: set[tuple[str, str]] = set()  # with the codes they were refused with
 
     @property
     def _now(self) -> Token:
@@ -104,6 +105,12 @@ class TokenReader:
 
     def _refuse(self, code: str, at: Span, what: str, instead: str) -> None:
         self._findings.error(code, at, f"{what} not part of .gidl", instead)
+
+    def _refuse_once(self, name: str, code: str, at: Span, what: str, instead: str) -> None:
+        """Not again where it is declared after a forward declaration."""
+        if (name, code) not in self._refused_names:
+            self._refused_names.add((name, code))
+            self._refuse(code, at, what, instead)
 
     @contextmanager
     def _nested(self) -> Iterator[None]:

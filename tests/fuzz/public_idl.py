@@ -2,10 +2,11 @@
 
     python tests/fuzz/public_idl.py FOLDER [-v]
 
-takes every .idl file below FOLDER, one project a subfolder, and asks omniidl, idlc and gidl (with `--wide=utf8`), each with
-the same include folders. It prints how many files another compiler takes, how many of these gidl takes, and for the
-others the codes that it refuses them with. A code that names no part of IDL which gidl refuses as a whole is shown with its files:
-each of these is a mistake of gidl, or a row for docs/gidl-differences.md. Run by hand: the files belong to others and are not part of the tree.
+takes every .idl file below FOLDER, one project a subfolder, and asks omniidl, idlc and gidl (with
+`--wide=utf8`), each with the same include folders. It prints how many files another compiler takes,
+how many of these gidl takes, and for the others the parts of IDL that gidl refuses by name. A file
+that is refused otherwise is listed: each of these is a mistake of gidl, or a row for
+docs/gidl-differences.md. Run by hand: the files belong to others and are not part of the tree.
 """
 
 from __future__ import annotations

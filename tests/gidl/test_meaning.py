@@ -6,6 +6,7 @@ import pytest
 from gidl.compile import Compiled, compile_files
 from gidl.model import (
     Attribute,
+    Constant,
     EnumValue,
     Interface,
     Model,
@@ -15,11 +16,27 @@ from gidl.model import (
     PrimitiveType,
     SequenceType,
     Struct,
+    Union,
 )
 from gidl.policy import Access, OnLoss, OnNew, QualityClass, Reliability, StreamDirection
 
 HERE = Path(__file__).parent
 IDL = HERE.parents[1] / "idl"
+
+
+def test_a_char_is_one_of_256_characters() -> None:
+    model = compile_files([str(HERE / "good/characters.gidl")]).model
+    constants = {d.name: d.value for d in model.declarations() if isinstance(d, Constant)}
+    assert constants == {
+        "NUL": chr(0),
+        "ZERO": chr(0),
+        "LAST": chr(255),
+        "OCTAL": chr(255),
+        "QUOTE": "'",
+    }
+    letter = model.find("Letter")
+    assert isinstance(letter, Union)
+    assert [case.labels for case in letter.cases] == [(chr(0),), ("a", chr(128)), (chr(255),)]
 
 
 @pytest.fixture(scope="module")
