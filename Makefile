@@ -21,10 +21,7 @@ demo: build  ## broker, devices and the block: the whole system at work, in C++ 
 	@$(PYTHON) examples/demo.py --build $(BUILD)
 
 .PHONY: test
-test:  ## everything that must hold, in lanes; says at the end what each of them said last
-	@tools/setup.sh test
-	@$(CONFIGURE) -DBUILD_TESTING=ON -DCMAKE_REQUIRE_FIND_PACKAGE_benchmark=ON
-	@cmake --build $(BUILD) -j$(JOBS)
+test: build-tests  ## everything that must hold, in lanes; says at the end what each of them said last
 	@$(PYTHON) tools/run_lanes.py --build $(BUILD) --jobs $(JOBS)
 
 .PHONY: setup
@@ -36,6 +33,11 @@ build:  ## all C++ but tests and benchmarks, and the Python extension
 	@tools/setup.sh build
 	@$(CONFIGURE)
 	@cmake --build $(BUILD) -j$(JOBS) --target $(PARTS)
+
+.PHONY: build-tests
+build-tests: setup  ## all C++, and the Python extension
+	@$(CONFIGURE) -DBUILD_TESTING=ON -DCMAKE_REQUIRE_FIND_PACKAGE_benchmark=ON
+	@cmake --build $(BUILD) -j$(JOBS)
 
 .PHONY: generate
 generate:  ## generated/ from idl/

@@ -98,7 +98,7 @@ def main() -> int:
         sys.exit(f"bench-peers: no setting's title begins with {given.only!r}")
     missing = missing_of(wanted) - without
     if "" in missing:
-        sys.exit(f"bench-peers: {given.build} has no programs of ours: make build")
+        sys.exit(f"bench-peers: {given.build} has no programs of ours; run make bench-peers")
     if missing:
         complain(missing)
 

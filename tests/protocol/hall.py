@@ -26,7 +26,7 @@ def two_users() -> tuple[Keys, Keys]:
 @contextmanager
 def laboratory_of(theirs: Keys) -> Iterator[Laboratory]:
     build = TREE / os.environ.get("GECOS_BUILD", "build")
-    assert (build / "CMakeCache.txt").exists(), f"nothing is built in {build}: run `make build`"
+    assert (build / "CMakeCache.txt").exists(), f"{build} is empty: run `make build-tests`"
     # Not tmp_path: the name of a Unix socket has at most 107 characters.
     with tempfile.TemporaryDirectory(prefix="gecos-") as folder:
         place = Path(folder)

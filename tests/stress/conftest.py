@@ -24,7 +24,7 @@ TREE = Path(__file__).resolve().parents[2]
 def build() -> Path:
     folder = TREE / os.environ.get("GECOS_BUILD", "build")
     assert (folder / "tests" / "stress" / "stress_client").exists(), (
-        f"the programs of the stress tests are not built in {folder}: run `make build`"
+        f"the programs of the stress tests are not built in {folder}: run `make build-tests`"
     )
     return folder
 

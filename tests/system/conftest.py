@@ -19,7 +19,7 @@ TREE = Path(__file__).resolve().parents[2]
 @pytest.fixture(scope="session")
 def build() -> Path:
     folder = TREE / os.environ.get("GECOS_BUILD", "build")
-    assert (folder / "CMakeCache.txt").exists(), f"nothing is built in {folder}: run `make build`"
+    assert (folder / "CMakeCache.txt").exists(), f"{folder} is empty: run `make build-tests`"
     return folder
 
 
