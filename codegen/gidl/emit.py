@@ -17,7 +17,6 @@ from gidl.targets.lcm import view as lcm
 from gidl.targets.naming import OutputFile, UnsupportedError
 from gidl.targets.python import mock as python_mock
 from gidl.targets.python import view as python
-from gidl.targets.python.lower import Lowering as PythonLowering
 from gidl.wire_layout import Layout
 
 __all__ = ["LANGUAGES", "UnsupportedError", "render", "render_mock"]
@@ -53,7 +52,7 @@ def render_mock(
     if language == "cpp":
         view = cpp_mock.mocks_view(CppLowering(model, layout), path, interfaces)
     else:
-        view = python_mock.mocks_view(PythonLowering(model, layout), path, interfaces)
+        view = python_mock.mocks_view(python.lowering(model, layout), path, interfaces)
     suffix = {"cpp": "cpp", "python": "py"}[language]
     template = _environment(language).get_template(f"mock.{suffix}.j2")
     return laid_out(template.render(view=view), language)

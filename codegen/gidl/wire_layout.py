@@ -198,15 +198,9 @@ def _bare_node(model: Model, used: Type, limits: Range | None) -> Node:
 
 
 def _binding(kind: Primitive, limits: Range | None) -> Range | None:
-    """`limits` without the bounds that no value of the type can violate."""
-    if limits is None or not kind.is_number:
-        return None
-    low, high = limits.minimum, limits.maximum
-    if kind.is_integer:
-        least, most = kind.integer_limits
-        low = None if low is not None and low <= least else low
-        high = None if high is not None and high >= most else high
-    return None if low is None and high is None else Range(low, high)
+    """`limits`, unless no value of the type can violate them."""
+    number = ScalarNode(kind, limits if kind.is_number else None)
+    return limits if number.bounds is not None else None
 
 
 def _named_node(model: Model, name: str, limits: Range | None) -> Node:

@@ -19,10 +19,18 @@ class ScalarNode:
 
     @property
     def bounds(self) -> Range | None:
-        """`limits` in the precision of the type: a float is compared with the nearest float."""
-        if self.limits is None or self.primitive is not Primitive.FLOAT:
-            return self.limits
-        return Range(_single(self.limits.minimum), _single(self.limits.maximum))
+        """What is to be compared: `limits` in the precision of the type (a float with the nearest
+        float), without the bounds that no value of the type can violate."""
+        if self.limits is None:
+            return None
+        low, high = self.limits.minimum, self.limits.maximum
+        if self.primitive is Primitive.FLOAT:
+            low, high = _single(low), _single(high)
+        elif self.primitive.is_integer:
+            least, most = self.primitive.integer_limits
+            low = None if low is not None and low <= least else low
+            high = None if high is not None and high >= most else high
+        return None if low is None and high is None else Range(low, high)
 
 
 @dataclass(frozen=True, slots=True)

@@ -21,7 +21,6 @@ from gidl.diagnostics import Findings
 from gidl.loader import Loader
 from gidl.model import Model, Struct
 from gidl.resolve import resolve
-from gidl.targets.python import names
 from gidl.wire_layout import Layout
 from lcm_converter import program
 from paired_values import PairedValues
@@ -79,7 +78,7 @@ class _Batch:
         self.differences: list[str] = []
 
     def _our_class(self, scoped_name: str) -> Any:
-        return getattr(self._ours, names.type_name(self._model, scoped_name))
+        return getattr(self._ours, self._layout.python_names.types[scoped_name].name)
 
     def _their_class(self, full_name: str) -> Any:
         if full_name not in self._classes:

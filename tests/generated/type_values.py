@@ -48,6 +48,7 @@ from gidl.targets.cpp.lower import PRIMITIVES
 from gidl.targets.cpp.lower import Lowering as CppLowering
 from gidl.targets.cpp.names import full_name, member_name
 from gidl.targets.python import names as python_names
+from gidl.targets.python.homes import Homes
 
 TREE = Path(__file__).resolve().parents[2]
 VECTORS = TREE / "tests" / "vectors" / "types.json"
@@ -232,10 +233,15 @@ def _zero(model: Model, used: Type) -> Any:
 # Python
 
 
+_HOMES: dict[int, Homes] = {}  # by model, which takes long to lay out
+
+
 def python_type(model: Model, name: str) -> Any:
     """The generated class, or the one written by hand."""
-    module = import_module(f"{python_names.module_of(model.file_of(name))}_types")
-    return getattr(module, python_names.type_name(model, name))
+    if id(model) not in _HOMES:
+        _HOMES[id(model)] = Homes(model, wire_layout.build(model))
+    module, called = _HOMES[id(model)].value(name)
+    return getattr(import_module(module), called)
 
 
 def python_value(model: Model, used: Type, value: Any) -> Any:

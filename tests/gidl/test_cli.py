@@ -192,18 +192,6 @@ class TestGen:
         assert main(["gen"]) == 1
         assert "gidl: " in capsys.readouterr().err
 
-    def test_refuses_two_types_that_python_would_take_for_one(
-        self, here: Path, capsys: pytest.CaptureFixture[str]
-    ) -> None:
-        (here / "left.gidl").write_text("module left { struct State { long x; }; };\n")
-        (here / "both.gidl").write_text(
-            '#include "left.gidl"\n'
-            "module both { struct State { long y; };\n"
-            "  struct Pair { left::State one; both::State two; }; };\n"
-        )
-        assert main(["gen", "--out", "out", "--lang", "python", "-I", ".", "both.gidl"]) == 100
-        assert "both::State and left::State are both State in Python" in capsys.readouterr().err
-
     def test_says_where_something_stands_that_is_not_generated_yet(
         self, here: Path, capsys: pytest.CaptureFixture[str]
     ) -> None:

@@ -15,14 +15,23 @@ from dataclasses import dataclass
 WIDTH = 100
 _STEP = "    "
 # Code points for private use. `without_marks` keeps them out of what users write.
-_OPEN, _NEXT, _CLOSE = "\ue000", "\ue001", "\ue002"
-_MARKS = str.maketrans("", "", _OPEN + _NEXT + _CLOSE)
+_OPEN, _NEXT, _CLOSE, _SPACE = "\ue000", "\ue001", "\ue002", "\ue003"
+_MARKS = str.maketrans("", "", _OPEN + _NEXT + _CLOSE + _SPACE)
 
 
 def group(parts: Iterable[str], opening: str = "(", closing: str = ")") -> str:
     """Text of `parts` between brackets, separated by commas. Flat: "(a, b)"."""
     inside = _NEXT.join(parts)
     return f"{opening}{_OPEN}{inside}{_CLOSE}{closing}" if inside else f"{opening}{closing}"
+
+
+def call(function: str, *arguments: str) -> str:
+    return function + group(arguments)
+
+
+def clauses(parts: Iterable[str], opening: str = "(", closing: str = ")") -> str:
+    """The same for parts that spaces separate: "[x for x in y]"."""
+    return f"{opening}{_OPEN}{_SPACE.join(parts)}{_CLOSE}{closing}"
 
 
 def without_marks(text: str) -> str:
@@ -32,7 +41,7 @@ def without_marks(text: str) -> str:
 
 def flat(text: str) -> str:
     """`text` with all of its groups on one line."""
-    return text.replace(_NEXT, ", ").translate(_MARKS)
+    return text.replace(_NEXT, ", ").replace(_SPACE, " ").translate(_MARKS)
 
 
 def laid_out_groups(text: str, closes_alone: bool) -> str:
@@ -49,9 +58,9 @@ def _laid_out(line: str, closes_alone: bool) -> list[str]:
         return [flat(line)]
     indent = line[: len(line) - len(line.lstrip())]
     broken = _first_group(line)
-    parts = [f"{part}," for part in broken.parts]
+    parts = [f"{part}{broken.comma}" for part in broken.parts]
     if not closes_alone:
-        parts[-1] = parts[-1].removesuffix(",") + broken.tail
+        parts[-1] = broken.parts[-1] + broken.tail
     lines = [broken.head]
     for part in parts:
         lines += _laid_out(f"{indent}{_STEP}{part}", closes_alone)
@@ -65,17 +74,20 @@ class _Broken:
     head: str  # with the opening bracket
     parts: list[str]
     tail: str  # with the closing bracket; may hold more groups
+    comma: str  # behind each part; "" between clauses
 
 
 def _first_group(line: str) -> _Broken:
     start = line.index(_OPEN)
-    parts, depth, begin = [], 0, start + 1
+    parts, depth, begin, comma = [], 0, start + 1, ","
     for at in range(start, len(line)):
         letter = line[at]
         depth += (letter == _OPEN) - (letter == _CLOSE)
-        if (letter == _NEXT and depth == 1) or depth == 0:
+        if letter == _SPACE and depth == 1:
+            comma = ""
+        if (letter in (_NEXT, _SPACE) and depth == 1) or depth == 0:
             parts.append(line[begin:at])
             begin = at + 1
         if depth == 0:
             break
-    return _Broken(line[:start], parts, line[begin:])
+    return _Broken(line[:start], parts, line[begin:], comma)

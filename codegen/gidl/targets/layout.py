@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from gidl.targets.groups import laid_out_groups
+
 WIDTH = 100
 _OPEN = {"(": ")", "[": "]", "{": "}"}
 
 
 def laid_out(text: str, language: str) -> str:
     """`text` with as many empty lines as the language's readers expect, and no long line."""
-    lines = wrapped_text(text, language).split("\n")
-    return "\n".join(_spaced(lines, language == "python")).strip("\n") + "\n"
+    python = language == "python"
+    text = laid_out_groups(text, closes_alone=True) if python else wrapped_text(text, language)
+    lines = text.split("\n")
+    return "\n".join(_spaced(lines, python)).strip("\n") + "\n"
 
 
 def _spaced(lines: list[str], python: bool) -> list[str]:

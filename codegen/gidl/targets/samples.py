@@ -5,19 +5,26 @@ from __future__ import annotations
 import math
 
 from gidl.model import (
-    ArrayType,
     EnumDeclaration,
     Model,
     NamedType,
     Primitive,
-    PrimitiveType,
     Range,
-    Struct,
     Type,
     Typedef,
     Union,
     UnionCase,
     within,
+)
+from gidl.wire_layout import node_of
+from gidl.wire_nodes import (
+    AppendableNode,
+    ArrayNode,
+    EnumNode,
+    Node,
+    ScalarNode,
+    StructNode,
+    UnionNode,
 )
 
 
@@ -44,30 +51,29 @@ def number(kind: Primitive, limits: Range | None) -> int | float:
     return int(nearest) if kind.is_integer else float(nearest)
 
 
-def is_made_by_default(model: Model, used: Type, limits: Range | None, alone: bool) -> bool:
+def is_made_by_default(model: Model, node: Node, alone: bool) -> bool:
     """Whether the value that a member has when nobody sets it is the one to answer with. A value
     that stands `alone` has no initial value of its own: enumerators are 0 there."""
-    target = model.target(used)
-    match target:
-        case PrimitiveType(kind):
-            return not kind.is_number or number(kind, limits_of(model, used, limits)) == 0
-        case ArrayType(element):
-            return is_made_by_default(model, element, None, alone)
-        case NamedType(name):
-            declaration = model.find(name)
-            match declaration:
-                case EnumDeclaration():
-                    return not alone or declaration.initial.number == 0
-                case Struct(maps_to=None):
-                    return all(
-                        m.optional
-                        or m.default is not None
-                        or is_made_by_default(model, m.type, m.range, alone=False)
-                        for m in model.all_members(declaration)
-                    )
-                case Union():
-                    return False
-    return True
+    match node:
+        case ScalarNode(kind, limits):
+            return not kind.is_number or number(kind, limits) == 0
+        case ArrayNode(element):
+            return is_made_by_default(model, element, alone)
+        case EnumNode(name):
+            enum = model.find(name)
+            return not (alone and isinstance(enum, EnumDeclaration)) or enum.initial.number == 0
+        case StructNode(name) | AppendableNode(name):
+            struct = model.struct(name)
+            return struct.maps_to is not None or all(
+                m.optional
+                or m.default is not None
+                or is_made_by_default(model, node_of(model, m.type, False, m.range), alone=False)
+                for m in model.all_members(struct)
+            )
+        case UnionNode():
+            return False
+        case _:
+            return True
 
 
 def arm_of(union: Union) -> UnionCase:

@@ -8,7 +8,6 @@ it.
 from __future__ import annotations
 
 from abc import abstractmethod as _abstractmethod
-from builtins import len as _len
 from collections.abc import Mapping as _Mapping
 from typing import ClassVar as _ClassVar
 
@@ -64,17 +63,16 @@ def _broker_lookup_result(value: Entry) -> _Parts:
 
 
 def _broker_list_reply(source: _Decoder) -> list[Entry]:
-    value: list[
-        Entry
-    ] = [
-        Entry.decode(source.block("list")) for _ in range(source.count(4, _wire.MAX_COUNT, "list"))
+    value: list[Entry] = [
+        Entry.decode(source.block("list"))
+        for _ in range(source.count(4, _wire.MAX_COUNT, "list"))
     ]
     return value
 
 
 def _broker_list_result(value: list[Entry]) -> _Parts:
     out: _Parts = []
-    out.append(_wire.count(_len(value), _wire.MAX_COUNT, "list"))
+    out.append(_wire.counted(value, _wire.MAX_COUNT, "list"))
     for item in value:
         _wire.put_block(item, Entry, out, "list")
     return out

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-from builtins import len as _len
 from dataclasses import dataclass as _dataclass
 from dataclasses import field as _field
 from typing import ClassVar as _ClassVar
@@ -77,14 +76,14 @@ class Entry:
     def encode(self, out: _wire.Parts, /) -> None:
         out.append(_wire.string(self.name, _wire.MAX_TEXT, "Entry.name"))
         out.append(_wire.string(self.interface_name, _wire.MAX_TEXT, "Entry.interface_name"))
-        out.append(_wire.count(_len(self.bases), _wire.MAX_COUNT, "Entry.bases"))
+        out.append(_wire.counted(self.bases, _wire.MAX_COUNT, "Entry.bases"))
         for item in self.bases:
             out.append(_wire.string(item, _wire.MAX_TEXT, "Entry.bases"))
         out.append(_ENTRY_LAYOUT_1.pack(self.interface_hash, self.boot, self.pid))
         out.append(_wire.string(self.user, _wire.MAX_TEXT, "Entry.user"))
         out.append(_wire.string(self.host, _wire.MAX_TEXT, "Entry.host"))
         out.append(_wire.string(self.hostname, _wire.MAX_TEXT, "Entry.hostname"))
-        out.append(_wire.count(_len(self.addresses), _wire.MAX_COUNT, "Entry.addresses"))
+        out.append(_wire.counted(self.addresses, _wire.MAX_COUNT, "Entry.addresses"))
         for item_ in self.addresses:
             out.append(_wire.string(item_, _wire.MAX_TEXT, "Entry.addresses"))
         out.append(_ENTRY_LAYOUT_2.pack(self.simulated))
@@ -94,20 +93,16 @@ class Entry:
         name = source.string(_wire.MAX_COUNT, "Entry.name")
         interface_name = source.string(_wire.MAX_COUNT, "Entry.interface_name")
         bases = [
-            source.string(
-                _wire.MAX_COUNT,
-                "Entry.bases",
-            ) for _ in range(source.count(5, _wire.MAX_COUNT, "Entry.bases"))
+            source.string(_wire.MAX_COUNT, "Entry.bases")
+            for _ in range(source.count(5, _wire.MAX_COUNT, "Entry.bases"))
         ]
         interface_hash, boot, pid = _ENTRY_LAYOUT_1.unpack(source)
         user = source.string(_wire.MAX_COUNT, "Entry.user")
         host = source.string(_wire.MAX_COUNT, "Entry.host")
         hostname = source.string(_wire.MAX_COUNT, "Entry.hostname")
         addresses = [
-            source.string(
-                _wire.MAX_COUNT,
-                "Entry.addresses",
-            ) for _ in range(source.count(5, _wire.MAX_COUNT, "Entry.addresses"))
+            source.string(_wire.MAX_COUNT, "Entry.addresses")
+            for _ in range(source.count(5, _wire.MAX_COUNT, "Entry.addresses"))
         ]
         (simulated,) = _ENTRY_LAYOUT_2.unpack(source)
         source.offset = source.end  # what a newer writer added is skipped
@@ -158,7 +153,7 @@ class UnknownName(_DeclaredError):
 
     def encode(self, out: _wire.Parts, /) -> None:
         out.append(_wire.string(self.name, _wire.MAX_TEXT, "UnknownName.name"))
-        out.append(_wire.count(_len(self.known), _wire.MAX_COUNT, "UnknownName.known"))
+        out.append(_wire.counted(self.known, _wire.MAX_COUNT, "UnknownName.known"))
         for item in self.known:
             out.append(_wire.string(item, _wire.MAX_TEXT, "UnknownName.known"))
 
@@ -166,10 +161,8 @@ class UnknownName(_DeclaredError):
     def decode(cls, source: _wire.Decoder, /) -> _Self:
         name = source.string(_wire.MAX_COUNT, "UnknownName.name")
         known = [
-            source.string(
-                _wire.MAX_COUNT,
-                "UnknownName.known",
-            ) for _ in range(source.count(5, _wire.MAX_COUNT, "UnknownName.known"))
+            source.string(_wire.MAX_COUNT, "UnknownName.known")
+            for _ in range(source.count(5, _wire.MAX_COUNT, "UnknownName.known"))
         ]
         return cls(name, known)
 

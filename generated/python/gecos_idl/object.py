@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 from abc import abstractmethod as _abstractmethod
-from builtins import len as _len
 from collections.abc import Mapping as _Mapping
 from typing import ClassVar as _ClassVar
 
@@ -39,19 +38,16 @@ __all__ = [
 
 
 def _gecos_object_holders_reply(source: _Decoder) -> list[Holder]:
-    value: list[
-        Holder
-    ] = [
-        Holder.decode(
-            source.block("holders")
-        ) for _ in range(source.count(4, _wire.MAX_COUNT, "holders"))
+    value: list[Holder] = [
+        Holder.decode(source.block("holders"))
+        for _ in range(source.count(4, _wire.MAX_COUNT, "holders"))
     ]
     return value
 
 
 def _gecos_object_holders_result(value: list[Holder]) -> _Parts:
     out: _Parts = []
-    out.append(_wire.count(_len(value), _wire.MAX_COUNT, "holders"))
+    out.append(_wire.counted(value, _wire.MAX_COUNT, "holders"))
     for item in value:
         _wire.put_block(item, Holder, out, "holders")
     return out
@@ -82,10 +78,9 @@ def _gecos_object_acquire_arguments(source: _Decoder) -> tuple[Status, str | Non
     password: str | None = None
     if source.offset < source.end:
         password = (
-            source.string(
-                _wire.MAX_COUNT,
-                "acquire.password",
-            ) if source.number("?", "acquire.password") else None
+            source.string(_wire.MAX_COUNT, "acquire.password")
+            if source.number("?", "acquire.password")
+            else None
         )
     return wanted, password
 
@@ -294,7 +289,7 @@ class GecosObject(_Object):
             out.append(b"\0")
         else:
             out.append(b"\1")
-            out.append(_wire.string(password, _wire.MAX_TEXT, "acquire.password"))
+            out.append(_wire.secret_string(password, _wire.MAX_TEXT, "acquire.password"))
         return self._gecos_call(_GECOS_OBJECT_ACQUIRE, out)
 
     def release(self, epoch: int, now: bool) -> _Command[None]:

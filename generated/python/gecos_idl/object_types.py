@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-from builtins import len as _len
 from dataclasses import dataclass as _dataclass
 from dataclasses import field as _field
 from enum import IntEnum as _IntEnum
@@ -244,7 +243,7 @@ class StatusRefused(_DeclaredError):
 
     def encode(self, out: _wire.Parts, /) -> None:
         out.append(_wire.string(self.reason, _wire.MAX_TEXT, "StatusRefused.reason"))
-        out.append(_wire.count(_len(self.holders), _wire.MAX_COUNT, "StatusRefused.holders"))
+        out.append(_wire.counted(self.holders, _wire.MAX_COUNT, "StatusRefused.holders"))
         for item in self.holders:
             _wire.put_block(item, Holder, out, "StatusRefused.holders")
 
@@ -252,9 +251,8 @@ class StatusRefused(_DeclaredError):
     def decode(cls, source: _wire.Decoder, /) -> _Self:
         reason = source.string(_wire.MAX_COUNT, "StatusRefused.reason")
         holders = [
-            Holder.decode(
-                source.block("StatusRefused.holders")
-            ) for _ in range(source.count(4, _wire.MAX_COUNT, "StatusRefused.holders"))
+            Holder.decode(source.block("StatusRefused.holders"))
+            for _ in range(source.count(4, _wire.MAX_COUNT, "StatusRefused.holders"))
         ]
         return cls(reason, holders)
 

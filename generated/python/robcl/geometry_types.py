@@ -140,7 +140,7 @@ class _FrameLayout:
                 self.orientation.x,
                 self.orientation.y,
                 self.orientation.z,
-            )
+            ),
         )
 
     @classmethod

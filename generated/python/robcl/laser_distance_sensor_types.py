@@ -47,7 +47,7 @@ class Distance:
 
     def encode(self, out: _wire.Parts, /) -> None:
         out.append(
-            _DISTANCE_LAYOUT.pack(self.value, self.valid, self.lower, self.upper, self.stamp)
+            _DISTANCE_LAYOUT.pack(self.value, self.valid, self.lower, self.upper, self.stamp),
         )
 
     @classmethod

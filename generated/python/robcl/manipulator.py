@@ -79,7 +79,9 @@ def _manipulator_move_arguments(source: _Decoder) -> tuple[Frame, Trajectory | N
     how: Trajectory | None = None
     if source.offset < source.end:
         how = (
-            Trajectory.decode(source.block("move.how")) if source.number("?", "move.how") else None
+            Trajectory.decode(source.block("move.how"))
+            if source.number("?", "move.how")
+            else None
         )
     return goal, how
 

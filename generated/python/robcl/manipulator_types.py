@@ -108,18 +108,16 @@ class Trajectory:
         tool_speed: float | None = None
         if source.offset < source.end:
             tool_speed = (
-                source.number(
-                    "d",
-                    "Trajectory.tool_speed",
-                ) if source.number("?", "Trajectory.tool_speed") else None
+                source.number("d", "Trajectory.tool_speed")
+                if source.number("?", "Trajectory.tool_speed")
+                else None
             )
         turn_speed: float | None = None
         if source.offset < source.end:
             turn_speed = (
-                source.number(
-                    "d",
-                    "Trajectory.turn_speed",
-                ) if source.number("?", "Trajectory.turn_speed") else None
+                source.number("d", "Trajectory.turn_speed")
+                if source.number("?", "Trajectory.turn_speed")
+                else None
             )
         source.offset = source.end  # what a newer writer added is skipped
         return cls(speed, acceleration, path_value, at_goal_value, tool_speed, turn_speed)

@@ -48,9 +48,9 @@ def _six_axis_move_joints_arguments(source: _Decoder) -> tuple[Joints, Trajector
     how: Trajectory | None = None
     if source.offset < source.end:
         how = (
-            Trajectory.decode(
-                source.block("move_joints.how")
-            ) if source.number("?", "move_joints.how") else None
+            Trajectory.decode(source.block("move_joints.how"))
+            if source.number("?", "move_joints.how")
+            else None
         )
     return target, how
 

@@ -7,7 +7,6 @@ moves what they carry.
 from __future__ import annotations
 
 from abc import abstractmethod as _abstractmethod
-from builtins import len as _len
 from collections.abc import Mapping as _Mapping
 from typing import ClassVar as _ClassVar
 
@@ -40,19 +39,16 @@ __all__ = [
 
 
 def _world_bodies_reply(source: _Decoder) -> list[Body]:
-    value: list[
-        Body
-    ] = [
-        Body.decode(
-            source.block("bodies")
-        ) for _ in range(source.count(4, _wire.MAX_COUNT, "bodies"))
+    value: list[Body] = [
+        Body.decode(source.block("bodies"))
+        for _ in range(source.count(4, _wire.MAX_COUNT, "bodies"))
     ]
     return value
 
 
 def _world_bodies_result(value: list[Body]) -> _Parts:
     out: _Parts = []
-    out.append(_wire.count(_len(value), _wire.MAX_COUNT, "bodies"))
+    out.append(_wire.counted(value, _wire.MAX_COUNT, "bodies"))
     for item in value:
         _wire.put_block(item, Body, out, "bodies")
     return out

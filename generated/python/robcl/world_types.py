@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-from builtins import len as _len
 from dataclasses import dataclass as _dataclass
 from dataclasses import field as _field
 from typing import ClassVar as _ClassVar
@@ -184,7 +183,7 @@ class UnknownBody(_DeclaredError):
 
     def encode(self, out: _wire.Parts, /) -> None:
         out.append(_wire.string(self.name, _wire.MAX_TEXT, "UnknownBody.name"))
-        out.append(_wire.count(_len(self.known), _wire.MAX_COUNT, "UnknownBody.known"))
+        out.append(_wire.counted(self.known, _wire.MAX_COUNT, "UnknownBody.known"))
         for item in self.known:
             out.append(_wire.string(item, _wire.MAX_TEXT, "UnknownBody.known"))
 
@@ -192,10 +191,8 @@ class UnknownBody(_DeclaredError):
     def decode(cls, source: _wire.Decoder, /) -> _Self:
         name = source.string(_wire.MAX_COUNT, "UnknownBody.name")
         known = [
-            source.string(
-                _wire.MAX_COUNT,
-                "UnknownBody.known",
-            ) for _ in range(source.count(5, _wire.MAX_COUNT, "UnknownBody.known"))
+            source.string(_wire.MAX_COUNT, "UnknownBody.known")
+            for _ in range(source.count(5, _wire.MAX_COUNT, "UnknownBody.known"))
         ]
         return cls(name, known)
 

@@ -6,9 +6,11 @@ Generated exceptions derive from `DeclaredError`; generated types import this mo
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import Field, dataclass, fields, is_dataclass
 from enum import IntEnum
-from typing import TYPE_CHECKING, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
+
+from gecos.wire import HIDDEN
 
 if TYPE_CHECKING:
     from gecos_idl.object_types import Holder
@@ -84,6 +86,20 @@ class CommandFailed(RuntimeError):
     def __str__(self) -> str:
         return f"{self.detail.name}: {self.text}"
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Copies and pickles have all that it has, whatever its constructor takes."""
+        return _made_again, (type(self), self.args, {}), vars(self) or None
+
+
+def _made_again(
+    kind: type[CommandFailed], args: tuple[object, ...], members: dict[str, object]
+) -> CommandFailed:
+    error = kind.__new__(kind)
+    error.args = args
+    for name, value in members.items():
+        setattr(error, name, value)
+    return error
+
 
 class DeclaredError(CommandFailed):
     """An exception that an interface declares: raised by a handler, raised again at the caller.
@@ -102,9 +118,21 @@ class DeclaredError(CommandFailed):
         return str(self)
 
     def __str__(self) -> str:  # on its own feet: a member of the exception may be called text
-        names: list[str] = [member.name for member in fields(self)] if is_dataclass(self) else []
-        members = ", ".join(f"{name}={getattr(self, name)!r}" for name in names)
-        return f"{self._gecos_name}({members})"
+        shown = (
+            f"{member.name}={getattr(self, member.name)!r}"
+            if member.repr
+            else f"{member.name}={HIDDEN}"
+            for member in self._gecos_members()
+        )
+        return f"{self._gecos_name}({', '.join(shown)})"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        members = {m.name: getattr(self, m.name) for m in self._gecos_members()}
+        return _made_again, (type(self), self.args, members), vars(self) or None
+
+    @classmethod
+    def _gecos_members(cls) -> tuple[Field[Any], ...]:
+        return fields(cls) if is_dataclass(cls) else ()
 
     def encode(self, out: Parts, /) -> None:
         raise NotImplementedError(f"{type(self).__name__} is not a generated exception")

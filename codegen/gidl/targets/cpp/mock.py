@@ -30,7 +30,7 @@ from gidl.targets.cpp.lower import Lowering
 from gidl.targets.cpp.lower.statements import indented
 from gidl.targets.naming import LocalNames, snake_case
 from gidl.type_names import escaped
-from gidl.wire_layout import CallKind, CallLayout
+from gidl.wire_layout import CallKind, CallLayout, node_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -220,7 +220,7 @@ def assigned(
 ) -> list[str]:
     """Statements that make of a value as C++ initialises it the one to answer with."""
     model: Model = lowering.model
-    if samples.is_made_by_default(model, used, limits, alone):
+    if samples.is_made_by_default(model, node_of(model, used, False, limits), alone):
         return []
     target = model.target(used)
     match target:

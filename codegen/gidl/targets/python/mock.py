@@ -3,39 +3,45 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 
-from gidl.file_names import python_module
+from gidl.languages import PYTHON_CLASS_WORDS
 from gidl.model import (
-    ArrayType,
     Attribute,
     Bitset,
     EnumDeclaration,
     Interface,
-    MapType,
-    NamedType,
     Operation,
     Primitive,
-    PrimitiveType,
-    Range,
-    SequenceType,
-    StringType,
-    Struct,
-    Type,
     Union,
     Value,
 )
 from gidl.policy import Access
 from gidl.targets import samples
-from gidl.targets.calls import reply_values
-from gidl.targets.naming import snake_case
+from gidl.targets.groups import call, clauses, group
+from gidl.targets.naming import LocalNames, snake_case
 from gidl.targets.python import names
 from gidl.targets.python.calls.members import Members
+from gidl.targets.python.homes import NamesAsUsed
 from gidl.targets.python.imports import import_lines
 from gidl.targets.python.lower import Lowering
-from gidl.targets.python.lower.types import DTYPES, is_octet
-from gidl.wire_layout import CallKind, CallLayout, node_of
+from gidl.targets.python.lower.types import DTYPES, bulk_code, is_octet
+from gidl.wire_layout import CallKind, CallLayout
+from gidl.wire_nodes import (
+    AppendableNode,
+    ArrayNode,
+    EnumNode,
+    MapNode,
+    Node,
+    ObjectNode,
+    OptionalNode,
+    ScalarNode,
+    SequenceNode,
+    StringNode,
+    StructNode,
+    UnionNode,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,9 +61,7 @@ class MethodView:
 
 @dataclass(frozen=True, slots=True)
 class StreamView:
-    publisher: str
-    held: str
-    period_ns: str
+    made: str
     rate: str
 
 
@@ -68,6 +72,8 @@ class MockView:
     scoped_name: str
     object: str  # what it is served as
     variable: str
+    beats: str  # method that gives its streams
+    beats_head: str
     held: tuple[HeldView, ...]
     methods: tuple[MethodView, ...]
     streams: tuple[StreamView, ...]
@@ -76,209 +82,291 @@ class MockView:
 @dataclass(frozen=True, slots=True)
 class MocksView:
     source: str
+    own: OwnNames
     standard: tuple[str, ...]
     imports: tuple[str, ...]
     mocks: tuple[MockView, ...]
     publishes: bool
 
 
+class OwnNames:
+    """What a mock calls what it needs itself. They give way to parameters and methods; types give
+    way to them."""
+
+    def __init__(self, taken: Iterable[str]) -> None:
+        free = LocalNames(taken)
+        self.modules = {
+            word: free.fresh(word)
+            for word in ("gecos", "np", "npt", "builtins", "contextlib", "threading", "time")
+        }
+        self.words = {
+            word: free.fresh(word) for word in ("Callable", "NamedTuple", "Beat", "publish", "main")
+        }
+
+    def __getitem__(self, word: str) -> str:
+        return self.modules.get(word) or self.words[word]
+
+    @property
+    def all(self) -> set[str]:
+        return {*self.modules.values(), *self.words.values()}
+
+
 def mocks_view(lowering: Lowering, path: str, interfaces: Sequence[Interface]) -> MocksView:
-    builders = [_Mock(lowering, interface) for interface in interfaces]
-    mocks = tuple(builder.view() for builder in builders)
-    modules: dict[str, set[str]] = {}
-    for builder in builders:
-        for name in builder.used:
-            module = names.types_module(lowering.model, name)
-            modules.setdefault(module, set()).add(names.value_name(lowering.model, name))
-        home = python_module(lowering.model.file_of(builder.interface.name))
-        modules.setdefault(home, set()).add(f"{builder.name}Servant")
-        for module, words in builder.results.items():
-            modules.setdefault(module, set()).update(words)
+    model, table = lowering.model, lowering.layout.python_names.types
+    every = [m for i in interfaces for m in model.all_interface_members(i)]
+    parameters = {p.name for m in every if isinstance(m, Operation) for p in m.parameters}
+    parameters |= {f"{name}_" for name in parameters} | {"self", "name", "stamp", "value", "run"}
+    methods = {name for member in every for name in names.method_names(member)}
+    own = OwnNames(parameters | methods)
+    mocks = {f"Mock{table[interface.name].name}" for interface in interfaces}
+    taken = own.all | parameters | methods | mocks
+    module = NamesAsUsed(lowering.module.homes, taken)
+    printing = lowering.within(module)
+    views = tuple(_Mock(printing, interface, own).view() for interface in interfaces)
     text = "\n".join(
-        [*(m.head for v in mocks for m in v.methods), *(h.hint for v in mocks for h in v.held)]
-        + [line for v in mocks for m in v.methods for line in m.body]
-        + [h.value for v in mocks for h in v.held]
+        [*(m.head for v in views for m in v.methods), *(h.hint for v in views for h in v.held)]
+        + [line for v in views for m in v.methods for line in m.body]
+        + [h.value for v in views for h in v.held]
     )
-    imports = ["import gecos", *import_lines(modules)]
-    for used, line in (("np.", "import numpy as np"), ("npt.", "import numpy.typing as npt")):
-        if re.search(rf"\b{re.escape(used)}", text):
-            imports.insert(1 if used == "np." else 2, line)
-    publishes = any(v.streams for v in mocks)
+    publishes = any(v.streams for v in views)
+    imports = [_imported("gecos", own["gecos"])]
+    for word, module_name in (("np", "numpy"), ("npt", "numpy.typing")):
+        if re.search(rf"\b{own[word]}\.", text):
+            imports.append(_imported(module_name, own[word]))
+    needed = ["builtins"] if re.search(rf"\b{own['builtins']}\.", text) else []
     standard: list[str] = []
+    needed += ["contextlib", "threading", "time"] if publishes else []
+    standard += [_imported(word, own[word]) for word in needed]
     if publishes:
-        standard += [f"import {module}" for module in ("contextlib", "threading", "time")]
-        standard += import_lines({"collections.abc": ["Callable"], "typing": ["NamedTuple"]})
-    return MocksView(path, tuple(standard), tuple(imports), mocks, publishes)
+        callable_, named_tuple = (_as(word, own[word]) for word in ("Callable", "NamedTuple"))
+        standard += import_lines({"collections.abc": [callable_], "typing": [named_tuple]})
+    return MocksView(
+        path, own, tuple(standard), (*imports, *import_lines(module.imports())), views, publishes
+    )
+
+
+def _imported(module: str, called: str) -> str:
+    return f"import {_as(module, called)}"
+
+
+def _as(name: str, called: str) -> str:
+    return name if name == called else f"{name} as {called}"
+
+
+class _Facts(Members):
+    """Heads of methods as people write them: a mock is theirs."""
+
+    def __init__(self, lowering: Lowering, interface: Interface, own: OwnNames) -> None:
+        super().__init__(lowering, interface, names.Constants())
+        self._own_names = own
+
+    def hidden_by(self, methods: set[str]) -> None:
+        """Says what the class of the mock has."""
+        self._beside = methods
+
+    def _in_class(self, hint: str) -> str:
+        return _plain(hint, self._own_names, self._beside & PYTHON_CLASS_WORDS)
 
 
 class _Mock:
-    def __init__(self, lowering: Lowering, interface: Interface) -> None:
+    def __init__(self, lowering: Lowering, interface: Interface, own: OwnNames) -> None:
         self.interface = interface
-        self.used: set[str] = set()
-        self.results: dict[str, set[str]] = {}
+        self._own = own
         self._lowering = lowering
+        self._module = lowering.module
         self._model = lowering.model
         self._layout = lowering.layout
-        self.name = names.type_name(self._model, interface.name)
+        self._name = self._layout.python_names.types[interface.name].name
+        members = self._model.all_interface_members(interface)
+        self._methods = {name for member in members for name in names.method_names(member)}
 
     def view(self) -> MockView:
         held, methods, streams = [], [], []
         for interface in self._model.lineage(self.interface):
-            facts = Members(self._lowering, interface, names.Constants())
-            for call in self._layout.interfaces[interface.name].calls:
-                member = facts._member(call)
-                head = facts._handler(call).head
-                methods.append(MethodView(_plain(head), tuple(self._body(facts, call, member))))
-                if isinstance(member, Attribute) and call.kind is CallKind.GETTER:
-                    hint = self._hint(member.type, member.optional)
-                    value = self._value(member.type, member.optional, member.range, None)
-                    held.append(HeldView(_held(member), hint, value))
+            facts = _Facts(self._lowering, interface, self._own)
+            facts.hidden_by(self._methods)
+            for layout in self._layout.interfaces[interface.name].calls:
+                member = facts._member(layout)
+                head = facts._handler_head(layout)
+                head = head.replace(" _Execution[", f" {self._own['gecos']}.Execution[")
+                methods.append(MethodView(head, tuple(self._body(facts, layout, member))))
+                if isinstance(member, Attribute) and layout.kind is CallKind.GETTER:
+                    node = layout.reply[0].node
+                    held.append(HeldView(_held(member), self._hint(node), self._value(node)))
                     if member.streams_out and member.stream is not None:
-                        rate = member.stream.rate_hz
-                        streams.append(
-                            StreamView(
-                                facts._publisher(member).head.split("(")[0].removeprefix("def "),
-                                _held(member),
-                                str(samples.nanoseconds(rate)),
-                                f"{rate:g} a second" if rate else "no rate is declared: 1 a second",
-                            )
-                        )
-            self.used |= facts.used_types & {d.name for d in self._model.declarations()}
-            self.used |= facts.used_types & {names.OBJECT_REF}
+                        streams.append(self._stream(member, member.stream.rate_hz))
+        beats = LocalNames(self._methods).fresh("mock_streams")
+        hint = _plain(f"list[{self._own['Beat']}]", self._own, self._methods & PYTHON_CLASS_WORDS)
         return MockView(
-            f"Mock{self.name}", f"{self.name}Servant", self.interface.name,
-            snake_case(self.interface.simple_name).upper(),
-            f"mock_{snake_case(self.interface.simple_name)}",
-            tuple(held), tuple(methods), tuple(streams),
-        )  # fmt: skip
+            f"Mock{self._name}",
+            self._module.servant(self.interface.name),
+            self.interface.name,
+            snake_case(self._name).upper(),
+            f"mock_{snake_case(self._name)}",
+            beats,
+            f"def {beats}(self) -> {hint}:",
+            tuple(held),
+            tuple(methods),
+            tuple(streams),
+        )
 
-    def _body(self, facts: Members, call: CallLayout, member: Operation | Attribute) -> list[str]:
+    def _stream(self, attribute: Attribute, rate: float | None) -> StreamView:
+        published = call(
+            f"self.{names.publisher(attribute.name)}", f"self.{_held(attribute)}", "stamp"
+        )
+        period = str(samples.nanoseconds(rate))
+        return StreamView(
+            call(self._own["Beat"], period, f"lambda stamp: {published}"),
+            f"{rate:g} a second" if rate else "no rate is declared: 1 a second",
+        )
+
+    def _body(self, facts: _Facts, layout: CallLayout, member: Operation | Attribute) -> list[str]:
         if isinstance(member, Attribute):
-            if call.kind is CallKind.GETTER:
+            if layout.kind is CallKind.GETTER:
                 return [f"return self.{_held(member)}"]
-            return [self._log(member.name, [("value", "value", member.secret)], setter=True),
-                    f"self.{_held(member)} = value"]  # fmt: skip
-        inputs = facts._inputs(call)
-        called = dict(zip((v.name for v in inputs), facts._parameter_names(call), strict=True))
+            told = [("value", "value", member.secret)]
+            log = self._log(member.name, told, (), setter=True)
+            return [log, f"self.{_held(member)} = value"]
+        inputs = [each.value.name for each in facts._inputs(layout)]
+        called = dict(zip(inputs, facts._parameter_names(layout), strict=True))
+        hidden = called.values()
         lines = []
         if member.access is not Access.SENSOR or member.safety:
             told = [(p.name, called[p.name], p.secret) for p in member.inputs]
-            lines.append(self._log(member.name, told))
+            lines.append(self._log(member.name, told, hidden))
         if member.cancelable:
-            run = facts._handler(call).head.rpartition(": _Execution[")[0].rpartition(" ")[2]
-            feedback = ""
-            if member.feedback is not None:
-                feedback = f", {self._value(member.feedback, False, None, None)}"
-            lines.append(f"{run}.progress(1.0{feedback})")
-        answers = []
-        for v in reply_values(member, call):
-            given = called.get(v.name)
-            answers.append((v, given or self._value(v.type, v.optional, v.range, None)))
-        struct = facts._result_struct(call)
-        if struct is not None:
-            kind = names.type_name(self._model, struct.name)
-            home = python_module(self._model.file_of(member.interface)) + "_types"
-            self.results.setdefault(home, set()).add(kind)
-            words = self._lowering.words(struct)
-            items = [f"    {names.member_name(v.name, words)}={text}," for v, text in answers]
-            lines += [f"return {kind}(", *items, ")"]
+            node = facts._feedback_node(member)
+            feedback = [] if node is None else [self._value(node, hidden=hidden)]
+            lines.append(call(f"{facts._run(layout)}.progress", "1.0", *feedback))
+        outputs = facts._outputs(layout)
+        answers = [
+            called.get(each.value.name) or self._value(each.node, hidden=hidden) for each in outputs
+        ]
+        if facts._gives_several(layout):
+            nodes = [each.node for each in outputs]
+            words = self._lowering.words_beside(nodes, names.STRUCT_WORDS)
+            items = [
+                f"    {names.member_name(each.value.name, words)}={text},"
+                for each, text in zip(outputs, answers, strict=True)
+            ]
+            lines += [f"return {self._module.result(member)}(", *items, ")"]
         elif answers:
-            lines.append(f"return {answers[0][1]}")
+            lines.append(f"return {answers[0]}")
         return lines or ["pass"]
 
-    def _log(self, name: str, told: list[tuple[str, str, bool]], setter: bool = False) -> str:
+    def _log(
+        self,
+        name: str,
+        told: list[tuple[str, str, bool]],
+        hidden: Collection[str],
+        setter: bool = False,
+    ) -> str:
         shown = ", ".join(
             f"{word}=***" if secret else f"{word}={{{variable}!r}}"
             for word, variable, secret in told
         )
         what = f"{name} = {shown.removeprefix('value=')}" if setter else f"{name}({shown})"
-        return f'print(f"{{self._mock_name}}: {what}", flush=True)'
+        text = f'f"{{self._mock_name}}: {what}"'
+        return call(self._builtin("print", hidden), text, "flush=True")
 
-    def _hint(self, used: Type, optional: bool) -> str:
-        self.used |= self._lowering.imports(used)
-        return _plain(self._lowering.hint(used, optional))
+    def _builtin(self, word: str, hidden: Collection[str]) -> str:
+        return f"{self._own['builtins']}.{word}" if word in hidden else word
 
-    def _value(
-        self, used: Type, optional: bool, limits: Range | None, default: Value | None
-    ) -> str:
-        if optional:
-            return "None"
-        if default is not None:
-            return self._lowering.literal(default, used)
-        target = self._model.target(used)
-        match target:
-            case PrimitiveType(Primitive.BOOLEAN):
+    def _hint(self, node: Node) -> str:
+        return _plain(self._lowering.hint(node, sending=True), self._own, ())
+
+    def _value(self, node: Node, default: Value | None = None, hidden: Collection[str] = ()) -> str:
+        """An expression where the names `hidden` are those of parameters."""
+        if default is not None and not isinstance(node, OptionalNode):
+            return self._lowering.literal(default, node)
+        match node:
+            case ScalarNode(Primitive.BOOLEAN):
                 return "False"
-            case PrimitiveType(Primitive.CHAR):
+            case ScalarNode(Primitive.CHAR):
                 return '"\\0"'
-            case PrimitiveType(kind):
-                return repr(samples.number(kind, samples.limits_of(self._model, used, limits)))
-            case StringType():
+            case ScalarNode(kind, limits):
+                return repr(samples.number(kind, limits))
+            case StringNode():
                 return '""'
-            case MapType():
+            case MapNode():
                 return "{}"
-            case SequenceType(element):
-                node = node_of(self._model, element)
-                if is_octet(node):
+            case SequenceNode(element):
+                if is_octet(element):
                     return 'b""'
-                code = self._lowering.bulk_code(node)
-                return f"np.empty(0, np.{DTYPES[code]})" if code else "[]"
-            case ArrayType(element, dimensions):
-                return self._array(element, dimensions)
-            case NamedType(name):
-                return self._named(name)
+                code = bulk_code(element)
+                np = self._own["np"]
+                return call(f"{np}.empty", "0", f"{np}.{DTYPES[code]}") if code else "[]"
+            case ArrayNode(element, dimensions):
+                return self._array(element, dimensions, hidden)
+            case EnumNode(name):
+                declaration = self._model.find(name)
+                mine = self._module.value(name)
+                if isinstance(declaration, EnumDeclaration):
+                    return f"{mine}.{names.enumerator(declaration.initial.name)}"
+                return f"{mine}()" if isinstance(declaration, Bitset) else f"{mine}(0)"
+            case UnionNode(name):
+                return self._union(name, hidden)
+            case StructNode(name) | AppendableNode(name):
+                return self._struct(name, hidden)
+            case ObjectNode(name):
+                return f"{self._module.value(name)}()"
+            case OptionalNode():
+                return "None"
 
-    def _array(self, element: Type, dimensions: tuple[int, ...]) -> str:
-        node = node_of(self._model, element)
-        if is_octet(node) and len(dimensions) == 1:
-            return f"bytes({dimensions[0]})"
-        text = self._value(element, False, None, None)
-        code = self._lowering.bulk_code(node)
+    def _array(self, element: Node, dimensions: tuple[int, ...], hidden: Collection[str]) -> str:
+        if is_octet(element) and len(dimensions) == 1:
+            return f"{self._builtin('bytes', hidden)}({dimensions[0]})"
+        text = self._value(element, None, hidden)
+        code = bulk_code(element)
         if code:
-            shape = ", ".join(str(size) for size in dimensions)
-            shape = f"({shape})" if len(dimensions) > 1 else shape
-            return f"np.full({shape}, {text}, np.{DTYPES[code]})"
+            sizes = group(map(str, dimensions)) if dimensions[1:] else str(dimensions[0])
+            np = self._own["np"]
+            return call(f"{np}.full", sizes, text, f"{np}.{DTYPES[code]}")
         for size in reversed(dimensions):
-            text = f"[{text} for _ in range({size})]"
+            each = f"for _ in {self._builtin('range', hidden)}({size})"
+            text = clauses([text, each], "[", "]")
         return text
 
-    def _named(self, name: str) -> str:
-        declaration = self._model.find(name)
-        mine = names.value_name(self._model, name)
-        self.used.add(names.OBJECT_REF if isinstance(declaration, Interface) else name)
-        match declaration:
-            case EnumDeclaration():
-                return f"{mine}.{names.enumerator(declaration.initial.name)}"
-            case Struct(maps_to=None):
-                words = self._lowering.words(declaration)
-                given = [
-                    f"{names.member_name(m.name, words)}="
-                    + self._value(m.type, False, m.range, m.default)
-                    for m in self._model.all_members(declaration)
-                    if not m.optional
-                    and m.default is None
-                    and not samples.is_made_by_default(self._model, m.type, m.range, False)
-                ]
-                return f"{mine}({', '.join(given)})"
-            case Union():
-                case = samples.arm_of(declaration)
-                arm = self._value(case.member.type, False, case.member.range, None)
-                if case.labels:
-                    self.used |= self._lowering.imports(declaration.discriminator)
-                    tag = self._lowering.literal(case.labels[0], declaration.discriminator)
-                else:
-                    tag = self._value(declaration.discriminator, False, None, None)
-                return f"{mine}({tag}, {arm})"
-            case Bitset() | Interface() | Struct():
-                return f"{mine}()"
-            case _:
-                return f"{mine}(0)"
+    def _struct(self, name: str, hidden: Collection[str]) -> str:
+        struct = self._model.struct(name)
+        mine = self._module.value(name)
+        if struct.maps_to is not None:
+            return f"{mine}()"
+        words = self._lowering.words(struct)
+        members = zip(
+            self._model.all_members(struct), self._layout.structs[name].fields, strict=True
+        )
+        given = [
+            f"{names.member_name(m.name, words)}={self._value(field.node, m.default, hidden)}"
+            for m, field in members
+            if not m.optional
+            and m.default is None
+            and not samples.is_made_by_default(self._model, field.node, alone=False)
+        ]
+        return call(mine, *given)
+
+    def _union(self, name: str, hidden: Collection[str]) -> str:
+        union = self._model.find(name)
+        assert isinstance(union, Union)
+        layout = self._layout.unions[name]
+        case = samples.arm_of(union)
+        arm = self._value(layout.arms[union.cases.index(case)].node, None, hidden)
+        tag = (
+            self._lowering.literal(case.labels[0], layout.tag)
+            if case.labels
+            else self._value(layout.tag, None, hidden)
+        )
+        return call(self._module.value(name), tag, arm)
 
 
-def _plain(text: str) -> str:
-    """As people write it: a mock is theirs."""
-    text = text.replace("_Execution[", "gecos.Execution[")
-    return re.sub(r"\b_(npt?)\.", r"\1.", text)
+def _plain(hint: str, own: OwnNames, hidden: Collection[str]) -> str:
+    """A hint as people write it, also where methods hide builtins."""
+
+    def other(found: re.Match[str]) -> str:
+        return f"{own['builtins']}.{found[0]}" if found[0] in hidden else found[0]
+
+    hint = re.sub(r"(?<![.\w])[A-Za-z]\w*", other, hint)
+    return re.sub(r"\b_(npt?)\.", lambda found: f"{own[found[1]]}.", hint)
 
 
 def _held(attribute: Attribute) -> str:

@@ -6,25 +6,29 @@ from collections.abc import Iterator
 
 from gidl.file_names import python_stem
 from gidl.model import Model
-from gidl.targets.calls import result_structs
 from gidl.targets.naming import OutputFile, has_output
 from gidl.targets.python.calls.file import interfaces_view
+from gidl.targets.python.homes import AllNames, Homes
 from gidl.targets.python.lower import Lowering
 from gidl.targets.python.values.file import types_view
 from gidl.wire_layout import Layout
 
 
+def lowering(model: Model, layout: Layout) -> Lowering:
+    return Lowering(model, layout, AllNames(Homes(model, layout)))
+
+
 def files(model: Model, layout: Layout) -> Iterator[OutputFile]:
-    lowering = Lowering(model, layout)
+    printing = lowering(model, layout)
     packages: set[str] = set()
     for file in model.files:
         if not (file.asked_for and has_output(model, file.path)):
             continue
         stem = python_stem(file.path)
         packages.update(stem.split("/")[:-1][:1])
-        types = types_view(lowering, file, result_structs(layout, file))
+        types = types_view(printing, file)
         yield OutputFile(f"python/{stem}_types.py", "python", "types.py.j2", types)
-        interfaces = interfaces_view(lowering, file, types.exported)
+        interfaces = interfaces_view(printing, file, types.exported)
         yield OutputFile(f"python/{stem}.py", "python", "interfaces.py.j2", interfaces)
     for package in sorted(packages):
         yield OutputFile(f"python/{package}/py.typed", "python", "py.typed.j2", package)

@@ -24,15 +24,19 @@ from gecos.wire.encode import (
     block,
     char,
     count,
+    counted,
+    entries,
     exactly,
     fixed,
     fixed_octets,
     number,
     numbers,
     octets,
+    secret_string,
     string,
 )
 from gecos.wire.errors import (
+    HIDDEN,
     DecodeError,
     DecodeProblem,
     EncodeError,
@@ -43,9 +47,10 @@ from gecos.wire.errors import (
 )
 from gecos.wire.fields import Fields
 from gecos.wire.shapes import JsonError
-from gecos.wire.values import first, same, signed, zeros
+from gecos.wire.values import same, shown, signed, zeros
 
 __all__ = [
+    "HIDDEN",
     "MAX_COUNT",
     "MAX_DEPTH",
     "MAX_TEXT",
@@ -63,10 +68,11 @@ __all__ = [
     "block",
     "char",
     "count",
+    "counted",
+    "entries",
     "exactly",
     "expect",
     "expect_enumerator",
-    "first",
     "fixed",
     "fixed_octets",
     "from_bytes",
@@ -78,6 +84,8 @@ __all__ = [
     "put",
     "put_block",
     "same",
+    "secret_string",
+    "shown",
     "signed",
     "string",
     "to_bytes",

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 from gecos.wire.codes import CODE_MEANING, MAX_COUNT, WRITERS, arrays
-from gecos.wire.errors import EncodeError, expect_boolean, out_of_range
+from gecos.wire.errors import HIDDEN, EncodeError, expect, expect_boolean, out_of_range
+from gecos.wire.values import as_array, first
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 Parts: TypeAlias = list[bytes | bytearray | memoryview]
 
 _ElementT = TypeVar("_ElementT")
+_KeyT = TypeVar("_KeyT")
 _pack_int32 = struct.Struct(">i").pack
 
 
@@ -26,6 +28,27 @@ def count(number: int, most: int = MAX_COUNT, field: str = "") -> bytes:
     if number > most:
         raise EncodeError(field, f"{number} elements, at most {most} are allowed")
     return _pack_int32(number)
+
+
+def counted(values: Any, most: int = MAX_COUNT, field: str = "") -> bytes:
+    """How many elements `values` have, which follow."""
+    return count(_length(values, field), most, field)
+
+
+def _length(values: Any, field: str) -> int:
+    try:
+        return len(values)
+    except TypeError:
+        raise EncodeError(field, f"{values!r} is no list and has no elements") from None
+
+
+def entries(values: Mapping[_KeyT, _ElementT], field: str = "") -> list[tuple[_KeyT, _ElementT]]:
+    """Those of a map in the order of its keys, which has one encoding."""
+    expect(values, Mapping, field)
+    try:
+        return sorted(values.items(), key=first)
+    except TypeError:
+        raise EncodeError(field, "its keys are not all of one type") from None
 
 
 def string(text: str, most: int = MAX_COUNT - 1, field: str = "") -> bytes:
@@ -44,10 +67,19 @@ def string(text: str, most: int = MAX_COUNT - 1, field: str = "") -> bytes:
     return _pack_int32(size + 1) + raw + b"\0"
 
 
+def secret_string(text: str, most: int = MAX_COUNT - 1, field: str = "") -> bytes:
+    """The same of a text that no error shows."""
+    try:
+        return string(text, most, field)
+    except EncodeError as error:
+        raise EncodeError(field, error.why.replace(repr(text), HIDDEN)) from None
+
+
 def array(values: npt.ArrayLike, code: str, field: str = "") -> memoryview:
     """Numbers in big-endian order, without a count, ready to be joined. `code` as for `Fields`.
 
-    Refuses what would change the numbers; only double to single precision may round.
+    Refuses what would change the numbers; only double to single precision may round. Bytes are an
+    array of `B`.
     """
     kind, wanted, native, _ = arrays(code)
     if type(values) is kind and values.dtype is native:
@@ -61,7 +93,7 @@ def _fitting(values: npt.ArrayLike, code: str, field: str) -> Array:
     """An array whose numbers are all numbers of `code`."""
     import numpy as np
 
-    given = np.asarray(values)
+    given = as_array(values, code)
     wanted = arrays(code)[1]
     if given.size == 0 or np.can_cast(given.dtype, wanted, "safe"):
         return given
@@ -116,13 +148,11 @@ def numbers(
     ):
         swapped: Any = values.astype(wanted)
         return [_pack_int32(size), swapped]
-    import numpy as np
-
-    given = np.asarray(values)
+    given = as_array(values, code)
     if given.ndim != 1:
         raise EncodeError(field, f"an array of {given.ndim} dimensions where a sequence has one")
-    _expect_within(given, low, high, field)
-    return [count(len(given), most, field), array(given, code, field)]
+    number = count(len(given), most, field)
+    return [number, _array_within(given, code, low, high, field)]
 
 
 def fixed(
@@ -134,13 +164,16 @@ def fixed(
     high: Any = None,
 ) -> memoryview:
     """An array of numbers of a given shape, each within `low` and `high`."""
-    import numpy as np
-
-    given = np.asarray(values)
+    given = as_array(values, code)
     if given.shape != shape:
         raise EncodeError(field, f"an array of shape {given.shape} where {shape} is declared")
+    return _array_within(given, code, low, high, field)
+
+
+def _array_within(given: Array, code: str, low: Any, high: Any, field: str) -> memoryview:
+    numbers = array(given, code, field)  # first whether they are numbers, as for a single one
     _expect_within(given, low, high, field)
-    return array(given, code, field)
+    return numbers
 
 
 def _expect_within(given: Array, low: Any, high: Any, field: str) -> None:
@@ -160,17 +193,35 @@ def _expect_within(given: Array, low: Any, high: Any, field: str) -> None:
 
 def octets(raw: bytes, most: int, field: str = "") -> Parts:
     """A sequence of bytes: its count, then the bytes."""
-    return [count(len(raw), most, field), bytes(raw)]
+    given = _as_bytes(raw, field)
+    return [count(len(given), most, field), given]
 
 
 def fixed_octets(raw: bytes, size: int, field: str = "") -> bytes:
-    if len(raw) != size:
-        raise EncodeError(field, f"{len(raw)} bytes where {size} are declared")
-    return bytes(raw)
+    given = _as_bytes(raw, field)
+    if len(given) != size:
+        raise EncodeError(field, f"{len(given)} bytes where {size} are declared")
+    return given
+
+
+def _as_bytes(raw: Any, field: str) -> bytes:
+    """Of bytes, of numbers that are bytes, and of what lends its memory byte by byte."""
+    if type(raw) is bytes:
+        return raw
+    try:
+        if isinstance(raw, list | tuple):
+            return bytes(raw)
+        lent = memoryview(raw)
+    except (TypeError, ValueError):
+        raise EncodeError(field, f"{raw!r} is not bytes") from None
+    if lent.itemsize != 1 or lent.ndim != 1:
+        raise EncodeError(field, f"{raw!r} is not bytes")
+    return lent.tobytes()
 
 
 def exactly(values: Sequence[_ElementT], size: int, field: str = "") -> Sequence[_ElementT]:
     """`values`, which are refused unless there are so many."""
-    if len(values) != size:
-        raise EncodeError(field, f"{len(values)} elements where {size} are declared")
+    number = _length(values, field)
+    if number != size:
+        raise EncodeError(field, f"{number} elements where {size} are declared")
     return values

@@ -5,6 +5,9 @@ from __future__ import annotations
 from enum import Enum, IntEnum
 from typing import Any
 
+HIDDEN = "***"
+"""What is shown of a secret."""
+
 
 class DecodeProblem(Enum):
     """Why bytes were refused. Names and texts are those of the C++ side."""

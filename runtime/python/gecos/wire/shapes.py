@@ -13,8 +13,9 @@ from enum import IntEnum, IntFlag
 from typing import Any, Protocol
 
 from gecos.wire.codes import CODE_MEANING, WRITERS, native
+from gecos.wire.errors import HIDDEN
+from gecos.wire.values import as_array
 
-HIDDEN = "***"
 _WIDTHS = (8, 16, 32, 64)
 _LIMITS = {c: (-(1 << n - 1), (1 << n - 1) - 1) for c, n in zip("bhiq", _WIDTHS, strict=True)}
 _LIMITS |= {c: (0, (1 << n) - 1) for c, n in zip("BHIQ", _WIDTHS, strict=True)}
@@ -203,7 +204,7 @@ class Array:
         return whole
 
     def plain(self, value: Any) -> Any:
-        return self._list().plain(value.tolist())
+        return self._list().plain(as_array(value, self.code).tolist())
 
     def made(self, data: Any, path: str) -> Any:
         import numpy as np
@@ -233,6 +234,25 @@ class Entries:
                 raise JsonError(at, "its key was there before")
             entries[key] = self.value.made(pair[1], at)
         return entries
+
+
+def _expect_told(data: Any, path: str) -> None:
+    if data == HIDDEN:
+        raise JsonError(path, "it was hidden when this was written; say it, or leave it out")
+
+
+@dataclass(frozen=True, slots=True)
+class Secret:
+    """What is not shown."""
+
+    inner: Shape
+
+    def plain(self, value: Any) -> Any:
+        return HIDDEN
+
+    def made(self, data: Any, path: str) -> Any:
+        _expect_told(data, path)
+        return self.inner.made(data, path)
 
 
 @dataclass(frozen=True, slots=True)
@@ -267,8 +287,8 @@ class Members:
             if member.name not in data:
                 continue
             at, each = _below(path, member.name), data[member.name]
-            if member.secret and each == HIDDEN:
-                raise JsonError(at, "it was hidden when this was written; say it, or leave it out")
+            if member.secret:
+                _expect_told(each, at)
             given[member.attribute or member.name] = member.shape.made(each, at)
         return self.kind(**given)
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from gecos.wire.codes import native
+from gecos.wire.errors import HIDDEN
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -29,11 +31,28 @@ def zeros(code: str, *shape: int) -> Array:
     return np.zeros(shape, native(code))
 
 
+def as_array(values: npt.ArrayLike, code: str) -> Array:
+    """`values` as an array of numpy, which bytes are of `B` alone."""
+    import numpy as np
+
+    if code == "B" and isinstance(values, bytes):
+        return np.frombuffer(values, np.uint8)
+    return np.asarray(values)
+
+
+def shown(union: Any, secret_arms: Collection[int]) -> str:
+    """`repr` of a union whose arms of these numbers are secret."""
+    value = HIDDEN if union._arm(union.tag) in secret_arms else repr(union.value)
+    return f"{type(union).__name__}(tag={union.tag!r}, value={value})"
+
+
 def same(left: Any, right: Any) -> bool:
     """`==` for values that hold arrays."""
     if isinstance(left, list) or isinstance(right, list):
         sized = hasattr(left, "__len__") and hasattr(right, "__len__")
         return sized and len(left) == len(right) and all(map(same, left, right))
+    if isinstance(left, bytes) or isinstance(right, bytes):
+        return bytes(left) == bytes(right)
     if isinstance(left, dict) and isinstance(right, dict):
         return left.keys() == right.keys() and all(same(left[key], right[key]) for key in left)
     if left is None or right is None:

@@ -3,96 +3,82 @@
 from __future__ import annotations
 
 from gidl.languages import PYTHON_WORDS
-from gidl.targets.calls import (
-    CallValue,
-    first_missing,
-    short_name,
-)
+from gidl.targets.calls import first_missing, short_name
+from gidl.targets.groups import call, group
 from gidl.targets.naming import LocalNames
-from gidl.targets.python import names
-from gidl.targets.python.calls.facts import CallFacts
-from gidl.targets.python.calls.views import (
-    FunctionView,
-)
-from gidl.targets.python.lower import Slot
+from gidl.targets.python.calls.facts import CallFacts, Passed
+from gidl.targets.python.calls.views import FunctionView
+from gidl.targets.python.lower.types import quoted
 from gidl.targets.python.values.names import LOCAL_WORDS
 from gidl.wire_layout import CallLayout
 from gidl.wire_nodes import AppendableNode, StructNode
 
 
 class Bodies(CallFacts):
-    def _reader(self, call: CallLayout) -> str:
+    def _reader(self, layout: CallLayout) -> str:
         """Reads the reply body."""
-        values = self._outputs(call)
+        values = self._outputs(layout)
         if not values:
             return "_nothing"
-        struct = self._result_struct(call)
-        if struct is not None:
-            return f"{names.type_name(self._model, struct.name)}.decode"
-        node = call.reply[0].node
-        value = values[0]
-        hint = self._hint(value)
-        if isinstance(node, StructNode):
+        hint = self._result_hint(layout)
+        node = values[0].node
+        if self._gives_several(layout) or isinstance(node, StructNode):
             return f"{hint}.decode"
-        slot = Slot("", short_name(call), value.type, value.optional, value.range)
-        name = self._function(call, "reply")
-        expression = self._lowering.decode(slot)
+        name = self._function(layout, "reply")
+        expression = self._lowering.decode(values[0].slot("", short_name(layout)))
         body: tuple[str, ...] = (f"return {expression}",)
         if not isinstance(node, AppendableNode):
             body = (f"value: {hint} = {expression}", "return value")
         self._functions.append(FunctionView(f"def {name}(source: _Decoder) -> {hint}:", body))
         return name
 
-    def _arguments(self, call: CallLayout) -> str:
+    def _arguments(self, layout: CallLayout) -> str:
         """Reads the request body."""
-        values = self._inputs(call)
+        values = self._inputs(layout)
         if not values:
             return "_no_arguments"
-        name = self._function(call, "arguments")
-        label = short_name(call).removesuffix("=")
-        required = first_missing(values)
+        name = self._function(layout, "arguments")
+        label = short_name(layout).removesuffix("=")
+        required = first_missing([each.value for each in values])
         local = LocalNames(LOCAL_WORDS | PYTHON_WORDS | self._type_names(values))
         lines, variables, hints = [], [], []
-        for i, value in enumerate(values):
-            slot = Slot("", f"{label}.{value.name}", value.type, value.optional, value.range)
-            variable, hint = local.fresh(value.name), self._hint(value)
-            expression = self._lowering.decode(slot)
+        for i, each in enumerate(values):
+            variable, hint = local.fresh(each.value.name), self._lowering.hint(each.node)
+            expression = self._lowering.decode(each.slot("", f"{label}.{each.value.name}"))
             variables.append(variable)
             hints.append(hint)
             if i < required:
                 lines.append(f"{variable}: {hint} = {expression}")
             else:
-                lines.append(f"{variable}: {hint} = {self._missing(value)}")
+                lines.append(f"{variable}: {hint} = {self._missing(each)}")
                 lines += ["if source.offset < source.end:", f"    {variable} = {expression}"]
-        comma = "," if len(variables) == 1 else ""
-        lines.append(
-            f"return ({', '.join(variables)}{comma})" if comma else f"return {', '.join(variables)}"
-        )
-        head = f"def {name}(source: _Decoder) -> tuple[{', '.join(hints)}]:"
+        given = ", ".join(variables)
+        if len(variables) == 1:
+            given = f"({given},)"
+        elif len(given) > 85:
+            given = group(variables)
+        lines.append(f"return {given}")
+        head = f"def {name}(source: _Decoder) -> tuple{group(hints, '[', ']')}:"
         self._functions.append(FunctionView(head, tuple(lines)))
         return name
 
-    def _missing(self, value: CallValue) -> str:
-        if value.optional or value.default is None:
+    def _missing(self, each: Passed) -> str:
+        if each.value.optional or each.value.default is None:
             return "None"
-        return self._lowering.literal(value.default, value.type)
+        return self._lowering.literal(each.value.default, each.node)
 
-    def _writer(self, call: CallLayout) -> str:
+    def _writer(self, layout: CallLayout) -> str:
         """Writes the reply body."""
-        values = self._outputs(call)
+        values = self._outputs(layout)
         if not values:
             return "_no_result"
-        name = self._function(call, "result")
-        hint = self._result_hint(call)
-        struct = self._result_struct(call)
-        if struct is not None:
-            kind = names.type_name(self._model, struct.name)
-            writes = [f'_wire.put(value, {kind}, out, "{short_name(call)}")']
+        name = self._function(layout, "result")
+        hint = self._result_hint(layout, sending=True)
+        if self._gives_several(layout):
+            writes = [call("_wire.put", "value", hint, "out", quoted(short_name(layout)))]
         else:
-            v = values[0]
             local = LocalNames(LOCAL_WORDS | self._type_names(values) | {"value"})
-            slot = Slot("value", short_name(call), v.type, v.optional, v.range)
-            writes = self._lowering.encode(slot, local)
+            writes = self._lowering.encode(values[0].slot("value", short_name(layout)), local)
         body = ("out: _Parts = []", *writes, "return out")
         self._functions.append(FunctionView(f"def {name}(value: {hint}) -> _Parts:", body))
         return name

@@ -3,24 +3,35 @@
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass
 
 from gidl.languages import PYTHON_WORDS
-from gidl.model import Attribute, Interface, Operation, Struct
+from gidl.model import Attribute, Interface, Operation
 from gidl.targets.calls import (
     CallValue,
     attribute_value,
     parameter_value,
     reply_values,
-    result_struct,
     short_name,
 )
-from gidl.targets.naming import LocalNames
 from gidl.targets.python import names
-from gidl.targets.python.calls.views import (
-    FunctionView,
-)
-from gidl.targets.python.lower import Lowering
-from gidl.wire_layout import CallKind, CallLayout
+from gidl.targets.python.calls.views import FunctionView
+from gidl.targets.python.homes import Home
+from gidl.targets.python.lower import Lowering, Slot
+from gidl.type_names import escaped
+from gidl.wire_layout import CallKind, CallLayout, FieldLayout, node_of
+from gidl.wire_nodes import Node
+
+
+@dataclass(frozen=True, slots=True)
+class Passed:
+    """A parameter, a result or the value of an attribute, and how it lies on the wire."""
+
+    value: CallValue
+    node: Node
+
+    def slot(self, expression: str, label: str) -> Slot:
+        return Slot(expression, label, self.node, self.value.secret)
 
 
 class CallFacts:
@@ -29,14 +40,14 @@ class CallFacts:
     ) -> None:
         self.interface = interface
         self.constants = constants  # of all interfaces of the file
-        self.used_types: set[str] = set()
         self._lowering = lowering
         self._model = lowering.model
         self._layout = lowering.layout
-        self._name = names.type_name(self._model, interface.name)
+        self._module = lowering.module
+        self._name = self._layout.python_names.types[interface.name].name
         self._members = {m.scoped_name: m for m in interface.members}
         self._functions: list[FunctionView] = []
-        self._beside = {names.method_name(m.name) for m in interface.members}
+        self._beside = {name for m in interface.members for name in names.method_names(m)}
         self.hidden: set[str] = set()
 
     def _member(self, call: CallLayout) -> Operation | Attribute:
@@ -53,31 +64,40 @@ class CallFacts:
     def _method_name(self, call: CallLayout) -> str:
         member = self._member(call)
         if call.kind is CallKind.SETTER:
-            return names.method_names(self._model, self.interface).fresh(f"set_{member.name}")
+            return names.setter(member.name)
         return names.method_name(member.name)
 
-    def _inputs(self, call: CallLayout) -> list[CallValue]:
+    def _inputs(self, call: CallLayout) -> list[Passed]:
         member = self._member(call)
         if isinstance(member, Operation):
-            return [parameter_value(p) for p in member.inputs]
-        return [attribute_value(member)] if call.kind is CallKind.SETTER else []
+            return _passed([parameter_value(p) for p in member.inputs], call.request)
+        setter = call.kind is CallKind.SETTER
+        return _passed([attribute_value(member)], call.request) if setter else []
+
+    def _outputs(self, call: CallLayout) -> list[Passed]:
+        member = self._member(call)
+        if isinstance(member, Operation):
+            return _passed(reply_values(member, call), call.reply)
+        setter = call.kind is CallKind.SETTER
+        return [] if setter else _passed([attribute_value(member)], call.reply)
+
+    def _sample(self, attribute: Attribute) -> Passed:
+        sample = self._layout.stream(attribute.scoped_name).sample
+        return Passed(attribute_value(attribute), sample.node)
 
     def _parameter_names(self, call: CallLayout) -> list[str]:
         """Of the inputs, in order: what else a body names is none of them."""
         inputs = self._inputs(call)
-        local = LocalNames(PYTHON_WORDS | {"out"} | self._type_names(inputs))
-        return [local.fresh(value.name) for value in inputs]
+        words = PYTHON_WORDS | {"out"}
+        words = self._lowering.words_beside([each.node for each in inputs], words)
+        return [escaped(each.value.name, words) for each in inputs]
 
-    def _type_names(self, values: list[CallValue]) -> set[str]:
-        """Of the types that codecs of the values name."""
-        used = {name for value in values for name in self._lowering.imports(value.type)}
-        return {names.type_name(self._model, name) for name in used}
+    def _type_names(self, values: list[Passed]) -> set[str]:
+        """Of the classes that codecs of the values name."""
+        return {home.name for each in values for home in self._lowering.used(each.node)}
 
-    def _outputs(self, call: CallLayout) -> list[CallValue]:
-        member = self._member(call)
-        if isinstance(member, Operation):
-            return reply_values(member, call)
-        return [] if call.kind is CallKind.SETTER else [attribute_value(member)]
+    def _gives_several(self, call: CallLayout) -> bool:
+        return call.name in self._layout.python_names.results
 
     def _in_class(self, hint: str) -> str:
         """The hint where members hide names: an operation `list` is no type, so `_list_` is."""
@@ -90,27 +110,44 @@ class CallFacts:
 
         return re.sub(r"(?<![.\w])[A-Za-z]\w*", other, hint)
 
-    def _result_struct(self, call: CallLayout) -> Struct | None:
+    def _result_hint(self, call: CallLayout, sending: bool = False) -> str:
         member = self._member(call)
-        return result_struct(self._layout, member) if isinstance(member, Operation) else None
-
-    def _hint(self, value: CallValue) -> str:
-        self.used_types |= self._lowering.imports(value.type)
-        return self._lowering.hint(value.type, value.optional)
-
-    def _result_hint(self, call: CallLayout) -> str:
-        struct = self._result_struct(call)
-        if struct is not None:
-            return names.type_name(self._model, struct.name)
+        if self._gives_several(call):
+            assert isinstance(member, Operation)
+            return self._module.result(member)
         values = self._outputs(call)
-        return self._hint(values[0]) if values else "None"
+        return self._lowering.hint(values[0].node, sending) if values else "None"
+
+    def _feedback_node(self, member: Operation | Attribute) -> Node | None:
+        if isinstance(member, Operation) and member.feedback is not None:
+            return node_of(self._model, member.feedback)
+        return None
 
     def _feedback_hint(self, call: CallLayout) -> str:
-        member = self._member(call)
-        if isinstance(member, Operation) and member.feedback is not None:
-            self.used_types |= self._lowering.imports(member.feedback)
-            return self._lowering.hint(member.feedback)
-        return "None"
+        node = self._feedback_node(self._member(call))
+        return "None" if node is None else self._lowering.hint(node)
 
     def _stream_constant(self, attribute: Attribute) -> str:
         return self.constants.name(self._name, attribute.name, "stream")
+
+
+def classes_of(lowering: Lowering, interface: Interface) -> set[Home]:
+    """The classes that proxy and servant of an interface name, its own and those of its bases."""
+    model, layout, homes = lowering.model, lowering.layout, lowering.module.homes
+    nodes: list[Node] = []
+    found: set[Home] = set()
+    for call in layout.interfaces[interface.name].calls:
+        nodes += [field.node for field in (*call.request, *call.reply)]
+        found |= {homes.value(name) for name, _ in call.exceptions}
+    for operation in interface.operations:
+        if operation.feedback is not None:
+            nodes.append(node_of(model, operation.feedback))
+        if operation.scoped_name in layout.python_names.results:
+            found.add(homes.result(operation))
+    for base in interface.bases:
+        found |= {homes.proxy(base), homes.servant(base)}
+    return found.union(*(lowering.named(node) for node in nodes))
+
+
+def _passed(values: list[CallValue], fields: tuple[FieldLayout, ...]) -> list[Passed]:
+    return [Passed(v, field.node) for v, field in zip(values, fields, strict=True)]

@@ -6,30 +6,30 @@ import re
 
 from gidl.file_names import python_module
 from gidl.model import File, Interface
-from gidl.targets.calls import (
-    refuse_unsupported,
-)
+from gidl.targets.calls import refuse_unsupported
+from gidl.targets.groups import group
 from gidl.targets.python import names
+from gidl.targets.python.calls.facts import classes_of
 from gidl.targets.python.calls.members import Members
 from gidl.targets.python.calls.tables import Tables, quality
 from gidl.targets.python.calls.views import (
     InterfacesView,
     InterfaceView,
 )
+from gidl.targets.python.homes import ModuleNames
 from gidl.targets.python.imports import export_order, import_lines, private
 from gidl.targets.python.lower import Lowering
-from gidl.targets.python.values.names import BUILTIN_FUNCTIONS, type_doc
+from gidl.targets.python.values.names import type_doc
 
 
 def interfaces_view(lowering: Lowering, file: File, types: tuple[str, ...]) -> InterfacesView:
     constants = names.Constants()
     interfaces = [d for d in file.declarations if isinstance(d, Interface)]
-    builders = [_Interface(lowering, interface, constants) for interface in interfaces]
-    views = tuple(builder.view() for builder in builders)
+    lowering = _in_module(lowering, file, interfaces)
+    views = tuple(_Interface(lowering, interface, constants).view() for interface in interfaces)
     text = "\n".join(_all_text(view) for view in views)
     doc = tuple(line for view in views[:1] for line in view.doc)
-    servants = [f"{view.name}Servant" for view in views]
-    modules = _imports(lowering, file, builders)
+    modules = lowering.module.imports()
     if types:
         modules[f"{python_module(file.path)}_types"] = set(types)
     for module, words in _RUNTIME:
@@ -37,10 +37,10 @@ def interfaces_view(lowering: Lowering, file: File, types: tuple[str, ...]) -> I
         modules.setdefault(module, set()).update(used)
     standard = {
         "abc": private(["abstractmethod"] if "def " in text else []),
-        "builtins": private(word for word in BUILTIN_FUNCTIONS if _uses(text, f"_{word}")),
         "collections.abc": private(["Mapping"]),
         "typing": private(["ClassVar", *(["TYPE_CHECKING"] if "_npt." in text else [])]),
     }
+    given = [*types, *(name for view in views for name in (view.name, view.servant))]
     return InterfacesView(
         file.path,
         doc or (f"Types of {file.path}.",),
@@ -48,9 +48,17 @@ def interfaces_view(lowering: Lowering, file: File, types: tuple[str, ...]) -> I
         tuple(import_lines(standard)) if views else (),
         tuple(import_lines(modules)),
         "_npt." in text,
-        tuple(sorted([*types, *(view.name for view in views), *servants], key=export_order)),
+        tuple(sorted(given, key=export_order)),
         views,
     )
+
+
+def _in_module(lowering: Lowering, file: File, interfaces: list[Interface]) -> Lowering:
+    """What prints for the interfaces of a file, whose module also gives the types of the file."""
+    homes = lowering.module.homes
+    used = {home for interface in interfaces for home in classes_of(lowering, interface)}
+    own = python_module(file.path)
+    return lowering.within(ModuleNames(homes, used, homes.names_of(file), [own, f"{own}_types"]))
 
 
 def _all_text(view: InterfaceView) -> str:
@@ -93,27 +101,6 @@ _RUNTIME = (
 )  # fmt: skip
 
 
-def _imports(lowering: Lowering, file: File, builders: list[_Interface]) -> dict[str, set[str]]:
-    """Types and base classes that live in other generated modules."""
-    model = lowering.model
-    modules: dict[str, set[str]] = {}
-    used = {name for each in builders for name in (*each.used_types, *each.interface.bases)}
-    names.refuse_same_names(model, file, used)
-    for builder in builders:
-        for name in builder.used_types:
-            if not model.has(name) and name != names.OBJECT_REF:
-                continue  # what this file makes of several results
-            module = names.types_module(model, name)
-            if module != f"{python_module(file.path)}_types":
-                modules.setdefault(module, set()).add(names.type_name(model, name))
-        for base in builder.interface.bases:
-            if model.file_of(base) != file.path:
-                module = python_module(model.file_of(base))
-                simple = names.type_name(model, base)
-                modules.setdefault(module, set()).update((simple, f"{simple}Servant"))
-    return modules
-
-
 class _Interface(Tables, Members):
     def view(self) -> InterfaceView:
         interface = self.interface
@@ -125,18 +112,20 @@ class _Interface(Tables, Members):
             handlers.append(self._handler(call))
         streamed = [a for a in interface.attributes if a.streams_out]
         publishers = tuple(self._publisher(a) for a in streamed)
-        bases = [names.type_name(self._model, base) for base in interface.bases]
+        bases = [self._module.proxy(base) for base in interface.bases]
+        servants = [self._module.servant(base) for base in interface.bases]
         return InterfaceView(
             self._name,
+            self._layout.python_names.servants[interface.name].name,
             self.constants.name(self._name),
             interface.name,
             interface.facts.version or "",
             f"0x{self._layout.interfaces[interface.name].hash:016X}",
             type_doc(interface.facts),
-            ", ".join(bases or ["_Object"]),
-            ", ".join([f"{base}Servant" for base in bases] or ["_Servant"]),
+            group(bases or ["_Object"]),
+            group(servants or ["_Servant"]),
             tuple(bases),
-            tuple(f"{base}Servant" for base in bases),
+            tuple(servants),
             interface.all_bases,
             quality(interface.qos),
             tuple(sorted(self.hidden)),

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from gidl.model import Attribute, Operation
 from gidl.policy import OnLoss, OnNew, Qos, QualityClass, Reliability
-from gidl.targets.calls import (
-    short_name,
-)
-from gidl.targets.python import names
+from gidl.targets.calls import short_name
+from gidl.targets.groups import group
 from gidl.targets.python.calls.bodies import Bodies
 from gidl.targets.python.calls.views import (
     MethodTableView,
@@ -21,13 +19,12 @@ class Tables(Bodies):
         member = self._member(call)
         arguments = [self._reader(call)]
         feedback = self._feedback_hint(call)
-        raises = [name for name, _ in call.exceptions]
-        self.used_types |= set(raises)
+        raises = [self._module.value(name) for name, _ in call.exceptions]
         if feedback != "None":
             arguments.append(f"feedback={feedback}.decode")
         if raises:
-            listed = "".join(f"{names.type_name(self._model, name)}, " for name in raises)
-            arguments.append(f"raises=({listed.rstrip(' ') if len(raises) == 1 else listed[:-2]})")
+            listed = group(raises) if raises[1:] else f"({raises[0]},)"
+            arguments.append(f"raises={listed}")
         result = self._result_hint(call)
         return MethodTableView(
             self._constant(call),
@@ -90,4 +87,4 @@ def quality(qos: Qos) -> str:
             terms.append(f"{name}={value}")
     if qos.media is not None:
         terms.append("media=" + " | ".join(f"_Media.{medium.upper()}" for medium in qos.media))
-    return f"_Quality({', '.join(terms)})"
+    return f"_Quality{group(terms)}"

@@ -58,12 +58,13 @@ class PublisherView:
 @dataclass(frozen=True, slots=True)
 class InterfaceView:
     name: str
+    servant: str
     constant: str  # "_DEVICE"
     scoped_name: str
     version: str
     hash: str
     doc: tuple[str, ...]
-    client_bases: str
+    client_bases: str  # "(Device)"
     server_bases: str
     base_proxies: tuple[str, ...]  # classes whose operations it inherits
     base_servants: tuple[str, ...]

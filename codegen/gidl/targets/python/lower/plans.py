@@ -2,33 +2,30 @@
 
 from __future__ import annotations
 
-from gidl.model import (
-    ArrayType,
-    EnumDeclaration,
-    ExceptionStruct,
-    Member,
-    Primitive,
-    PrimitiveType,
-    Range,
-    SequenceType,
-    Struct,
-    Type,
-)
+from collections.abc import Sequence
+
+from gidl.model import EnumDeclaration, ExceptionStruct, Primitive, Struct
+from gidl.targets.groups import call
 from gidl.targets.python import names
+from gidl.targets.python.homes import AllNames
+from gidl.targets.python.lower.reading import range_arguments
 from gidl.targets.python.lower.runs import Runs
-from gidl.targets.python.lower.types import CODES, Slot, is_octet, most
+from gidl.targets.python.lower.types import CODES, bulk_code, is_octet, most, quoted, sent_bounds
 from gidl.targets.reach import type_reaches
-from gidl.wire_layout import min_size_of, node_of
+from gidl.wire_layout import min_size_of
 from gidl.wire_nodes import (
     AppendableNode,
     ArrayNode,
     EnumNode,
     Node,
+    OptionalNode,
     ScalarNode,
     SequenceNode,
     StringNode,
     StructNode,
 )
+
+_LIMITED = frozenset("d")  # codes of the numbers whose arrays may have limits in a plan
 
 
 class Plans(Runs):
@@ -36,103 +33,101 @@ class Plans(Runs):
         """The steps of its members, codes of numbers that follow each other in one; None for a
         struct whose codec is Python's alone: an exception, one that holds itself, or one with a
         member that plans do not know."""
-        members = self.model.all_members(struct)
-        if isinstance(struct, ExceptionStruct) or names.mapped(struct) or not members:
-            return None
-        if struct.name not in self.layout.structs:
+        if isinstance(struct, ExceptionStruct) or names.mapped(struct):
             return None
         if type_reaches(self.model, struct.name, struct.name):
             return None
         steps: list[str] = []
-        for member in members:
-            step = self._step_of(struct, member)
+        for field in self.fields(struct):
+            step = self._step(struct, field.node)
             if step is None:
                 return None
             if step.startswith('"') and steps and steps[-1].startswith('"'):
                 steps[-1] = steps[-1][:-1] + step[1:]
             else:
                 steps.append(step)
-        return steps
+        return steps or None
 
-    def _step_of(self, struct: Struct, member: Member) -> str | None:
-        slot = Slot("", "", member.type, member.optional, member.range)
-        step = self._step(struct, member.type, self.limits(slot))
-        return f"_plans.optional({step})" if step is not None and member.optional else step
-
-    def _step(self, owner: Struct, used: Type, limits: Range | None) -> str | None:
-        node = node_of(self.model, used)
-        target = self.model.target(used)
+    def _step(self, owner: Struct, node: Node) -> str | None:
         match node:
-            case ScalarNode(primitive):
-                return self._number(primitive, limits)
+            case OptionalNode(element):
+                step = self._step(owner, element)
+                return None if step is None else call("_plans.optional", step)
+            case ScalarNode():
+                return _number(node)
             case EnumNode(name, wire):
-                declaration = self.model.find(name)
-                if not isinstance(declaration, EnumDeclaration):
-                    return None
-                kind = names.type_name(self.model, name)
-                literal = declaration.default_literal
-                default = "" if literal is None else f", {kind}.{names.enumerator(literal)}"
-                return f'_plans.enumerator("{CODES[wire]}", {kind}{default})'
+                return self._enumerator_step(name, CODES[wire])
             case StringNode(bound):
-                return f"_plans.text({most(bound, 'string')})"
+                return call("_plans.text", most(bound, "string"))
             case StructNode(name):
                 return self._nested(owner, name, "struct")
             case AppendableNode(name):
                 return self._nested(owner, name, "block")
             case SequenceNode(element, bound):
-                assert isinstance(target, SequenceType)
                 limit = most(bound, "count")
                 if is_octet(element):
-                    return f"_plans.octets({limit})"
-                return self._several(owner, element, target.element, (), limit)
+                    return call("_plans.octets", limit)
+                return self._several(owner, element, (), limit)
             case ArrayNode(element, dimensions):
-                assert isinstance(target, ArrayType)
                 if is_octet(element) and len(dimensions) == 1:
-                    return f"_plans.fixed_octets({dimensions[0]})"
-                return self._several(owner, element, target.element, dimensions, "")
+                    return call("_plans.fixed_octets", str(dimensions[0]))
+                return self._several(owner, element, dimensions, "")
             case _:
                 return None
 
-    def _number(self, primitive: Primitive, limits: Range | None) -> str | None:
-        if primitive is Primitive.CHAR:
+    def _enumerator_step(self, name: str, code: str) -> str | None:
+        declaration = self.model.find(name)
+        if not isinstance(declaration, EnumDeclaration):
             return None
-        code = CODES[primitive]
-        if not self._outside("x", PrimitiveType(primitive), limits):
-            return f'"{code}"'
-        assert limits is not None
-        if code == "Q":
-            return None
-        return f'_plans.ranged("{code}", {limits.minimum}, {limits.maximum})'
+        kind = self.module.value(name)
+        literal = declaration.default_literal
+        default = [] if literal is None else [f"{kind}.{names.enumerator(literal)}"]
+        return call("_plans.enumerator", quoted(code), kind, *default)
 
     def _nested(self, owner: Struct, name: str, how: str) -> str | None:
         struct = self.model.find(name)
-        if not isinstance(struct, Struct) or self.plan(struct) is None:
+        if not isinstance(struct, Struct) or not self._has_plan(struct):
             return None
         here, there = owner.facts.location, struct.facts.location
         if here.file == there.file and (there.line, there.column) > (here.line, here.column):
             return None  # Python does not know it yet
-        return f"_plans.{how}({names.type_name(self.model, name)})"
+        return call(f"_plans.{how}", self.module.value(name))
+
+    def _has_plan(self, struct: Struct) -> bool:
+        return self.within(AllNames(self.module.homes)).plan(struct) is not None
 
     def _several(
-        self, owner: Struct, element: Node, used: Type, dimensions: tuple[int, ...], limit: str
+        self, owner: Struct, element: Node, dimensions: Sequence[int], limit: str
     ) -> str | None:
         """Elements of an array, or without dimensions of a sequence."""
-        limits = self.limits(Slot("", "", used))
-        code = self.bulk_code(element)
+        code = bulk_code(element)
         if code is not None:
-            if limits is not None and code != "d":
+            limits = range_arguments(element)
+            if limits and code not in _LIMITED:
                 return None
-            bounds = "" if limits is None else f", low={limits.minimum}, high={limits.maximum}"
-            sizes = ", ".join(str(size) for size in dimensions)
-            how = f'array("{code}", {sizes}' if dimensions else f'numbers("{code}", {limit}'
-            return f"_plans.{how}{bounds})"
+            bounds = [f"{name}={x}" for name, x in zip(("low", "high"), limits, strict=False)]
+            if dimensions:
+                return call("_plans.array", quoted(code), *map(str, dimensions), *bounds)
+            return call("_plans.numbers", quoted(code), limit, *bounds)
         least = min_size_of(self.model, element)
-        step = self._step(owner, used, limits)
+        step = self._step(owner, element)
         if step is None or least == 0:
             return None
         if not dimensions:
-            return f"_plans.items({step}, {least}, {limit})"
+            return call("_plans.items", step, str(least), limit)
         for size in reversed(dimensions):
-            step = f"_plans.fixed_items({step}, {least}, {size})"
+            step = call("_plans.fixed_items", step, str(least), str(size))
             least *= size
         return step
+
+
+def _number(node: ScalarNode) -> str | None:
+    if node.primitive is Primitive.CHAR:
+        return None
+    code = CODES[node.primitive]
+    bounds = sent_bounds(node)
+    if bounds is None:
+        return quoted(code)
+    if code == "Q":
+        return None
+    return call("_plans.ranged", quoted(code), repr(bounds.minimum), repr(bounds.maximum))

@@ -2,26 +2,19 @@
 
 from __future__ import annotations
 
-from gidl.model import (
-    ArrayType,
-    Bitset,
-    EnumDeclaration,
-    MapType,
-    Primitive,
-    Range,
-    SequenceType,
-    Type,
-)
-from gidl.targets.python import names
-from gidl.targets.python.lower.runs import Runs, as_read
+from gidl.model import Bitset, EnumDeclaration, Primitive, Range
+from gidl.targets.groups import call, clauses
+from gidl.targets.python.lower.runs import Runs
 from gidl.targets.python.lower.types import (
     CODES,
     Slot,
+    bulk_code,
     is_octet,
     most,
+    quoted,
+    repeated,
 )
-from gidl.targets.python.lower.writing import range_arguments
-from gidl.wire_layout import min_size_of, node_of
+from gidl.wire_layout import min_size_of
 from gidl.wire_nodes import (
     AppendableNode,
     ArrayNode,
@@ -29,6 +22,7 @@ from gidl.wire_nodes import (
     MapNode,
     Node,
     ObjectNode,
+    OptionalNode,
     ScalarNode,
     SequenceNode,
     StringNode,
@@ -40,87 +34,77 @@ from gidl.wire_nodes import (
 class Reading(Runs):
     def decode(self, slot: Slot) -> str:
         """An expression that reads the value from `source`."""
-        limits = self.limits(slot)
-        text = self._decode(slot.type, slot.label, limits)
-        if slot.optional:
-            return f'({text} if source.number("?", "{slot.label}") else None)'
-        return text
+        return self._decode(slot.node, quoted(slot.label))
 
-    def _decode(self, used: Type, label: str, limits: Range | None) -> str:
-        node = node_of(self.model, used)
-        target = self.model.target(used)
+    def _decode(self, node: Node, label: str) -> str:
         match node:
-            case ScalarNode(Primitive.CHAR):
-                return f'chr(source.number("B", "{label}"))'
-            case ScalarNode(primitive):
-                code = CODES[primitive]
-                if self._outside("x", used, limits):
-                    assert limits is not None
-                    single = primitive is Primitive.FLOAT
-                    bounds = f"{as_read(limits.minimum, single)}, {as_read(limits.maximum, single)}"
-                    return f'source.ranged("{code}", {bounds}, "{label}")'
-                return f'source.number("{code}", "{label}")'
+            case OptionalNode(element):
+                there = call("source.number", '"?"', label)
+                return clauses([self._decode(element, label), f"if {there}", "else None"])
+            case ScalarNode():
+                return _decode_scalar(node, label)
             case EnumNode(name, wire):
                 declaration = self.model.find(name)
                 if isinstance(declaration, Bitset):
-                    return f'{names.type_name(self.model, name)}.unpack(source, "{label}")'
+                    return call(f"{self.module.value(name)}.unpack", "source", label)
                 signed = isinstance(declaration, EnumDeclaration)
                 code = CODES[wire] if signed else CODES[wire].upper()
-                number = f'source.number("{code}", "{label}")'
-                return self._enumerator(name, number, label, wire.size)
+                number = call("source.number", quoted(code), label)
+                return self.enumerator(name, number, label, wire.size)
             case StringNode(bound):
-                return f'source.string({most(bound, "count")}, "{label}")'
+                return call("source.string", most(bound, "count"), label)
             case StructNode(name) | ObjectNode(name) | UnionNode(name, False):
-                return f"{names.value_name(self.model, name)}.decode(source)"
+                return f"{self.module.value(name)}.decode(source)"
             case AppendableNode(name) | UnionNode(name):
-                return f'{names.type_name(self.model, name)}.decode(source.block("{label}"))'
+                return call(f"{self.module.value(name)}.decode", call("source.block", label))
             case SequenceNode(element, bound):
-                assert isinstance(target, SequenceType)
-                limits = self.limits(Slot("", label, target.element))
-                least = min_size_of(self.model, element)
-                bulk = self.bulk_code(element)
-                if bulk is not None and not is_octet(element):
-                    rest = f'{most(bound, "count")}, "{label}"{range_arguments(limits)}'
-                    return f'source.numbers("{bulk}", {rest})'
-                count = f'source.count({least}, {most(bound, "count")}, "{label}")'
-                if is_octet(element):
-                    return f'source.octets({count}, "{label}")'
-                read = self._decode(target.element, label, limits)
-                return f"[{read} for _ in range({count})]"
+                return self._decode_sequence(element, most(bound, "count"), label)
             case ArrayNode(element, dimensions):
-                assert isinstance(target, ArrayType)
-                limits = self.limits(Slot("", label, target.element))
-                return self._decode_array(element, target.element, dimensions, label, limits)
+                return self._decode_array(element, dimensions, label)
             case MapNode(key, value, bound):
-                assert isinstance(target, MapType)
                 least = min_size_of(self.model, key) + min_size_of(self.model, value)
-                read_key = self._decode(target.key, label, None)
-                read_value = self._decode(target.value, label, None)
-                return (
-                    f"source.mapping(lambda: {read_key}, lambda: {read_value}, "
-                    f'{least}, {most(bound, "count")}, "{label}")'
+                return call(
+                    "source.mapping",
+                    f"lambda: {self._decode(key, label)}",
+                    f"lambda: {self._decode(value, label)}",
+                    str(least),
+                    most(bound, "count"),
+                    label,
                 )
-        raise AssertionError(node)
 
-    def _decode_array(
-        self,
-        element: Node,
-        used: Type,
-        dimensions: tuple[int, ...],
-        label: str,
-        limits: Range | None,
-    ) -> str:
+    def _decode_sequence(self, element: Node, limit: str, label: str) -> str:
+        code = bulk_code(element)
+        if code is not None and not is_octet(element):
+            bounds = range_arguments(element)
+            return call("source.numbers", quoted(code), limit, label, *bounds)
+        count = call("source.count", str(min_size_of(self.model, element)), limit, label)
+        if is_octet(element):
+            return call("source.octets", count, label)
+        return clauses([self._decode(element, label), f"for _ in range({count})"], "[", "]")
+
+    def _decode_array(self, element: Node, dimensions: tuple[int, ...], label: str) -> str:
         if is_octet(element) and len(dimensions) == 1:
-            return f'source.octets({dimensions[0]}, "{label}")'
-        code = self.bulk_code(element)
-        if code is not None:
-            total = 1
-            for size in dimensions:
-                total *= size
-            text = f'source.array("{code}", {total}, "{label}"{range_arguments(limits)})'
-            shape = ", ".join(str(d) for d in dimensions)
-            return f"{text}.reshape({shape})" if len(dimensions) > 1 else text
-        text = self._decode(used, label, limits)
-        for size in reversed(dimensions):
-            text = f"[{text} for _ in range({size})]"
-        return text
+            return call("source.octets", str(dimensions[0]), label)
+        code = bulk_code(element)
+        if code is None:
+            return repeated(self._decode(element, label), dimensions)
+        count = str(ArrayNode(element, dimensions).count)
+        text = call("source.array", quoted(code), count, label, *range_arguments(element))
+        return call(f"{text}.reshape", *map(str, dimensions)) if len(dimensions) > 1 else text
+
+
+def _decode_scalar(node: ScalarNode, label: str) -> str:
+    if node.primitive is Primitive.CHAR:
+        return f"chr({call('source.number', quoted('B'), label)})"
+    code = quoted(CODES[node.primitive])
+    if node.bounds is None:
+        return call("source.number", code, label)
+    bounds: Range = node.bounds
+    return call("source.ranged", code, repr(bounds.minimum), repr(bounds.maximum), label)
+
+
+def range_arguments(element: Node) -> tuple[str, ...]:
+    """What codecs of arrays are told of the range of their elements. numpy compares in the
+    precision of the array."""
+    limits = element.limits if isinstance(element, ScalarNode) else None
+    return () if limits is None else (repr(limits.minimum), repr(limits.maximum))

@@ -1,36 +1,40 @@
-"""What a type is hinted as, and what values are written as."""
+"""What a value is hinted as, and what values are written as."""
 
 from __future__ import annotations
 
-import re
+from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Self
 
 from gidl.model import (
-    ArrayType,
     Bitmask,
     EnumDeclaration,
     EnumValue,
     ExceptionStruct,
-    MapType,
     Member,
     Model,
-    NamedType,
     Primitive,
-    PrimitiveType,
     Range,
-    SequenceType,
-    StringType,
     Struct,
-    Type,
-    Typedef,
     Value,
-    within,
 )
+from gidl.targets.groups import call, clauses
 from gidl.targets.python import names
-from gidl.wire_layout import Layout, node_of
+from gidl.targets.python.homes import Home, ModuleNames
+from gidl.wire_layout import FieldLayout, Layout
 from gidl.wire_nodes import (
+    AppendableNode,
+    ArrayNode,
+    EnumNode,
+    MapNode,
     Node,
+    ObjectNode,
+    OptionalNode,
     ScalarNode,
+    SequenceNode,
+    StringNode,
+    StructNode,
+    UnionNode,
 )
 
 CODES = {
@@ -52,139 +56,193 @@ class Slot:
 
     expression: str
     label: str
-    type: Type
-    optional: bool = False
-    range: Range | None = None
+    node: Node
+    secret: bool = False
 
 
 class Types:
-    def __init__(self, model: Model, layout: Layout) -> None:
+    def __init__(self, model: Model, layout: Layout, module: ModuleNames) -> None:
         self.model = model
         self.layout = layout
+        self.module = module  # that all is printed for
 
-    def hint(self, used: Type, optional: bool = False) -> str:
-        if optional:
-            return f"{self.hint(used)} | None"
-        match used:
-            case PrimitiveType(Primitive.BOOLEAN):
+    def within(self, module: ModuleNames) -> Self:
+        """The same for another module."""
+        return type(self)(self.model, self.layout, module)
+
+    def hint(self, node: Node, sending: bool = False) -> str:
+        """`sending`: what may be given for it, where that is more than what is got."""
+        match node:
+            case OptionalNode(element):
+                return f"{self.hint(element, sending)} | None"
+            case ScalarNode(Primitive.BOOLEAN):
                 return "bool"
-            case PrimitiveType(Primitive.CHAR) | StringType():
+            case ScalarNode(Primitive.CHAR) | StringNode():
                 return "str"
-            case PrimitiveType(kind):
+            case ScalarNode(kind):
                 return "float" if kind.is_floating else "int"
-            case SequenceType(element) | ArrayType(element):
-                node = node_of(self.model, element)
-                depth = len(used.dimensions) if isinstance(used, ArrayType) else 1
-                if is_octet(node) and depth == 1:
-                    return "bytes"
-                code = self.bulk_code(node)
-                if code is not None:
-                    return f"_npt.NDArray[_np.{DTYPES[code]}]"
-                text = self.hint(element)
-                for _ in range(depth):
-                    text = f"list[{text}]"
-                return text
-            case MapType(key, value):
+            case SequenceNode(element) | ArrayNode(element):
+                return self._several_hint(node, element, sending)
+            case MapNode(key, value):
                 return f"dict[{self.hint(key)}, {self.hint(value)}]"
-            case NamedType(name):
-                declaration = self.model.find(name)
-                if isinstance(declaration, Typedef):
-                    return self.hint(declaration.type)
-                return names.value_name(self.model, name)
-        raise AssertionError(used)
+            case (
+                StructNode(name)
+                | AppendableNode(name)
+                | UnionNode(name)
+                | EnumNode(name)
+                | ObjectNode(name)
+            ):
+                return self.module.value(name)
+
+    def _several_hint(self, node: SequenceNode | ArrayNode, element: Node, sending: bool) -> str:
+        depth = len(node.dimensions) if isinstance(node, ArrayNode) else 1
+        if is_octet(element) and depth == 1:
+            return "bytes"
+        code = bulk_code(element)
+        if code is not None:
+            numbers = f"_npt.NDArray[_np.{DTYPES[code]}]"
+            return f"{numbers} | bytes" if sending and code == "B" and depth == 1 else numbers
+        text = self.hint(element)
+        for _ in range(depth):
+            text = f"list[{text}]"
+        return text
+
+    def fields(self, struct: Struct) -> tuple[FieldLayout, ...]:
+        """Those of the bases first, as `Model.all_members` has them."""
+        return self.layout.structs[struct.name].fields
 
     def words(self, struct: Struct) -> frozenset[str]:
-        """What its members cannot be called: also not like a type in the hints beside them."""
-        words = names.STRUCT_WORDS
-        if isinstance(struct, ExceptionStruct):
-            words = names.EXCEPTION_WORDS
-        hints = " ".join(self.hint(m.type) for m in self.model.all_members(struct))
-        return words | set(re.findall(r"(?<![.\w])[A-Za-z]\w*", hints))
+        """What its members cannot be called."""
+        exception = isinstance(struct, ExceptionStruct)
+        words = names.EXCEPTION_WORDS if exception else names.STRUCT_WORDS
+        return self.words_beside([field.node for field in self.fields(struct)], words)
 
-    def holds_array(self, used: Type) -> bool:
-        """Whether `==` needs help: arrays compare element by element."""
-        return "_npt.NDArray" in self.hint(used)
+    def words_beside(self, nodes: Iterable[Node], words: frozenset[str]) -> frozenset[str]:
+        """`words`, and the types in the hints of values."""
+        return words | {name.rstrip("_") for name in self.type_names(nodes)}
 
-    def literal(self, value: Value, used: Type) -> str:
+    def literal(self, value: Value, node: Node) -> str:
+        if isinstance(node, OptionalNode):
+            return self.literal(value, node.element)
         match value:
             case EnumValue(enum, literal):
-                return f"{names.type_name(self.model, enum)}.{names.enumerator(literal)}"
+                return f"{self.module.value(enum)}.{names.enumerator(literal)}"
             case bool() | str():
                 return quoted(value) if isinstance(value, str) else str(value)
             case _:
-                target = self.model.target(used)
-                floating = isinstance(target, PrimitiveType) and target.kind.is_floating
+                floating = isinstance(node, ScalarNode) and node.primitive.is_floating
                 return repr(float(value)) if floating else str(value)
 
-    def initial(self, member: Member) -> tuple[str, bool]:
+    def initial(self, member: Member, node: Node) -> tuple[str, bool]:
         """Default expression, and whether it has to be made anew for each value."""
-        if member.optional:
+        if isinstance(node, OptionalNode):
             return "None", False
         if member.default is not None:
-            return self.literal(member.default, member.type), False
-        return self._zero(member.type)
+            return self.literal(member.default, node), False
+        return self.zero(node)
 
-    def _zero(self, used: Type) -> tuple[str, bool]:
-        target = self.model.target(used)
-        match target:
-            case PrimitiveType(Primitive.BOOLEAN):
+    def zero(self, node: Node) -> tuple[str, bool]:
+        match node:
+            case OptionalNode():
+                return "None", False
+            case ScalarNode(Primitive.BOOLEAN):
                 return "False", False
-            case PrimitiveType(Primitive.CHAR):
+            case ScalarNode(Primitive.CHAR):
                 return '"\\0"', False
-            case PrimitiveType(kind):
+            case ScalarNode(kind):
                 return ("0.0" if kind.is_floating else "0"), False
-            case StringType():
+            case StringNode():
                 return '""', False
-            case MapType():
+            case MapNode():
                 return "dict", True
-            case SequenceType(element):
-                node = node_of(self.model, element)
-                if is_octet(node):
+            case SequenceNode(element):
+                if is_octet(element):
                     return 'b""', False
-                code = self.bulk_code(node)
+                code = bulk_code(element)
                 return (f'lambda: _wire.zeros("{code}", 0)' if code else "list"), True
-            case ArrayType(element, dimensions):
+            case ArrayNode(element, dimensions):
                 return self._zero_array(element, dimensions)
-            case NamedType(name):
+            case EnumNode(name):
                 declaration = self.model.find(name)
-                mine = names.value_name(self.model, name)
+                mine = self.module.value(name)
                 if isinstance(declaration, EnumDeclaration):
                     return f"{mine}.{names.enumerator(declaration.initial.name)}", False
                 if isinstance(declaration, Bitmask):
                     return f"{mine}(0)", False
                 return mine, True
-        raise AssertionError(target)
+            case StructNode(name) | AppendableNode(name) | UnionNode(name) | ObjectNode(name):
+                return self.module.value(name), True
 
-    def _zero_array(self, element: Type, dimensions: tuple[int, ...]) -> tuple[str, bool]:
-        node = node_of(self.model, element)
-        if is_octet(node) and len(dimensions) == 1:
+    def _zero_array(self, element: Node, dimensions: tuple[int, ...]) -> tuple[str, bool]:
+        if is_octet(element) and len(dimensions) == 1:
             return f"b'\\0' * {dimensions[0]}", False
-        code = self.bulk_code(node)
+        code = bulk_code(element)
         if code is not None:
-            shape = ", ".join(str(d) for d in dimensions)
-            return f'lambda: _wire.zeros("{code}", {shape})', True
-        inner, made = self._zero(element)
-        text = f"{inner.removeprefix('lambda: ')}" if inner.startswith("lambda: ") else inner
-        text = f"{text}()" if made and not inner.startswith("lambda: ") else text
-        for size in reversed(dimensions):
-            text = f"[{text} for _ in range({size})]"
-        return f"lambda: {text}", True
+            return f"lambda: {call('_wire.zeros', quoted(code), *map(str, dimensions))}", True
+        inner, made = self.zero(element)
+        text = inner.removeprefix("lambda: ")
+        text = f"{text}()" if made and text == inner else text
+        return f"lambda: {repeated(text, dimensions)}", True
 
-    def bulk_code(self, element: Node) -> str | None:
-        """Code of elements that are kept in a numpy array."""
-        if isinstance(element, ScalarNode) and element.primitive is not Primitive.CHAR:
-            return CODES[element.primitive]
+    def type_names(self, nodes: Iterable[Node]) -> frozenset[str]:
+        """What the classes in the hints of values are called in their own modules."""
+        return frozenset(home.name for node in nodes for home in self.named(node))
+
+    def named(self, node: Node) -> set[Home]:
+        """The classes in the hint of a value."""
+        match node:
+            case OptionalNode(element) | SequenceNode(element) | ArrayNode(element):
+                return self.named(element)
+            case MapNode(key, value):
+                return self.named(key) | self.named(value)
+            case (
+                StructNode(name)
+                | AppendableNode(name)
+                | UnionNode(name)
+                | EnumNode(name)
+                | ObjectNode(name)
+            ):
+                return {self.module.homes.value(name)}
+            case _:
+                return set()
+
+
+def holds_array(node: Node) -> bool:
+    """Whether `==` needs help: arrays compare element by element."""
+    match node:
+        case OptionalNode(element) | SequenceNode(element) | ArrayNode(element):
+            return is_bulk(node) or holds_array(element)
+        case MapNode(key, value):
+            return holds_array(key) or holds_array(value)
+        case _:
+            return False
+
+
+def is_bulk(node: Node) -> bool:
+    """Whether a value is an array of numpy."""
+    match node:
+        case SequenceNode(element):
+            return bulk_code(element) is not None and not is_octet(element)
+        case ArrayNode(element, dimensions):
+            octets = is_octet(element) and len(dimensions) == 1
+            return bulk_code(element) is not None and not octets
+        case _:
+            return False
+
+
+def sent_bounds(node: Node) -> Range | None:
+    """What a number is compared with before it is sent. A float of Python has more digits than the
+    declared one; as those are cut, no number within the limits leaves its bounds."""
+    if not isinstance(node, ScalarNode):
         return None
+    return node.limits if node.primitive is Primitive.FLOAT else node.bounds
 
-    def limits(self, slot: Slot) -> Range | None:
-        """Bounds of a number, those of its typedefs included."""
-        limits, used = slot.range, slot.type
-        while isinstance(used, NamedType):
-            declaration = self.model.find(used.name)
-            if not isinstance(declaration, Typedef):
-                break
-            limits, used = within(limits, declaration.range), declaration.type
-        return limits
+
+def bulk_code(element: Node) -> str | None:
+    """Code of elements that are kept in a numpy array."""
+    if isinstance(element, ScalarNode) and element.primitive is not Primitive.CHAR:
+        return CODES[element.primitive]
+    return None
 
 
 def is_octet(element: Node) -> bool:
@@ -195,6 +253,13 @@ def most(bound: int | None, what: str) -> str:
     if bound is not None:
         return str(bound)
     return "_wire.MAX_TEXT" if what == "string" else "_wire.MAX_COUNT"
+
+
+def repeated(text: str, dimensions: tuple[int, ...]) -> str:
+    """Nested lists of values that `text` makes anew."""
+    for size in reversed(dimensions):
+        text = clauses([text, f"for _ in range({size})"], "[", "]")
+    return text
 
 
 def indented(lines: list[str]) -> list[str]:

@@ -2,27 +2,20 @@
 
 from __future__ import annotations
 
-from gidl.model import (
-    ArrayType,
-    Bitset,
-    EnumDeclaration,
-    MapType,
-    Primitive,
-    Range,
-    SequenceType,
-    Type,
-)
+from gidl.model import Bitset, EnumDeclaration, Primitive
+from gidl.targets.groups import call, group
 from gidl.targets.naming import LocalNames
-from gidl.targets.python import names
+from gidl.targets.python.lower.reading import range_arguments
 from gidl.targets.python.lower.runs import Leaf, Runs
 from gidl.targets.python.lower.types import (
     CODES,
     Slot,
+    bulk_code,
     indented,
     is_octet,
     most,
+    quoted,
 )
-from gidl.wire_layout import node_of
 from gidl.wire_nodes import (
     AppendableNode,
     ArrayNode,
@@ -30,6 +23,7 @@ from gidl.wire_nodes import (
     MapNode,
     Node,
     ObjectNode,
+    OptionalNode,
     ScalarNode,
     SequenceNode,
     StringNode,
@@ -41,133 +35,111 @@ from gidl.wire_nodes import (
 class Writing(Runs):
     def encode(self, slot: Slot, local: LocalNames) -> list[str]:
         """Statements that append the value to `out`."""
-        limits = self.limits(slot)
-        if not slot.optional:
-            return self._encode(slot.type, slot.expression, slot.label, limits, local)
-        x = slot.expression
+        return _Statements(self, slot, local).encode(slot.node, slot.expression)
+
+
+class _Statements:
+    """Those of one value, which all call it by its label."""
+
+    def __init__(self, lowering: Writing, slot: Slot, local: LocalNames) -> None:
+        self._lowering = lowering
+        self._label = slot.label
+        self._quoted = quoted(slot.label)
+        self._secret = slot.secret
+        self._local = local
+
+    def encode(self, node: Node, x: str) -> list[str]:
+        module = self._lowering.module
+        match node:
+            case OptionalNode(element):
+                return self._encode_optional(element, x)
+            case ScalarNode(Primitive.CHAR):
+                return [_append(call("_wire.char", x, self._quoted))]
+            case ScalarNode(primitive):
+                return self._encode_number(CODES[primitive], node, x)
+            case EnumNode(name, wire):
+                declaration = self._lowering.model.find(name)
+                if isinstance(declaration, Bitset):
+                    expected = call("_wire.expect", x, module.value(name), self._quoted)
+                    return [expected, f"out.append({x}.pack())"]
+                code = CODES[wire]
+                signed = isinstance(declaration, EnumDeclaration)
+                return self._encode_number(code if signed else code.upper(), node, x)
+            case StringNode(bound):
+                put = "_wire.secret_string" if self._secret else "_wire.string"
+                return [_append(call(put, x, most(bound, "string"), self._quoted))]
+            case StructNode(name) | ObjectNode(name) | UnionNode(name, False):
+                return [call("_wire.put", x, module.value(name), "out", self._quoted)]
+            case AppendableNode(name) | UnionNode(name):
+                return [call("_wire.put_block", x, module.value(name), "out", self._quoted)]
+            case SequenceNode(element, bound):
+                return self._encode_sequence(element, most(bound, "count"), x)
+            case ArrayNode(element, dimensions):
+                return self._encode_array(element, dimensions, x)
+            case MapNode(key, value, bound):
+                return self._encode_map(key, value, most(bound, "count"), x)
+
+    def _encode_optional(self, element: Node, x: str) -> list[str]:
         head: list[str] = []
         if "." in x:  # a name of its own, so that a type checker sees what None excludes
-            x = local.fresh("value")
-            head = [f"{x} = {slot.expression}"]
-        inner = self._encode(slot.type, x, slot.label, limits, local)
+            given, x = x, self._local.fresh("value")
+            head = [f"{x} = {given}"]
         return [
             *head,
             f"if {x} is None:",
             '    out.append(b"\\0")',
             "else:",
             '    out.append(b"\\1")',
-            *indented(inner),
+            *indented(self.encode(element, x)),
         ]
 
-    def _encode(
-        self, used: Type, x: str, label: str, limits: Range | None, local: LocalNames
-    ) -> list[str]:
-        node = node_of(self.model, used)
-        target = self.model.target(used)
-        match node:
-            case ScalarNode(Primitive.CHAR):
-                return [f'out.append(_wire.char({x}, "{label}"))']
-            case ScalarNode(primitive):
-                leaf = Leaf(CODES[primitive], x, label, used, limits)
-                return [
-                    f'out.append(_wire.number({x}, "{leaf.code}", "{label}"))',
-                    *self.check_leaf(leaf),
-                ]
-            case EnumNode(name, wire):
-                declaration = self.model.find(name)
-                if isinstance(declaration, Bitset):
-                    kind = names.type_name(self.model, name)
-                    expected = f'_wire.expect({x}, {kind}, "{label}")'
-                    return [expected, f"out.append({x}.pack())"]
-                code = CODES[wire]
-                code = code if isinstance(declaration, EnumDeclaration) else code.upper()
-                leaf = Leaf(code, x, label, used, None)
-                return [
-                    f'out.append(_wire.number({x}, "{code}", "{label}"))',
-                    *self.check_leaf(leaf),
-                ]
-            case StringNode(bound):
-                return [f'out.append(_wire.string({x}, {most(bound, "string")}, "{label}"))']
-            case StructNode(name) | ObjectNode(name) | UnionNode(name, False):
-                kind = names.value_name(self.model, name)
-                return [f'_wire.put({x}, {kind}, out, "{label}")']
-            case AppendableNode(name) | UnionNode(name):
-                kind = names.type_name(self.model, name)
-                return [f'_wire.put_block({x}, {kind}, out, "{label}")']
-            case SequenceNode(element, bound):
-                assert isinstance(target, SequenceType)
-                limits = self.limits(Slot(x, label, target.element))
-                return self._encode_sequence(
-                    element, target.element, bound, x, label, limits, local
-                )
-            case ArrayNode(element, dimensions):
-                assert isinstance(target, ArrayType)
-                limits = self.limits(Slot(x, label, target.element))
-                return self._encode_array(
-                    element, target.element, dimensions, x, label, limits, local
-                )
-            case MapNode(bound=bound):
-                assert isinstance(target, MapType)
-                key, value = local.fresh("key"), local.fresh("entry")
-                inner = [
-                    *self._encode(target.key, key, label, None, local),
-                    *self._encode(target.value, value, label, None, local),
-                ]
-                return [
-                    f'out.append(_wire.count(_len({x}), {most(bound, "count")}, "{label}"))',
-                    f"for {key}, {value} in _sorted({x}.items(), key=_wire.first):",
-                    *indented(inner),
-                ]
-        raise AssertionError(node)
+    def _encode_number(self, code: str, node: ScalarNode | EnumNode, x: str) -> list[str]:
+        written = _append(call("_wire.number", x, quoted(code), self._quoted))
+        return [written, *self._lowering.check_leaf(Leaf(code, x, self._label, node))]
 
-    def _encode_sequence(
-        self,
-        element: Node,
-        used: Type,
-        bound: int | None,
-        x: str,
-        label: str,
-        limits: Range | None,
-        local: LocalNames,
-    ) -> list[str]:
-        limit = most(bound, "count")
+    def _encode_sequence(self, element: Node, limit: str, x: str) -> list[str]:
         if is_octet(element):
-            return [f'out += _wire.octets({x}, {limit}, "{label}")']
-        code = self.bulk_code(element)
+            return [f"out += {call('_wire.octets', x, limit, self._quoted)}"]
+        code = bulk_code(element)
         if code is not None:
-            bounds = range_arguments(limits)
-            return [f'out += _wire.numbers({x}, "{code}", {limit}, "{label}"{bounds})']
-        item = local.fresh("item")
+            rest = (quoted(code), limit, self._quoted, *range_arguments(element))
+            return [f"out += {call('_wire.numbers', x, *rest)}"]
+        item = self._local.fresh("item")
         return [
-            f'out.append(_wire.count(_len({x}), {limit}, "{label}"))',
+            self._counted(x, limit),
             f"for {item} in {x}:",
-            *indented(self._encode(used, item, label, limits, local)),
+            *indented(self.encode(element, item)),
         ]
 
-    def _encode_array(
-        self,
-        element: Node,
-        used: Type,
-        dimensions: tuple[int, ...],
-        x: str,
-        label: str,
-        limits: Range | None,
-        local: LocalNames,
-    ) -> list[str]:
+    def _encode_array(self, element: Node, dimensions: tuple[int, ...], x: str) -> list[str]:
         if is_octet(element) and len(dimensions) == 1:
-            return [f'out.append(_wire.fixed_octets({x}, {dimensions[0]}, "{label}"))']
-        code = self.bulk_code(element)
+            return [_append(call("_wire.fixed_octets", x, str(dimensions[0]), self._quoted))]
+        code = bulk_code(element)
         if code is not None:
-            shape = ", ".join(str(d) for d in dimensions)
-            bounds = range_arguments(limits)
-            return [f'out.append(_wire.fixed({x}, "{code}", ({shape},), "{label}"{bounds}))']
-        item = local.fresh("item" if len(dimensions) == 1 else "row")
-        if len(dimensions) == 1:
-            inner = self._encode(used, item, label, limits, local)
-        else:
-            inner = self._encode_array(element, used, dimensions[1:], item, label, limits, local)
-        return [f'for {item} in _wire.exactly({x}, {dimensions[0]}, "{label}"):', *indented(inner)]
+            shape = group([f"{size}" for size in dimensions]) if dimensions[1:] else None
+            shape = shape or f"({dimensions[0]},)"
+            rest = (quoted(code), shape, self._quoted, *range_arguments(element))
+            return [_append(call("_wire.fixed", x, *rest))]
+        item = self._local.fresh("row" if dimensions[1:] else "item")
+        inner = (
+            self._encode_array(element, dimensions[1:], item)
+            if dimensions[1:]
+            else self.encode(element, item)
+        )
+        exactly = call("_wire.exactly", x, str(dimensions[0]), self._quoted)
+        return [f"for {item} in {exactly}:", *indented(inner)]
+
+    def _encode_map(self, key: Node, value: Node, limit: str, x: str) -> list[str]:
+        name, entry = self._local.fresh("key"), self._local.fresh("entry")
+        return [
+            self._counted(x, limit),
+            f"for {name}, {entry} in {call('_wire.entries', x, self._quoted)}:",
+            *indented([*self.encode(key, name), *self.encode(value, entry)]),
+        ]
+
+    def _counted(self, x: str, limit: str) -> str:
+        return _append(call("_wire.counted", x, limit, self._quoted))
 
 
-def range_arguments(limits: Range | None) -> str:
-    return "" if limits is None else f", {limits.minimum}, {limits.maximum}"
+def _append(text: str) -> str:
+    return call("out.append", text)

@@ -12,6 +12,7 @@ from gidl.model import (
     Facts,
     File,
     Location,
+    Model,
     Primitive,
     Struct,
     Typedef,
@@ -19,13 +20,10 @@ from gidl.model import (
 )
 from gidl.targets.naming import value_note
 from gidl.targets.python import names
+from gidl.targets.python.homes import ModuleNames, mapped_import
 from gidl.targets.python.imports import export_order, import_lines, private
-from gidl.targets.python.lower import CODES, Lowering
-from gidl.targets.python.values.names import (
-    BUILTIN_FUNCTIONS,
-    one_line,
-    type_doc,
-)
+from gidl.targets.python.lower import Lowering
+from gidl.targets.python.values.names import type_doc
 from gidl.targets.python.values.structs import Structs
 from gidl.targets.python.values.unions import Unions
 from gidl.targets.python.values.views import (
@@ -40,39 +38,61 @@ from gidl.targets.python.values.views import (
     TypeView,
     UnionView,
 )
+from gidl.wire_layout import Layout, node_of
+from gidl.wire_nodes import Node, ScalarNode
 
 
-def types_view(lowering: Lowering, file: File, extra: tuple[Struct, ...]) -> TypesView:
-    builder = _Types(lowering)
-    declarations = (*file.declarations, *extra)
-    types = [view for d in declarations if (view := builder.type(d)) is not None]
-    mapped = [
-        found
-        for d in declarations
-        if isinstance(d, Struct) and (found := names.mapped(d)) is not None
-    ]
-    exported = [t.name for t in types if not t.name.startswith("_")] + [name for _, name in mapped]
+def types_view(lowering: Lowering, file: File) -> TypesView:
+    builder = _Types(_in_module(lowering, file))
+    types = [view for d in file.declarations if (view := builder.type(d)) is not None]
+    types += builder.results(file)
+    mapped = [d for d in file.declarations if isinstance(d, Struct) and names.mapped(d) is not None]
+    known = lowering.layout.python_names.types
+    hand_written = {mapped_import(d, known[d.name].name) for d in mapped}
+    exported = [t.name for t in types if not t.name.startswith("_")]
+    exported += [known[d.name].name for d in mapped]
     return TypesView(
         file.path,
         type_doc(Facts(Location(file.path, 1, 1), file.doc)) or (f"Types of {file.path}.",),
         tuple(_standard(types)),
-        tuple(_imports(lowering, file, declarations, types, mapped)),
+        tuple(_imports(builder.module, types, hand_written)),
         tuple(_numpy(types)),
         tuple(types),
         tuple(sorted(exported, key=export_order)),
     )
 
 
+def _in_module(lowering: Lowering, file: File) -> Lowering:
+    """What prints for the types of a file."""
+    homes, layout = lowering.module.homes, lowering.layout
+    nodes = [n for d in file.declarations for n in _nodes(lowering.model, layout, d)]
+    for operation in homes.results_of(file):
+        nodes += [field.node for field in layout.call(operation.scoped_name).reply]
+    used = {home for node in nodes for home in lowering.used(node)}
+    own = f"{python_module(file.path)}_types"
+    return lowering.within(ModuleNames(homes, used, homes.names_of(file), [own]))
+
+
+def _nodes(model: Model, layout: Layout, declaration: AnyDeclaration) -> list[Node]:
+    """Of all values that the class of a declaration names the types of."""
+    match declaration:
+        case Struct(name):
+            return [field.node for field in layout.structs[name].fields]
+        case Union(name):
+            union = layout.unions[name]
+            return [union.tag, *(arm.node for arm in union.arms)]
+        case Typedef(type=target) | Constant(type=target):
+            return [node_of(model, target)]
+        case _:
+            return []
+
+
 def _standard(types: list[TypeView]) -> list[str]:
     kinds = {t.kind for t in types}
     structs = [t for t in types if isinstance(t, StructView)]
     coded = bool(kinds & {"struct", "union", "bits"})
-    bodies = "\n".join(
-        line for t in types if isinstance(t, StructView | UnionView) for line in t.encode
-    )
     fields = any("_field(" in field.default for t in structs for field in t.fields)
-    modules: dict[str, list[str]] = {"builtins": [], "dataclasses": [], "enum": [], "typing": []}
-    modules["builtins"] += private(w for w in BUILTIN_FUNCTIONS if f"_{w}(" in bodies)
+    modules: dict[str, list[str]] = {"dataclasses": [], "enum": [], "typing": []}
     for module, name, used in (
         ("dataclasses", "dataclass", coded),
         ("dataclasses", "field", fields),
@@ -107,29 +127,9 @@ def _numpy(types: list[TypeView]) -> list[str]:
 
 
 def _imports(
-    lowering: Lowering,
-    file: File,
-    declarations: tuple[AnyDeclaration, ...],
-    types: list[TypeView],
-    mapped: list[tuple[str, str]],
+    module: ModuleNames, types: list[TypeView], hand_written: set[tuple[str, str]]
 ) -> list[str]:
-    model = lowering.model
-    used: set[str] = set()
-    for declaration in declarations:
-        match declaration:
-            case Struct():
-                for member in model.all_members(declaration):
-                    used |= lowering.imports(member.type)
-            case Union():
-                used |= lowering.imports(declaration.discriminator)
-                for case in declaration.cases:
-                    used |= lowering.imports(case.member.type)
-            case Typedef(type=target):
-                used |= lowering.imports(target)
-            case _:
-                pass
-    names.refuse_same_names(model, file, used)
-    modules: dict[str, set[str]] = {}
+    modules = module.imports()
     if {t.kind for t in types} & {"struct", "union", "bits"}:
         modules["gecos"] = set(private(["wire"]))
         modules["gecos.wire"] = set(private(["shapes"]))
@@ -137,48 +137,44 @@ def _imports(
         modules["gecos.wire"].update(private(["plans"]))
     if any(isinstance(t, StructView) and t.is_exception for t in types):
         modules["gecos.errors"] = set(private(["DeclaredError"]))
-    for module, name in mapped:
-        modules.setdefault(module, set()).add(name)
-    for name in used:
-        module = names.types_module(model, name)
-        if module != f"{python_module(file.path)}_types":
-            modules.setdefault(module, set()).add(names.type_name(model, name))
+    for home, text in hand_written:
+        modules.setdefault(home, set()).add(text)
     return import_lines(modules)
 
 
 class _Types(Structs, Unions):
+    @property
+    def module(self) -> ModuleNames:
+        return self._lowering.module
+
+    def results(self, file: File) -> list[StructView]:
+        """What operations of the file give that give several values."""
+        return [self._result(operation) for operation in self.module.homes.results_of(file)]
+
     def type(self, declaration: AnyDeclaration) -> TypeView | None:
         match declaration:
             case EnumDeclaration():
-                values = tuple(
-                    EnumeratorView(names.enumerator(e.name), str(e.number), one_line(e.facts))
-                    for e in declaration.enumerators
-                )
-                return EnumView(
-                    "enum", self._name(declaration), type_doc(declaration.facts), values
+                return self._enum(
+                    "enum",
+                    declaration,
+                    [(e.name, str(e.number), e.facts) for e in declaration.enumerators],
                 )
             case Bitmask():
-                values = tuple(
-                    EnumeratorView(
-                        names.enumerator(f.name), f"1 << {f.position}", one_line(f.facts)
-                    )
-                    for f in declaration.flags
-                )
-                return EnumView(
-                    "mask", self._name(declaration), type_doc(declaration.facts), values
+                return self._enum(
+                    "mask",
+                    declaration,
+                    [(f.name, f"1 << {f.position}", f.facts) for f in declaration.flags],
                 )
             case Bitset():
                 return self._bits(declaration)
             case Struct():
-                mapped = names.mapped(declaration)
-                if mapped is not None:
-                    return self._twin(declaration, mapped[1])
-                return self._struct(declaration)
+                mapped = names.mapped(declaration) is not None
+                return self._twin(declaration) if mapped else self._struct(declaration)
             case Union():
                 return self._union(declaration)
             case Typedef():
                 note = value_note(declaration.unit, declaration.range)
-                hint = self._lowering.hint(declaration.type)
+                hint = self._lowering.hint(node_of(self._model, declaration.type))
                 doc = type_doc(declaration.facts, note)
                 return AliasView("alias", self._name(declaration), doc, hint)
             case Constant():
@@ -186,13 +182,30 @@ class _Types(Structs, Unions):
             case _:
                 return None
 
+    def _enum(
+        self,
+        kind: str,
+        declaration: EnumDeclaration | Bitmask,
+        enumerators: list[tuple[str, str, Facts]],
+    ) -> EnumView:
+        return EnumView(
+            kind,
+            self._name(declaration),
+            type_doc(declaration.facts),
+            tuple(
+                EnumeratorView(names.enumerator(name), value, type_doc(facts))
+                for name, value, facts in enumerators
+            ),
+        )
+
     def _constant(self, constant: Constant) -> ConstantView:
+        node = node_of(self._model, constant.type)
         return ConstantView(
             "constant",
             self._name(constant),
             type_doc(constant.facts, value_note(constant.unit, None)),
-            self._lowering.hint(constant.type),
-            self._lowering.literal(constant.value, constant.type),
+            self._lowering.hint(node),
+            self._lowering.literal(constant.value, node),
         )
 
     def _bits(self, bitset: Bitset) -> BitsView:
@@ -204,8 +217,7 @@ class _Types(Structs, Unions):
             boolean = kind is Primitive.BOOLEAN
             signed = not boolean and not kind.is_unsigned
             member = names.member_name(f.name, names.STRUCT_WORDS | {"pack", "unpack"})
-            attribute = f', attribute="{member}"' if member != f.name else ""
-            shape.append(f'_shapes.Member("{f.name}", _shapes.Number("{CODES[kind]}"){attribute})')
+            shape.append(self._lowering.member_shape(f.name, member, ScalarNode(kind)))
             used |= ((1 << f.width) - 1) << f.position
             fields.append(
                 BitsFieldView(

@@ -2,52 +2,44 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from gidl.languages import PYTHON_WORDS
-from gidl.model import (
-    Member,
-    Struct,
-)
+from gidl.model import Member, Struct
+from gidl.targets.groups import call, group
 from gidl.targets.naming import LocalNames
 from gidl.targets.python import names
 from gidl.targets.python.lower import Leaf, Lowering, Run, Slot
-from gidl.targets.python.values.names import (
-    LOCAL_WORDS,
-    may_be_missing,
-    type_names,
-)
-from gidl.targets.python.values.views import (
-    RunView,
-)
+from gidl.targets.python.values.names import LOCAL_WORDS, may_be_missing
+from gidl.targets.python.values.views import RunView
 from gidl.type_names import escaped
-from gidl.wire_layout import node_of
 from gidl.wire_nodes import ScalarNode
+
+
+@dataclass(frozen=True, slots=True)
+class Class:
+    """A struct and what its class is called; its members with their places on the wire."""
+
+    struct: Struct
+    name: str
+    members: tuple[Member, ...]
+    attributes: tuple[str, ...]  # what the members are called
+    slots: tuple[Slot, ...]
 
 
 class Plan:
     """A struct's members in wire order: runs of numbers, and everything else one by one."""
 
-    def __init__(
-        self,
-        lowering: Lowering,
-        constants: names.Constants,
-        struct: Struct,
-        members: tuple[Member, ...],
-        slots: list[Slot],
-        name: str,
-        words: frozenset[str],
-    ) -> None:
+    def __init__(self, lowering: Lowering, constants: names.Constants, printed: Class) -> None:
         self._lowering = lowering
-        self._struct = struct
-        self._members = members
-        self._slots = slots
-        self._words = words
-        self._required = len(members)
-        if struct.is_appendable:
-            while self._required and may_be_missing(members[self._required - 1]):
+        self._class = printed
+        self._required = len(printed.members)
+        if printed.struct.is_appendable:
+            while self._required and may_be_missing(printed.members[self._required - 1]):
                 self._required -= 1
         # Groups: member indices that share a run, or a single index without one.
         self._groups: list[tuple[Run | None, list[int]]] = []
-        for i, slot in enumerate(slots):
+        for i, slot in enumerate(printed.slots):
             leaves = lowering.leaves(slot) if i < self._required else None
             if leaves is None:
                 self._groups.append((None, [i]))
@@ -60,16 +52,16 @@ class Plan:
                 self._groups.append((Run(leaves), [i]))
         runs = [run for run, _ in self._groups if run is not None]
         self._names = {
-            id(run): constants.name(name, "layout")
+            id(run): constants.name(printed.name, "layout")
             if len(runs) == 1
-            else constants.name(name, "layout", str(n))
+            else constants.name(printed.name, "layout", str(n))
             for n, run in enumerate(runs, start=1)
         }
 
     @property
     def missing(self) -> int:
         """How many of the last members an older writer may leave out."""
-        return len(self._members) - self._required
+        return len(self._class.members) - self._required
 
     def run_views(self) -> list[RunView]:
         return [
@@ -87,19 +79,20 @@ class Plan:
         local = self._locals()
         for run, indices in self._groups:
             if run is None:
-                lines += self._lowering.encode(self._slots[indices[0]], local)
+                lines += self._lowering.encode(self._class.slots[indices[0]], local)
                 continue
             for i in indices:
-                lines += self._lowering.expected(self._slots[i])
-            values = ", ".join(leaf.access for leaf in run.leaves)
-            lines.append(f"out.append({self._names[id(run)]}.pack({values}))")
+                lines += self._lowering.expected(self._class.slots[i])
+            packed = call(f"{self._names[id(run)]}.pack", *(leaf.access for leaf in run.leaves))
+            lines.append(call("out.append", packed))
             for leaf in run.leaves:
                 lines += self._lowering.check_leaf(leaf)
         return lines or ["pass"]
 
     def decode_body(self, recursive: bool) -> list[str]:
+        struct = self._class.struct
         only = self._groups[0][0] if len(self._groups) == 1 else None
-        if only is not None and self._is_plain(only) and not self._struct.is_appendable:
+        if only is not None and self._is_plain(only) and not struct.is_appendable:
             return [f"return cls(*{self._names[id(only)]}.unpack(source))"]
         lines: list[str] = []
         local = self._locals()
@@ -110,35 +103,34 @@ class Plan:
             else:
                 lines += self._decode_run(run, indices, local, arguments)
         if recursive:
-            lines.insert(0, f'source.enter("{self._struct.simple_name}")')
+            lines.insert(0, f'source.enter("{struct.simple_name}")')
             lines.append("source.leave()")
-        if self._struct.is_appendable:
+        if struct.is_appendable:
             lines.append("source.offset = source.end  # what a newer writer added is skipped")
-        return [*lines, f"return cls({', '.join(arguments)})"]
+        return [*lines, f"return {call('cls', *arguments)}"]
 
     def _locals(self) -> LocalNames:
-        return LocalNames(LOCAL_WORDS | type_names(self._lowering, [m.type for m in self._members]))
+        used = {home.name for s in self._class.slots for home in self._lowering.used(s.node)}
+        return LocalNames(LOCAL_WORDS | used)
 
     def _is_plain(self, run: Run) -> bool:
         """Whether what is unpacked are the members as they are."""
-        return len(run.leaves) == len(self._members) and all(
-            isinstance(node_of(self._lowering.model, m.type), ScalarNode)
-            and not self._lowering.refuse_leaf(leaf, "x", 0)
-            for m, leaf in zip(self._members, run.leaves, strict=True)
+        return len(run.leaves) == len(self._class.slots) and all(
+            isinstance(slot.node, ScalarNode) and slot.node.bounds is None
+            for slot in self._class.slots
         )
 
     def _decode_single(self, index: int, local: LocalNames, arguments: list[str]) -> list[str]:
-        member, slot = self._members[index], self._slots[index]
-        variable = local.fresh(names.member_name(member.name, self._words))
+        member, slot = self._class.members[index], self._class.slots[index]
+        variable = local.fresh(self._class.attributes[index])
         arguments.append(variable)
         text = self._lowering.decode(slot)
         if index < self._required:
             return [f"{variable} = {text}"]
-        missing, made = self._lowering.initial(member)
-        hint = self._lowering.hint(member.type, member.optional)
+        missing, made = self._lowering.initial(member, slot.node)
         assert not made, "only constants and None stand in for what is missing"
         return [
-            f"{variable}: {hint} = {missing}",
+            f"{variable}: {self._lowering.hint(slot.node)} = {missing}",
             "if source.offset < source.end:",
             f"    {variable} = {text}",
         ]
@@ -147,22 +139,23 @@ class Plan:
         self, run: Run, indices: list[int], local: LocalNames, arguments: list[str]
     ) -> list[str]:
         variables = [local.fresh(_variable(leaf)) for leaf in run.leaves]
-        left = ", ".join(variables) + ("," if len(variables) == 1 else "")
         unpacked = f"{self._names[id(run)]}.unpack(source)"
-        long = len(left) + len(unpacked) > 88
-        lines = [
-            f"({left}) = {unpacked}" if long or len(variables) == 1 else f"{left} = {unpacked}"
-        ]
+        left = ", ".join(variables)
+        if len(variables) == 1:
+            left = f"({left},)"
+        elif len(left) + len(unpacked) > 88:
+            left = group(variables)
+        lines = [f"{left} = {unpacked}"]
         for i, (leaf, variable) in enumerate(zip(run.leaves, variables, strict=True)):
             lines += self._lowering.refuse_leaf(leaf, variable, run.behind(i))
         left_over, behind = list(variables), [run.behind(i) for i in range(len(run.leaves))]
         for index in indices:
-            member, slot = self._members[index], self._slots[index]
-            text = self._lowering.rebuilt(member.type, left_over, behind, slot.label)
+            slot = self._class.slots[index]
+            text = self._lowering.rebuilt(slot.node, left_over, behind, slot.label)
             if text in variables:
                 arguments.append(text)
                 continue
-            made = local.fresh(f"{names.member_name(member.name, self._words)}_value")
+            made = local.fresh(f"{self._class.attributes[index]}_value")
             lines.append(f"{made} = {text}")
             arguments.append(made)
         return lines

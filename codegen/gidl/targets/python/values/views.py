@@ -9,7 +9,7 @@ from dataclasses import dataclass
 class EnumeratorView:
     name: str
     value: str
-    doc: str  # one line, or ""
+    doc: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,13 +51,14 @@ class StructView:
     fingerprint: str  # "" for what is no declared type
     equal: tuple[str, ...]  # comparisons, where arrays need help
     shape: tuple[str, ...]  # its members as gecos.wire.shapes has them
-    plan: str  # what it tells gecos.wire.plans of its members; "" where it has no plan
+    plan: str  # decorator that tells gecos.wire.plans of its members; "" where it has no plan
     stands_for: str  # the hand-written type whose layout it has, or ""
 
 
 @dataclass(frozen=True, slots=True)
 class ArmView:
     name: str
+    maker: str  # "make_circle"
     hint: str
     tag: str
     several: bool
@@ -79,6 +80,7 @@ class UnionView:
     decode: tuple[str, ...]
     fingerprint: str
     needs_same: bool
+    secret_arms: tuple[int, ...]
     tag_shape: str
     arm_shapes: tuple[str, ...]
 

@@ -1,0 +1,154 @@
+"""What a module calls the classes that it names, and which of them it imports."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+from gidl.file_names import python_module
+from gidl.model import File, Interface, Model, Operation, Struct
+from gidl.targets.naming import LocalNames
+from gidl.wire_layout import Layout
+
+# What a value of an interface's type is, and where that is declared.
+OBJECT_REF = "gecos::ObjectRef"
+_OBJECT_REF_FILE = "gecos/object_ref.gidl"
+
+
+class Home(NamedTuple):
+    """Where a class is defined, and what it is called there."""
+
+    module: str
+    name: str
+
+
+class Homes:
+    """The homes of all that is declared, by the table of names."""
+
+    def __init__(self, model: Model, layout: Layout) -> None:
+        self._model = model
+        self._names = layout.python_names
+
+    def value(self, scoped_name: str) -> Home:
+        """Of values of a type. Where the type is an interface, they are references to objects."""
+        if scoped_name != OBJECT_REF and isinstance(self._model.find(scoped_name), Interface):
+            scoped_name = OBJECT_REF
+        if scoped_name == OBJECT_REF and not self._model.has(OBJECT_REF):
+            return Home(f"{python_module(_OBJECT_REF_FILE)}_types", "ObjectRef")
+        name = self._names.types[scoped_name].name
+        return Home(self._types_module(scoped_name), name)
+
+    def proxy(self, interface: str) -> Home:
+        return Home(self._module(interface), self._names.types[interface].name)
+
+    def servant(self, interface: str) -> Home:
+        return Home(self._module(interface), self._names.servants[interface].name)
+
+    def result(self, operation: Operation) -> Home:
+        """Of what an operation gives that gives several values."""
+        name = self._names.results[operation.scoped_name].name
+        return Home(self._types_module(operation.interface), name)
+
+    def results_of(self, file: File) -> list[Operation]:
+        """The operations of a file that give several values."""
+        interfaces = [d for d in file.declarations if isinstance(d, Interface)]
+        known = self._names.results
+        return [o for i in interfaces for o in i.operations if o.scoped_name in known]
+
+    def names_of(self, file: File) -> set[str]:
+        """All names that the modules of a file give."""
+        known = self._names
+        declared = [d.name for d in file.declarations]
+        found = [
+            table[name]
+            for table in (known.types, known.servants)
+            for name in declared
+            if name in table
+        ]
+        found += [known.results[operation.scoped_name] for operation in self.results_of(file)]
+        return {each.name for each in found}
+
+    def _module(self, declaration: str) -> str:
+        return python_module(self._model.file_of(declaration))
+
+    def _types_module(self, declaration: str) -> str:
+        return f"{self._module(declaration)}_types"
+
+
+class ModuleNames:
+    """What one module calls classes: its own as the table says, those of other modules as they are
+    called there. Where that is taken an alias is imported, which no declaration can be called."""
+
+    def __init__(
+        self,
+        homes: Homes,
+        used: Iterable[Home] = (),
+        taken: Iterable[str] = (),
+        own_modules: Iterable[str] = (),
+    ) -> None:
+        """`used` are the classes that the module names; those of `own_modules` it has as they are
+        called there. `taken` are all names that it gives itself."""
+        self.homes = homes
+        self._own = frozenset(own_modules)
+        self._here = set(taken)
+        self._imported: dict[Home, str] = {}
+        for home in sorted(home for home in set(used) if home.module not in self._own):
+            self._import(home)
+
+    def _import(self, home: Home) -> None:
+        called = home.name
+        if called in self._here:
+            alias = f"_{called}__{home.module.replace('.', '_')}"
+            called = LocalNames(self._here).fresh(alias)
+        self._here.add(called)
+        self._imported[home] = called
+
+    def value(self, scoped_name: str) -> str:
+        return self._called(self.homes.value(scoped_name))
+
+    def proxy(self, interface: str) -> str:
+        return self._called(self.homes.proxy(interface))
+
+    def servant(self, interface: str) -> str:
+        return self._called(self.homes.servant(interface))
+
+    def result(self, operation: Operation) -> str:
+        return self._called(self.homes.result(operation))
+
+    def imports(self) -> dict[str, set[str]]:
+        """What to import from each module: "Frame", "Frame as _Frame__lab_types"."""
+        modules: dict[str, set[str]] = {}
+        for home, called in self._imported.items():
+            text = home.name if called == home.name else f"{home.name} as {called}"
+            modules.setdefault(home.module, set()).add(text)
+        return modules
+
+    def _called(self, home: Home) -> str:
+        return home.name if home.module in self._own else self._imported[home]
+
+
+class NamesAsUsed(ModuleNames):
+    """Of a module that imports each class when it is named for the first time."""
+
+    def __init__(self, homes: Homes, taken: Iterable[str]) -> None:
+        super().__init__(homes)
+        self._here = set(taken)
+
+    def _called(self, home: Home) -> str:
+        if home not in self._imported:
+            self._import(home)
+        return self._imported[home]
+
+
+class AllNames(ModuleNames):
+    """Of no module: each class is called as in its own."""
+
+    def _called(self, home: Home) -> str:
+        return home.name
+
+
+def mapped_import(struct: Struct, called: str) -> tuple[str, str]:
+    """Module and text that import the hand-written type under the name of the declared one."""
+    assert struct.maps_to is not None and struct.maps_to.python is not None
+    module, name = struct.maps_to.python
+    return module, name if name == called else f"{name} as {called}"
