@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from gidl.lcm_lowering import LcmStruct
 from gidl.model import Model, Struct, Union
-from gidl.targets.cpp.names import full_name, member_name
+from gidl.targets.cpp.names import member_name, type_name
 from gidl.wire_layout import Layout
 
 
@@ -17,30 +17,30 @@ def program(model: Model, layout: Layout, stem: str, prefix: str, structs: list[
     lines = [f'#include "{prefix}/{s.name.replace(".", "/")}.hpp"' for s in lowered]
     lines += [f'#include "{stem}_types.cpp"', '#include "gecos/wire/contents.hpp"', _CONVERT]
     for s in lowered:
-        lines += _mapping(model, s, prefix)
+        lines += _mapping(model, layout, s, prefix)
     lines.append(f"namespace {prefix}::{stem} {{")
     for s in lowered:
-        lines += _assign(model, s)
+        lines += _assign(model, layout, s)
     lines += ["}", _COMPARE, "static void judge(std::uint32_t type, gecos::ByteView message) {"]
     lines.append("  switch (type) {")
     for index, name in enumerate(structs):
         theirs = f"{prefix}::{layout.structs[name].lcm.name.replace('.', '::')}"
-        ours = full_name(model, name)
+        ours = type_name(model, layout, name)
         lines.append(f'    case {index}: return compare<{theirs}, {ours}>("{name}", message);')
     lines += ["  }", "}", _MAIN]
     return "\n".join(lines)
 
 
-def _mapping(model: Model, lcm: LcmStruct, prefix: str) -> Iterator[str]:
+def _mapping(model: Model, layout: Layout, lcm: LcmStruct, prefix: str) -> Iterator[str]:
     """Which class of lcm-gen reads the block of an appendable type."""
     if lcm.source is None or not isinstance(model.find(lcm.source), Struct | Union):
         return
-    ours = full_name(model, lcm.source)
+    ours = type_name(model, layout, lcm.source)
     theirs = f"{prefix}::{lcm.name.replace('.', '::')}"
     yield f"template <> struct TheirsOf<{ours}> {{ using type = {theirs}; }};"
 
 
-def _assign(model: Model, lcm: LcmStruct) -> Iterator[str]:
+def _assign(model: Model, layout: Layout, lcm: LcmStruct) -> Iterator[str]:
     """What converts one class of lcm-gen."""
     theirs = lcm.simple_name
     declaration = model.find(lcm.source) if lcm.source is not None else None
@@ -53,7 +53,7 @@ def _assign(model: Model, lcm: LcmStruct) -> Iterator[str]:
         return
     if not isinstance(declaration, Struct | Union):
         return
-    ours = f"::{full_name(model, declaration.name)}"
+    ours = type_name(model, layout, declaration.name)
     yield f"inline void assign([[maybe_unused]] const {theirs}& from,"
     yield f"                   [[maybe_unused]] {ours}& to) {{"
     if isinstance(declaration, Union):

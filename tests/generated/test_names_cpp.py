@@ -10,12 +10,11 @@ from pathlib import Path
 import pytest
 from generating import TREE, generate
 from gidl.keywords import CPP
-from gidl.targets.cpp.names import TYPE_WORDS
+from gidl.languages import CPP_TYPES
 from names_in_use import members_file, types_file
 
-NAMES = sorted(
-    word for word in TYPE_WORDS - CPP if word.islower() or word.lower() not in TYPE_WORDS
-)
+WORDS = CPP_TYPES.type_words
+NAMES = sorted(word for word in WORDS - CPP if word.islower() or word.lower() not in WORDS)
 
 
 @pytest.fixture(scope="module")

@@ -46,7 +46,7 @@ from gidl.model import (
 from gidl.resolve import resolve
 from gidl.targets.cpp.lower import PRIMITIVES
 from gidl.targets.cpp.lower import Lowering as CppLowering
-from gidl.targets.cpp.names import full_name, member_name
+from gidl.targets.cpp.names import member_name
 from gidl.targets.python import names as python_names
 from gidl.targets.python.homes import Homes
 
@@ -368,7 +368,7 @@ class CppWriter:
     def named(self, scoped: str, value: Any) -> str:
         scoped = value_type(self._model, scoped)
         declaration = self._model.find(scoped)
-        name = full_name(self._model, scoped)
+        name = self._lowering.named(scoped)
         self._made += 1
         v = f"v{self._made}"
         match declaration:

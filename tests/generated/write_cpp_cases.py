@@ -6,8 +6,9 @@ import json
 import sys
 from pathlib import Path
 
+from gidl import wire_layout
 from gidl.model import Model, NamedType
-from gidl.targets.cpp.names import full_name
+from gidl.targets.cpp.lower import Lowering
 from memory_factor import MemoryFactors
 from type_values import CppWriter, cases, load
 
@@ -62,6 +63,7 @@ std::string to_hex(gecos::ByteView bytes) {
 
 
 def source(model: Model) -> str:
+    cpp = Lowering(model, wire_layout.build(model))
     writer = CppWriter(model)
     types = sorted({case.type for case in cases()})
     headers = sorted({f"{model.file_of(name).removesuffix('.gidl')}_types.hpp" for name in types})
@@ -82,7 +84,7 @@ def source(model: Model) -> str:
     head = "Verdict judge(std::string_view type, gecos::ByteView bytes, void (*decoded)())"
     lines.append(f"{head} {{")
     for name in types:
-        call = f"verdict<{full_name(model, name)}>(bytes, decoded)"
+        call = f"verdict<{cpp.named(name)}>(bytes, decoded)"
         lines.append(f'  if (type == "{name}") return {call};')
     lines += ['  return {std::nullopt, "no such type"};', "}", ""]
     factors = MemoryFactors(model)

@@ -5,8 +5,9 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
+from gidl import wire_layout
 from gidl.model import Model
-from gidl.targets.cpp.names import full_name
+from gidl.targets.cpp.lower import Lowering
 from type_values import cases, load
 
 HELPERS = r"""
@@ -32,6 +33,7 @@ std::string read(std::string_view text) {
 
 
 def source(model: Model) -> str:
+    cpp = Lowering(model, wire_layout.build(model))
     types = sorted({case.type for case in cases()})
     headers = sorted({f"{model.file_of(name).removesuffix('.gidl')}_json.hpp" for name in types})
     lines = ['#include "json_judges.hpp"', "", '#include "cases.hpp"']
@@ -39,7 +41,7 @@ def source(model: Model) -> str:
     lines += [HELPERS + "const std::vector<JsonJudge>& json_judges() {"]
     lines += ["  static const std::vector<JsonJudge> all{"]
     for name in types:
-        kind = full_name(model, name)
+        kind = cpp.named(name)
         lines.append(f'      {{"{name}", &written<{kind}>, &read<{kind}>}},')
     return "\n".join([*lines, "  };", "  return all;", "}", ""])
 

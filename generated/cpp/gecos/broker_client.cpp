@@ -10,89 +10,83 @@
 
 namespace gecos {
 
-namespace {
-
-constexpr gecos::OperationDescription broker_operations[] = {
-    {.code = gecos::FunctionCode{0x17d413ce},
-     .name = "enlist",
-     .kind = gecos::OperationKind::Operation,
-     .status = gecos::access::Status::Sensor,
-     .safety = false,
-     .presence = false,
-     .idempotent = false,
-     .cancelable = false,
-     .parallel = false,
-     .ordered = false,
-     .on_new = gecos::OnNew::Queue,
-     .on_loss = gecos::OnLoss::Stop,
-     .quality = {},
-     .hash = 0xff7a6020c83edd81U},
-    {.code = gecos::FunctionCode{0x49e3d3e3},
-     .name = "lookup",
-     .kind = gecos::OperationKind::Operation,
-     .status = gecos::access::Status::Sensor,
-     .safety = false,
-     .presence = false,
-     .idempotent = true,
-     .cancelable = false,
-     .parallel = false,
-     .ordered = false,
-     .on_new = gecos::OnNew::Queue,
-     .on_loss = gecos::OnLoss::Stop,
-     .quality = {},
-     .hash = 0x5ed8113ab6d833d8U},
-    {.code = gecos::FunctionCode{0x8ce83919},
-     .name = "list",
-     .kind = gecos::OperationKind::Operation,
-     .status = gecos::access::Status::Sensor,
-     .safety = false,
-     .presence = false,
-     .idempotent = true,
-     .cancelable = false,
-     .parallel = false,
-     .ordered = false,
-     .on_new = gecos::OnNew::Queue,
-     .on_loss = gecos::OnLoss::Stop,
-     .quality = {},
-     .hash = 0xdf31bbf4a9abb156U},
-    {.code = gecos::FunctionCode{0xc5ebb42f},
-     .name = "withdraw",
-     .kind = gecos::OperationKind::Operation,
-     .status = gecos::access::Status::Sensor,
-     .safety = false,
-     .presence = false,
-     .idempotent = false,
-     .cancelable = false,
-     .parallel = false,
-     .ordered = false,
-     .on_new = gecos::OnNew::Queue,
-     .on_loss = gecos::OnLoss::Stop,
-     .quality = {},
-     .hash = 0x8875f2f1fe455040U},
-};
-
-constexpr gecos::InterfaceDescription broker_description{
-    .name = "gecos::Broker",
-    .version = "1.0",
-    .hash = 0x8235faed6f40eb46U,
-    .bases = {},
-    .operations = broker_operations,
-    .streams = {},
-    .quality = {},
-};
-
-}  // namespace
-
 const gecos::InterfaceDescription& Broker::gecos_description() {
-  return broker_description;
+  static constexpr gecos::OperationDescription operations[] = {
+      {.code = gecos::FunctionCode{0x17d413ce},
+       .name = "enlist",
+       .kind = gecos::OperationKind::Operation,
+       .status = gecos::access::Status::Sensor,
+       .safety = false,
+       .presence = false,
+       .idempotent = false,
+       .cancelable = false,
+       .parallel = false,
+       .ordered = false,
+       .on_new = gecos::OnNew::Queue,
+       .on_loss = gecos::OnLoss::Stop,
+       .quality = {},
+       .hash = 0xff7a6020c83edd81U},
+      {.code = gecos::FunctionCode{0x49e3d3e3},
+       .name = "lookup",
+       .kind = gecos::OperationKind::Operation,
+       .status = gecos::access::Status::Sensor,
+       .safety = false,
+       .presence = false,
+       .idempotent = true,
+       .cancelable = false,
+       .parallel = false,
+       .ordered = false,
+       .on_new = gecos::OnNew::Queue,
+       .on_loss = gecos::OnLoss::Stop,
+       .quality = {},
+       .hash = 0x5ed8113ab6d833d8U},
+      {.code = gecos::FunctionCode{0x8ce83919},
+       .name = "list",
+       .kind = gecos::OperationKind::Operation,
+       .status = gecos::access::Status::Sensor,
+       .safety = false,
+       .presence = false,
+       .idempotent = true,
+       .cancelable = false,
+       .parallel = false,
+       .ordered = false,
+       .on_new = gecos::OnNew::Queue,
+       .on_loss = gecos::OnLoss::Stop,
+       .quality = {},
+       .hash = 0xdf31bbf4a9abb156U},
+      {.code = gecos::FunctionCode{0xc5ebb42f},
+       .name = "withdraw",
+       .kind = gecos::OperationKind::Operation,
+       .status = gecos::access::Status::Sensor,
+       .safety = false,
+       .presence = false,
+       .idempotent = false,
+       .cancelable = false,
+       .parallel = false,
+       .ordered = false,
+       .on_new = gecos::OnNew::Queue,
+       .on_loss = gecos::OnLoss::Stop,
+       .quality = {},
+       .hash = 0x8875f2f1fe455040U},
+  };
+  static constexpr gecos::InterfaceDescription description{
+      .name = "gecos::Broker",
+      .version = "1.0",
+      .hash = 0x8235faed6f40eb46U,
+      .bases = {},
+      .operations = operations,
+      .streams = {},
+      .quality = {},
+  };
+  return description;
 }
 
 Broker::Broker(std::shared_ptr<gecos::session::ClientSession> session)
     : gecos::Object(std::move(session)) {}
 
-gecos::Command<void> Broker::enlist(const gecos::Entry& what) const {
+gecos::Command<void> Broker::enlist(const ::gecos::Entry& what) const {
   const std::string wrong = [&]() -> std::string {
-    if (auto why = gecos_violation(what); !why.empty()) return why;
+    if (auto why = ::gecos::gecos_violation(what); !why.empty()) return why;
     return {};
   }();
   if (!wrong.empty()) {
@@ -102,7 +96,7 @@ gecos::Command<void> Broker::enlist(const gecos::Entry& what) const {
   std::size_t size = 4;
   size += what.encoded_size();
   return gecos::Command<void>(gecos_session_->call(
-      broker_operations[0], size,
+      gecos_description().operations[0], size,
       [&](gecos::wire::Encoder& to) {
         to.put_count(what.encoded_size());
         what.encode(to);
@@ -121,41 +115,41 @@ gecos::Command<void> Broker::withdraw(const std::string& name) const {
   std::size_t size = 5;
   size += name.size();
   return gecos::Command<void>(gecos_session_->call(
-      broker_operations[3], size,
+      gecos_description().operations[3], size,
       [&](gecos::wire::Encoder& to) {
         to.put_string(name);
       }, gecos_options_));
 }
 
-gecos::Command<gecos::Entry> Broker::lookup(const std::string& name) const {
+gecos::Command<::gecos::Entry> Broker::lookup(const std::string& name) const {
   const std::string wrong = [&]() -> std::string {
     if (!gecos::wire::valid_text(name)) return gecos::wire::bad_text("lookup.name");
     return {};
   }();
   if (!wrong.empty()) {
-    return gecos::Command<gecos::Entry>(gecos::session::ended(
+    return gecos::Command<::gecos::Entry>(gecos::session::ended(
         {gecos::Detail::BadParameter, wrong, {}, {}}),
         [](
             gecos::wire::Decoder& from,
-            gecos::Entry& value) { return gecos::wire::get_block(from, value, "lookup"); });
+            ::gecos::Entry& value) { return gecos::wire::get_block(from, value, "lookup"); });
   }
   std::size_t size = 5;
   size += name.size();
-  return gecos::Command<gecos::Entry>(gecos_session_->call(
-      broker_operations[1], size,
+  return gecos::Command<::gecos::Entry>(gecos_session_->call(
+      gecos_description().operations[1], size,
       [&](gecos::wire::Encoder& to) {
         to.put_string(name);
       }, gecos_options_),
         [](
             gecos::wire::Decoder& from,
-            gecos::Entry& value) { return gecos::wire::get_block(from, value, "lookup"); });
+            ::gecos::Entry& value) { return gecos::wire::get_block(from, value, "lookup"); });
 }
 
-gecos::Command<std::vector<gecos::Entry>> Broker::list() const {
-  return gecos::Command<std::vector<gecos::Entry>>(gecos_session_->call(
-      broker_operations[2], 0, [](gecos::wire::Encoder&) {}, gecos_options_),
-        [](gecos::wire::Decoder& from, std::vector<gecos::Entry>& value) {
-          return gecos::wire::get_sequence(from, value, 4, gecos::wire::npos, "list", [&](gecos::Entry& item) {
+gecos::Command<std::vector<::gecos::Entry>> Broker::list() const {
+  return gecos::Command<std::vector<::gecos::Entry>>(gecos_session_->call(
+      gecos_description().operations[2], 0, [](gecos::wire::Encoder&) {}, gecos_options_),
+        [](gecos::wire::Decoder& from, std::vector<::gecos::Entry>& value) {
+          return gecos::wire::get_sequence(from, value, 4, gecos::wire::npos, "list", [&](auto& item) {
                    return gecos::wire::get_block(from, item, "list");
                  });
         });

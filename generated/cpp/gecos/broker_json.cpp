@@ -10,7 +10,7 @@
 
 namespace gecos::wire {
 
-void JsonShape<gecos::Entry>::write(JsonWriter to, const gecos::Entry& value) {
+void JsonShape<::gecos::Entry>::write(JsonWriter to, const ::gecos::Entry& value) {
   to.open_object();
   to.member("name", value.name);
   to.member("interface_name", value.interface_name);
@@ -25,7 +25,7 @@ void JsonShape<gecos::Entry>::write(JsonWriter to, const gecos::Entry& value) {
   to.member("simulated", value.simulated);
 }
 
-bool JsonShape<gecos::Entry>::read(const JsonReader& from, gecos::Entry& value) {
+bool JsonShape<::gecos::Entry>::read(const JsonReader& from, ::gecos::Entry& value) {
   static constexpr std::array<std::string_view, 11> names{
       "name",
       "interface_name",
@@ -53,13 +53,13 @@ bool JsonShape<gecos::Entry>::read(const JsonReader& from, gecos::Entry& value) 
          from.member("simulated", value.simulated);
 }
 
-void JsonShape<gecos::UnknownName>::write(JsonWriter to, const gecos::UnknownName& value) {
+void JsonShape<::gecos::UnknownName>::write(JsonWriter to, const ::gecos::UnknownName& value) {
   to.open_object();
   to.member("name", value.name);
   to.member("known", value.known);
 }
 
-bool JsonShape<gecos::UnknownName>::read(const JsonReader& from, gecos::UnknownName& value) {
+bool JsonShape<::gecos::UnknownName>::read(const JsonReader& from, ::gecos::UnknownName& value) {
   static constexpr std::array<std::string_view, 2> names{
       "name",
       "known",
@@ -69,13 +69,13 @@ bool JsonShape<gecos::UnknownName>::read(const JsonReader& from, gecos::UnknownN
          from.member("known", value.known);
 }
 
-void JsonShape<gecos::NameTaken>::write(JsonWriter to, const gecos::NameTaken& value) {
+void JsonShape<::gecos::NameTaken>::write(JsonWriter to, const ::gecos::NameTaken& value) {
   to.open_object();
   to.member("name", value.name);
   to.member("by", value.by);
 }
 
-bool JsonShape<gecos::NameTaken>::read(const JsonReader& from, gecos::NameTaken& value) {
+bool JsonShape<::gecos::NameTaken>::read(const JsonReader& from, ::gecos::NameTaken& value) {
   static constexpr std::array<std::string_view, 2> names{
       "name",
       "by",

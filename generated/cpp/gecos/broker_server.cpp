@@ -14,7 +14,7 @@
 namespace gecos {
 
 const gecos::InterfaceDescription& BrokerServant::gecos_interface() const {
-  return Broker::gecos_description();
+  return ::gecos::Broker::gecos_description();
 }
 
 void BrokerServant::gecos_dispatch(gecos::IncomingCall call) {
@@ -39,7 +39,7 @@ void BrokerServant::gecos_dispatch(gecos::IncomingCall call) {
 
 void BrokerServant::gecos_call_enlist(gecos::IncomingCall& call) {
   gecos::wire::Decoder from(call.arguments());
-  gecos::Entry what{};
+  ::gecos::Entry what{};
   const bool read = gecos::wire::get_block(from, what, "enlist.what");
   if (!read) {
     return call.fail({gecos::Detail::BadParameter, from.error().message(), {}, {}});
@@ -72,7 +72,7 @@ void BrokerServant::gecos_call_lookup(gecos::IncomingCall& call) {
   if (!result) return call.fail(result.error().failure());
   const auto& value = *result;
   const std::string wrong = [&]() -> std::string {
-    if (auto why = gecos_violation(value); !why.empty()) return why;
+    if (auto why = ::gecos::gecos_violation(value); !why.empty()) return why;
     return {};
   }();
   if (!wrong.empty()) {
@@ -93,7 +93,7 @@ void BrokerServant::gecos_call_list(gecos::IncomingCall& call) {
   const auto& value = *result;
   const std::string wrong = [&]() -> std::string {
     for (const auto& item : value) {
-      if (auto why = gecos_violation(item); !why.empty()) return why;
+      if (auto why = ::gecos::gecos_violation(item); !why.empty()) return why;
     }
     return {};
   }();

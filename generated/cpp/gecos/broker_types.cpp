@@ -50,7 +50,7 @@ void Entry::encode(gecos::wire::Encoder& to) const {
 bool Entry::decode([[maybe_unused]] gecos::wire::Decoder& from) {
   return from.get_string(name, gecos::wire::npos, "Entry.name") &&
          from.get_string(interface_name, gecos::wire::npos, "Entry.interface_name") &&
-         gecos::wire::get_sequence(from, bases, 5, gecos::wire::npos, "Entry.bases", [&](std::string& item) {
+         gecos::wire::get_sequence(from, bases, 5, gecos::wire::npos, "Entry.bases", [&](auto& item) {
            return from.get_string(item, gecos::wire::npos, "Entry.bases");
          }) &&
          from.get(interface_hash, "Entry.interface_hash") &&
@@ -59,7 +59,7 @@ bool Entry::decode([[maybe_unused]] gecos::wire::Decoder& from) {
          from.get_string(user, gecos::wire::npos, "Entry.user") &&
          from.get_string(host, gecos::wire::npos, "Entry.host") &&
          from.get_string(hostname, gecos::wire::npos, "Entry.hostname") &&
-         gecos::wire::get_sequence(from, addresses, 5, gecos::wire::npos, "Entry.addresses", [&](std::string& item) {
+         gecos::wire::get_sequence(from, addresses, 5, gecos::wire::npos, "Entry.addresses", [&](auto& item) {
            return from.get_string(item, gecos::wire::npos, "Entry.addresses");
          }) &&
          from.get(simulated, "Entry.simulated") &&
@@ -129,7 +129,7 @@ void UnknownName::encode(gecos::wire::Encoder& to) const {
 
 bool UnknownName::decode([[maybe_unused]] gecos::wire::Decoder& from) {
   return from.get_string(name, gecos::wire::npos, "UnknownName.name") &&
-         gecos::wire::get_sequence(from, known, 5, gecos::wire::npos, "UnknownName.known", [&](std::string& item) {
+         gecos::wire::get_sequence(from, known, 5, gecos::wire::npos, "UnknownName.known", [&](auto& item) {
            return from.get_string(item, gecos::wire::npos, "UnknownName.known");
          });
 }

@@ -10,161 +10,155 @@
 
 namespace gecos {
 
-namespace {
-
-constexpr gecos::OperationDescription gecos_object_operations[] = {
-    {.code = gecos::FunctionCode{0x00000001},
-     .name = "holders",
-     .kind = gecos::OperationKind::Operation,
-     .status = gecos::access::Status::Sensor,
-     .safety = false,
-     .presence = false,
-     .idempotent = true,
-     .cancelable = false,
-     .parallel = false,
-     .ordered = false,
-     .on_new = gecos::OnNew::Queue,
-     .on_loss = gecos::OnLoss::Stop,
-     .quality = {},
-     .hash = 0x925e85279b993071U},
-    {.code = gecos::FunctionCode{0x00000002},
-     .name = "stop",
-     .kind = gecos::OperationKind::Operation,
-     .status = gecos::access::Status::Sensor,
-     .safety = true,
-     .presence = false,
-     .idempotent = false,
-     .cancelable = false,
-     .parallel = false,
-     .ordered = false,
-     .on_new = gecos::OnNew::Queue,
-     .on_loss = gecos::OnLoss::Stop,
-     .quality = {},
-     .hash = 0xf664bf51ded3968eU},
-    {.code = gecos::FunctionCode{0x00000003},
-     .name = "ping",
-     .kind = gecos::OperationKind::Operation,
-     .status = gecos::access::Status::Sensor,
-     .safety = false,
-     .presence = false,
-     .idempotent = true,
-     .cancelable = false,
-     .parallel = false,
-     .ordered = false,
-     .on_new = gecos::OnNew::Queue,
-     .on_loss = gecos::OnLoss::Stop,
-     .quality = {},
-     .hash = 0x68b8e2d615f1b365U},
-    {.code = gecos::FunctionCode{0x00000004},
-     .name = "describe",
-     .kind = gecos::OperationKind::Operation,
-     .status = gecos::access::Status::Sensor,
-     .safety = false,
-     .presence = false,
-     .idempotent = true,
-     .cancelable = false,
-     .parallel = false,
-     .ordered = false,
-     .on_new = gecos::OnNew::Queue,
-     .on_loss = gecos::OnLoss::Stop,
-     .quality = {},
-     .hash = 0xedc61146e38f627fU},
-    {.code = gecos::FunctionCode{0x00000005},
-     .name = "acquire",
-     .kind = gecos::OperationKind::Operation,
-     .status = gecos::access::Status::Sensor,
-     .safety = false,
-     .presence = false,
-     .idempotent = false,
-     .cancelable = false,
-     .parallel = false,
-     .ordered = false,
-     .on_new = gecos::OnNew::Queue,
-     .on_loss = gecos::OnLoss::Stop,
-     .quality = {},
-     .hash = 0x0d62d737597bcaeaU},
-    {.code = gecos::FunctionCode{0x00000006},
-     .name = "release",
-     .kind = gecos::OperationKind::Operation,
-     .status = gecos::access::Status::Sensor,
-     .safety = false,
-     .presence = false,
-     .idempotent = false,
-     .cancelable = false,
-     .parallel = false,
-     .ordered = false,
-     .on_new = gecos::OnNew::Queue,
-     .on_loss = gecos::OnLoss::Stop,
-     .quality = {},
-     .hash = 0xd6f3249e5e699d99U},
-    {.code = gecos::FunctionCode{0x00000007},
-     .name = "subscribe",
-     .kind = gecos::OperationKind::Operation,
-     .status = gecos::access::Status::Sensor,
-     .safety = false,
-     .presence = false,
-     .idempotent = false,
-     .cancelable = false,
-     .parallel = false,
-     .ordered = false,
-     .on_new = gecos::OnNew::Queue,
-     .on_loss = gecos::OnLoss::Stop,
-     .quality = {},
-     .hash = 0x58a229726f12910aU},
-    {.code = gecos::FunctionCode{0x00000008},
-     .name = "unsubscribe",
-     .kind = gecos::OperationKind::Operation,
-     .status = gecos::access::Status::Sensor,
-     .safety = false,
-     .presence = false,
-     .idempotent = false,
-     .cancelable = false,
-     .parallel = false,
-     .ordered = false,
-     .on_new = gecos::OnNew::Queue,
-     .on_loss = gecos::OnLoss::Stop,
-     .quality = {},
-     .hash = 0x48017b544af97223U},
-    {.code = gecos::FunctionCode{0x00000009},
-     .name = "outcome",
-     .kind = gecos::OperationKind::Operation,
-     .status = gecos::access::Status::Sensor,
-     .safety = false,
-     .presence = false,
-     .idempotent = true,
-     .cancelable = false,
-     .parallel = false,
-     .ordered = false,
-     .on_new = gecos::OnNew::Queue,
-     .on_loss = gecos::OnLoss::Stop,
-     .quality = {},
-     .hash = 0xf1db02cd55068515U},
-};
-
-constexpr gecos::InterfaceDescription gecos_object_description{
-    .name = "gecos::GecosObject",
-    .version = "1.0",
-    .hash = 0x51a9de7d739e3db8U,
-    .bases = {},
-    .operations = gecos_object_operations,
-    .streams = {},
-    .quality = {},
-};
-
-}  // namespace
-
 const gecos::InterfaceDescription& GecosObject::gecos_description() {
-  return gecos_object_description;
+  static constexpr gecos::OperationDescription operations[] = {
+      {.code = gecos::FunctionCode{0x00000001},
+       .name = "holders",
+       .kind = gecos::OperationKind::Operation,
+       .status = gecos::access::Status::Sensor,
+       .safety = false,
+       .presence = false,
+       .idempotent = true,
+       .cancelable = false,
+       .parallel = false,
+       .ordered = false,
+       .on_new = gecos::OnNew::Queue,
+       .on_loss = gecos::OnLoss::Stop,
+       .quality = {},
+       .hash = 0x925e85279b993071U},
+      {.code = gecos::FunctionCode{0x00000002},
+       .name = "stop",
+       .kind = gecos::OperationKind::Operation,
+       .status = gecos::access::Status::Sensor,
+       .safety = true,
+       .presence = false,
+       .idempotent = false,
+       .cancelable = false,
+       .parallel = false,
+       .ordered = false,
+       .on_new = gecos::OnNew::Queue,
+       .on_loss = gecos::OnLoss::Stop,
+       .quality = {},
+       .hash = 0xf664bf51ded3968eU},
+      {.code = gecos::FunctionCode{0x00000003},
+       .name = "ping",
+       .kind = gecos::OperationKind::Operation,
+       .status = gecos::access::Status::Sensor,
+       .safety = false,
+       .presence = false,
+       .idempotent = true,
+       .cancelable = false,
+       .parallel = false,
+       .ordered = false,
+       .on_new = gecos::OnNew::Queue,
+       .on_loss = gecos::OnLoss::Stop,
+       .quality = {},
+       .hash = 0x68b8e2d615f1b365U},
+      {.code = gecos::FunctionCode{0x00000004},
+       .name = "describe",
+       .kind = gecos::OperationKind::Operation,
+       .status = gecos::access::Status::Sensor,
+       .safety = false,
+       .presence = false,
+       .idempotent = true,
+       .cancelable = false,
+       .parallel = false,
+       .ordered = false,
+       .on_new = gecos::OnNew::Queue,
+       .on_loss = gecos::OnLoss::Stop,
+       .quality = {},
+       .hash = 0xedc61146e38f627fU},
+      {.code = gecos::FunctionCode{0x00000005},
+       .name = "acquire",
+       .kind = gecos::OperationKind::Operation,
+       .status = gecos::access::Status::Sensor,
+       .safety = false,
+       .presence = false,
+       .idempotent = false,
+       .cancelable = false,
+       .parallel = false,
+       .ordered = false,
+       .on_new = gecos::OnNew::Queue,
+       .on_loss = gecos::OnLoss::Stop,
+       .quality = {},
+       .hash = 0x0d62d737597bcaeaU},
+      {.code = gecos::FunctionCode{0x00000006},
+       .name = "release",
+       .kind = gecos::OperationKind::Operation,
+       .status = gecos::access::Status::Sensor,
+       .safety = false,
+       .presence = false,
+       .idempotent = false,
+       .cancelable = false,
+       .parallel = false,
+       .ordered = false,
+       .on_new = gecos::OnNew::Queue,
+       .on_loss = gecos::OnLoss::Stop,
+       .quality = {},
+       .hash = 0xd6f3249e5e699d99U},
+      {.code = gecos::FunctionCode{0x00000007},
+       .name = "subscribe",
+       .kind = gecos::OperationKind::Operation,
+       .status = gecos::access::Status::Sensor,
+       .safety = false,
+       .presence = false,
+       .idempotent = false,
+       .cancelable = false,
+       .parallel = false,
+       .ordered = false,
+       .on_new = gecos::OnNew::Queue,
+       .on_loss = gecos::OnLoss::Stop,
+       .quality = {},
+       .hash = 0x58a229726f12910aU},
+      {.code = gecos::FunctionCode{0x00000008},
+       .name = "unsubscribe",
+       .kind = gecos::OperationKind::Operation,
+       .status = gecos::access::Status::Sensor,
+       .safety = false,
+       .presence = false,
+       .idempotent = false,
+       .cancelable = false,
+       .parallel = false,
+       .ordered = false,
+       .on_new = gecos::OnNew::Queue,
+       .on_loss = gecos::OnLoss::Stop,
+       .quality = {},
+       .hash = 0x48017b544af97223U},
+      {.code = gecos::FunctionCode{0x00000009},
+       .name = "outcome",
+       .kind = gecos::OperationKind::Operation,
+       .status = gecos::access::Status::Sensor,
+       .safety = false,
+       .presence = false,
+       .idempotent = true,
+       .cancelable = false,
+       .parallel = false,
+       .ordered = false,
+       .on_new = gecos::OnNew::Queue,
+       .on_loss = gecos::OnLoss::Stop,
+       .quality = {},
+       .hash = 0xf1db02cd55068515U},
+  };
+  static constexpr gecos::InterfaceDescription description{
+      .name = "gecos::GecosObject",
+      .version = "1.0",
+      .hash = 0x51a9de7d739e3db8U,
+      .bases = {},
+      .operations = operations,
+      .streams = {},
+      .quality = {},
+  };
+  return description;
 }
 
 GecosObject::GecosObject(std::shared_ptr<gecos::session::ClientSession> session)
     : gecos::Object(std::move(session)) {}
 
-gecos::Command<std::vector<gecos::Holder>> GecosObject::holders() const {
-  return gecos::Command<std::vector<gecos::Holder>>(gecos_session_->call(
-      gecos_object_operations[0], 0, [](gecos::wire::Encoder&) {}, gecos_options_),
-        [](gecos::wire::Decoder& from, std::vector<gecos::Holder>& value) {
-          return gecos::wire::get_sequence(from, value, 4, gecos::wire::npos, "holders", [&](gecos::Holder& item) {
+gecos::Command<std::vector<::gecos::Holder>> GecosObject::holders() const {
+  return gecos::Command<std::vector<::gecos::Holder>>(gecos_session_->call(
+      gecos_description().operations[0], 0, [](gecos::wire::Encoder&) {}, gecos_options_),
+        [](gecos::wire::Decoder& from, std::vector<::gecos::Holder>& value) {
+          return gecos::wire::get_sequence(from, value, 4, gecos::wire::npos, "holders", [&](auto& item) {
                    return gecos::wire::get_block(from, item, "holders");
                  });
         });
@@ -172,24 +166,24 @@ gecos::Command<std::vector<gecos::Holder>> GecosObject::holders() const {
 
 gecos::Command<void> GecosObject::stop() const {
   return gecos::Command<void>(gecos_session_->call(
-      gecos_object_operations[1], 0, [](gecos::wire::Encoder&) {}, gecos_options_));
+      gecos_description().operations[1], 0, [](gecos::wire::Encoder&) {}, gecos_options_));
 }
 
 gecos::Command<void> GecosObject::ping() const {
   return gecos::Command<void>(gecos_session_->call(
-      gecos_object_operations[2], 0, [](gecos::wire::Encoder&) {}, gecos_options_));
+      gecos_description().operations[2], 0, [](gecos::wire::Encoder&) {}, gecos_options_));
 }
 
-gecos::Command<gecos::Description> GecosObject::describe() const {
-  return gecos::Command<gecos::Description>(gecos_session_->call(
-      gecos_object_operations[3], 0, [](gecos::wire::Encoder&) {}, gecos_options_),
+gecos::Command<::gecos::Description> GecosObject::describe() const {
+  return gecos::Command<::gecos::Description>(gecos_session_->call(
+      gecos_description().operations[3], 0, [](gecos::wire::Encoder&) {}, gecos_options_),
         [](
             gecos::wire::Decoder& from,
-            gecos::Description& value) { return gecos::wire::get_block(from, value, "describe"); });
+            ::gecos::Description& value) { return gecos::wire::get_block(from, value, "describe"); });
 }
 
-gecos::Command<gecos::Grant> GecosObject::acquire(
-    gecos::Status wanted,
+gecos::Command<::gecos::Grant> GecosObject::acquire(
+    ::gecos::Status wanted,
     const std::optional<std::string>& password) const {
   const std::string wrong = [&]() -> std::string {
     if (password) {
@@ -198,19 +192,19 @@ gecos::Command<gecos::Grant> GecosObject::acquire(
     return {};
   }();
   if (!wrong.empty()) {
-    return gecos::Command<gecos::Grant>(gecos::session::ended(
+    return gecos::Command<::gecos::Grant>(gecos::session::ended(
         {gecos::Detail::BadParameter, wrong, {}, {}}),
         [](
             gecos::wire::Decoder& from,
-            gecos::Grant& value) { return gecos::wire::get_block(from, value, "acquire"); });
+            ::gecos::Grant& value) { return gecos::wire::get_block(from, value, "acquire"); });
   }
   std::size_t size = 5;
   if (password) {
     size += 5;
     size += password->size();
   }
-  return gecos::Command<gecos::Grant>(gecos_session_->call(
-      gecos_object_operations[4], size,
+  return gecos::Command<::gecos::Grant>(gecos_session_->call(
+      gecos_description().operations[4], size,
       [&](gecos::wire::Encoder& to) {
         to.put(static_cast<std::int32_t>(wanted));
         to.put(password.has_value());
@@ -220,12 +214,12 @@ gecos::Command<gecos::Grant> GecosObject::acquire(
       }, gecos_options_),
         [](
             gecos::wire::Decoder& from,
-            gecos::Grant& value) { return gecos::wire::get_block(from, value, "acquire"); });
+            ::gecos::Grant& value) { return gecos::wire::get_block(from, value, "acquire"); });
 }
 
 gecos::Command<void> GecosObject::release(std::uint64_t epoch, bool now) const {
   return gecos::Command<void>(gecos_session_->call(
-      gecos_object_operations[5], 9,
+      gecos_description().operations[5], 9,
       [&](gecos::wire::Encoder& to) {
         to.put(epoch);
         to.put(now);
@@ -234,7 +228,7 @@ gecos::Command<void> GecosObject::release(std::uint64_t epoch, bool now) const {
 
 gecos::Command<std::uint32_t> GecosObject::subscribe(std::uint32_t code) const {
   return gecos::Command<std::uint32_t>(gecos_session_->call(
-      gecos_object_operations[6], 4,
+      gecos_description().operations[6], 4,
       [&](gecos::wire::Encoder& to) {
         to.put(code);
       }, gecos_options_),
@@ -245,18 +239,18 @@ gecos::Command<std::uint32_t> GecosObject::subscribe(std::uint32_t code) const {
 
 gecos::Command<void> GecosObject::unsubscribe(std::uint32_t code) const {
   return gecos::Command<void>(gecos_session_->call(
-      gecos_object_operations[7], 4,
+      gecos_description().operations[7], 4,
       [&](gecos::wire::Encoder& to) {
         to.put(code);
       }, gecos_options_));
 }
 
-gecos::Command<gecos::OutcomeRecord> GecosObject::outcome(
+gecos::Command<::gecos::OutcomeRecord> GecosObject::outcome(
     std::uint64_t boot,
     std::uint64_t session,
     std::uint64_t counter) const {
-  return gecos::Command<gecos::OutcomeRecord>(gecos_session_->call(
-      gecos_object_operations[8], 24,
+  return gecos::Command<::gecos::OutcomeRecord>(gecos_session_->call(
+      gecos_description().operations[8], 24,
       [&](gecos::wire::Encoder& to) {
         to.put(boot);
         to.put(session);
@@ -264,7 +258,7 @@ gecos::Command<gecos::OutcomeRecord> GecosObject::outcome(
       }, gecos_options_),
         [](
             gecos::wire::Decoder& from,
-            gecos::OutcomeRecord& value) { return gecos::wire::get_block(from, value, "outcome"); });
+            ::gecos::OutcomeRecord& value) { return gecos::wire::get_block(from, value, "outcome"); });
 }
 
 }  // namespace gecos

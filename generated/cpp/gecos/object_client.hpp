@@ -25,7 +25,7 @@ class GecosObject : public virtual gecos::Object {
   GecosObject& operator=(const GecosObject&) = default;
 
   /// Who holds actor or master status now.
-  gecos::Command<std::vector<gecos::Holder>> holders() const;
+  gecos::Command<std::vector<::gecos::Holder>> holders() const;
 
   /// Stops what the object does, whoever asks: everything queued ends, nothing overtakes it.
   gecos::Command<void> stop() const;
@@ -34,12 +34,12 @@ class GecosObject : public virtual gecos::Object {
   gecos::Command<void> ping() const;
 
   /// What the object is and what state it is in.
-  gecos::Command<gecos::Description> describe() const;
+  gecos::Command<::gecos::Description> describe() const;
 
   /// Asks for a status. It stays the caller's while the session lives and is heard of.
-  /// May fail with gecos::StatusRefused.
-  gecos::Command<gecos::Grant> acquire(
-      gecos::Status wanted,
+  /// May fail with ::gecos::StatusRefused.
+  gecos::Command<::gecos::Grant> acquire(
+      ::gecos::Status wanted,
       const std::optional<std::string>& password = {}) const;
 
   /// Gives status back. Queued commands of the holder finish first unless `now`.
@@ -54,7 +54,7 @@ class GecosObject : public virtual gecos::Object {
   /// What became of an actor command that its caller lost: it was given `counter` in
   /// `session`,
   /// by the process that `boot` stands for. One that has not arrived never starts afterwards.
-  gecos::Command<gecos::OutcomeRecord> outcome(
+  gecos::Command<::gecos::OutcomeRecord> outcome(
       std::uint64_t boot,
       std::uint64_t session,
       std::uint64_t counter) const;

@@ -10,26 +10,27 @@
 
 namespace gecos::wire {
 
-namespace {
-constexpr std::array<JsonName, 3> names_of_gecos_Status{{
-    {"SENSOR", static_cast<std::uint64_t>(gecos::Status::SENSOR)},
-    {"ACTOR", static_cast<std::uint64_t>(gecos::Status::ACTOR)},
-    {"MASTER", static_cast<std::uint64_t>(gecos::Status::MASTER)},
-}};
-}  // namespace
-
-void JsonShape<gecos::Status>::write(JsonWriter to, gecos::Status value) {
-  to.put_name(names_of_gecos_Status, static_cast<std::uint64_t>(value));
+JsonNames JsonShape<::gecos::Status>::names() {
+  static constexpr std::array<JsonName, 3> all{{
+      {"SENSOR", static_cast<std::uint64_t>(::gecos::Status::SENSOR)},
+      {"ACTOR", static_cast<std::uint64_t>(::gecos::Status::ACTOR)},
+      {"MASTER", static_cast<std::uint64_t>(::gecos::Status::MASTER)},
+  }};
+  return all;
 }
 
-bool JsonShape<gecos::Status>::read(const JsonReader& from, gecos::Status& value) {
+void JsonShape<::gecos::Status>::write(JsonWriter to, ::gecos::Status value) {
+  to.put_name(names(), static_cast<std::uint64_t>(value));
+}
+
+bool JsonShape<::gecos::Status>::read(const JsonReader& from, ::gecos::Status& value) {
   std::uint64_t number = 0;
-  if (!from.get_name(names_of_gecos_Status, number)) return false;
-  value = static_cast<gecos::Status>(number);
+  if (!from.get_name(names(), number)) return false;
+  value = static_cast<::gecos::Status>(number);
   return true;
 }
 
-void JsonShape<gecos::Holder>::write(JsonWriter to, const gecos::Holder& value) {
+void JsonShape<::gecos::Holder>::write(JsonWriter to, const ::gecos::Holder& value) {
   to.open_object();
   to.member("status", value.status);
   to.member("user", value.user);
@@ -41,7 +42,7 @@ void JsonShape<gecos::Holder>::write(JsonWriter to, const gecos::Holder& value) 
   to.member("releasing", value.releasing);
 }
 
-bool JsonShape<gecos::Holder>::read(const JsonReader& from, gecos::Holder& value) {
+bool JsonShape<::gecos::Holder>::read(const JsonReader& from, ::gecos::Holder& value) {
   static constexpr std::array<std::string_view, 8> names{
       "status",
       "user",
@@ -63,7 +64,7 @@ bool JsonShape<gecos::Holder>::read(const JsonReader& from, gecos::Holder& value
          from.member("releasing", value.releasing);
 }
 
-void JsonShape<gecos::Description>::write(JsonWriter to, const gecos::Description& value) {
+void JsonShape<::gecos::Description>::write(JsonWriter to, const ::gecos::Description& value) {
   to.open_object();
   to.member("name", value.name);
   to.member("interface_name", value.interface_name);
@@ -78,7 +79,7 @@ void JsonShape<gecos::Description>::write(JsonWriter to, const gecos::Descriptio
   to.member("pid", value.pid);
 }
 
-bool JsonShape<gecos::Description>::read(const JsonReader& from, gecos::Description& value) {
+bool JsonShape<::gecos::Description>::read(const JsonReader& from, ::gecos::Description& value) {
   static constexpr std::array<std::string_view, 11> names{
       "name",
       "interface_name",
@@ -106,13 +107,15 @@ bool JsonShape<gecos::Description>::read(const JsonReader& from, gecos::Descript
          from.member("pid", value.pid);
 }
 
-void JsonShape<gecos::StatusRefused>::write(JsonWriter to, const gecos::StatusRefused& value) {
+void JsonShape<::gecos::StatusRefused>::write(JsonWriter to, const ::gecos::StatusRefused& value) {
   to.open_object();
   to.member("reason", value.reason);
   to.member("holders", value.holders);
 }
 
-bool JsonShape<gecos::StatusRefused>::read(const JsonReader& from, gecos::StatusRefused& value) {
+bool JsonShape<::gecos::StatusRefused>::read(
+    const JsonReader& from,
+    ::gecos::StatusRefused& value) {
   static constexpr std::array<std::string_view, 2> names{
       "reason",
       "holders",
@@ -122,13 +125,13 @@ bool JsonShape<gecos::StatusRefused>::read(const JsonReader& from, gecos::Status
          from.member("holders", value.holders);
 }
 
-void JsonShape<gecos::Grant>::write(JsonWriter to, const gecos::Grant& value) {
+void JsonShape<::gecos::Grant>::write(JsonWriter to, const ::gecos::Grant& value) {
   to.open_object();
   to.member("status", value.status);
   to.member("epoch", value.epoch);
 }
 
-bool JsonShape<gecos::Grant>::read(const JsonReader& from, gecos::Grant& value) {
+bool JsonShape<::gecos::Grant>::read(const JsonReader& from, ::gecos::Grant& value) {
   static constexpr std::array<std::string_view, 2> names{
       "status",
       "epoch",
@@ -138,13 +141,15 @@ bool JsonShape<gecos::Grant>::read(const JsonReader& from, gecos::Grant& value) 
          from.member("epoch", value.epoch);
 }
 
-void JsonShape<gecos::OutcomeRecord>::write(JsonWriter to, const gecos::OutcomeRecord& value) {
+void JsonShape<::gecos::OutcomeRecord>::write(JsonWriter to, const ::gecos::OutcomeRecord& value) {
   to.open_object();
   to.member("detail", value.detail);
   to.member("text", value.text);
 }
 
-bool JsonShape<gecos::OutcomeRecord>::read(const JsonReader& from, gecos::OutcomeRecord& value) {
+bool JsonShape<::gecos::OutcomeRecord>::read(
+    const JsonReader& from,
+    ::gecos::OutcomeRecord& value) {
   static constexpr std::array<std::string_view, 2> names{
       "detail",
       "text",

@@ -8,39 +8,40 @@
 namespace gecos::wire {
 
 template <>
-struct JsonShape<gecos::Status> {
-  static void write(JsonWriter to, gecos::Status value);
-  static bool read(const JsonReader& from, gecos::Status& value);
+struct JsonShape<::gecos::Status> {
+  static void write(JsonWriter to, ::gecos::Status value);
+  static bool read(const JsonReader& from, ::gecos::Status& value);
+  static JsonNames names();
 };
 
 template <>
-struct JsonShape<gecos::Holder> {
-  static void write(JsonWriter to, const gecos::Holder& value);
-  static bool read(const JsonReader& from, gecos::Holder& value);
+struct JsonShape<::gecos::Holder> {
+  static void write(JsonWriter to, const ::gecos::Holder& value);
+  static bool read(const JsonReader& from, ::gecos::Holder& value);
 };
 
 template <>
-struct JsonShape<gecos::Description> {
-  static void write(JsonWriter to, const gecos::Description& value);
-  static bool read(const JsonReader& from, gecos::Description& value);
+struct JsonShape<::gecos::Description> {
+  static void write(JsonWriter to, const ::gecos::Description& value);
+  static bool read(const JsonReader& from, ::gecos::Description& value);
 };
 
 template <>
-struct JsonShape<gecos::StatusRefused> {
-  static void write(JsonWriter to, const gecos::StatusRefused& value);
-  static bool read(const JsonReader& from, gecos::StatusRefused& value);
+struct JsonShape<::gecos::StatusRefused> {
+  static void write(JsonWriter to, const ::gecos::StatusRefused& value);
+  static bool read(const JsonReader& from, ::gecos::StatusRefused& value);
 };
 
 template <>
-struct JsonShape<gecos::Grant> {
-  static void write(JsonWriter to, const gecos::Grant& value);
-  static bool read(const JsonReader& from, gecos::Grant& value);
+struct JsonShape<::gecos::Grant> {
+  static void write(JsonWriter to, const ::gecos::Grant& value);
+  static bool read(const JsonReader& from, ::gecos::Grant& value);
 };
 
 template <>
-struct JsonShape<gecos::OutcomeRecord> {
-  static void write(JsonWriter to, const gecos::OutcomeRecord& value);
-  static bool read(const JsonReader& from, gecos::OutcomeRecord& value);
+struct JsonShape<::gecos::OutcomeRecord> {
+  static void write(JsonWriter to, const ::gecos::OutcomeRecord& value);
+  static bool read(const JsonReader& from, ::gecos::OutcomeRecord& value);
 };
 
 }  // namespace gecos::wire

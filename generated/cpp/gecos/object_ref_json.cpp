@@ -10,7 +10,7 @@
 
 namespace gecos::wire {
 
-void JsonShape<gecos::ObjectRef>::write(JsonWriter to, const gecos::ObjectRef& value) {
+void JsonShape<::gecos::ObjectRef>::write(JsonWriter to, const ::gecos::ObjectRef& value) {
   to.open_object();
   to.member("name", value.name);
   to.member("interface_hash", value.interface_hash);
@@ -18,7 +18,7 @@ void JsonShape<gecos::ObjectRef>::write(JsonWriter to, const gecos::ObjectRef& v
   to.member("where", value.where);
 }
 
-bool JsonShape<gecos::ObjectRef>::read(const JsonReader& from, gecos::ObjectRef& value) {
+bool JsonShape<::gecos::ObjectRef>::read(const JsonReader& from, ::gecos::ObjectRef& value) {
   static constexpr std::array<std::string_view, 4> names{
       "name",
       "interface_hash",

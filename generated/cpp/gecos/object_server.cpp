@@ -14,7 +14,7 @@
 namespace gecos {
 
 const gecos::InterfaceDescription& GecosObjectServant::gecos_interface() const {
-  return GecosObject::gecos_description();
+  return ::gecos::GecosObject::gecos_description();
 }
 
 void GecosObjectServant::gecos_dispatch(gecos::IncomingCall call) {
@@ -53,7 +53,7 @@ void GecosObjectServant::gecos_call_holders(gecos::IncomingCall& call) {
   const auto& value = *result;
   const std::string wrong = [&]() -> std::string {
     for (const auto& item : value) {
-      if (auto why = gecos_violation(item); !why.empty()) return why;
+      if (auto why = ::gecos::gecos_violation(item); !why.empty()) return why;
     }
     return {};
   }();
@@ -92,7 +92,7 @@ void GecosObjectServant::gecos_call_describe(gecos::IncomingCall& call) {
   if (!result) return call.fail(result.error().failure());
   const auto& value = *result;
   const std::string wrong = [&]() -> std::string {
-    if (auto why = gecos_violation(value); !why.empty()) return why;
+    if (auto why = ::gecos::gecos_violation(value); !why.empty()) return why;
     return {};
   }();
   if (!wrong.empty()) {
@@ -109,11 +109,11 @@ void GecosObjectServant::gecos_call_describe(gecos::IncomingCall& call) {
 
 void GecosObjectServant::gecos_call_acquire(gecos::IncomingCall& call) {
   gecos::wire::Decoder from(call.arguments());
-  gecos::Status wanted{};
+  ::gecos::Status wanted{};
   std::optional<std::string> password{};
-  const bool read = gecos::decode_enum(from, wanted, "acquire.wanted") &&
+  const bool read = ::gecos::decode_enum(from, wanted, "acquire.wanted") &&
          (from.at_end() ||
-          gecos::wire::get_optional(from, password, "acquire.password", [&](std::string& value) {
+          gecos::wire::get_optional(from, password, "acquire.password", [&](auto& value) {
             return from.get_string(value, gecos::wire::npos, "acquire.password");
           }));
   if (!read) {
@@ -184,7 +184,7 @@ void GecosObjectServant::gecos_call_outcome(gecos::IncomingCall& call) {
   if (!result) return call.fail(result.error().failure());
   const auto& value = *result;
   const std::string wrong = [&]() -> std::string {
-    if (auto why = gecos_violation(value); !why.empty()) return why;
+    if (auto why = ::gecos::gecos_violation(value); !why.empty()) return why;
     return {};
   }();
   if (!wrong.empty()) {

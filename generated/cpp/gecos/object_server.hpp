@@ -20,7 +20,7 @@ class GecosObjectServant : public virtual gecos::Servant {
 
  protected:
   /// Who holds actor or master status now.
-  virtual gecos::Result<std::vector<gecos::Holder>> holders() = 0;
+  virtual gecos::Result<std::vector<::gecos::Holder>> holders() = 0;
 
   /// Stops what the object does, whoever asks: everything queued ends, nothing overtakes it.
   virtual gecos::Result<void> stop() = 0;
@@ -29,12 +29,12 @@ class GecosObjectServant : public virtual gecos::Servant {
   virtual gecos::Result<void> ping() = 0;
 
   /// What the object is and what state it is in.
-  virtual gecos::Result<gecos::Description> describe() = 0;
+  virtual gecos::Result<::gecos::Description> describe() = 0;
 
   /// Asks for a status. It stays the caller's while the session lives and is heard of.
-  /// May fail with gecos::StatusRefused.
-  virtual gecos::Result<gecos::Grant> acquire(
-      gecos::Status wanted,
+  /// May fail with ::gecos::StatusRefused.
+  virtual gecos::Result<::gecos::Grant> acquire(
+      ::gecos::Status wanted,
       const std::optional<std::string>& password) = 0;
 
   /// Gives status back. Queued commands of the holder finish first unless `now`.
@@ -49,7 +49,7 @@ class GecosObjectServant : public virtual gecos::Servant {
   /// What became of an actor command that its caller lost: it was given `counter` in
   /// `session`,
   /// by the process that `boot` stands for. One that has not arrived never starts afterwards.
-  virtual gecos::Result<gecos::OutcomeRecord> outcome(
+  virtual gecos::Result<::gecos::OutcomeRecord> outcome(
       std::uint64_t boot,
       std::uint64_t session,
       std::uint64_t counter) = 0;

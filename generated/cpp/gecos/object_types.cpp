@@ -57,7 +57,7 @@ void Holder::encode(gecos::wire::Encoder& to) const {
 }
 
 bool Holder::decode([[maybe_unused]] gecos::wire::Decoder& from) {
-  return gecos::decode_enum(from, status, "Holder.status") &&
+  return ::gecos::decode_enum(from, status, "Holder.status") &&
          from.get_string(user, 64, "Holder.user") &&
          from.get_string(host, 64, "Holder.host") &&
          from.get_string(program, 128, "Holder.program") &&
@@ -207,7 +207,7 @@ void StatusRefused::encode(gecos::wire::Encoder& to) const {
 
 bool StatusRefused::decode([[maybe_unused]] gecos::wire::Decoder& from) {
   return from.get_string(reason, gecos::wire::npos, "StatusRefused.reason") &&
-         gecos::wire::get_sequence(from, holders, 4, gecos::wire::npos, "StatusRefused.holders", [&](gecos::Holder& item) {
+         gecos::wire::get_sequence(from, holders, 4, gecos::wire::npos, "StatusRefused.holders", [&](auto& item) {
            return gecos::wire::get_block(from, item, "StatusRefused.holders");
          });
 }
@@ -215,7 +215,7 @@ bool StatusRefused::decode([[maybe_unused]] gecos::wire::Decoder& from) {
 std::string gecos_violation(const StatusRefused& value) {
   if (!gecos::wire::valid_text(value.reason)) return gecos::wire::bad_text("StatusRefused.reason");
   for (const auto& item : value.holders) {
-    if (auto why = gecos_violation(item); !why.empty()) return why;
+    if (auto why = ::gecos::gecos_violation(item); !why.empty()) return why;
   }
   return {};
 }
@@ -238,7 +238,7 @@ void Grant::encode(gecos::wire::Encoder& to) const {
 }
 
 bool Grant::decode([[maybe_unused]] gecos::wire::Decoder& from) {
-  return gecos::decode_enum(from, status, "Grant.status") &&
+  return ::gecos::decode_enum(from, status, "Grant.status") &&
          from.get(epoch, "Grant.epoch") &&
          gecos::wire::skip_rest(from);
 }

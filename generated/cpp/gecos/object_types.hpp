@@ -25,7 +25,7 @@ std::ostream& operator<<(std::ostream& out, Status value);
 
 /// A client that holds actor or master status of an object.
 struct Holder {
-  gecos::Status status = gecos::Status::SENSOR;
+  ::gecos::Status status = ::gecos::Status::SENSOR;
   /// [at most 64]
   std::string user{};
   /// [at most 64]
@@ -91,7 +91,7 @@ std::string gecos_violation(const Description& value);
 /// Actor or master status was not given; `holders` says who has it. [exception]
 struct StatusRefused {
   std::string reason{};
-  std::vector<gecos::Holder> holders{};
+  std::vector<::gecos::Holder> holders{};
 
   static constexpr std::string_view type_name() { return "gecos::StatusRefused"; }
   static constexpr std::int64_t fingerprint() {
@@ -109,7 +109,7 @@ std::string gecos_violation(const StatusRefused& value);
 
 /// Status that was given, fenced by `epoch`.
 struct Grant {
-  gecos::Status status = gecos::Status::SENSOR;
+  ::gecos::Status status = ::gecos::Status::SENSOR;
   std::uint64_t epoch = 0;
 
   static constexpr std::string_view type_name() { return "gecos::Grant"; }

@@ -10,87 +10,81 @@
 
 namespace robcl {
 
-namespace {
-
-constexpr gecos::OperationDescription device_operations[] = {
-    {.code = gecos::FunctionCode{0x8fd39271},
-     .name = "parent",
-     .kind = gecos::OperationKind::Getter,
-     .status = gecos::access::Status::Sensor,
-     .safety = false,
-     .presence = false,
-     .idempotent = true,
-     .cancelable = false,
-     .parallel = false,
-     .ordered = false,
-     .on_new = gecos::OnNew::Queue,
-     .on_loss = gecos::OnLoss::Stop,
-     .quality = {},
-     .hash = 0xa8e7ee76d3bf5589U},
-    {.code = gecos::FunctionCode{0xd85eec1c},
-     .name = "base",
-     .kind = gecos::OperationKind::Getter,
-     .status = gecos::access::Status::Sensor,
-     .safety = false,
-     .presence = false,
-     .idempotent = true,
-     .cancelable = false,
-     .parallel = false,
-     .ordered = false,
-     .on_new = gecos::OnNew::Queue,
-     .on_loss = gecos::OnLoss::Stop,
-     .quality = {},
-     .hash = 0x6c7e67c50b389010U},
-    {.code = gecos::FunctionCode{0xeb6da7e6},
-     .name = "mount",
-     .kind = gecos::OperationKind::Operation,
-     .status = gecos::access::Status::Actor,
-     .safety = false,
-     .presence = true,
-     .idempotent = false,
-     .cancelable = false,
-     .parallel = false,
-     .ordered = false,
-     .on_new = gecos::OnNew::Queue,
-     .on_loss = gecos::OnLoss::Stop,
-     .quality = {},
-     .hash = 0x40840a23e20bca46U},
-};
-
-constexpr gecos::InterfaceDescription device_description{
-    .name = "robcl::Device",
-    .version = "1.0",
-    .hash = 0x93ad599693441813U,
-    .bases = {},
-    .operations = device_operations,
-    .streams = {},
-    .quality = {},
-};
-
-}  // namespace
-
 const gecos::InterfaceDescription& Device::gecos_description() {
-  return device_description;
+  static constexpr gecos::OperationDescription operations[] = {
+      {.code = gecos::FunctionCode{0x8fd39271},
+       .name = "parent",
+       .kind = gecos::OperationKind::Getter,
+       .status = gecos::access::Status::Sensor,
+       .safety = false,
+       .presence = false,
+       .idempotent = true,
+       .cancelable = false,
+       .parallel = false,
+       .ordered = false,
+       .on_new = gecos::OnNew::Queue,
+       .on_loss = gecos::OnLoss::Stop,
+       .quality = {},
+       .hash = 0xa8e7ee76d3bf5589U},
+      {.code = gecos::FunctionCode{0xd85eec1c},
+       .name = "base",
+       .kind = gecos::OperationKind::Getter,
+       .status = gecos::access::Status::Sensor,
+       .safety = false,
+       .presence = false,
+       .idempotent = true,
+       .cancelable = false,
+       .parallel = false,
+       .ordered = false,
+       .on_new = gecos::OnNew::Queue,
+       .on_loss = gecos::OnLoss::Stop,
+       .quality = {},
+       .hash = 0x6c7e67c50b389010U},
+      {.code = gecos::FunctionCode{0xeb6da7e6},
+       .name = "mount",
+       .kind = gecos::OperationKind::Operation,
+       .status = gecos::access::Status::Actor,
+       .safety = false,
+       .presence = true,
+       .idempotent = false,
+       .cancelable = false,
+       .parallel = false,
+       .ordered = false,
+       .on_new = gecos::OnNew::Queue,
+       .on_loss = gecos::OnLoss::Stop,
+       .quality = {},
+       .hash = 0x40840a23e20bca46U},
+  };
+  static constexpr gecos::InterfaceDescription description{
+      .name = "robcl::Device",
+      .version = "1.0",
+      .hash = 0x93ad599693441813U,
+      .bases = {},
+      .operations = operations,
+      .streams = {},
+      .quality = {},
+  };
+  return description;
 }
 
 Device::Device(std::shared_ptr<gecos::session::ClientSession> session)
     : gecos::Object(std::move(session)) {}
 
-gecos::Command<robcl::Frame> Device::base() const {
-  return gecos::Command<robcl::Frame>(gecos_session_->call(
-      device_operations[1], 0, [](gecos::wire::Encoder&) {}, gecos_options_),
-        [](gecos::wire::Decoder& from, robcl::Frame& value) { return value.decode(from); });
+gecos::Command<::robcl::Frame> Device::base() const {
+  return gecos::Command<::robcl::Frame>(gecos_session_->call(
+      gecos_description().operations[1], 0, [](gecos::wire::Encoder&) {}, gecos_options_),
+        [](gecos::wire::Decoder& from, ::robcl::Frame& value) { return value.decode(from); });
 }
 
 gecos::Command<std::string> Device::parent() const {
   return gecos::Command<std::string>(gecos_session_->call(
-      device_operations[0], 0, [](gecos::wire::Encoder&) {}, gecos_options_),
+      gecos_description().operations[0], 0, [](gecos::wire::Encoder&) {}, gecos_options_),
         [](
             gecos::wire::Decoder& from,
             std::string& value) { return from.get_string(value, gecos::wire::npos, "parent"); });
 }
 
-gecos::Command<void> Device::mount(const std::string& carrier, const robcl::Frame& offset) const {
+gecos::Command<void> Device::mount(const std::string& carrier, const ::robcl::Frame& offset) const {
   const std::string wrong = [&]() -> std::string {
     if (!gecos::wire::valid_text(carrier)) return gecos::wire::bad_text("mount.carrier");
     return {};
@@ -102,7 +96,7 @@ gecos::Command<void> Device::mount(const std::string& carrier, const robcl::Fram
   std::size_t size = 61;
   size += carrier.size();
   return gecos::Command<void>(gecos_session_->call(
-      device_operations[2], size,
+      gecos_description().operations[2], size,
       [&](gecos::wire::Encoder& to) {
         to.put_string(carrier);
         offset.encode(to);

@@ -22,15 +22,15 @@ class Device : public virtual gecos::Object {
   Device& operator=(const Device&) = default;
 
   /// Base of the device in the world.
-  gecos::Command<robcl::Frame> base() const;
+  gecos::Command<::robcl::Frame> base() const;
 
   /// Device whose flange carries this one; empty when it stands in the world.
   gecos::Command<std::string> parent() const;
 
   /// Places the base on the flange of `carrier`, or in the world when `carrier` is empty.
   /// Refused while moving.
-  /// May fail with robcl::MountRefused.
-  gecos::Command<void> mount(const std::string& carrier, const robcl::Frame& offset) const;
+  /// May fail with ::robcl::MountRefused.
+  gecos::Command<void> mount(const std::string& carrier, const ::robcl::Frame& offset) const;
 };
 
 }  // namespace robcl

@@ -10,12 +10,12 @@
 
 namespace gecos::wire {
 
-void JsonShape<robcl::MountRefused>::write(JsonWriter to, const robcl::MountRefused& value) {
+void JsonShape<::robcl::MountRefused>::write(JsonWriter to, const ::robcl::MountRefused& value) {
   to.open_object();
   to.member("reason", value.reason);
 }
 
-bool JsonShape<robcl::MountRefused>::read(const JsonReader& from, robcl::MountRefused& value) {
+bool JsonShape<::robcl::MountRefused>::read(const JsonReader& from, ::robcl::MountRefused& value) {
   static constexpr std::array<std::string_view, 1> names{
       "reason",
   };

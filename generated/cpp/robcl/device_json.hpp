@@ -9,9 +9,9 @@
 namespace gecos::wire {
 
 template <>
-struct JsonShape<robcl::MountRefused> {
-  static void write(JsonWriter to, const robcl::MountRefused& value);
-  static bool read(const JsonReader& from, robcl::MountRefused& value);
+struct JsonShape<::robcl::MountRefused> {
+  static void write(JsonWriter to, const ::robcl::MountRefused& value);
+  static bool read(const JsonReader& from, ::robcl::MountRefused& value);
 };
 
 }  // namespace gecos::wire

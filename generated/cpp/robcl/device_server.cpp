@@ -14,7 +14,7 @@
 namespace robcl {
 
 const gecos::InterfaceDescription& DeviceServant::gecos_interface() const {
-  return Device::gecos_description();
+  return ::robcl::Device::gecos_description();
 }
 
 void DeviceServant::gecos_dispatch(gecos::IncomingCall call) {
@@ -62,7 +62,7 @@ void DeviceServant::gecos_call_parent(gecos::IncomingCall& call) {
 void DeviceServant::gecos_call_mount(gecos::IncomingCall& call) {
   gecos::wire::Decoder from(call.arguments());
   std::string carrier{};
-  robcl::Frame offset{};
+  ::robcl::Frame offset{};
   const bool read = from.get_string(carrier, gecos::wire::npos, "mount.carrier") &&
          offset.decode(from);
   if (!read) {

@@ -18,15 +18,15 @@ class DeviceServant : public virtual gecos::Servant {
 
  protected:
   /// Base of the device in the world.
-  virtual gecos::Result<robcl::Frame> base() = 0;
+  virtual gecos::Result<::robcl::Frame> base() = 0;
 
   /// Device whose flange carries this one; empty when it stands in the world.
   virtual gecos::Result<std::string> parent() = 0;
 
   /// Places the base on the flange of `carrier`, or in the world when `carrier` is empty.
   /// Refused while moving.
-  /// May fail with robcl::MountRefused.
-  virtual gecos::Result<void> mount(const std::string& carrier, const robcl::Frame& offset) = 0;
+  /// May fail with ::robcl::MountRefused.
+  virtual gecos::Result<void> mount(const std::string& carrier, const ::robcl::Frame& offset) = 0;
 
   void gecos_call_base(gecos::IncomingCall& call);
   void gecos_call_parent(gecos::IncomingCall& call);

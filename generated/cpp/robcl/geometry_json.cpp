@@ -10,14 +10,14 @@
 
 namespace gecos::wire {
 
-void JsonShape<robcl::Vector>::write(JsonWriter to, const robcl::Vector& value) {
+void JsonShape<::robcl::Vector>::write(JsonWriter to, const ::robcl::Vector& value) {
   to.open_object();
   to.member("x", value.x);
   to.member("y", value.y);
   to.member("z", value.z);
 }
 
-bool JsonShape<robcl::Vector>::read(const JsonReader& from, robcl::Vector& value) {
+bool JsonShape<::robcl::Vector>::read(const JsonReader& from, ::robcl::Vector& value) {
   static constexpr std::array<std::string_view, 3> names{
       "x",
       "y",
@@ -29,7 +29,7 @@ bool JsonShape<robcl::Vector>::read(const JsonReader& from, robcl::Vector& value
          from.member("z", value.z);
 }
 
-void JsonShape<robcl::Quaternion>::write(JsonWriter to, const robcl::Quaternion& value) {
+void JsonShape<::robcl::Quaternion>::write(JsonWriter to, const ::robcl::Quaternion& value) {
   to.open_object();
   to.member("w", value.w);
   to.member("x", value.x);
@@ -37,7 +37,7 @@ void JsonShape<robcl::Quaternion>::write(JsonWriter to, const robcl::Quaternion&
   to.member("z", value.z);
 }
 
-bool JsonShape<robcl::Quaternion>::read(const JsonReader& from, robcl::Quaternion& value) {
+bool JsonShape<::robcl::Quaternion>::read(const JsonReader& from, ::robcl::Quaternion& value) {
   static constexpr std::array<std::string_view, 4> names{
       "w",
       "x",
@@ -51,47 +51,48 @@ bool JsonShape<robcl::Quaternion>::read(const JsonReader& from, robcl::Quaternio
          from.member("z", value.z);
 }
 
-namespace {
+template <>
+struct JsonLayout<::robcl::Frame> {
+  ::robcl::Vector position{};
+  ::robcl::Quaternion orientation{};
 
-struct layout_of_robcl_Frame {
-  robcl::Vector position{};
-  robcl::Quaternion orientation{};
-
-  static std::int64_t fingerprint() { return robcl::Frame::fingerprint(); }
+  static std::int64_t fingerprint() { return ::robcl::Frame::fingerprint(); }
   std::size_t encoded_size() const;
   void encode(Encoder& to) const;
   [[nodiscard]] bool decode(Decoder& from);
 };
 
-std::size_t layout_of_robcl_Frame::encoded_size() const {
+std::size_t JsonLayout<::robcl::Frame>::encoded_size() const {
   return 56;
 }
 
-void layout_of_robcl_Frame::encode(gecos::wire::Encoder& to) const {
+void JsonLayout<::robcl::Frame>::encode(gecos::wire::Encoder& to) const {
   position.encode(to);
   orientation.encode(to);
 }
 
-bool layout_of_robcl_Frame::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+bool JsonLayout<::robcl::Frame>::decode([[maybe_unused]] gecos::wire::Decoder& from) {
   return position.decode(from) &&
          orientation.decode(from);
 }
 
-}  // namespace
-
 template <>
-struct JsonShape<layout_of_robcl_Frame> {
-  static void write(JsonWriter to, const layout_of_robcl_Frame& value);
-  static bool read(const JsonReader& from, layout_of_robcl_Frame& value);
+struct JsonShape<JsonLayout<::robcl::Frame>> {
+  static void write(JsonWriter to, const JsonLayout<::robcl::Frame>& value);
+  static bool read(const JsonReader& from, JsonLayout<::robcl::Frame>& value);
 };
 
-void JsonShape<layout_of_robcl_Frame>::write(JsonWriter to, const layout_of_robcl_Frame& value) {
+void JsonShape<JsonLayout<::robcl::Frame>>::write(
+    JsonWriter to,
+    const JsonLayout<::robcl::Frame>& value) {
   to.open_object();
   to.member("position", value.position);
   to.member("orientation", value.orientation);
 }
 
-bool JsonShape<layout_of_robcl_Frame>::read(const JsonReader& from, layout_of_robcl_Frame& value) {
+bool JsonShape<JsonLayout<::robcl::Frame>>::read(
+    const JsonReader& from,
+    JsonLayout<::robcl::Frame>& value) {
   static constexpr std::array<std::string_view, 2> names{
       "position",
       "orientation",
@@ -101,12 +102,12 @@ bool JsonShape<layout_of_robcl_Frame>::read(const JsonReader& from, layout_of_ro
          from.member("orientation", value.orientation);
 }
 
-void JsonShape<robcl::Frame>::write(JsonWriter to, const robcl::Frame& value) {
-  write_json_as<layout_of_robcl_Frame>(to, value);
+void JsonShape<::robcl::Frame>::write(JsonWriter to, const ::robcl::Frame& value) {
+  write_json_as<JsonLayout<::robcl::Frame>>(to, value);
 }
 
-bool JsonShape<robcl::Frame>::read(const JsonReader& from, robcl::Frame& value) {
-  return read_json_as<layout_of_robcl_Frame>(from, value);
+bool JsonShape<::robcl::Frame>::read(const JsonReader& from, ::robcl::Frame& value) {
+  return read_json_as<JsonLayout<::robcl::Frame>>(from, value);
 }
 
 }  // namespace gecos::wire

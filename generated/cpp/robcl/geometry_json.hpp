@@ -8,21 +8,21 @@
 namespace gecos::wire {
 
 template <>
-struct JsonShape<robcl::Vector> {
-  static void write(JsonWriter to, const robcl::Vector& value);
-  static bool read(const JsonReader& from, robcl::Vector& value);
+struct JsonShape<::robcl::Vector> {
+  static void write(JsonWriter to, const ::robcl::Vector& value);
+  static bool read(const JsonReader& from, ::robcl::Vector& value);
 };
 
 template <>
-struct JsonShape<robcl::Quaternion> {
-  static void write(JsonWriter to, const robcl::Quaternion& value);
-  static bool read(const JsonReader& from, robcl::Quaternion& value);
+struct JsonShape<::robcl::Quaternion> {
+  static void write(JsonWriter to, const ::robcl::Quaternion& value);
+  static bool read(const JsonReader& from, ::robcl::Quaternion& value);
 };
 
 template <>
-struct JsonShape<robcl::Frame> {
-  static void write(JsonWriter to, const robcl::Frame& value);
-  static bool read(const JsonReader& from, robcl::Frame& value);
+struct JsonShape<::robcl::Frame> {
+  static void write(JsonWriter to, const ::robcl::Frame& value);
+  static bool read(const JsonReader& from, ::robcl::Frame& value);
 };
 
 }  // namespace gecos::wire

@@ -52,7 +52,7 @@ struct Quaternion {
 };
 std::ostream& operator<<(std::ostream& out, const Quaternion& value);
 
-// robcl::Frame is written by hand, in robcl/frames/frame.hpp.
-static_assert(gecos::wire::GeneralContents<robcl::Frame>);
+// ::robcl::Frame is written by hand, in robcl/frames/frame.hpp.
+static_assert(gecos::wire::GeneralContents<::robcl::Frame>);
 
 }  // namespace robcl

@@ -11,7 +11,7 @@
 namespace robcl {
 
 /// Two parallel jaws.
-class Gripper : public virtual robcl::Device {
+class Gripper : public virtual ::robcl::Device {
  public:
   static const gecos::InterfaceDescription& gecos_description();
 
@@ -21,13 +21,13 @@ class Gripper : public virtual robcl::Device {
   Gripper(const Gripper&) = default;
   Gripper& operator=(const Gripper&) = default;
 
-  gecos::Command<robcl::GripperState> jaws() const;
+  gecos::Command<::robcl::GripperState> jaws() const;
 
   /// Samples of jaws, 50 a second.
-  tl::expected<gecos::Stream<robcl::GripperState>, gecos::Failure> jaws(gecos::StreamTag) const;
+  tl::expected<gecos::Stream<::robcl::GripperState>, gecos::Failure> jaws(gecos::StreamTag) const;
 
   /// Point between the finger tips, in the world: approach along z, jaws close along y.
-  gecos::Command<robcl::Frame> grip_point() const;
+  gecos::Command<::robcl::Frame> grip_point() const;
 
   /// [m]
   gecos::Command<double> max_width() const;
@@ -37,13 +37,13 @@ class Gripper : public virtual robcl::Device {
 
   /// Opens (or narrows) to `width`.
   /// @param width [m, at least 0.0]
-  /// May fail with robcl::OutOfRange.
-  gecos::Command<void, robcl::GripperState> open(double width) const;
+  /// May fail with ::robcl::OutOfRange.
+  gecos::Command<void, ::robcl::GripperState> open(double width) const;
 
   /// Closes until the jaws meet something with `force`, or each other.
   /// @param force [N, at least 0.0]
-  /// May fail with robcl::OutOfRange.
-  gecos::Command<void, robcl::GripperState> close(double force) const;
+  /// May fail with ::robcl::OutOfRange.
+  gecos::Command<void, ::robcl::GripperState> close(double force) const;
 };
 
 }  // namespace robcl

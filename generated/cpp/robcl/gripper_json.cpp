@@ -10,7 +10,7 @@
 
 namespace gecos::wire {
 
-void JsonShape<robcl::GripperState>::write(JsonWriter to, const robcl::GripperState& value) {
+void JsonShape<::robcl::GripperState>::write(JsonWriter to, const ::robcl::GripperState& value) {
   to.open_object();
   to.member("width", value.width);
   to.member("force", value.force);
@@ -19,7 +19,7 @@ void JsonShape<robcl::GripperState>::write(JsonWriter to, const robcl::GripperSt
   to.member("held", value.held);
 }
 
-bool JsonShape<robcl::GripperState>::read(const JsonReader& from, robcl::GripperState& value) {
+bool JsonShape<::robcl::GripperState>::read(const JsonReader& from, ::robcl::GripperState& value) {
   static constexpr std::array<std::string_view, 5> names{
       "width",
       "force",
@@ -35,7 +35,7 @@ bool JsonShape<robcl::GripperState>::read(const JsonReader& from, robcl::Gripper
          from.member("held", value.held);
 }
 
-void JsonShape<robcl::OutOfRange>::write(JsonWriter to, const robcl::OutOfRange& value) {
+void JsonShape<::robcl::OutOfRange>::write(JsonWriter to, const ::robcl::OutOfRange& value) {
   to.open_object();
   to.member("what", value.what);
   to.member("value", value.value);
@@ -43,7 +43,7 @@ void JsonShape<robcl::OutOfRange>::write(JsonWriter to, const robcl::OutOfRange&
   to.member("upper", value.upper);
 }
 
-bool JsonShape<robcl::OutOfRange>::read(const JsonReader& from, robcl::OutOfRange& value) {
+bool JsonShape<::robcl::OutOfRange>::read(const JsonReader& from, ::robcl::OutOfRange& value) {
   static constexpr std::array<std::string_view, 4> names{
       "what",
       "value",

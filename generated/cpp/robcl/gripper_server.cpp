@@ -14,7 +14,7 @@
 namespace robcl {
 
 const gecos::InterfaceDescription& GripperServant::gecos_interface() const {
-  return Gripper::gecos_description();
+  return ::robcl::Gripper::gecos_description();
 }
 
 void GripperServant::gecos_dispatch(gecos::IncomingCall call) {
@@ -52,7 +52,7 @@ void GripperServant::gecos_call_jaws(gecos::IncomingCall& call) {
   if (!result) return call.fail(result.error().failure());
   const auto& value = *result;
   const std::string wrong = [&]() -> std::string {
-    if (auto why = gecos_violation(value); !why.empty()) return why;
+    if (auto why = ::robcl::gecos_violation(value); !why.empty()) return why;
     return {};
   }();
   if (!wrong.empty()) {
@@ -96,7 +96,7 @@ void GripperServant::gecos_call_open(gecos::IncomingCall& call) {
   if (!read) {
     return call.fail({gecos::Detail::BadParameter, from.error().message(), {}, {}});
   }
-  gecos::Execution<robcl::GripperState> run(call);
+  gecos::Execution<::robcl::GripperState> run(call);
   const auto result = this->open(width, run);
   if (!result) return call.fail(result.error().failure());
   call.finish(0, [](gecos::wire::Encoder&) {});
@@ -110,16 +110,16 @@ void GripperServant::gecos_call_close(gecos::IncomingCall& call) {
   if (!read) {
     return call.fail({gecos::Detail::BadParameter, from.error().message(), {}, {}});
   }
-  gecos::Execution<robcl::GripperState> run(call);
+  gecos::Execution<::robcl::GripperState> run(call);
   const auto result = this->close(force, run);
   if (!result) return call.fail(result.error().failure());
   call.finish(0, [](gecos::wire::Encoder&) {});
 }
 
-void GripperServant::publish_jaws(const robcl::GripperState& value, std::int64_t stamp_ns) {
+void GripperServant::publish_jaws(const ::robcl::GripperState& value, std::int64_t stamp_ns) {
   if (gecos_publisher_ == nullptr) return;
   const std::string wrong = [&]() -> std::string {
-    if (auto why = gecos_violation(value); !why.empty()) return why;
+    if (auto why = ::robcl::gecos_violation(value); !why.empty()) return why;
     return {};
   }();
   if (!wrong.empty()) {
@@ -132,7 +132,7 @@ void GripperServant::publish_jaws(const robcl::GripperState& value, std::int64_t
   gecos::wire::Encoder to(sample);
   to.put_count(value.encoded_size());
   value.encode(to);
-  gecos_publisher_->publish(Gripper::gecos_description().streams[0], sample, stamp_ns);
+  gecos_publisher_->publish(::robcl::Gripper::gecos_description().streams[0], sample, stamp_ns);
 }
 
 }  // namespace robcl

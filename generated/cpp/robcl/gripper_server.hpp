@@ -11,19 +11,21 @@
 namespace robcl {
 
 /// Two parallel jaws.
-class GripperServant : public virtual robcl::DeviceServant {
+class GripperServant : public virtual ::robcl::DeviceServant {
  public:
   const gecos::InterfaceDescription& gecos_interface() const override;
   void gecos_dispatch(gecos::IncomingCall call) override;
 
   /// A new sample of `jaws`, measured at `stamp_ns`. One thread at a time.
-  void publish_jaws(const robcl::GripperState& value, std::int64_t stamp_ns = gecos::unix_now_ns());
+  void publish_jaws(
+      const ::robcl::GripperState& value,
+      std::int64_t stamp_ns = gecos::unix_now_ns());
 
  protected:
-  virtual gecos::Result<robcl::GripperState> jaws() = 0;
+  virtual gecos::Result<::robcl::GripperState> jaws() = 0;
 
   /// Point between the finger tips, in the world: approach along z, jaws close along y.
-  virtual gecos::Result<robcl::Frame> grip_point() = 0;
+  virtual gecos::Result<::robcl::Frame> grip_point() = 0;
 
   /// [m]
   virtual gecos::Result<double> max_width() = 0;
@@ -33,13 +35,13 @@ class GripperServant : public virtual robcl::DeviceServant {
 
   /// Opens (or narrows) to `width`.
   /// @param width [m, at least 0.0]
-  /// May fail with robcl::OutOfRange.
-  virtual gecos::Result<void> open(double width, gecos::Execution<robcl::GripperState>& run) = 0;
+  /// May fail with ::robcl::OutOfRange.
+  virtual gecos::Result<void> open(double width, gecos::Execution<::robcl::GripperState>& run) = 0;
 
   /// Closes until the jaws meet something with `force`, or each other.
   /// @param force [N, at least 0.0]
-  /// May fail with robcl::OutOfRange.
-  virtual gecos::Result<void> close(double force, gecos::Execution<robcl::GripperState>& run) = 0;
+  /// May fail with ::robcl::OutOfRange.
+  virtual gecos::Result<void> close(double force, gecos::Execution<::robcl::GripperState>& run) = 0;
 
   void gecos_call_jaws(gecos::IncomingCall& call);
   void gecos_call_grip_point(gecos::IncomingCall& call);

@@ -11,7 +11,7 @@
 namespace robcl {
 
 /// Measures the distance along the z axis of its base.
-class LaserDistanceSensor : public virtual robcl::Device {
+class LaserDistanceSensor : public virtual ::robcl::Device {
  public:
   static const gecos::InterfaceDescription& gecos_description();
 
@@ -21,14 +21,14 @@ class LaserDistanceSensor : public virtual robcl::Device {
   LaserDistanceSensor(const LaserDistanceSensor&) = default;
   LaserDistanceSensor& operator=(const LaserDistanceSensor&) = default;
 
-  gecos::Command<robcl::Distance> beam() const;
+  gecos::Command<::robcl::Distance> beam() const;
 
   /// Samples of beam, 50 a second.
-  tl::expected<gecos::Stream<robcl::Distance>, gecos::Failure> beam(gecos::StreamTag) const;
+  tl::expected<gecos::Stream<::robcl::Distance>, gecos::Failure> beam(gecos::StreamTag) const;
 
   /// Takes a measurement now.
-  /// May fail with robcl::SensorFault.
-  gecos::Command<robcl::Distance> measure() const;
+  /// May fail with ::robcl::SensorFault.
+  gecos::Command<::robcl::Distance> measure() const;
 
   /// Switches the laser.
   gecos::Command<void> power(bool on) const;

@@ -10,7 +10,7 @@
 
 namespace gecos::wire {
 
-void JsonShape<robcl::Distance>::write(JsonWriter to, const robcl::Distance& value) {
+void JsonShape<::robcl::Distance>::write(JsonWriter to, const ::robcl::Distance& value) {
   to.open_object();
   to.member("value", value.value);
   to.member("valid", value.valid);
@@ -19,7 +19,7 @@ void JsonShape<robcl::Distance>::write(JsonWriter to, const robcl::Distance& val
   to.member("stamp", value.stamp);
 }
 
-bool JsonShape<robcl::Distance>::read(const JsonReader& from, robcl::Distance& value) {
+bool JsonShape<::robcl::Distance>::read(const JsonReader& from, ::robcl::Distance& value) {
   static constexpr std::array<std::string_view, 5> names{
       "value",
       "valid",
@@ -35,12 +35,12 @@ bool JsonShape<robcl::Distance>::read(const JsonReader& from, robcl::Distance& v
          from.member("stamp", value.stamp);
 }
 
-void JsonShape<robcl::SensorFault>::write(JsonWriter to, const robcl::SensorFault& value) {
+void JsonShape<::robcl::SensorFault>::write(JsonWriter to, const ::robcl::SensorFault& value) {
   to.open_object();
   to.member("reason", value.reason);
 }
 
-bool JsonShape<robcl::SensorFault>::read(const JsonReader& from, robcl::SensorFault& value) {
+bool JsonShape<::robcl::SensorFault>::read(const JsonReader& from, ::robcl::SensorFault& value) {
   static constexpr std::array<std::string_view, 1> names{
       "reason",
   };

@@ -9,15 +9,15 @@
 namespace gecos::wire {
 
 template <>
-struct JsonShape<robcl::Distance> {
-  static void write(JsonWriter to, const robcl::Distance& value);
-  static bool read(const JsonReader& from, robcl::Distance& value);
+struct JsonShape<::robcl::Distance> {
+  static void write(JsonWriter to, const ::robcl::Distance& value);
+  static bool read(const JsonReader& from, ::robcl::Distance& value);
 };
 
 template <>
-struct JsonShape<robcl::SensorFault> {
-  static void write(JsonWriter to, const robcl::SensorFault& value);
-  static bool read(const JsonReader& from, robcl::SensorFault& value);
+struct JsonShape<::robcl::SensorFault> {
+  static void write(JsonWriter to, const ::robcl::SensorFault& value);
+  static bool read(const JsonReader& from, ::robcl::SensorFault& value);
 };
 
 }  // namespace gecos::wire

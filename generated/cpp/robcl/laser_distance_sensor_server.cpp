@@ -14,7 +14,7 @@
 namespace robcl {
 
 const gecos::InterfaceDescription& LaserDistanceSensorServant::gecos_interface() const {
-  return LaserDistanceSensor::gecos_description();
+  return ::robcl::LaserDistanceSensor::gecos_description();
 }
 
 void LaserDistanceSensorServant::gecos_dispatch(gecos::IncomingCall call) {
@@ -67,12 +67,17 @@ void LaserDistanceSensorServant::gecos_call_power(gecos::IncomingCall& call) {
   call.finish(0, [](gecos::wire::Encoder&) {});
 }
 
-void LaserDistanceSensorServant::publish_beam(const robcl::Distance& value, std::int64_t stamp_ns) {
+void LaserDistanceSensorServant::publish_beam(
+    const ::robcl::Distance& value,
+    std::int64_t stamp_ns) {
   if (gecos_publisher_ == nullptr) return;
   std::array<std::byte, 33> sample;
   gecos::wire::Encoder to(sample);
   value.encode(to);
-  gecos_publisher_->publish(LaserDistanceSensor::gecos_description().streams[0], sample, stamp_ns);
+  gecos_publisher_->publish(
+      ::robcl::LaserDistanceSensor::gecos_description().streams[0],
+      sample,
+      stamp_ns);
 }
 
 }  // namespace robcl

@@ -11,20 +11,20 @@
 namespace robcl {
 
 /// Measures the distance along the z axis of its base.
-class LaserDistanceSensorServant : public virtual robcl::DeviceServant {
+class LaserDistanceSensorServant : public virtual ::robcl::DeviceServant {
  public:
   const gecos::InterfaceDescription& gecos_interface() const override;
   void gecos_dispatch(gecos::IncomingCall call) override;
 
   /// A new sample of `beam`, measured at `stamp_ns`. One thread at a time.
-  void publish_beam(const robcl::Distance& value, std::int64_t stamp_ns = gecos::unix_now_ns());
+  void publish_beam(const ::robcl::Distance& value, std::int64_t stamp_ns = gecos::unix_now_ns());
 
  protected:
-  virtual gecos::Result<robcl::Distance> beam() = 0;
+  virtual gecos::Result<::robcl::Distance> beam() = 0;
 
   /// Takes a measurement now.
-  /// May fail with robcl::SensorFault.
-  virtual gecos::Result<robcl::Distance> measure() = 0;
+  /// May fail with ::robcl::SensorFault.
+  virtual gecos::Result<::robcl::Distance> measure() = 0;
 
   /// Switches the laser.
   virtual gecos::Result<void> power(bool on) = 0;

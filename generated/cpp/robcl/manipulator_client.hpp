@@ -12,7 +12,7 @@
 namespace robcl {
 
 /// Any arm, number of joints unknown: a program written to this runs on every robot.
-class Manipulator : public virtual robcl::Device {
+class Manipulator : public virtual ::robcl::Device {
  public:
   static const gecos::InterfaceDescription& gecos_description();
 
@@ -23,28 +23,28 @@ class Manipulator : public virtual robcl::Device {
   Manipulator& operator=(const Manipulator&) = default;
 
   /// Tool frame in the world, as measured.
-  gecos::Command<robcl::Frame> tool() const;
+  gecos::Command<::robcl::Frame> tool() const;
 
   /// Samples of tool, 250 a second.
-  tl::expected<gecos::Stream<robcl::Frame>, gecos::Failure> tool(gecos::StreamTag) const;
+  tl::expected<gecos::Stream<::robcl::Frame>, gecos::Failure> tool(gecos::StreamTag) const;
 
   /// Flange in the world, as measured: where grippers and sensors are mounted.
-  gecos::Command<robcl::Frame> flange() const;
+  gecos::Command<::robcl::Frame> flange() const;
 
   /// Samples of flange, 250 a second.
-  tl::expected<gecos::Stream<robcl::Frame>, gecos::Failure> flange(gecos::StreamTag) const;
+  tl::expected<gecos::Stream<::robcl::Frame>, gecos::Failure> flange(gecos::StreamTag) const;
 
   /// Tool frame seen from the flange. Setting it is refused while moving.
-  gecos::Command<robcl::Frame> tool_offset() const;
+  gecos::Command<::robcl::Frame> tool_offset() const;
 
   /// Tool frame seen from the flange. Setting it is refused while moving.
-  gecos::Command<void> set_tool_offset(const robcl::Frame& value) const;
+  gecos::Command<void> set_tool_offset(const ::robcl::Frame& value) const;
 
   /// Moves the tool frame to `goal`, given in the world. FINISHED when it stands at the goal.
-  /// May fail with robcl::OutOfReach, robcl::JointLimit, robcl::Singular.
-  gecos::Command<void, robcl::MotionProgress> move(
-      const robcl::Frame& goal,
-      const std::optional<robcl::Trajectory>& how = {}) const;
+  /// May fail with ::robcl::OutOfReach, ::robcl::JointLimit, ::robcl::Singular.
+  gecos::Command<void, ::robcl::MotionProgress> move(
+      const ::robcl::Frame& goal,
+      const std::optional<::robcl::Trajectory>& how = {}) const;
 };
 
 }  // namespace robcl

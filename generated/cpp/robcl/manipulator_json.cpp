@@ -10,43 +10,45 @@
 
 namespace gecos::wire {
 
-namespace {
-constexpr std::array<JsonName, 2> names_of_robcl_PathType{{
-    {"STRAIGHT", static_cast<std::uint64_t>(robcl::PathType::STRAIGHT)},
-    {"JOINT", static_cast<std::uint64_t>(robcl::PathType::JOINT)},
-}};
-}  // namespace
-
-void JsonShape<robcl::PathType>::write(JsonWriter to, robcl::PathType value) {
-  to.put_name(names_of_robcl_PathType, static_cast<std::uint64_t>(value));
+JsonNames JsonShape<::robcl::PathType>::names() {
+  static constexpr std::array<JsonName, 2> all{{
+      {"STRAIGHT", static_cast<std::uint64_t>(::robcl::PathType::STRAIGHT)},
+      {"JOINT", static_cast<std::uint64_t>(::robcl::PathType::JOINT)},
+  }};
+  return all;
 }
 
-bool JsonShape<robcl::PathType>::read(const JsonReader& from, robcl::PathType& value) {
+void JsonShape<::robcl::PathType>::write(JsonWriter to, ::robcl::PathType value) {
+  to.put_name(names(), static_cast<std::uint64_t>(value));
+}
+
+bool JsonShape<::robcl::PathType>::read(const JsonReader& from, ::robcl::PathType& value) {
   std::uint64_t number = 0;
-  if (!from.get_name(names_of_robcl_PathType, number)) return false;
-  value = static_cast<robcl::PathType>(number);
+  if (!from.get_name(names(), number)) return false;
+  value = static_cast<::robcl::PathType>(number);
   return true;
 }
 
-namespace {
-constexpr std::array<JsonName, 2> names_of_robcl_Blend{{
-    {"BREAK", static_cast<std::uint64_t>(robcl::Blend::BREAK)},
-    {"NOBREAK", static_cast<std::uint64_t>(robcl::Blend::NOBREAK)},
-}};
-}  // namespace
-
-void JsonShape<robcl::Blend>::write(JsonWriter to, robcl::Blend value) {
-  to.put_name(names_of_robcl_Blend, static_cast<std::uint64_t>(value));
+JsonNames JsonShape<::robcl::Blend>::names() {
+  static constexpr std::array<JsonName, 2> all{{
+      {"BREAK", static_cast<std::uint64_t>(::robcl::Blend::BREAK)},
+      {"NOBREAK", static_cast<std::uint64_t>(::robcl::Blend::NOBREAK)},
+  }};
+  return all;
 }
 
-bool JsonShape<robcl::Blend>::read(const JsonReader& from, robcl::Blend& value) {
+void JsonShape<::robcl::Blend>::write(JsonWriter to, ::robcl::Blend value) {
+  to.put_name(names(), static_cast<std::uint64_t>(value));
+}
+
+bool JsonShape<::robcl::Blend>::read(const JsonReader& from, ::robcl::Blend& value) {
   std::uint64_t number = 0;
-  if (!from.get_name(names_of_robcl_Blend, number)) return false;
-  value = static_cast<robcl::Blend>(number);
+  if (!from.get_name(names(), number)) return false;
+  value = static_cast<::robcl::Blend>(number);
   return true;
 }
 
-void JsonShape<robcl::Trajectory>::write(JsonWriter to, const robcl::Trajectory& value) {
+void JsonShape<::robcl::Trajectory>::write(JsonWriter to, const ::robcl::Trajectory& value) {
   to.open_object();
   to.member("speed", value.speed);
   to.member("acceleration", value.acceleration);
@@ -56,7 +58,7 @@ void JsonShape<robcl::Trajectory>::write(JsonWriter to, const robcl::Trajectory&
   to.member("turn_speed", value.turn_speed);
 }
 
-bool JsonShape<robcl::Trajectory>::read(const JsonReader& from, robcl::Trajectory& value) {
+bool JsonShape<::robcl::Trajectory>::read(const JsonReader& from, ::robcl::Trajectory& value) {
   static constexpr std::array<std::string_view, 6> names{
       "speed",
       "acceleration",
@@ -74,13 +76,17 @@ bool JsonShape<robcl::Trajectory>::read(const JsonReader& from, robcl::Trajector
          from.member("turn_speed", value.turn_speed);
 }
 
-void JsonShape<robcl::MotionProgress>::write(JsonWriter to, const robcl::MotionProgress& value) {
+void JsonShape<::robcl::MotionProgress>::write(
+    JsonWriter to,
+    const ::robcl::MotionProgress& value) {
   to.open_object();
   to.member("fraction", value.fraction);
   to.member("remaining", value.remaining);
 }
 
-bool JsonShape<robcl::MotionProgress>::read(const JsonReader& from, robcl::MotionProgress& value) {
+bool JsonShape<::robcl::MotionProgress>::read(
+    const JsonReader& from,
+    ::robcl::MotionProgress& value) {
   static constexpr std::array<std::string_view, 2> names{
       "fraction",
       "remaining",
@@ -90,12 +96,12 @@ bool JsonShape<robcl::MotionProgress>::read(const JsonReader& from, robcl::Motio
          from.member("remaining", value.remaining);
 }
 
-void JsonShape<robcl::OutOfReach>::write(JsonWriter to, const robcl::OutOfReach& value) {
+void JsonShape<::robcl::OutOfReach>::write(JsonWriter to, const ::robcl::OutOfReach& value) {
   to.open_object();
   to.member("reason", value.reason);
 }
 
-bool JsonShape<robcl::OutOfReach>::read(const JsonReader& from, robcl::OutOfReach& value) {
+bool JsonShape<::robcl::OutOfReach>::read(const JsonReader& from, ::robcl::OutOfReach& value) {
   static constexpr std::array<std::string_view, 1> names{
       "reason",
   };
@@ -103,7 +109,7 @@ bool JsonShape<robcl::OutOfReach>::read(const JsonReader& from, robcl::OutOfReac
          from.member("reason", value.reason);
 }
 
-void JsonShape<robcl::JointLimit>::write(JsonWriter to, const robcl::JointLimit& value) {
+void JsonShape<::robcl::JointLimit>::write(JsonWriter to, const ::robcl::JointLimit& value) {
   to.open_object();
   to.member("axis", value.axis);
   to.member("value", value.value);
@@ -111,7 +117,7 @@ void JsonShape<robcl::JointLimit>::write(JsonWriter to, const robcl::JointLimit&
   to.member("upper", value.upper);
 }
 
-bool JsonShape<robcl::JointLimit>::read(const JsonReader& from, robcl::JointLimit& value) {
+bool JsonShape<::robcl::JointLimit>::read(const JsonReader& from, ::robcl::JointLimit& value) {
   static constexpr std::array<std::string_view, 4> names{
       "axis",
       "value",
@@ -125,12 +131,12 @@ bool JsonShape<robcl::JointLimit>::read(const JsonReader& from, robcl::JointLimi
          from.member("upper", value.upper);
 }
 
-void JsonShape<robcl::Singular>::write(JsonWriter to, const robcl::Singular& value) {
+void JsonShape<::robcl::Singular>::write(JsonWriter to, const ::robcl::Singular& value) {
   to.open_object();
   to.member("reason", value.reason);
 }
 
-bool JsonShape<robcl::Singular>::read(const JsonReader& from, robcl::Singular& value) {
+bool JsonShape<::robcl::Singular>::read(const JsonReader& from, ::robcl::Singular& value) {
   static constexpr std::array<std::string_view, 1> names{
       "reason",
   };

@@ -9,45 +9,47 @@
 namespace gecos::wire {
 
 template <>
-struct JsonShape<robcl::PathType> {
-  static void write(JsonWriter to, robcl::PathType value);
-  static bool read(const JsonReader& from, robcl::PathType& value);
+struct JsonShape<::robcl::PathType> {
+  static void write(JsonWriter to, ::robcl::PathType value);
+  static bool read(const JsonReader& from, ::robcl::PathType& value);
+  static JsonNames names();
 };
 
 template <>
-struct JsonShape<robcl::Blend> {
-  static void write(JsonWriter to, robcl::Blend value);
-  static bool read(const JsonReader& from, robcl::Blend& value);
+struct JsonShape<::robcl::Blend> {
+  static void write(JsonWriter to, ::robcl::Blend value);
+  static bool read(const JsonReader& from, ::robcl::Blend& value);
+  static JsonNames names();
 };
 
 template <>
-struct JsonShape<robcl::Trajectory> {
-  static void write(JsonWriter to, const robcl::Trajectory& value);
-  static bool read(const JsonReader& from, robcl::Trajectory& value);
+struct JsonShape<::robcl::Trajectory> {
+  static void write(JsonWriter to, const ::robcl::Trajectory& value);
+  static bool read(const JsonReader& from, ::robcl::Trajectory& value);
 };
 
 template <>
-struct JsonShape<robcl::MotionProgress> {
-  static void write(JsonWriter to, const robcl::MotionProgress& value);
-  static bool read(const JsonReader& from, robcl::MotionProgress& value);
+struct JsonShape<::robcl::MotionProgress> {
+  static void write(JsonWriter to, const ::robcl::MotionProgress& value);
+  static bool read(const JsonReader& from, ::robcl::MotionProgress& value);
 };
 
 template <>
-struct JsonShape<robcl::OutOfReach> {
-  static void write(JsonWriter to, const robcl::OutOfReach& value);
-  static bool read(const JsonReader& from, robcl::OutOfReach& value);
+struct JsonShape<::robcl::OutOfReach> {
+  static void write(JsonWriter to, const ::robcl::OutOfReach& value);
+  static bool read(const JsonReader& from, ::robcl::OutOfReach& value);
 };
 
 template <>
-struct JsonShape<robcl::JointLimit> {
-  static void write(JsonWriter to, const robcl::JointLimit& value);
-  static bool read(const JsonReader& from, robcl::JointLimit& value);
+struct JsonShape<::robcl::JointLimit> {
+  static void write(JsonWriter to, const ::robcl::JointLimit& value);
+  static bool read(const JsonReader& from, ::robcl::JointLimit& value);
 };
 
 template <>
-struct JsonShape<robcl::Singular> {
-  static void write(JsonWriter to, const robcl::Singular& value);
-  static bool read(const JsonReader& from, robcl::Singular& value);
+struct JsonShape<::robcl::Singular> {
+  static void write(JsonWriter to, const ::robcl::Singular& value);
+  static bool read(const JsonReader& from, ::robcl::Singular& value);
 };
 
 }  // namespace gecos::wire

@@ -14,7 +14,7 @@
 namespace robcl {
 
 const gecos::InterfaceDescription& ManipulatorServant::gecos_interface() const {
-  return Manipulator::gecos_description();
+  return ::robcl::Manipulator::gecos_description();
 }
 
 void ManipulatorServant::gecos_dispatch(gecos::IncomingCall call) {
@@ -68,7 +68,7 @@ void ManipulatorServant::gecos_call_tool_offset(gecos::IncomingCall& call) {
 
 void ManipulatorServant::gecos_set_tool_offset(gecos::IncomingCall& call) {
   gecos::wire::Decoder from(call.arguments());
-  robcl::Frame value{};
+  ::robcl::Frame value{};
   const bool read = value.decode(from);
   if (!read) {
     return call.fail({gecos::Detail::BadParameter, from.error().message(), {}, {}});
@@ -80,36 +80,36 @@ void ManipulatorServant::gecos_set_tool_offset(gecos::IncomingCall& call) {
 
 void ManipulatorServant::gecos_call_move(gecos::IncomingCall& call) {
   gecos::wire::Decoder from(call.arguments());
-  robcl::Frame goal{};
-  std::optional<robcl::Trajectory> how{};
+  ::robcl::Frame goal{};
+  std::optional<::robcl::Trajectory> how{};
   const bool read = goal.decode(from) &&
          (from.at_end() ||
-          gecos::wire::get_optional(from, how, "move.how", [&](robcl::Trajectory& value) {
+          gecos::wire::get_optional(from, how, "move.how", [&](auto& value) {
             return gecos::wire::get_block(from, value, "move.how");
           }));
   if (!read) {
     return call.fail({gecos::Detail::BadParameter, from.error().message(), {}, {}});
   }
-  gecos::Execution<robcl::MotionProgress> run(call);
+  gecos::Execution<::robcl::MotionProgress> run(call);
   const auto result = this->move(goal, how, run);
   if (!result) return call.fail(result.error().failure());
   call.finish(0, [](gecos::wire::Encoder&) {});
 }
 
-void ManipulatorServant::publish_tool(const robcl::Frame& value, std::int64_t stamp_ns) {
+void ManipulatorServant::publish_tool(const ::robcl::Frame& value, std::int64_t stamp_ns) {
   if (gecos_publisher_ == nullptr) return;
   std::array<std::byte, 56> sample;
   gecos::wire::Encoder to(sample);
   value.encode(to);
-  gecos_publisher_->publish(Manipulator::gecos_description().streams[0], sample, stamp_ns);
+  gecos_publisher_->publish(::robcl::Manipulator::gecos_description().streams[0], sample, stamp_ns);
 }
 
-void ManipulatorServant::publish_flange(const robcl::Frame& value, std::int64_t stamp_ns) {
+void ManipulatorServant::publish_flange(const ::robcl::Frame& value, std::int64_t stamp_ns) {
   if (gecos_publisher_ == nullptr) return;
   std::array<std::byte, 56> sample;
   gecos::wire::Encoder to(sample);
   value.encode(to);
-  gecos_publisher_->publish(Manipulator::gecos_description().streams[1], sample, stamp_ns);
+  gecos_publisher_->publish(::robcl::Manipulator::gecos_description().streams[1], sample, stamp_ns);
 }
 
 }  // namespace robcl

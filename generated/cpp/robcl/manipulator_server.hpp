@@ -12,36 +12,36 @@
 namespace robcl {
 
 /// Any arm, number of joints unknown: a program written to this runs on every robot.
-class ManipulatorServant : public virtual robcl::DeviceServant {
+class ManipulatorServant : public virtual ::robcl::DeviceServant {
  public:
   const gecos::InterfaceDescription& gecos_interface() const override;
   void gecos_dispatch(gecos::IncomingCall call) override;
 
   /// A new sample of `tool`, measured at `stamp_ns`. One thread at a time.
-  void publish_tool(const robcl::Frame& value, std::int64_t stamp_ns = gecos::unix_now_ns());
+  void publish_tool(const ::robcl::Frame& value, std::int64_t stamp_ns = gecos::unix_now_ns());
 
   /// A new sample of `flange`, measured at `stamp_ns`. One thread at a time.
-  void publish_flange(const robcl::Frame& value, std::int64_t stamp_ns = gecos::unix_now_ns());
+  void publish_flange(const ::robcl::Frame& value, std::int64_t stamp_ns = gecos::unix_now_ns());
 
  protected:
   /// Tool frame in the world, as measured.
-  virtual gecos::Result<robcl::Frame> tool() = 0;
+  virtual gecos::Result<::robcl::Frame> tool() = 0;
 
   /// Flange in the world, as measured: where grippers and sensors are mounted.
-  virtual gecos::Result<robcl::Frame> flange() = 0;
+  virtual gecos::Result<::robcl::Frame> flange() = 0;
 
   /// Tool frame seen from the flange. Setting it is refused while moving.
-  virtual gecos::Result<robcl::Frame> tool_offset() = 0;
+  virtual gecos::Result<::robcl::Frame> tool_offset() = 0;
 
   /// Tool frame seen from the flange. Setting it is refused while moving.
-  virtual gecos::Result<void> set_tool_offset(const robcl::Frame& value) = 0;
+  virtual gecos::Result<void> set_tool_offset(const ::robcl::Frame& value) = 0;
 
   /// Moves the tool frame to `goal`, given in the world. FINISHED when it stands at the goal.
-  /// May fail with robcl::OutOfReach, robcl::JointLimit, robcl::Singular.
+  /// May fail with ::robcl::OutOfReach, ::robcl::JointLimit, ::robcl::Singular.
   virtual gecos::Result<void> move(
-      const robcl::Frame& goal,
-      const std::optional<robcl::Trajectory>& how,
-      gecos::Execution<robcl::MotionProgress>& run) = 0;
+      const ::robcl::Frame& goal,
+      const std::optional<::robcl::Trajectory>& how,
+      gecos::Execution<::robcl::MotionProgress>& run) = 0;
 
   void gecos_call_tool(gecos::IncomingCall& call);
   void gecos_call_flange(gecos::IncomingCall& call);

@@ -97,14 +97,14 @@ bool Trajectory::decode([[maybe_unused]] gecos::wire::Decoder& from) {
              (acceleration >= 0.01 && acceleration <= 1.0),
              8,
              "Trajectory.acceleration") &&
-         robcl::decode_enum(from, path, "Trajectory.path") &&
-         robcl::decode_enum(from, at_goal, "Trajectory.at_goal") &&
+         ::robcl::decode_enum(from, path, "Trajectory.path") &&
+         ::robcl::decode_enum(from, at_goal, "Trajectory.at_goal") &&
          (from.at_end() ||
-          gecos::wire::get_optional(from, tool_speed, "Trajectory.tool_speed", [&](double& value) {
+          gecos::wire::get_optional(from, tool_speed, "Trajectory.tool_speed", [&](auto& value) {
             return from.get(value, "Trajectory.tool_speed");
           })) &&
          (from.at_end() ||
-          gecos::wire::get_optional(from, turn_speed, "Trajectory.turn_speed", [&](double& value) {
+          gecos::wire::get_optional(from, turn_speed, "Trajectory.turn_speed", [&](auto& value) {
             return from.get(value, "Trajectory.turn_speed");
           })) &&
          gecos::wire::skip_rest(from);

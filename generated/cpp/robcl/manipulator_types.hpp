@@ -40,8 +40,8 @@ struct Trajectory {
   double speed = 1.0;
   /// [0.01 to 1.0]
   double acceleration = 1.0;
-  robcl::PathType path = robcl::PathType::JOINT;
-  robcl::Blend at_goal = robcl::Blend::BREAK;
+  ::robcl::PathType path = ::robcl::PathType::JOINT;
+  ::robcl::Blend at_goal = ::robcl::Blend::BREAK;
   /// [m/s, optional]
   std::optional<double> tool_speed{};
   /// [rad/s, optional]

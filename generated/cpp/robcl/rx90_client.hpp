@@ -11,7 +11,7 @@
 namespace robcl {
 
 /// Staeubli RX90.
-class Rx90 : public virtual robcl::SixAxis {
+class Rx90 : public virtual ::robcl::SixAxis {
  public:
   static const gecos::InterfaceDescription& gecos_description();
 
@@ -22,7 +22,7 @@ class Rx90 : public virtual robcl::SixAxis {
   Rx90& operator=(const Rx90&) = default;
 
   /// Configuration that the arm is in.
-  gecos::Command<robcl::Configuration> posture() const;
+  gecos::Command<::robcl::Configuration> posture() const;
 };
 
 }  // namespace robcl

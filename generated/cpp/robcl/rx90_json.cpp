@@ -10,68 +10,73 @@
 
 namespace gecos::wire {
 
-namespace {
-constexpr std::array<JsonName, 2> names_of_robcl_Shoulder{{
-    {"RIGHTY", static_cast<std::uint64_t>(robcl::Shoulder::RIGHTY)},
-    {"LEFTY", static_cast<std::uint64_t>(robcl::Shoulder::LEFTY)},
-}};
-}  // namespace
-
-void JsonShape<robcl::Shoulder>::write(JsonWriter to, robcl::Shoulder value) {
-  to.put_name(names_of_robcl_Shoulder, static_cast<std::uint64_t>(value));
+JsonNames JsonShape<::robcl::Shoulder>::names() {
+  static constexpr std::array<JsonName, 2> all{{
+      {"RIGHTY", static_cast<std::uint64_t>(::robcl::Shoulder::RIGHTY)},
+      {"LEFTY", static_cast<std::uint64_t>(::robcl::Shoulder::LEFTY)},
+  }};
+  return all;
 }
 
-bool JsonShape<robcl::Shoulder>::read(const JsonReader& from, robcl::Shoulder& value) {
+void JsonShape<::robcl::Shoulder>::write(JsonWriter to, ::robcl::Shoulder value) {
+  to.put_name(names(), static_cast<std::uint64_t>(value));
+}
+
+bool JsonShape<::robcl::Shoulder>::read(const JsonReader& from, ::robcl::Shoulder& value) {
   std::uint64_t number = 0;
-  if (!from.get_name(names_of_robcl_Shoulder, number)) return false;
-  value = static_cast<robcl::Shoulder>(number);
+  if (!from.get_name(names(), number)) return false;
+  value = static_cast<::robcl::Shoulder>(number);
   return true;
 }
 
-namespace {
-constexpr std::array<JsonName, 2> names_of_robcl_Elbow{{
-    {"ABOVE", static_cast<std::uint64_t>(robcl::Elbow::ABOVE)},
-    {"BELOW", static_cast<std::uint64_t>(robcl::Elbow::BELOW)},
-}};
-}  // namespace
-
-void JsonShape<robcl::Elbow>::write(JsonWriter to, robcl::Elbow value) {
-  to.put_name(names_of_robcl_Elbow, static_cast<std::uint64_t>(value));
+JsonNames JsonShape<::robcl::Elbow>::names() {
+  static constexpr std::array<JsonName, 2> all{{
+      {"ABOVE", static_cast<std::uint64_t>(::robcl::Elbow::ABOVE)},
+      {"BELOW", static_cast<std::uint64_t>(::robcl::Elbow::BELOW)},
+  }};
+  return all;
 }
 
-bool JsonShape<robcl::Elbow>::read(const JsonReader& from, robcl::Elbow& value) {
+void JsonShape<::robcl::Elbow>::write(JsonWriter to, ::robcl::Elbow value) {
+  to.put_name(names(), static_cast<std::uint64_t>(value));
+}
+
+bool JsonShape<::robcl::Elbow>::read(const JsonReader& from, ::robcl::Elbow& value) {
   std::uint64_t number = 0;
-  if (!from.get_name(names_of_robcl_Elbow, number)) return false;
-  value = static_cast<robcl::Elbow>(number);
+  if (!from.get_name(names(), number)) return false;
+  value = static_cast<::robcl::Elbow>(number);
   return true;
 }
 
-namespace {
-constexpr std::array<JsonName, 2> names_of_robcl_Wrist{{
-    {"NOFLIP", static_cast<std::uint64_t>(robcl::Wrist::NOFLIP)},
-    {"FLIP", static_cast<std::uint64_t>(robcl::Wrist::FLIP)},
-}};
-}  // namespace
-
-void JsonShape<robcl::Wrist>::write(JsonWriter to, robcl::Wrist value) {
-  to.put_name(names_of_robcl_Wrist, static_cast<std::uint64_t>(value));
+JsonNames JsonShape<::robcl::Wrist>::names() {
+  static constexpr std::array<JsonName, 2> all{{
+      {"NOFLIP", static_cast<std::uint64_t>(::robcl::Wrist::NOFLIP)},
+      {"FLIP", static_cast<std::uint64_t>(::robcl::Wrist::FLIP)},
+  }};
+  return all;
 }
 
-bool JsonShape<robcl::Wrist>::read(const JsonReader& from, robcl::Wrist& value) {
+void JsonShape<::robcl::Wrist>::write(JsonWriter to, ::robcl::Wrist value) {
+  to.put_name(names(), static_cast<std::uint64_t>(value));
+}
+
+bool JsonShape<::robcl::Wrist>::read(const JsonReader& from, ::robcl::Wrist& value) {
   std::uint64_t number = 0;
-  if (!from.get_name(names_of_robcl_Wrist, number)) return false;
-  value = static_cast<robcl::Wrist>(number);
+  if (!from.get_name(names(), number)) return false;
+  value = static_cast<::robcl::Wrist>(number);
   return true;
 }
 
-void JsonShape<robcl::Configuration>::write(JsonWriter to, const robcl::Configuration& value) {
+void JsonShape<::robcl::Configuration>::write(JsonWriter to, const ::robcl::Configuration& value) {
   to.open_object();
   to.member("arm", value.arm);
   to.member("bend", value.bend);
   to.member("hand", value.hand);
 }
 
-bool JsonShape<robcl::Configuration>::read(const JsonReader& from, robcl::Configuration& value) {
+bool JsonShape<::robcl::Configuration>::read(
+    const JsonReader& from,
+    ::robcl::Configuration& value) {
   static constexpr std::array<std::string_view, 3> names{
       "arm",
       "bend",

@@ -14,7 +14,7 @@
 namespace robcl {
 
 const gecos::InterfaceDescription& Rx90Servant::gecos_interface() const {
-  return Rx90::gecos_description();
+  return ::robcl::Rx90::gecos_description();
 }
 
 void Rx90Servant::gecos_dispatch(gecos::IncomingCall call) {

@@ -11,14 +11,14 @@
 namespace robcl {
 
 /// Staeubli RX90.
-class Rx90Servant : public virtual robcl::SixAxisServant {
+class Rx90Servant : public virtual ::robcl::SixAxisServant {
  public:
   const gecos::InterfaceDescription& gecos_interface() const override;
   void gecos_dispatch(gecos::IncomingCall call) override;
 
  protected:
   /// Configuration that the arm is in.
-  virtual gecos::Result<robcl::Configuration> posture() = 0;
+  virtual gecos::Result<::robcl::Configuration> posture() = 0;
 
   void gecos_call_posture(gecos::IncomingCall& call);
 };

@@ -99,9 +99,9 @@ void Configuration::encode(gecos::wire::Encoder& to) const {
 }
 
 bool Configuration::decode([[maybe_unused]] gecos::wire::Decoder& from) {
-  return robcl::decode_enum(from, arm, "Configuration.arm") &&
-         robcl::decode_enum(from, bend, "Configuration.bend") &&
-         robcl::decode_enum(from, hand, "Configuration.hand") &&
+  return ::robcl::decode_enum(from, arm, "Configuration.arm") &&
+         ::robcl::decode_enum(from, bend, "Configuration.bend") &&
+         ::robcl::decode_enum(from, hand, "Configuration.hand") &&
          gecos::wire::skip_rest(from);
 }
 

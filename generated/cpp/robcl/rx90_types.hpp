@@ -42,9 +42,9 @@ std::ostream& operator<<(std::ostream& out, Wrist value);
 
 /// Which of the eight inverse solutions the arm is in.
 struct Configuration {
-  robcl::Shoulder arm = robcl::Shoulder::RIGHTY;
-  robcl::Elbow bend = robcl::Elbow::ABOVE;
-  robcl::Wrist hand = robcl::Wrist::NOFLIP;
+  ::robcl::Shoulder arm = ::robcl::Shoulder::RIGHTY;
+  ::robcl::Elbow bend = ::robcl::Elbow::ABOVE;
+  ::robcl::Wrist hand = ::robcl::Wrist::NOFLIP;
 
   static constexpr std::string_view type_name() { return "robcl::Configuration"; }
   static constexpr std::int64_t fingerprint() {

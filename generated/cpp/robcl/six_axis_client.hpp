@@ -12,7 +12,7 @@
 namespace robcl {
 
 /// An arm with six revolute joints.
-class SixAxis : public virtual robcl::Manipulator {
+class SixAxis : public virtual ::robcl::Manipulator {
  public:
   static const gecos::InterfaceDescription& gecos_description();
 
@@ -23,16 +23,16 @@ class SixAxis : public virtual robcl::Manipulator {
   SixAxis& operator=(const SixAxis&) = default;
 
   /// Joint positions as measured.
-  gecos::Command<robcl::Joints> joints() const;
+  gecos::Command<::robcl::Joints> joints() const;
 
   /// Samples of joints, 250 a second.
-  tl::expected<gecos::Stream<robcl::Joints>, gecos::Failure> joints(gecos::StreamTag) const;
+  tl::expected<gecos::Stream<::robcl::Joints>, gecos::Failure> joints(gecos::StreamTag) const;
 
   /// Moves all joints to `target`, arriving together.
-  /// May fail with robcl::JointLimit.
-  gecos::Command<void, robcl::MotionProgress> move_joints(
-      const robcl::Joints& target,
-      const std::optional<robcl::Trajectory>& how = {}) const;
+  /// May fail with ::robcl::JointLimit.
+  gecos::Command<void, ::robcl::MotionProgress> move_joints(
+      const ::robcl::Joints& target,
+      const std::optional<::robcl::Trajectory>& how = {}) const;
 };
 
 }  // namespace robcl

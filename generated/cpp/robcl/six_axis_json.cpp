@@ -10,12 +10,12 @@
 
 namespace gecos::wire {
 
-void JsonShape<robcl::Joints>::write(JsonWriter to, const robcl::Joints& value) {
+void JsonShape<::robcl::Joints>::write(JsonWriter to, const ::robcl::Joints& value) {
   to.open_object();
   to.member("position", value.position);
 }
 
-bool JsonShape<robcl::Joints>::read(const JsonReader& from, robcl::Joints& value) {
+bool JsonShape<::robcl::Joints>::read(const JsonReader& from, ::robcl::Joints& value) {
   static constexpr std::array<std::string_view, 1> names{
       "position",
   };

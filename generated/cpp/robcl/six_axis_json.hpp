@@ -9,9 +9,9 @@
 namespace gecos::wire {
 
 template <>
-struct JsonShape<robcl::Joints> {
-  static void write(JsonWriter to, const robcl::Joints& value);
-  static bool read(const JsonReader& from, robcl::Joints& value);
+struct JsonShape<::robcl::Joints> {
+  static void write(JsonWriter to, const ::robcl::Joints& value);
+  static bool read(const JsonReader& from, ::robcl::Joints& value);
 };
 
 }  // namespace gecos::wire

@@ -14,7 +14,7 @@
 namespace robcl {
 
 const gecos::InterfaceDescription& SixAxisServant::gecos_interface() const {
-  return SixAxis::gecos_description();
+  return ::robcl::SixAxis::gecos_description();
 }
 
 void SixAxisServant::gecos_dispatch(gecos::IncomingCall call) {
@@ -58,28 +58,28 @@ void SixAxisServant::gecos_call_joints(gecos::IncomingCall& call) {
 
 void SixAxisServant::gecos_call_move_joints(gecos::IncomingCall& call) {
   gecos::wire::Decoder from(call.arguments());
-  robcl::Joints target{};
-  std::optional<robcl::Trajectory> how{};
+  ::robcl::Joints target{};
+  std::optional<::robcl::Trajectory> how{};
   const bool read = target.decode(from) &&
          (from.at_end() ||
-          gecos::wire::get_optional(from, how, "move_joints.how", [&](robcl::Trajectory& value) {
+          gecos::wire::get_optional(from, how, "move_joints.how", [&](auto& value) {
             return gecos::wire::get_block(from, value, "move_joints.how");
           }));
   if (!read) {
     return call.fail({gecos::Detail::BadParameter, from.error().message(), {}, {}});
   }
-  gecos::Execution<robcl::MotionProgress> run(call);
+  gecos::Execution<::robcl::MotionProgress> run(call);
   const auto result = this->move_joints(target, how, run);
   if (!result) return call.fail(result.error().failure());
   call.finish(0, [](gecos::wire::Encoder&) {});
 }
 
-void SixAxisServant::publish_joints(const robcl::Joints& value, std::int64_t stamp_ns) {
+void SixAxisServant::publish_joints(const ::robcl::Joints& value, std::int64_t stamp_ns) {
   if (gecos_publisher_ == nullptr) return;
   std::array<std::byte, 48> sample;
   gecos::wire::Encoder to(sample);
   value.encode(to);
-  gecos_publisher_->publish(SixAxis::gecos_description().streams[1], sample, stamp_ns);
+  gecos_publisher_->publish(::robcl::SixAxis::gecos_description().streams[1], sample, stamp_ns);
 }
 
 }  // namespace robcl

@@ -12,24 +12,24 @@
 namespace robcl {
 
 /// An arm with six revolute joints.
-class SixAxisServant : public virtual robcl::ManipulatorServant {
+class SixAxisServant : public virtual ::robcl::ManipulatorServant {
  public:
   const gecos::InterfaceDescription& gecos_interface() const override;
   void gecos_dispatch(gecos::IncomingCall call) override;
 
   /// A new sample of `joints`, measured at `stamp_ns`. One thread at a time.
-  void publish_joints(const robcl::Joints& value, std::int64_t stamp_ns = gecos::unix_now_ns());
+  void publish_joints(const ::robcl::Joints& value, std::int64_t stamp_ns = gecos::unix_now_ns());
 
  protected:
   /// Joint positions as measured.
-  virtual gecos::Result<robcl::Joints> joints() = 0;
+  virtual gecos::Result<::robcl::Joints> joints() = 0;
 
   /// Moves all joints to `target`, arriving together.
-  /// May fail with robcl::JointLimit.
+  /// May fail with ::robcl::JointLimit.
   virtual gecos::Result<void> move_joints(
-      const robcl::Joints& target,
-      const std::optional<robcl::Trajectory>& how,
-      gecos::Execution<robcl::MotionProgress>& run) = 0;
+      const ::robcl::Joints& target,
+      const std::optional<::robcl::Trajectory>& how,
+      gecos::Execution<::robcl::MotionProgress>& run) = 0;
 
   void gecos_call_joints(gecos::IncomingCall& call);
   void gecos_call_move_joints(gecos::IncomingCall& call);

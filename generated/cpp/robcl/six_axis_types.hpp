@@ -19,7 +19,7 @@ using JointVector = std::array<double, 6>;
 /// Joint positions of a six-axis arm.
 struct Joints {
   /// [rad]
-  robcl::JointVector position{};
+  ::robcl::JointVector position{};
 
   static constexpr std::string_view type_name() { return "robcl::Joints"; }
   static constexpr std::int64_t fingerprint() {

@@ -24,24 +24,24 @@ class World : public virtual gecos::Object {
   World& operator=(const World&) = default;
 
   /// All bodies, where they are now.
-  gecos::Command<std::vector<robcl::Body>> bodies() const;
+  gecos::Command<std::vector<::robcl::Body>> bodies() const;
 
   /// One body, where it is now.
-  /// May fail with robcl::UnknownBody.
-  gecos::Command<robcl::Body> find(const std::string& name) const;
+  /// May fail with ::robcl::UnknownBody.
+  gecos::Command<::robcl::Body> find(const std::string& name) const;
 
   /// First body on the ray from `origin` along its z axis.
   /// @param reach [m]
-  gecos::Command<robcl::RayHit> cast(const robcl::Frame& origin, double reach) const;
+  gecos::Command<::robcl::RayHit> cast(const ::robcl::Frame& origin, double reach) const;
 
   /// Width at which jaws meet a body when they close along y of `jaws` around it, from
   /// `opening`.
   /// @param opening [m]
-  gecos::Command<robcl::Contact> between(const robcl::Frame& jaws, double opening) const;
+  gecos::Command<::robcl::Contact> between(const ::robcl::Frame& jaws, double opening) const;
 
   /// Puts a body somewhere, for preparing an experiment. Refused while it is held.
-  /// May fail with robcl::UnknownBody.
-  gecos::Command<void> place(const std::string& name, const robcl::Frame& pose) const;
+  /// May fail with ::robcl::UnknownBody.
+  gecos::Command<void> place(const std::string& name, const ::robcl::Frame& pose) const;
 };
 
 }  // namespace robcl

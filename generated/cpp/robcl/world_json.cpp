@@ -10,7 +10,7 @@
 
 namespace gecos::wire {
 
-void JsonShape<robcl::Body>::write(JsonWriter to, const robcl::Body& value) {
+void JsonShape<::robcl::Body>::write(JsonWriter to, const ::robcl::Body& value) {
   to.open_object();
   to.member("name", value.name);
   to.member("pose", value.pose);
@@ -19,7 +19,7 @@ void JsonShape<robcl::Body>::write(JsonWriter to, const robcl::Body& value) {
   to.member("held_by", value.held_by);
 }
 
-bool JsonShape<robcl::Body>::read(const JsonReader& from, robcl::Body& value) {
+bool JsonShape<::robcl::Body>::read(const JsonReader& from, ::robcl::Body& value) {
   static constexpr std::array<std::string_view, 5> names{
       "name",
       "pose",
@@ -35,14 +35,14 @@ bool JsonShape<robcl::Body>::read(const JsonReader& from, robcl::Body& value) {
          from.member("held_by", value.held_by);
 }
 
-void JsonShape<robcl::RayHit>::write(JsonWriter to, const robcl::RayHit& value) {
+void JsonShape<::robcl::RayHit>::write(JsonWriter to, const ::robcl::RayHit& value) {
   to.open_object();
   to.member("hit", value.hit);
   to.member("range", value.range);
   to.member("body_name", value.body_name);
 }
 
-bool JsonShape<robcl::RayHit>::read(const JsonReader& from, robcl::RayHit& value) {
+bool JsonShape<::robcl::RayHit>::read(const JsonReader& from, ::robcl::RayHit& value) {
   static constexpr std::array<std::string_view, 3> names{
       "hit",
       "range",
@@ -54,14 +54,14 @@ bool JsonShape<robcl::RayHit>::read(const JsonReader& from, robcl::RayHit& value
          from.member("body_name", value.body_name);
 }
 
-void JsonShape<robcl::Contact>::write(JsonWriter to, const robcl::Contact& value) {
+void JsonShape<::robcl::Contact>::write(JsonWriter to, const ::robcl::Contact& value) {
   to.open_object();
   to.member("hit", value.hit);
   to.member("width", value.width);
   to.member("body_name", value.body_name);
 }
 
-bool JsonShape<robcl::Contact>::read(const JsonReader& from, robcl::Contact& value) {
+bool JsonShape<::robcl::Contact>::read(const JsonReader& from, ::robcl::Contact& value) {
   static constexpr std::array<std::string_view, 3> names{
       "hit",
       "width",
@@ -73,13 +73,13 @@ bool JsonShape<robcl::Contact>::read(const JsonReader& from, robcl::Contact& val
          from.member("body_name", value.body_name);
 }
 
-void JsonShape<robcl::UnknownBody>::write(JsonWriter to, const robcl::UnknownBody& value) {
+void JsonShape<::robcl::UnknownBody>::write(JsonWriter to, const ::robcl::UnknownBody& value) {
   to.open_object();
   to.member("name", value.name);
   to.member("known", value.known);
 }
 
-bool JsonShape<robcl::UnknownBody>::read(const JsonReader& from, robcl::UnknownBody& value) {
+bool JsonShape<::robcl::UnknownBody>::read(const JsonReader& from, ::robcl::UnknownBody& value) {
   static constexpr std::array<std::string_view, 2> names{
       "name",
       "known",

@@ -9,27 +9,27 @@
 namespace gecos::wire {
 
 template <>
-struct JsonShape<robcl::Body> {
-  static void write(JsonWriter to, const robcl::Body& value);
-  static bool read(const JsonReader& from, robcl::Body& value);
+struct JsonShape<::robcl::Body> {
+  static void write(JsonWriter to, const ::robcl::Body& value);
+  static bool read(const JsonReader& from, ::robcl::Body& value);
 };
 
 template <>
-struct JsonShape<robcl::RayHit> {
-  static void write(JsonWriter to, const robcl::RayHit& value);
-  static bool read(const JsonReader& from, robcl::RayHit& value);
+struct JsonShape<::robcl::RayHit> {
+  static void write(JsonWriter to, const ::robcl::RayHit& value);
+  static bool read(const JsonReader& from, ::robcl::RayHit& value);
 };
 
 template <>
-struct JsonShape<robcl::Contact> {
-  static void write(JsonWriter to, const robcl::Contact& value);
-  static bool read(const JsonReader& from, robcl::Contact& value);
+struct JsonShape<::robcl::Contact> {
+  static void write(JsonWriter to, const ::robcl::Contact& value);
+  static bool read(const JsonReader& from, ::robcl::Contact& value);
 };
 
 template <>
-struct JsonShape<robcl::UnknownBody> {
-  static void write(JsonWriter to, const robcl::UnknownBody& value);
-  static bool read(const JsonReader& from, robcl::UnknownBody& value);
+struct JsonShape<::robcl::UnknownBody> {
+  static void write(JsonWriter to, const ::robcl::UnknownBody& value);
+  static bool read(const JsonReader& from, ::robcl::UnknownBody& value);
 };
 
 }  // namespace gecos::wire

@@ -14,7 +14,7 @@
 namespace robcl {
 
 const gecos::InterfaceDescription& WorldServant::gecos_interface() const {
-  return World::gecos_description();
+  return ::robcl::World::gecos_description();
 }
 
 void WorldServant::gecos_dispatch(gecos::IncomingCall call) {
@@ -45,7 +45,7 @@ void WorldServant::gecos_call_bodies(gecos::IncomingCall& call) {
   const auto& value = *result;
   const std::string wrong = [&]() -> std::string {
     for (const auto& item : value) {
-      if (auto why = gecos_violation(item); !why.empty()) return why;
+      if (auto why = ::robcl::gecos_violation(item); !why.empty()) return why;
     }
     return {};
   }();
@@ -78,7 +78,7 @@ void WorldServant::gecos_call_find(gecos::IncomingCall& call) {
   if (!result) return call.fail(result.error().failure());
   const auto& value = *result;
   const std::string wrong = [&]() -> std::string {
-    if (auto why = gecos_violation(value); !why.empty()) return why;
+    if (auto why = ::robcl::gecos_violation(value); !why.empty()) return why;
     return {};
   }();
   if (!wrong.empty()) {
@@ -95,7 +95,7 @@ void WorldServant::gecos_call_find(gecos::IncomingCall& call) {
 
 void WorldServant::gecos_call_cast(gecos::IncomingCall& call) {
   gecos::wire::Decoder from(call.arguments());
-  robcl::Frame origin{};
+  ::robcl::Frame origin{};
   double reach{};
   const bool read = origin.decode(from) &&
          from.get(reach, "cast.reach");
@@ -106,7 +106,7 @@ void WorldServant::gecos_call_cast(gecos::IncomingCall& call) {
   if (!result) return call.fail(result.error().failure());
   const auto& value = *result;
   const std::string wrong = [&]() -> std::string {
-    if (auto why = gecos_violation(value); !why.empty()) return why;
+    if (auto why = ::robcl::gecos_violation(value); !why.empty()) return why;
     return {};
   }();
   if (!wrong.empty()) {
@@ -123,7 +123,7 @@ void WorldServant::gecos_call_cast(gecos::IncomingCall& call) {
 
 void WorldServant::gecos_call_between(gecos::IncomingCall& call) {
   gecos::wire::Decoder from(call.arguments());
-  robcl::Frame jaws{};
+  ::robcl::Frame jaws{};
   double opening{};
   const bool read = jaws.decode(from) &&
          from.get(opening, "between.opening");
@@ -134,7 +134,7 @@ void WorldServant::gecos_call_between(gecos::IncomingCall& call) {
   if (!result) return call.fail(result.error().failure());
   const auto& value = *result;
   const std::string wrong = [&]() -> std::string {
-    if (auto why = gecos_violation(value); !why.empty()) return why;
+    if (auto why = ::robcl::gecos_violation(value); !why.empty()) return why;
     return {};
   }();
   if (!wrong.empty()) {
@@ -152,7 +152,7 @@ void WorldServant::gecos_call_between(gecos::IncomingCall& call) {
 void WorldServant::gecos_call_place(gecos::IncomingCall& call) {
   gecos::wire::Decoder from(call.arguments());
   std::string name{};
-  robcl::Frame pose{};
+  ::robcl::Frame pose{};
   const bool read = from.get_string(name, gecos::wire::npos, "place.name") &&
          pose.decode(from);
   if (!read) {

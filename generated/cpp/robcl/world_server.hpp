@@ -20,24 +20,24 @@ class WorldServant : public virtual gecos::Servant {
 
  protected:
   /// All bodies, where they are now.
-  virtual gecos::Result<std::vector<robcl::Body>> bodies() = 0;
+  virtual gecos::Result<std::vector<::robcl::Body>> bodies() = 0;
 
   /// One body, where it is now.
-  /// May fail with robcl::UnknownBody.
-  virtual gecos::Result<robcl::Body> find(const std::string& name) = 0;
+  /// May fail with ::robcl::UnknownBody.
+  virtual gecos::Result<::robcl::Body> find(const std::string& name) = 0;
 
   /// First body on the ray from `origin` along its z axis.
   /// @param reach [m]
-  virtual gecos::Result<robcl::RayHit> cast(const robcl::Frame& origin, double reach) = 0;
+  virtual gecos::Result<::robcl::RayHit> cast(const ::robcl::Frame& origin, double reach) = 0;
 
   /// Width at which jaws meet a body when they close along y of `jaws` around it, from
   /// `opening`.
   /// @param opening [m]
-  virtual gecos::Result<robcl::Contact> between(const robcl::Frame& jaws, double opening) = 0;
+  virtual gecos::Result<::robcl::Contact> between(const ::robcl::Frame& jaws, double opening) = 0;
 
   /// Puts a body somewhere, for preparing an experiment. Refused while it is held.
-  /// May fail with robcl::UnknownBody.
-  virtual gecos::Result<void> place(const std::string& name, const robcl::Frame& pose) = 0;
+  /// May fail with ::robcl::UnknownBody.
+  virtual gecos::Result<void> place(const std::string& name, const ::robcl::Frame& pose) = 0;
 
   void gecos_call_bodies(gecos::IncomingCall& call);
   void gecos_call_find(gecos::IncomingCall& call);

@@ -146,7 +146,7 @@ void UnknownBody::encode(gecos::wire::Encoder& to) const {
 
 bool UnknownBody::decode([[maybe_unused]] gecos::wire::Decoder& from) {
   return from.get_string(name, gecos::wire::npos, "UnknownBody.name") &&
-         gecos::wire::get_sequence(from, known, 5, gecos::wire::npos, "UnknownBody.known", [&](std::string& item) {
+         gecos::wire::get_sequence(from, known, 5, gecos::wire::npos, "UnknownBody.known", [&](auto& item) {
            return from.get_string(item, gecos::wire::npos, "UnknownBody.known");
          });
 }

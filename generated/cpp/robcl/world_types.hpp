@@ -18,9 +18,9 @@ namespace robcl {
 struct Body {
   std::string name{};
   /// in the world
-  robcl::Frame pose{};
+  ::robcl::Frame pose{};
   /// along its own axes
-  robcl::Vector size{};
+  ::robcl::Vector size{};
   /// part of the laboratory: cannot be gripped
   bool fixed = false;
   /// gripper that carries it, empty when none

@@ -116,9 +116,10 @@ def _mock(lowering: Lowering, interface: Interface) -> MockView:
                         f"{rate:g} a second" if rate else "no rate is declared: 1 a second",
                     )
                 )
-    simple = names.simple_name(model, interface.name)
+    table = lowering.layout.cpp_names
+    simple = table.types[interface.name].name
     return MockView(
-        f"Mock{simple}", f"{names.full_name_of(model, interface.name)}Servant", interface.name,
+        f"Mock{simple}", names.absolute(table.servants[interface.name]), interface.name,
         snake_case(simple).upper(), f"mock_{snake_case(simple)}",
         tuple(held), tuple(methods), tuple(streams),
     )  # fmt: skip
@@ -247,7 +248,7 @@ def _named(lowering: Lowering, x: str, name: str) -> list[str]:
     match declaration:
         case EnumDeclaration():
             word = escaped(declaration.initial.name, CPP_WORDS)
-            return [f"{x} = {names.full_name(model, name)}::{word};"]
+            return [f"{x} = {lowering.named(name)}::{word};"]
         case Struct():
             lines = []
             for m in model.all_members(declaration):

@@ -1,44 +1,46 @@
-"""How the names of an interface are written in C++."""
+"""How the names of declarations are written in C++.
+
+The table of the layout decides them. Types are named absolutely, `::robcl::Frame`, so that nothing
+around the place where a name stands can give it another meaning.
+"""
 
 from __future__ import annotations
 
-from gidl.languages import CPP_STRUCT_WORDS, CPP_TYPES, CPP_WORDS
-from gidl.model import Interface, Model, Struct
-from gidl.type_names import escaped
+from gidl.languages import CPP_STRUCT_WORDS, CPP_WORDS
+from gidl.model import AnyDeclaration, Interface, Model, Struct
+from gidl.type_names import TypeName, escaped
+from gidl.wire_layout import Layout
 
-OBJECT_REF = "gecos::ObjectRef"
+OBJECT_REF = "::gecos::ObjectRef"
 """What a value of an interface's type is, and where that is declared."""
 OBJECT_REF_STEM = "gecos/object_ref"
 
 
-def scope_of(model: Model, scoped_name: str) -> tuple[str, ...]:
-    """Modules around a declaration. An interface around a type is part of its name instead."""
-    parts = scoped_name.split("::")[:-1]
-    while parts and model.has("::".join(parts)):
-        parts.pop()
-    return tuple(escaped(part, CPP_WORDS) for part in parts)
+def absolute(place: TypeName) -> str:
+    return "::" + "::".join((*place.scope, place.name))
 
 
-def simple_name(model: Model, scoped_name: str) -> str:
-    """`robcl::Manipulator::Mode` is called `Manipulator_Mode`: classes cannot be reopened."""
-    parts = scoped_name.split("::")
-    modules = len(scope_of(model, scoped_name))
-    return escaped("_".join(parts[modules:]), CPP_TYPES.type_words)
+def hand_written(declaration: AnyDeclaration) -> tuple[str, str] | None:
+    """Type and header, where the declaration maps to a type that is written by hand."""
+    maps_to = declaration.maps_to if isinstance(declaration, Struct) else None
+    return maps_to.cpp if maps_to is not None else None
 
 
-def full_name(model: Model, scoped_name: str) -> str:
-    """As C++ writes it from anywhere; a hand-written type where the struct maps to one,
-    a reference where an interface is used as a type."""
+def type_name(model: Model, layout: Layout, scoped_name: str) -> str:
+    """The type of a value: a hand-written one where the struct maps to one, a reference where an
+    interface is used as a type."""
     declaration = model.find(scoped_name)
-    if isinstance(declaration, Struct) and declaration.maps_to and declaration.maps_to.cpp:
-        return declaration.maps_to.cpp[0]
+    by_hand = hand_written(declaration)
+    if by_hand is not None:
+        return f"::{by_hand[0]}"
     if isinstance(declaration, Interface):
         return OBJECT_REF
-    return full_name_of(model, scoped_name)
+    return absolute(layout.cpp_names.types[scoped_name])
 
 
-def full_name_of(model: Model, scoped_name: str) -> str:
-    return "::".join((*scope_of(model, scoped_name), simple_name(model, scoped_name)))
+def function_name(model: Model, layout: Layout, scoped_name: str, function: str) -> str:
+    """A function that stands beside the type of a value: `::robcl::decode_enum`."""
+    return f"{type_name(model, layout, scoped_name).rpartition('::')[0]}::{function}"
 
 
 def member_name(name: str) -> str:

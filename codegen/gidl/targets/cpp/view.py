@@ -6,7 +6,6 @@ from collections.abc import Iterator
 
 from gidl.file_names import source_stem
 from gidl.model import Model
-from gidl.targets.calls import result_structs
 from gidl.targets.cpp.calls.file import interfaces_view
 from gidl.targets.cpp.lower import Lowering
 from gidl.targets.cpp.values.file import types_view
@@ -21,7 +20,7 @@ def files(model: Model, layout: Layout) -> Iterator[OutputFile]:
         if not (file.asked_for and has_output(model, file.path)):
             continue
         stem = source_stem(file.path)
-        types = types_view(lowering, file, result_structs(layout, file))
+        types = types_view(lowering, file)
         for suffix in ("hpp", "cpp"):
             yield OutputFile(f"cpp/{stem}_types.{suffix}", "cpp", f"types.{suffix}.j2", types)
         json = json_view(lowering, file)

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "gecos/base/function_ref.hpp"
+#include "gecos/base/log.hpp"
 #include "gecos/session/command.hpp"
 #include "gecos/session/description.hpp"
 
@@ -27,14 +28,14 @@ struct Caller {
 /// Why a handler gives no result: a declared exception, or one of the reasons below.
 class Fault {
  public:
-  /// A declared exception of the operation: `return tl::unexpected(OutOfReach{"…"});`
+  /// A declared exception of the operation: `return tl::unexpected(OutOfReach{"…"});` Where its
+  /// members are out of their ranges the caller gets that as the text of a plain FAULT.
   template <wire::GeneralContents E>
   requires requires {
     { E::type_name() } -> std::convertible_to<std::string_view>;
   }
   Fault(const E& exception)  // NOLINT(google-explicit-constructor)
-      : failure_{Detail::Fault, describe(exception), std::string(E::type_name()),
-                 wire::to_bytes(exception)} {}
+      : failure_(failure_of(exception)) {}
 
   /// The command was refused as it stands; `why` says what to do.
   static Fault rejected(std::string why) {
@@ -52,6 +53,14 @@ class Fault {
 
  private:
   explicit Fault(Failure failure) : failure_(std::move(failure)) {}
+  template <class E>
+  static Failure failure_of(const E& exception) {
+    if (auto wrong = wire::violation_of(exception); !wrong.empty()) {
+      return {Detail::Fault, "the handler raised " + wrong, {}, {}};
+    }
+    return {Detail::Fault, describe(exception), std::string(E::type_name()),
+            wire::to_bytes(exception)};
+  }
   /// With its members, for a caller that only prints what went wrong.
   template <class E>
   static std::string describe(const E& exception) {
@@ -131,11 +140,16 @@ class Execution {
     return call_.wait_interrupted_until(deadline_after(time));
   }
   /// Tells the caller how far it is, 0 to 1. Only the latest is kept: call it as often as you like.
+  /// Feedback whose members are out of their ranges is not sent; the log says so.
   void progress(double fraction) requires(std::is_void_v<Feedback>) {
     call_.progress(fraction, {});
   }
   template <class F = Feedback>
   requires(!std::is_void_v<F>) void progress(double fraction, const F& feedback) {
+    if (const auto wrong = wire::violation_of(feedback); !wrong.empty()) {
+      log_error(call_.operation().name, "feedback not sent: " + wrong);
+      return;
+    }
     call_.progress(fraction, wire::to_bytes(feedback));
   }
   const Caller& caller() const { return call_.caller(); }

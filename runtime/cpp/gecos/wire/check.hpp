@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "gecos/wire/bounds.hpp"
 #include "gecos/wire/text.hpp"
 
 namespace gecos::wire {

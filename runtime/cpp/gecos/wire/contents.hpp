@@ -6,6 +6,7 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <type_traits>
 
 #include "gecos/base/bytes.hpp"
@@ -25,6 +26,16 @@ concept GeneralContents = std::default_initializable<T> &&
   { target.decode(decoder) } -> std::same_as<bool>;
   { T::fingerprint() } -> std::same_as<std::int64_t>;
 };
+
+/// Why a value must not be sent; empty when it may, and for types that check nothing.
+template <class T>
+std::string violation_of([[maybe_unused]] const T& value) {
+  if constexpr (requires { gecos_violation(value); }) {
+    return gecos_violation(value);
+  } else {
+    return {};
+  }
+}
 
 /// Becomes any array, also one of arrays, that has `value` everywhere.
 template <class T>

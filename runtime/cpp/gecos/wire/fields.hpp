@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "gecos/wire/bounds.hpp"
 #include "gecos/wire/decoder.hpp"
 
 namespace gecos::wire {
@@ -98,6 +99,16 @@ template <class Key, class T, class Order, class GetKey, class Get>
 /// Refuses the number of `size` bytes that was just read, unless `valid`.
 [[nodiscard]] inline bool in_range(Decoder& from, bool valid, std::size_t size, const char* field) {
   return valid || from.fail(DecodeProblem::OutOfRange, field, from.offset() - size);
+}
+
+/// Refuses the numbers that were just read, unless all lie within `bounds`.
+template <class Numbers>
+[[nodiscard]] bool all_within(Decoder& from, const Numbers& numbers,
+                              Bounds<typename Numbers::value_type> bounds, const char* field) {
+  const auto* const outlier = first_outside(numbers, bounds);
+  if (outlier == nullptr) return true;
+  const auto behind = static_cast<std::size_t>(numbers.data() + numbers.size() - outlier);
+  return in_range(from, false, behind * sizeof *outlier, field);
 }
 
 /// A union's tag, which travels as `Wire`. A number that the tag's type lacks is refused.

@@ -248,6 +248,7 @@ struct JsonShape<T> {
   static void write(JsonWriter to, const T& value) {
     to.open_object();
     to.member("tag", value.tag);
+    if (is_secret(value.value.index())) return to.hidden_member("value");
     std::visit(
         [&](const auto& held) {
           if constexpr (!std::is_same_v<decltype(held), const std::monostate&>) {
@@ -270,10 +271,22 @@ struct JsonShape<T> {
       return true;
     } else {
       if (arm != index) return read_arm<index + 1>(from, value, arm);
-      return from.member("value", value.value.template emplace<index>());
+      auto& held = value.value.template emplace<index>();
+      return is_secret(index) ? from.hidden_member("value", held) : from.member("value", held);
+    }
+  }
+  static constexpr bool is_secret([[maybe_unused]] std::size_t arm) {
+    if constexpr (requires { T::gecos_secret(arm); }) {
+      return T::gecos_secret(arm);
+    } else {
+      return false;
     }
   }
 };
+
+/// The struct that the interface declares where `T` is written by hand.
+template <class T>
+struct JsonLayout;
 
 /// A hand-written type, by way of the bytes that it shares with `Layout`, the struct declared.
 template <class Layout, GeneralContents T>

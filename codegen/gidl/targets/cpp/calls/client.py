@@ -2,31 +2,29 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from gidl.languages import CPP_WORDS
 from gidl.model import (
     Attribute,
     Operation,
 )
 from gidl.targets.calls import (
-    CallValue,
     attribute_value,
     parameter_value,
     short_name,
 )
-from gidl.targets.cpp.calls.facts import CallFacts
+from gidl.targets.cpp.calls.facts import CallFacts, why_not
 from gidl.targets.cpp.calls.views import (
     MethodView,
 )
-from gidl.targets.cpp.lower.statements import block, conjunction, indented
+from gidl.targets.cpp.lower import Slot
+from gidl.targets.cpp.lower.statements import block, conjunction
 from gidl.targets.naming import (
     LocalNames,
     doc_lines,
     value_note,
 )
 from gidl.type_names import escaped
-from gidl.wire_layout import CallKind, CallLayout
+from gidl.wire_layout import CallKind, CallLayout, FieldLayout
 
 
 class Client(CallFacts):
@@ -48,7 +46,7 @@ class Client(CallFacts):
         returns = f"gecos::Command<{self._command_types(call, member)}>"
         parameters = self._parameters(values)
         taken = {n for _, n, _ in parameters}
-        body = self._call_body(call, values, taken, returns, member)
+        body = self._call_body(call, taken, returns, member)
         return MethodView(
             doc,
             returns,
@@ -61,26 +59,24 @@ class Client(CallFacts):
     def _call_body(
         self,
         call: CallLayout,
-        values: list[CallValue],
         taken: set[str],
         returns: str,
         member: Operation | Attribute,
     ) -> list[str]:
-        slots = self._slots(values, short_name(call).removesuffix("="))
+        slots = self._slots(call.request, short_name(call).removesuffix("="))
         local = LocalNames(taken)
         wrong, size, to = local.fresh("wrong"), local.fresh("size"), local.fresh("to")
         used = taken | {wrong, size, to}
+        decode = self._decode_argument(call, member, taken)
         lines: list[str] = []
         checks = [line for s in slots for line in self._lowering.check(s, LocalNames(used))]
         if checks:
-            lines += [f"const std::string {wrong} = [&]() -> std::string {{", *indented(checks)]
-            lines += ["  return {};", "}();"]
+            lines += why_not(checks, wrong)
             lines += block(
                 f"if (!{wrong}.empty())",
                 [
                     f"return {returns}(gecos::session::ended(",
-                    f"    {{gecos::Detail::BadParameter, {wrong}, {{}}, {{}}}})"
-                    f"{self._decode_argument(call, member)});",
+                    f"    {{gecos::Detail::BadParameter, {wrong}, {{}}, {{}}}}){decode});",
                 ],
             )
         constant, sizes = 0, []
@@ -93,40 +89,42 @@ class Client(CallFacts):
             lines += [f"std::size_t {size} = {constant};", *sizes]
             size_text = size
         writes = [line for s in slots for line in self._lowering.encode(s, to, LocalNames(used))]
-        table = f"{self._prefix}_operations[{self._index(call)}]"
+        table = f"gecos_description().operations[{self._index(call)}]"
         if writes:
             lines += [
                 f"return {returns}(gecos_session_->call(",
                 f"    {table}, {size_text},",
                 f"    [&](gecos::wire::Encoder& {to}) {{",
                 *(f"      {line}" for line in writes),
-                f"    }}, gecos_options_){self._decode_argument(call, member)});",
+                f"    }}, gecos_options_){decode});",
             ]
         else:
             lines += [
                 f"return {returns}(gecos_session_->call(",
-                f"    {table}, 0, [](gecos::wire::Encoder&) {{}}, gecos_options_)"
-                f"{self._decode_argument(call, member)});",
+                f"    {table}, 0, [](gecos::wire::Encoder&) {{}}, gecos_options_){decode});",
             ]
         return lines
 
-    def _decode_argument(self, call: CallLayout, member: Operation | Attribute) -> str:
-        values = self._reply(call, member)
-        if not values:
+    def _decode_argument(
+        self, call: CallLayout, member: Operation | Attribute, taken: set[str]
+    ) -> str:
+        if not call.reply:
             return ""
-        owner = short_name(call)
-        return ",\n        " + self._decode_lambda(values, self._result_type(call, member), owner)
+        result = self._result_type(call, member)
+        return ",\n        " + self._decode_lambda(call.reply, result, short_name(call), taken)
 
-    def _decode_lambda(self, values: list[CallValue], result: str, owner: str) -> str:
-        if len(values) > 1:
-            terms = [["value.decode(from)"]]
+    def _decode_lambda(
+        self, reply: tuple[FieldLayout, ...], result: str, owner: str, taken: set[str]
+    ) -> str:
+        local = LocalNames(taken)
+        value, source = local.fresh("value"), local.fresh("from")
+        if len(reply) > 1:
+            terms = [[f"{value}.decode({source})"]]
         else:
-            value = replace(values[0], name="value")
-            (slot,) = self._slots([value], owner)
-            slot = replace(slot, label=owner)
-            terms = [self._lowering.decode(slot, "from", LocalNames({"value", "from"}))]
+            slot = Slot(value, owner, reply[0].node)
+            terms = [self._lowering.decode(slot, source, LocalNames({*taken, value, source}))]
         lines = conjunction(terms)
-        head = f"[](gecos::wire::Decoder& from, {result}& value)"
+        head = f"[](gecos::wire::Decoder& {source}, {result}& {value})"
         if len(lines) == 1:
             return f"{head} {{ {lines[0]} }}"
         inner = "\n".join(f"          {line}" for line in lines)
@@ -135,7 +133,8 @@ class Client(CallFacts):
     def _subscribing(self, attribute: Attribute, index: int) -> MethodView:
         value = attribute_value(attribute)
         used = self._lowering.type(value.type, value.optional)
-        decode = self._decode_lambda([value], used, attribute.name)
+        sample = self._layout.stream(attribute.scoped_name).sample
+        decode = self._decode_lambda((sample,), used, attribute.name, set())
         rate = attribute.stream.rate_hz if attribute.stream else None
         note = f"Samples of {attribute.name}"
         note += f", {rate:g} a second." if rate else "."
@@ -146,7 +145,7 @@ class Client(CallFacts):
             "gecos::StreamTag",
             "gecos::StreamTag",
             (
-                f"auto core = gecos_session_->subscribe({self._prefix}_streams[{index}]);",
+                f"auto core = gecos_session_->subscribe(gecos_description().streams[{index}]);",
                 "if (!core) return tl::unexpected(std::move(core.error()));",
                 f"return gecos::Stream<{used}>(std::move(*core),\n        {decode});",
             ),

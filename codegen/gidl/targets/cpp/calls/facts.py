@@ -13,19 +13,18 @@ from gidl.targets.calls import (
     attribute_value,
     first_missing,
     reply_values,
-    result_struct,
     short_name,
 )
 from gidl.targets.cpp import names
 from gidl.targets.cpp.lower import Lowering, Slot
+from gidl.targets.cpp.lower.statements import indented
 from gidl.targets.naming import (
     LocalNames,
     doc_lines,
-    snake_case,
     value_note,
 )
 from gidl.type_names import escaped
-from gidl.wire_layout import CallKind, CallLayout
+from gidl.wire_layout import CallKind, CallLayout, FieldLayout
 
 
 class CallFacts:
@@ -38,9 +37,7 @@ class CallFacts:
         self._calls = sorted(
             self._layout.all_calls(self._model, interface), key=lambda call: call.code
         )
-        self._name = names.simple_name(self._model, interface.name)
-        self._prefix = snake_case(self._name)
-        self._methods = LocalNames(names.method_names(self._model, interface))
+        self._type = names.absolute(self._layout.cpp_names.types[interface.name])
 
     def _member(self, call: CallLayout) -> Operation | Attribute:
         return self._members[call.name.removesuffix("=")]
@@ -58,7 +55,7 @@ class CallFacts:
                 text = " ".join(doc_lines(p.facts, note))
                 doc.append(f"@param {escaped(p.name, CPP_WORDS)} {text}")
         if operation.raises:
-            raised = ", ".join(names.full_name(self._model, name) for name in operation.raises)
+            raised = ", ".join(self._lowering.named(name) for name in operation.raises)
             doc.append(f"May fail with {raised}.")
         return tuple(doc)
 
@@ -99,10 +96,7 @@ class CallFacts:
             return "void"
         if len(values) == 1:
             return self._lowering.type(values[0].type, values[0].optional)
-        assert isinstance(member, Operation)
-        struct = result_struct(self._layout, member)
-        assert struct is not None
-        return names.full_name_of(self._model, struct.name)
+        return names.absolute(self._layout.cpp_names.results[member.scoped_name])
 
     def _command_types(self, call: CallLayout, member: Operation | Attribute) -> str:
         result = self._result_type(call, member)
@@ -110,11 +104,8 @@ class CallFacts:
             return f"{result}, {self._lowering.type(member.feedback)}"
         return result
 
-    def _slots(self, values: list[CallValue], owner: str) -> list[Slot]:
-        return [
-            Slot(escaped(v.name, CPP_WORDS), f"{owner}.{v.name}", v.type, v.optional, v.range)
-            for v in values
-        ]
+    def _slots(self, fields: tuple[FieldLayout, ...], owner: str) -> list[Slot]:
+        return [Slot(escaped(f.name, CPP_WORDS), f"{owner}.{f.name}", f.node) for f in fields]
 
     def _caller_name(self, call: CallLayout) -> str:
         short = short_name(call)
@@ -126,6 +117,14 @@ class CallFacts:
 def request_name(slots: list[Slot]) -> str:
     """What a handler's caller calls the incoming call: parameters have their own names."""
     return LocalNames(slot.expression for slot in slots).fresh("call")
+
+
+def why_not(checks: list[str], wrong: str) -> list[str]:
+    """Statements that say in `wrong` why something must not be sent."""
+    if not checks:
+        return []
+    head = f"const std::string {wrong} = [&]() -> std::string {{"
+    return [head, *indented(checks), "  return {};", "}();"]
 
 
 def hex32(value: int) -> str:

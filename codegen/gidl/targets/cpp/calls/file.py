@@ -46,7 +46,7 @@ def interfaces_view(lowering: Lowering, file: File) -> InterfacesView:
     for declaration in file.declarations:
         if not isinstance(declaration, Interface):
             continue
-        scope = "::".join(names.scope_of(model, declaration.name))
+        scope = "::".join(lowering.layout.cpp_names.types[declaration.name].scope)
         view = _Interface(lowering, declaration).view()
         if spaces and spaces[-1].name == scope:
             spaces[-1] = replace(spaces[-1], interfaces=(*spaces[-1].interfaces, view))
@@ -100,19 +100,19 @@ class _Interface(Tables, Client, ServerSide):
             ):
                 methods.append(self._subscribing(member, streams.index(member)))
         own = [s for s in streams if s.interface == interface.name]
-        bases = [names.full_name_of(self._model, base) for base in interface.bases]
+        table = self._layout.cpp_names
+        bases = [names.absolute(table.types[base]) for base in interface.bases]
+        servants = [names.absolute(table.servants[base]) for base in interface.bases]
         return InterfaceView(
-            names.simple_name(self._model, interface.name),
+            table.types[interface.name].name,
+            self._type,
+            table.servants[interface.name].name,
             interface.name,
             doc_lines(interface.facts),
             interface.facts.version or "",
             hex64(self._layout.interfaces[interface.name].hash),
-            self._prefix,
             ", ".join(f"public virtual {base}" for base in bases or ["gecos::Object"]),
-            ", ".join(
-                f"public virtual {base}"
-                for base in [f"{b}Servant" for b in bases] or ["gecos::Servant"]
-            ),
+            ", ".join(f"public virtual {base}" for base in servants or ["gecos::Servant"]),
             interface.all_bases,
             tuple(self._row(call) for call in self._calls),
             tuple(self._stream_row(attribute) for attribute in streams),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from gidl.languages import CPP_WORDS
 from gidl.model import (
     Attribute,
@@ -15,7 +17,7 @@ from gidl.targets.calls import (
     short_name,
 )
 from gidl.targets.cpp import names
-from gidl.targets.cpp.calls.facts import CallFacts, hex32, request_name
+from gidl.targets.cpp.calls.facts import CallFacts, hex32, request_name, why_not
 from gidl.targets.cpp.calls.views import (
     HandlerView,
     PublisherView,
@@ -60,7 +62,7 @@ class ServerSide(CallFacts):
             name,
             ", ".join(parameters),
             self._caller_name(call),
-            request_name(self._slots(values, "")),
+            request_name(self._slots(call.request, "")),
             hex32(call.code),
             call.name,
             tuple(self._handler_body(call, member, name, values, execution)),
@@ -74,7 +76,7 @@ class ServerSide(CallFacts):
         values: list[CallValue],
         execution: str,
     ) -> list[str]:
-        slots = self._slots(values, short_name(call).removesuffix("="))
+        slots = self._slots(call.request, short_name(call).removesuffix("="))
         taken = {slot.expression for slot in slots}
         local = LocalNames(taken)
         source, result, run, request = (
@@ -135,39 +137,25 @@ class ServerSide(CallFacts):
         request: str,
         taken: set[str],
     ) -> list[str]:
-        values = self._reply(call, member)
-        if not values:
+        if not call.reply:
             return [f"{request}.finish(0, [](gecos::wire::Encoder&) {{}});"]
         local = LocalNames(taken | {result, request})
-        size, to, value_name = local.fresh("size"), local.fresh("to"), local.fresh("value")
-        lines = [f"const auto& {value_name} = *{result};"]
-        if len(values) > 1:
+        size, to, value = local.fresh("size"), local.fresh("to"), local.fresh("value")
+        lines = [f"const auto& {value} = *{result};"]
+        lines += self._checked_answer(call, value, request, LocalNames(taken | {result, request}))
+        if len(call.reply) > 1:
             return [
                 *lines,
-                f"{request}.finish({value_name}.encoded_size(),",
-                f"            [&](gecos::wire::Encoder& {to}) {{ {value_name}.encode({to}); }});",
+                f"{request}.finish({value}.encoded_size(),",
+                f"            [&](gecos::wire::Encoder& {to}) {{ {value}.encode({to}); }});",
             ]
-        slot = Slot(
-            value_name, short_name(call), values[0].type, values[0].optional, values[0].range
-        )
-        checks = self._lowering.check(slot, LocalNames(taken | {result, request, value_name}))
-        if checks:
-            wrong = local.fresh("wrong")
-            lines += [f"const std::string {wrong} = [&]() -> std::string {{", *indented(checks)]
-            lines += ["  return {};", "}();"]
-            lines += block(
-                f"if (!{wrong}.empty())",
-                [
-                    f"return {request}.fail({{gecos::Detail::Fault, "
-                    f'"the handler of {call.name} gave " + {wrong}, {{}}, {{}}}});'
-                ],
-            )
-        always, more = self._lowering.size(slot, size, LocalNames(taken | {size, value_name}))
+        slot = Slot(value, short_name(call), call.reply[0].node)
+        always, more = self._lowering.size(slot, size, LocalNames(taken | {size, value}))
         size_text = str(always)
         if more:
             lines += [f"std::size_t {size} = {always};", *more]
             size_text = size
-        writes = self._lowering.encode(slot, to, LocalNames(taken | {to, value_name}))
+        writes = self._lowering.encode(slot, to, LocalNames(taken | {to, value}))
         if len(writes) == 1:
             lines.append(
                 f"{request}.finish({size_text}, [&](gecos::wire::Encoder& {to}) {{ {writes[0]} }});"
@@ -180,17 +168,37 @@ class ServerSide(CallFacts):
             ]
         return lines
 
+    def _checked_answer(
+        self, call: CallLayout, value: str, request: str, local: LocalNames
+    ) -> list[str]:
+        """Refuses what a handler must not give."""
+        wrong = local.fresh("wrong")
+        if len(call.reply) > 1:
+            if not self._lowering.have_checks(call.reply):
+                return []
+            place = self._layout.cpp_names.results[call.name]
+            violation = names.absolute(replace(place, name="gecos_violation"))
+            lines = [f"const std::string {wrong} = {violation}({value});"]
+        else:
+            slot = Slot(value, short_name(call), call.reply[0].node)
+            lines = why_not(self._lowering.check(slot, local), wrong)
+        if not lines:
+            return []
+        told = f'"the handler of {call.name} gave " + {wrong}'
+        refusal = f"return {request}.fail({{gecos::Detail::Fault, {told}, {{}}, {{}}}});"
+        return [*lines, *block(f"if (!{wrong}.empty())", [refusal])]
+
     def _publisher(self, attribute: Attribute, index: int) -> PublisherView:
         value = attribute_value(attribute)
         used = LocalNames(names.method_names(self._model, self._interface))
         name = used.fresh(f"publish_{attribute.name}")
-        slot = Slot("value", attribute.name, value.type, value.optional, value.range)
+        layout = self._layout.stream(attribute.scoped_name)
+        slot = Slot("value", attribute.name, layout.sample.node)
         taken = {"value", "stamp_ns"}
         lines = ["if (gecos_publisher_ == nullptr) return;"]
-        checks = self._lowering.check(slot, LocalNames(taken))
+        checks = self._lowering.check(slot, LocalNames({*taken, "wrong"}))
         if checks:
-            lines += ["const std::string wrong = [&]() -> std::string {", *indented(checks)]
-            lines += ["  return {};", "}();"]
+            lines += why_not(checks, "wrong")
             lines += block(
                 "if (!wrong.empty())",
                 [
@@ -198,7 +206,6 @@ class ServerSide(CallFacts):
                     "return;",
                 ],
             )
-        layout = self._layout.stream(attribute.scoped_name)
         always, more = self._lowering.size(slot, "size", LocalNames({*taken, "size"}))
         if layout.sample.fixed_size is not None:
             lines.append(f"std::array<std::byte, {always}> sample;")
@@ -212,7 +219,7 @@ class ServerSide(CallFacts):
         lines.append("gecos::wire::Encoder to(sample);")
         lines += self._lowering.encode(slot, "to", LocalNames({*taken, "size", "to", "sample"}))
         lines.append(
-            f"gecos_publisher_->publish({self._name}::gecos_description().streams[{index}],"
+            f"gecos_publisher_->publish({self._type}::gecos_description().streams[{index}],"
             " sample, stamp_ns);"
         )
         return PublisherView(

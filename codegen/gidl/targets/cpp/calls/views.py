@@ -80,11 +80,12 @@ class CaseView:
 @dataclass(frozen=True, slots=True)
 class InterfaceView:
     name: str
+    type: str  # the same, absolutely
+    servant: str
     scoped_name: str
     doc: tuple[str, ...]
     version: str
     hash: str
-    prefix: str  # of its tables: "manipulator"
     client_bases: str
     server_bases: str
     bases: tuple[str, ...]  # scoped names of every interface it also is

@@ -3,30 +3,33 @@
 from __future__ import annotations
 
 from gidl.model import (
-    ArrayType,
     Bitset,
-    Interface,
-    MapType,
     Model,
-    NamedType,
-    Primitive,
-    PrimitiveType,
-    Range,
-    SequenceType,
-    StringType,
-    Struct,
-    Type,
-    Typedef,
-    Union,
 )
+from gidl.targets.cpp import names
+from gidl.targets.cpp.lower.ranges import bounds, range_test
 from gidl.targets.cpp.lower.statements import (
     block,
     call,
     loop,
 )
-from gidl.targets.cpp.lower.types import Slot, Types, range_test
+from gidl.targets.cpp.lower.types import Slot, Types, is_bulk
 from gidl.targets.naming import LocalNames, range_text
-from gidl.wire_layout import Layout
+from gidl.wire_layout import FieldLayout, Layout
+from gidl.wire_nodes import (
+    AppendableNode,
+    ArrayNode,
+    EnumNode,
+    MapNode,
+    Node,
+    ObjectNode,
+    OptionalNode,
+    ScalarNode,
+    SequenceNode,
+    StringNode,
+    StructNode,
+    UnionNode,
+)
 
 
 class Checks(Types):
@@ -34,111 +37,115 @@ class Checks(Types):
         super().__init__(model, layout)
         self._checked: dict[str, bool] = {}
 
-    def has_checks(self, name: str) -> bool:
-        """Whether a value of this type can hold what must not be sent."""
+    def have_checks(self, fields: tuple[FieldLayout, ...]) -> bool:
+        """Whether these can hold what must not be sent."""
+        return any(self._has_checks(field.node) for field in fields)
+
+    def _has_checks(self, node: Node) -> bool:
+        match node:
+            case ScalarNode(limits=limits):
+                return limits is not None
+            case StringNode() | MapNode() | UnionNode() | ObjectNode():
+                return True
+            case EnumNode(name):
+                return isinstance(self.model.find(name), Bitset)
+            case StructNode(name) | AppendableNode(name):
+                return self._type_has_checks(name)
+            case SequenceNode(element, bound):
+                return bound is not None or self._has_checks(element)
+            case ArrayNode(element=element) | OptionalNode(element):
+                return self._has_checks(element)
+
+    def _type_has_checks(self, name: str) -> bool:
         if name not in self._checked:
             self._checked[name] = False  # while it is asked for: a recursive type adds nothing
-            declaration = self.model.find(name)
-            match declaration:
-                case Struct(maps_to=maps_to) if maps_to is not None and maps_to.cpp:
-                    found = False
-                case Struct() as struct:
-                    found = self.struct_has_checks(struct)
-                case Union() | Bitset() | Interface():
-                    found = True
-                case Typedef(type=target, range=limits):
-                    found = self._slot_has_checks(target, limits)
-                case _:
-                    found = False
-            self._checked[name] = found
+            by_hand = names.hand_written(self.model.find(name)) is not None
+            fields = self.layout.structs[name].fields
+            self._checked[name] = not by_hand and self.have_checks(fields)
         return self._checked[name]
-
-    def struct_has_checks(self, struct: Struct) -> bool:
-        members = self.model.all_members(struct)
-        return any(self._slot_has_checks(m.type, m.range) for m in members)
-
-    def _slot_has_checks(self, used: Type, limits: Range | None) -> bool:
-        match used:
-            case PrimitiveType():
-                return limits is not None
-            case StringType() | MapType():
-                return True
-            case SequenceType(element, bound):
-                return bound is not None or self._slot_has_checks(element, None)
-            case ArrayType(element):
-                return self._slot_has_checks(element, None)
-            case NamedType(name):
-                return limits is not None or self.has_checks(name)
 
     def check(self, slot: Slot, local: LocalNames) -> list[str]:
         """Statements that return a text when the value must not be sent."""
-        limits = self.limits(slot)
-        if slot.optional:
-            inner = self._check(slot.type, f"*{slot.expression}", slot.label, limits, local)
-            return block(f"if ({slot.expression})", inner) if inner else []
-        return self._check(slot.type, slot.expression, slot.label, limits, local)
+        return self._check(slot.node, slot.expression, slot.label, local)
 
-    def _check(
-        self, used: Type, x: str, label: str, limits: Range | None, local: LocalNames
-    ) -> list[str]:
-        target = self.model.target(used)
-        match target:
-            case PrimitiveType(kind):
-                return self._check_number(kind, x, label, limits)
-            case StringType(bound):
+    def _check(self, node: Node, x: str, label: str, local: LocalNames) -> list[str]:
+        match node:
+            case ScalarNode():
+                return self._check_number(node, x, label)
+            case OptionalNode(element):
+                inner = self._check(element, f"*{x}", label, local)
+                return block(f"if ({x})", inner) if inner else []
+            case StringNode(bound):
                 lines = [
                     f'if (!gecos::wire::valid_text({x})) return gecos::wire::bad_text("{label}");'
                 ]
                 return self._over(x, label, bound, "bytes") + lines
-            case SequenceType(element, bound):
-                item = local.fresh("item")
-                inner = self._check(
-                    element, item, label, self.limits(Slot(item, label, element)), local
-                )
-                return self._over(x, label, bound, "elements") + loop(item, x, inner)
-            case ArrayType(element, dimensions):
-                item = local.fresh("item")
-                inner = self._check(element, item, label, None, local)
-                for _ in dimensions[1:]:
-                    outer = local.fresh("row")
-                    inner, item = loop(item, outer, inner), outer
-                return loop(item, x, inner)
-            case MapType(key, value, bound):
+            case SequenceNode(element, bound):
+                over = self._over(x, label, bound, "elements")
+                return over + self._check_elements(element, 1, x, label, local)
+            case ArrayNode(element, dimensions):
+                return self._check_elements(element, len(dimensions), x, label, local)
+            case MapNode(key, value, bound):
                 key_name, value_name = local.fresh("key"), local.fresh("entry")
                 inner = [
-                    *self._check(key, key_name, label, None, local),
-                    *self._check(value, value_name, label, None, local),
+                    *self._check(key, key_name, label, local),
+                    *self._check(value, value_name, label, local),
                 ]
                 head = f"for (const auto& [{key_name}, {value_name}] : {x})"
                 lines = block(head, inner) if inner else []
                 return self._over(x, label, bound, "entries") + lines
-            case NamedType(name):
-                if not self.has_checks(name):
-                    return []
-                why = local.fresh("why")
-                return [f"if (auto {why} = gecos_violation({x}); !{why}.empty()) return {why};"]
+            case EnumNode(name) | StructNode(name) | AppendableNode(name) | UnionNode(name):
+                return self._violation(node, name, x, local)
+            case ObjectNode(interface):
+                return self._violation(node, interface, x, local)
 
-    def _check_number(self, kind: Primitive, x: str, label: str, limits: Range | None) -> list[str]:
-        test = range_test(x, kind, limits)
-        if not test or limits is None:
+    def _check_elements(
+        self, element: Node, depth: int, x: str, label: str, local: LocalNames
+    ) -> list[str]:
+        if depth == 1 and isinstance(element, ScalarNode) and is_bulk(element):
+            return self._check_numbers(element, x, label, local)
+        item = local.fresh("item" if depth == 1 else "row")
+        if depth == 1:
+            inner = self._check(element, item, label, local)
+        else:
+            inner = self._check_elements(element, depth - 1, item, label, local)
+        return loop(item, x, inner)
+
+    def _violation(self, node: Node, name: str, x: str, local: LocalNames) -> list[str]:
+        if not self._has_checks(node):
             return []
-        wide = "double" if kind.is_floating else "long long"
-        if kind.is_unsigned:
-            wide = "unsigned long long"
-        cast = x if kind is Primitive.DOUBLE else f"static_cast<{wide}>({x})"
-        return [
-            f"if (!{test}) {{",
-            f'  return gecos::wire::out_of_range("{label}", {cast}, "{range_text(limits)}");',
-            "}",
-        ]
+        why, violation = local.fresh("why"), self.function(name, "gecos_violation")
+        return [f"if (auto {why} = {violation}({x}); !{why}.empty()) return {why};"]
+
+    @staticmethod
+    def _check_number(number: ScalarNode, x: str, label: str) -> list[str]:
+        if number.limits is None:
+            return []
+        return _refused(f"if (!{range_test(x, number)})", number, x, label)
+
+    @staticmethod
+    def _check_numbers(number: ScalarNode, x: str, label: str, local: LocalNames) -> list[str]:
+        if number.limits is None:
+            return []
+        found = local.fresh("outlier")
+        first = f"gecos::wire::first_outside({x}, {bounds(number)})"
+        return _refused(f"if (const auto* {found} = {first})", number, f"*{found}", label)
 
     @staticmethod
     def _over(x: str, label: str, bound: int | None, what: str) -> list[str]:
         if bound is None:
             return []
         size = call(x, "size()")
-        return [
-            f"if ({size} > {bound}) {{",
-            f'  return gecos::wire::over_bound("{label}", {size}, {bound}, "{what}");',
-            "}",
-        ]
+        return block(
+            f"if ({size} > {bound})",
+            [f'return gecos::wire::over_bound("{label}", {size}, {bound}, "{what}");'],
+        )
+
+
+def _refused(head: str, number: ScalarNode, x: str, label: str) -> list[str]:
+    assert number.limits is not None
+    kind = number.primitive
+    wide = "unsigned long long" if kind.is_unsigned else "long long"
+    cast = x if kind.is_floating else f"static_cast<{wide}>({x})"
+    text = range_text(number.limits)
+    return block(head, [f'return gecos::wire::out_of_range("{label}", {cast}, "{text}");'])

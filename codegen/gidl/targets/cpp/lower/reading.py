@@ -6,22 +6,15 @@ composed values pass a lambda to the functions of gecos/wire/fields.hpp.
 
 from __future__ import annotations
 
-from gidl.model import (
-    ArrayType,
-    MapType,
-    Range,
-    SequenceType,
-    Type,
-)
-from gidl.targets.cpp import names
+from gidl.targets.cpp.lower.ranges import bounds, range_test
 from gidl.targets.cpp.lower.statements import (
     call,
     indented,
     with_lambda,
 )
-from gidl.targets.cpp.lower.types import Slot, Types, is_bulk, range_test
+from gidl.targets.cpp.lower.types import Slot, Types, is_bulk
 from gidl.targets.naming import LocalNames
-from gidl.wire_layout import min_size_of, node_of
+from gidl.wire_layout import min_size_of
 from gidl.wire_nodes import (
     AppendableNode,
     ArrayNode,
@@ -41,40 +34,25 @@ from gidl.wire_nodes import (
 class Reading(Types):
     def decode(self, slot: Slot, source: str, local: LocalNames) -> list[str]:
         """Lines of a boolean expression."""
-        node = node_of(self.model, slot.type, slot.optional)
-        limits = self.limits(slot)
-        return self._decode(node, slot.type, slot.expression, slot.label, source, local, limits)
+        return self._decode(slot.node, slot.expression, slot.label, source, local)
 
-    def _decode(
-        self,
-        node: Node,
-        used: Type,
-        x: str,
-        label: str,
-        source: str,
-        local: LocalNames,
-        limits: Range | None = None,
-    ) -> list[str]:
+    def _decode(self, node: Node, x: str, label: str, source: str, local: LocalNames) -> list[str]:
         field = f'"{label}"'
-        target = self.model.target(used)
         match node:
             case OptionalNode(element=element):
                 inner_name = local.fresh("value")
-                inner = self._decode(element, used, inner_name, label, source, local, limits)
+                inner = self._decode(element, inner_name, label, source, local)
                 head = f"gecos::wire::get_optional({source}, {x}, {field}, "
-                return with_lambda(head, self.type(used), inner_name, inner)
+                return with_lambda(head, inner_name, inner)
             case ScalarNode(primitive):
                 lines = [f"{source}.get({x}, {field})"]
-                test = range_test(x, primitive, limits)
-                if test:
-                    size = primitive.size
+                if node.limits is not None:
+                    test, size = range_test(x, node), primitive.size
                     lines[0] += " &&"
                     lines.append(f"gecos::wire::in_range({source}, {test}, {size}, {field})")
                 return lines
             case EnumNode(name):
-                scope = "::".join(names.scope_of(self.model, name))
-                prefix = f"{scope}::" if scope else "::"
-                return [f"{prefix}decode_enum({source}, {x}, {field})"]
+                return [f"{self.function(name, 'decode_enum')}({source}, {x}, {field})"]
             case StringNode(bound):
                 return [f"{source}.get_string({x}, {_bound(bound)}, {field})"]
             case StructNode() | ObjectNode() | UnionNode(appendable=False):
@@ -82,57 +60,49 @@ class Reading(Types):
             case AppendableNode() | UnionNode():
                 return [f"gecos::wire::get_block({source}, {x}, {field})"]
             case ArrayNode(element, dimensions):
-                assert isinstance(target, ArrayType)
-                return self._decode_array(
-                    element, target.element, dimensions, x, label, source, local
-                )
+                return self._decode_array(element, len(dimensions), x, label, source, local)
             case SequenceNode(element, bound):
-                assert isinstance(target, SequenceType)
-                if is_bulk(element):
+                if isinstance(element, ScalarNode) and is_bulk(element):
                     bulk = f"gecos::wire::get_numbers({source}, {x}, {_bound(bound)}, {field})"
-                    return [bulk]
+                    return _bulk(bulk, element, x, label, source)
                 item = local.fresh("item")
-                limits = self.limits(Slot(item, label, target.element))
-                inner = self._decode(element, target.element, item, label, source, local, limits)
+                inner = self._decode(element, item, label, source, local)
                 least = min_size_of(self.model, element)
                 head = (
                     f"gecos::wire::get_sequence({source}, {x}, {least}, {_bound(bound)}, {field}, "
                 )
-                return with_lambda(head, self.type(target.element), item, inner)
+                return with_lambda(head, item, inner)
             case MapNode(key, value, bound):
-                assert isinstance(target, MapType)
                 least = min_size_of(self.model, key) + min_size_of(self.model, value)
                 key_name, value_name = local.fresh("key"), local.fresh("entry")
-                key_lines = self._decode(key, target.key, key_name, label, source, local)
-                lines = self._decode(value, target.value, value_name, label, source, local)
+                key_lines = self._decode(key, key_name, label, source, local)
+                lines = self._decode(value, value_name, label, source, local)
                 head = f"gecos::wire::get_map({source}, {x}, {least}, {_bound(bound)}, {field}, "
-                first = with_lambda(head, self.type(target.key), key_name, key_lines)
+                first = with_lambda(head, key_name, key_lines)
                 first[-1] = first[-1].removesuffix(")") + ","
-                second = with_lambda("", self.type(target.value), value_name, lines)
-                return [*first, *indented(second)]
-            case _:
-                raise AssertionError(node)
+                return [*first, *indented(with_lambda("", value_name, lines))]
 
     def _decode_array(
-        self,
-        element: Node,
-        used: Type,
-        dimensions: tuple[int, ...],
-        x: str,
-        label: str,
-        source: str,
-        local: LocalNames,
+        self, element: Node, depth: int, x: str, label: str, source: str, local: LocalNames
     ) -> list[str]:
-        if len(dimensions) == 1 and is_bulk(element):
-            return [f'{source}.get_array({x}, "{label}")']
-        item = local.fresh("item" if len(dimensions) == 1 else "row")
-        if len(dimensions) == 1:
-            item_type = self.type(used)
-            inner = self._decode(element, used, item, label, source, local)
+        if depth == 1 and isinstance(element, ScalarNode) and is_bulk(element):
+            return _bulk(f'{source}.get_array({x}, "{label}")', element, x, label, source)
+        item = local.fresh("item" if depth == 1 else "row")
+        if depth == 1:
+            inner = self._decode(element, item, label, source, local)
         else:
-            item_type = self.type(ArrayType(used, dimensions[1:]))
-            inner = self._decode_array(element, used, dimensions[1:], item, label, source, local)
-        return with_lambda(f"gecos::wire::get_each({x}, ", item_type, item, inner)
+            inner = self._decode_array(element, depth - 1, item, label, source, local)
+        return with_lambda(f"gecos::wire::get_each({x}, ", item, inner)
+
+
+def _bulk(read: str, number: ScalarNode, x: str, label: str, source: str) -> list[str]:
+    """All numbers at once, then their range."""
+    if number.limits is None:
+        return [read]
+    return [
+        f"{read} &&",
+        f'gecos::wire::all_within({source}, {x}, {bounds(number)}, "{label}")',
+    ]
 
 
 def _bound(bound: int | None) -> str:

@@ -9,7 +9,7 @@ from gidl.targets.cpp.lower.statements import (
 )
 from gidl.targets.cpp.lower.types import Slot, Types
 from gidl.targets.naming import LocalNames
-from gidl.wire_layout import min_size_of, node_of
+from gidl.wire_layout import min_size_of
 from gidl.wire_nodes import (
     AppendableNode,
     ArrayNode,
@@ -29,8 +29,7 @@ from gidl.wire_nodes import (
 class Sizes(Types):
     def size(self, slot: Slot, total: str, local: LocalNames) -> tuple[int, list[str]]:
         """Bytes that are always there, and statements that add the others to `total`."""
-        node = node_of(self.model, slot.type, slot.optional)
-        return self._size(node, slot.expression, total, local)
+        return self._size(slot.node, slot.expression, total, local)
 
     def _size(self, node: Node, x: str, total: str, local: LocalNames) -> tuple[int, list[str]]:
         match node:

@@ -19,15 +19,12 @@ def loop(item: str, over: str, lines: list[str], kind: str = "const auto&") -> l
     return block(f"for ({kind} {item} : {over})", lines) if lines else []
 
 
-def with_lambda(head: str, parameter: str, name: str, body: list[str]) -> list[str]:
+def with_lambda(head: str, name: str, body: list[str]) -> list[str]:
     """`head` with a lambda behind it whose body is the expression `body`."""
-    first, *rest = body
-    lines = [f"return {first}", *rest]
-    lines[-1] += ";"
-    short = len(lines) == 1 and len(head) + len(parameter) + len(lines[0]) < 80
-    if short:
-        return [f"{head}[&]({parameter}& {name}) {{ {lines[0]} }})"]
-    return [f"{head}[&]({parameter}& {name}) {{", *indented(lines), "})"]
+    lines = returning(body)
+    if len(lines) == 1 and len(head) + len(lines[0]) < 80:
+        return [f"{head}[&](auto& {name}) {{ {lines[0]} }})"]
+    return [f"{head}[&](auto& {name}) {{", *indented(lines), "})"]
 
 
 def or_at_end(reader: str, term: list[str]) -> list[str]:

@@ -16,15 +16,13 @@ from gidl.model import (
     NamedType,
     Primitive,
     PrimitiveType,
-    Range,
     SequenceType,
     StringType,
     Type,
-    Typedef,
     Value,
-    within,
 )
 from gidl.targets.cpp import names
+from gidl.targets.cpp.lower.ranges import number_text
 from gidl.type_names import escaped
 from gidl.wire_layout import Layout
 from gidl.wire_nodes import (
@@ -48,16 +46,21 @@ class Slot:
 
     expression: str
     label: str
-    type: Type
-    optional: bool = False
-    range: Range | None = None
+    node: Node
 
 
 class Types:
     def __init__(self, model: Model, layout: Layout) -> None:
         self.model = model
         self.layout = layout
-        self._checked: dict[str, bool] = {}
+
+    def named(self, scoped_name: str) -> str:
+        """The type of a value, as it is named from anywhere."""
+        return names.type_name(self.model, self.layout, scoped_name)
+
+    def function(self, scoped_name: str, function: str) -> str:
+        """What stands beside that type: `::robcl::decode_enum`."""
+        return names.function_name(self.model, self.layout, scoped_name, function)
 
     def type(self, used: Type, optional: bool = False) -> str:
         if optional:
@@ -80,7 +83,7 @@ class Types:
                     text = f"std::array<{text}, {size}>"
                 return text
             case NamedType(name):
-                return names.full_name(self.model, name)
+                return self.named(name)
 
     def parameter(self, used: Type, optional: bool = False) -> str:
         """How a function takes it: small ones as they are."""
@@ -94,7 +97,7 @@ class Types:
     def literal(self, value: Value, used: Type) -> str:
         match value:
             case EnumValue(enum, literal):
-                return f"{names.full_name(self.model, enum)}::{escaped(literal, CPP_WORDS)}"
+                return f"{self.named(enum)}::{escaped(literal, CPP_WORDS)}"
             case bool():
                 return "true" if value else "false"
             case str():
@@ -107,15 +110,7 @@ class Types:
     def _number(self, value: int | float, used: Type) -> str:
         target = self.model.target(used)
         kind = target.kind if isinstance(target, PrimitiveType) else Primitive.INT64
-        if kind is Primitive.FLOAT:
-            return f"{float(value)!r}F"
-        if kind is Primitive.DOUBLE:
-            return repr(float(value))
-        if kind.is_unsigned:
-            return f"{value}U"
-        if value == -(1 << 63):
-            return "std::numeric_limits<std::int64_t>::min()"
-        return str(value)
+        return number_text(value, kind)
 
     def initial(self, member: Member) -> str:
         """What stands behind a member's name: " = 1.0" or "{}".
@@ -134,7 +129,7 @@ class Types:
         if isinstance(target, NamedType):
             declaration = self.model.find(target.name)
             if isinstance(declaration, EnumDeclaration):
-                enum = names.full_name(self.model, declaration.name)
+                enum = self.named(declaration.name)
                 return f" = {enum}::{escaped(declaration.initial.name, CPP_WORDS)}"
         if isinstance(target, ArrayType):
             return self._initial_array(target)
@@ -148,39 +143,10 @@ class Types:
         if isinstance(element, NamedType):
             declaration = self.model.find(element.name)
             if isinstance(declaration, EnumDeclaration) and declaration.initial.number != 0:
-                enum = names.full_name(self.model, declaration.name)
+                enum = self.named(declaration.name)
                 word = escaped(declaration.initial.name, CPP_WORDS)
                 return f" = gecos::wire::Everywhere{{{enum}::{word}}}"
         return "{}"
-
-    def limits(self, slot: Slot) -> Range | None:
-        """Bounds of a number, those of its typedefs included."""
-        limits, used = slot.range, slot.type
-        while isinstance(used, NamedType):
-            declaration = self.model.find(used.name)
-            if not isinstance(declaration, Typedef):
-                break
-            limits, used = within(limits, declaration.range), declaration.type
-        return limits
-
-
-def range_test(x: str, kind: Primitive, limits: Range | None) -> str:
-    """ "(x >= 0.01 && x <= 1.0)"; NaN is never inside. Empty where every value is."""
-    if limits is None or not kind.is_number:
-        return ""
-    tests = []
-    for sign, bound in ((">=", limits.minimum), ("<=", limits.maximum)):
-        if bound is None:
-            continue
-        if kind.is_integer:
-            least, most = kind.integer_limits
-            if (sign == ">=" and bound <= least) or (sign == "<=" and bound >= most):
-                continue
-            text = f"{int(bound)}{'U' if kind.is_unsigned else ''}"
-        else:
-            text = f"{float(bound)!r}{'F' if kind is Primitive.FLOAT else ''}"
-        tests.append(f"{x} {sign} {text}")
-    return f"({' && '.join(tests)})" if tests else ""
 
 
 def is_bulk(element: Node) -> bool:

@@ -13,7 +13,6 @@ from gidl.targets.cpp.lower.statements import (
 )
 from gidl.targets.cpp.lower.types import PRIMITIVES, Slot, Types, is_bulk
 from gidl.targets.naming import LocalNames
-from gidl.wire_layout import node_of
 from gidl.wire_nodes import (
     AppendableNode,
     ArrayNode,
@@ -32,8 +31,7 @@ from gidl.wire_nodes import (
 
 class Writing(Types):
     def encode(self, slot: Slot, to: str, local: LocalNames) -> list[str]:
-        node = node_of(self.model, slot.type, slot.optional)
-        return self._encode(node, slot.expression, to, local)
+        return self._encode(slot.node, slot.expression, to, local)
 
     def _encode(self, node: Node, x: str, to: str, local: LocalNames) -> list[str]:
         match node:

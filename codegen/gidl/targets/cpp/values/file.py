@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import groupby
 
 from gidl.file_names import source_stem
 from gidl.model import (
@@ -18,11 +19,12 @@ from gidl.model import (
     Typedef,
     Union,
 )
-from gidl.targets.calls import passes_objects
+from gidl.targets.calls import passes_objects, result_structs
 from gidl.targets.cpp import names
 from gidl.targets.cpp.includes import system_headers
 from gidl.targets.cpp.lower import Lowering
 from gidl.targets.cpp.values.enums import Enums
+from gidl.targets.cpp.values.order import Placed, in_order
 from gidl.targets.cpp.values.structs import Structs
 from gidl.targets.cpp.values.unions import Unions
 from gidl.targets.cpp.values.views import (
@@ -38,13 +40,19 @@ from gidl.targets.naming import (
     has_output,
     value_note,
 )
-from gidl.targets.reach import named_types
+from gidl.type_names import TypeName
 
 
-def types_view(lowering: Lowering, file: File, extra: tuple[Struct, ...]) -> TypesView:
-    """`extra` are structs that calls need and nobody declared (results of several values)."""
-    builder = _Types(lowering)
-    declarations = (*file.declarations, *extra)
+def _whole(place: TypeName, view: TypeView) -> NamespaceView:
+    return NamespaceView("::".join(place.scope), (), (view,))
+
+
+def _forward(place: TypeName) -> NamespaceView:
+    return NamespaceView("::".join(place.scope), (place.name,), ())
+
+
+def types_view(lowering: Lowering, file: File) -> TypesView:
+    declarations = file.declarations
     stem = source_stem(file.path)
     includes = {
         f"{source_stem(path)}_types.hpp"
@@ -54,14 +62,15 @@ def types_view(lowering: Lowering, file: File, extra: tuple[Struct, ...]) -> Typ
     if passes_objects(lowering.model, file):
         includes.add(f"{names.OBJECT_REF_STEM}_types.hpp")
     for declaration in declarations:
-        if isinstance(declaration, Struct) and declaration.maps_to and declaration.maps_to.cpp:
-            includes.add(declaration.maps_to.cpp[1])
+        by_hand = names.hand_written(declaration)
+        if by_hand is not None:
+            includes.add(by_hand[1])
     return TypesView(
         file.path,
         f"{stem}_types.hpp",
-        _system_includes(lowering, declarations),
+        _system_includes(lowering, (*declarations, *result_structs(lowering.layout, file))),
         tuple(sorted(includes)),
-        tuple(builder.namespaces(declarations)),
+        tuple(_Types(lowering).namespaces(declarations)),
     )
 
 
@@ -89,54 +98,31 @@ def _declared(lowering: Lowering, declarations: tuple[AnyDeclaration, ...]) -> I
                 yield lowering.literal(value, used)
 
 
+_Shown = EnumDeclaration | Bitmask | Bitset | Struct | Union | Typedef | Constant
+
+
 class _Types(Enums, Structs, Unions):
     def namespaces(self, declarations: tuple[AnyDeclaration, ...]) -> Iterator[NamespaceView]:
-        """Runs of declarations of one module."""
-        run: list[AnyDeclaration] = []
-        for declaration in declarations:
-            if isinstance(declaration, Interface) or self._view_kind(declaration) is None:
-                continue
-            if run and self._scope(run[-1]) != self._scope(declaration):
-                yield self._namespace(run)
-                run = []
-            run.append(declaration)
-        if run:
-            yield self._namespace(run)
+        """Declarations by their modules, then what operations give that give several values."""
+        ordered = in_order(self._model, [d for d in declarations if isinstance(d, _Shown)])
+        early = sorted({name for each in ordered for name in each.incomplete})
+        parts = [_forward(self._place(name)) for name in early]
+        parts += [_whole(self._place(each.declaration.name), self._type(each)) for each in ordered]
+        for interface in (d for d in declarations if isinstance(d, Interface)):
+            for operation in interface.operations:
+                place = self._layout.cpp_names.results.get(operation.scoped_name)
+                if place is not None:
+                    parts.append(_whole(place, self._result(operation)))
+        for scope, run in groupby(parts, key=lambda part: part.name):
+            views = list(run)
+            forward = tuple(name for view in views for name in view.forward)
+            yield NamespaceView(scope, forward, tuple(t for view in views for t in view.types))
 
-    def _scope(self, declaration: AnyDeclaration) -> str:
-        return "::".join(names.scope_of(self._model, declaration.name))
+    def _place(self, scoped_name: str) -> TypeName:
+        return self._layout.cpp_names.types[scoped_name]
 
-    @staticmethod
-    def _view_kind(declaration: AnyDeclaration) -> type | None:
-        known = Struct | EnumDeclaration | Bitmask | Bitset | Union | Typedef | Constant
-        return type(declaration) if isinstance(declaration, known) else None
-
-    def _namespace(self, run: list[AnyDeclaration]) -> NamespaceView:
-        forward = []
-        seen: set[str] = set()
-        for declaration in run:
-            if isinstance(declaration, Struct | Union | Typedef):
-                used = self._named_types(declaration)
-                forward += [
-                    name for name in sorted(used) if name not in seen and name not in forward
-                ]
-            seen.add(declaration.name)
-        local = {d.name for d in run if isinstance(d, Struct | Union)}
-        simple = tuple(names.simple_name(self._model, n) for n in forward if n in local)
-        return NamespaceView(self._scope(run[0]), simple, tuple(self._type(d) for d in run))
-
-    @staticmethod
-    def _named_types(declaration: Struct | Union | Typedef) -> set[str]:
-        match declaration:
-            case Struct():
-                used = [m.type for m in declaration.members]
-            case Union():
-                used = [case.member.type for case in declaration.cases]
-            case Typedef():
-                used = [declaration.type]
-        return {name for each in used for name in named_types(each)} - {declaration.name}
-
-    def _type(self, declaration: AnyDeclaration) -> TypeView:
+    def _type(self, placed: Placed) -> TypeView:
+        declaration = placed.declaration
         match declaration:
             case EnumDeclaration():
                 return self._enum(declaration)
@@ -144,10 +130,11 @@ class _Types(Enums, Structs, Unions):
                 return self._mask(declaration)
             case Bitset():
                 return self._bits(declaration)
-            case Struct(maps_to=maps_to) if maps_to is not None and maps_to.cpp is not None:
-                return MappedView("mapped", *maps_to.cpp)
             case Struct():
-                return self._struct(declaration)
+                by_hand = names.hand_written(declaration)
+                if by_hand is not None:
+                    return MappedView("mapped", f"::{by_hand[0]}", by_hand[1])
+                return self._struct(declaration, placed.incomplete)
             case Union():
                 return self._union(declaration)
             case Typedef():

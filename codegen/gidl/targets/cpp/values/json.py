@@ -32,7 +32,6 @@ class NamesShape:
     kind: str  # "names"
     type: str
     argument: str
-    table: str
     names: tuple[tuple[str, str], ...]  # in the interface, in C++
     put: str  # the function of JsonWriter
     get: str  # and that of JsonReader
@@ -104,10 +103,10 @@ class _Shapes(Structs):
                     yield self._names(declaration, words, "put_flags", "get_flags")
                 case Bitset():
                     yield self._bitset(declaration)
-                case Struct(maps_to=maps_to) if maps_to is not None and maps_to.cpp is not None:
-                    yield self._mapped(declaration, maps_to.cpp[0])
+                case Struct() if names.hand_written(declaration):
+                    yield self._mapped(declaration)
                 case Struct():
-                    type_name = names.full_name(self._model, declaration.name)
+                    type_name = self._lowering.named(declaration.name)
                     yield self._members(type_name, self._model.all_members(declaration))
                 case _:
                     pass
@@ -115,10 +114,9 @@ class _Shapes(Structs):
     def _names(
         self, declaration: AnyDeclaration, words: list[str], put: str, get: str
     ) -> NamesShape:
-        type_name = names.full_name(self._model, declaration.name)
-        table = f"names_of_{declaration.name.replace('::', '_')}"
+        type_name = self._lowering.named(declaration.name)
         known = tuple((word, escaped(word, CPP_WORDS)) for word in words)
-        return NamesShape("names", type_name, type_name, table, known, put, get)
+        return NamesShape("names", type_name, type_name, known, put, get)
 
     def _bitset(self, bitset: Bitset) -> MembersShape:
         reserved = CPP_BITSET_WORDS
@@ -127,7 +125,7 @@ class _Shapes(Structs):
             for field in self._model.all_fields(bitset)
             if field.name is not None
         )
-        type_name = names.full_name(self._model, bitset.name)
+        type_name = self._lowering.named(bitset.name)
         return MembersShape("members", type_name, f"const {type_name}&", members)
 
     @staticmethod
@@ -135,8 +133,9 @@ class _Shapes(Structs):
         views = tuple(MemberView(m.name, names.member_name(m.name), m.secret) for m in members)
         return MembersShape("members", type_name, f"const {type_name}&", views)
 
-    def _mapped(self, struct: Struct, type_name: str) -> LayoutShape:
-        name = f"layout_of_{struct.name.replace('::', '_')}"
+    def _mapped(self, struct: Struct) -> LayoutShape:
+        type_name = self._lowering.named(struct.name)
+        name = f"JsonLayout<{type_name}>"
         view = self._struct(struct)
         members = self._model.all_members(struct)
         whole = replace(

@@ -5,7 +5,6 @@ from __future__ import annotations
 from gidl.model import (
     AnyDeclaration,
 )
-from gidl.targets.cpp import names
 from gidl.targets.cpp.lower import Lowering
 
 
@@ -16,4 +15,4 @@ class ValueNames:
         self._layout = lowering.layout
 
     def _name(self, declaration: AnyDeclaration) -> str:
-        return names.simple_name(self._model, declaration.name)
+        return self._layout.cpp_names.types[declaration.name].name

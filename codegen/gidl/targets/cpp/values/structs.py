@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from gidl.model import (
     ExceptionStruct,
     Member,
+    Operation,
     Struct,
 )
+from gidl.targets.calls import result_struct
 from gidl.targets.cpp import names
 from gidl.targets.cpp.lower import Lowering, Slot
 from gidl.targets.cpp.lower.statements import conjunction, joined_puts, or_at_end
 from gidl.targets.cpp.values.names import ValueNames
+from gidl.targets.cpp.values.order import held
 from gidl.targets.cpp.values.views import (
     CodecView,
     FieldView,
@@ -28,29 +31,63 @@ from gidl.targets.naming import (
     value_note,
 )
 from gidl.targets.reach import type_reaches
+from gidl.wire_layout import FieldLayout
+
+
+@dataclass(frozen=True, slots=True)
+class Content:
+    """What a codec is made of: members, with their places on the wire."""
+
+    owner: str  # what messages call the whole
+    members: tuple[Member, ...]  # those of the bases first
+    fields: tuple[FieldLayout, ...]
+    appendable: bool
+    recursive: bool
 
 
 class Structs(ValueNames):
-    def _struct(self, struct: Struct) -> StructView:
-        layout = self._layout.structs.get(struct.name)
+    def _struct(self, struct: Struct, incomplete: frozenset[str] = frozenset()) -> StructView:
+        layout = self._layout.structs[struct.name]
         base = ""
         if struct.base is not None:
-            base = f" : {names.full_name(self._model, struct.base)}"
-        fingerprint = f"0x{layout.fingerprint & (1 << 64) - 1:016x}" if layout else ""
-        members = self._model.all_members(struct)
+            base = f" : {self._lowering.named(struct.base)}"
+        content = Content(
+            struct.simple_name,
+            self._model.all_members(struct),
+            layout.fields,
+            layout.appendable,
+            type_reaches(self._model, struct.name, struct.name),
+        )
         return StructView(
             "struct",
             self._name(struct),
             struct.name,
             doc_lines(struct.facts, "exception" if isinstance(struct, ExceptionStruct) else ""),
             base,
-            tuple(self._field(m) for m in struct.members),
-            fingerprint,
-            self._struct_codec(struct, members),
-            separated([self._print(m) for m in members]),
+            tuple(self._field(m, incomplete) for m in struct.members),
+            f"0x{layout.fingerprint & (1 << 64) - 1:016x}",
+            self._struct_codec(content),
+            separated([self._print(m) for m in content.members]),
         )
 
-    def _field(self, member: Member) -> FieldView:
+    def _result(self, operation: Operation) -> StructView:
+        """What an operation gives that gives several values. It grows like any reply."""
+        struct = result_struct(self._layout, operation)
+        assert struct is not None
+        reply = self._layout.call(operation.scoped_name).reply
+        return StructView(
+            "struct",
+            self._layout.cpp_names.results[operation.scoped_name].name,
+            struct.name,
+            doc_lines(struct.facts),
+            "",
+            tuple(self._field(m) for m in struct.members),
+            "",
+            self._struct_codec(Content(operation.name, struct.members, reply, True, False)),
+            separated([self._print(m) for m in struct.members]),
+        )
+
+    def _field(self, member: Member, incomplete: frozenset[str] = frozenset()) -> FieldView:
         note = [
             value_note(member.unit or unit_of(member.type), member.range, bound_of(member.type))
         ]
@@ -59,7 +96,7 @@ class Structs(ValueNames):
         return FieldView(
             self._lowering.type(member.type, member.optional),
             names.member_name(member.name),
-            self._lowering.initial(member),
+            "" if held(self._model, member.type) & incomplete else self._lowering.initial(member),
             doc_lines(member.facts, ", ".join(n for n in note if n)),
         )
 
@@ -68,19 +105,13 @@ class Structs(ValueNames):
         unit = f" {member.unit}" if member.unit and not member.secret else ""
         return PrintView(f"{member.name}=", value, unit)
 
-    def _struct_codec(self, struct: Struct, members: tuple[Member, ...]) -> CodecView:
+    def _struct_codec(self, content: Content) -> CodecView:
         lowering = self._lowering
-        taken = {names.member_name(m.name) for m in members}
         slots = [
-            Slot(
-                names.member_name(m.name),
-                f"{struct.simple_name}.{m.name}",
-                m.type,
-                m.optional,
-                m.range,
-            )
-            for m in members
+            Slot(names.member_name(m.name), f"{content.owner}.{m.name}", field.node)
+            for m, field in zip(content.members, content.fields, strict=True)
         ]
+        taken = {slot.expression for slot in slots}
         local = LocalNames(taken)
         writer, reader = local.fresh("to"), local.fresh("from")
         encode = [
@@ -91,8 +122,8 @@ class Structs(ValueNames):
             reader,
             tuple(self._size_body(slots, taken)),
             tuple(joined_puts(encode, writer)),
-            tuple(self._decode_body(struct, members, slots, reader, taken)),
-            tuple(self._check_body(slots)) if lowering.struct_has_checks(struct) else (),
+            tuple(self._decode_body(content, slots, reader, taken)),
+            tuple(self._check_body(slots)) if lowering.have_checks(content.fields) else (),
         )
 
     def _size_body(self, slots: list[Slot], taken: set[str]) -> list[str]:
@@ -107,15 +138,11 @@ class Structs(ValueNames):
         return [f"std::size_t {total} = {constant};", *lines, f"return {total};"]
 
     def _decode_body(
-        self,
-        struct: Struct,
-        members: tuple[Member, ...],
-        slots: list[Slot],
-        reader: str,
-        taken: set[str],
+        self, content: Content, slots: list[Slot], reader: str, taken: set[str]
     ) -> list[str]:
+        members = content.members
         required = len(members)
-        if struct.is_appendable:
+        if content.appendable:
             while required and _may_be_missing(members[required - 1]):
                 required -= 1
         terms = []
@@ -124,17 +151,17 @@ class Structs(ValueNames):
             if i >= required:
                 lines = or_at_end(reader, lines)
             terms.append(lines)
-        if struct.is_appendable:
+        if content.appendable:
             terms.append([f"gecos::wire::skip_rest({reader})"])
         body = conjunction(terms)
         reset = [
             f"{slot.expression} = {missing_value(self._lowering, member)};"
             for slot, member in list(zip(slots, members, strict=True))[required:]
         ]
-        if self._model.has(struct.name) and type_reaches(self._model, struct.name, struct.name):
+        if content.recursive:
             guard = LocalNames(taken | {reader}).fresh("guard")
             reset[0:0] = [
-                f'const gecos::wire::DepthGuard {guard}({reader}, "{struct.simple_name}");',
+                f'const gecos::wire::DepthGuard {guard}({reader}, "{content.owner}");',
                 f"if (!{guard}) return false;",
             ]
         return [*reset, *body]

@@ -11,7 +11,6 @@ from gidl.model import (
     PrimitiveType,
     Union,
 )
-from gidl.targets.cpp import names
 from gidl.targets.cpp.lower import PRIMITIVES, Slot
 from gidl.targets.cpp.lower.statements import block, conjunction, returning
 from gidl.targets.cpp.values.names import ValueNames
@@ -28,7 +27,6 @@ from gidl.targets.naming import (
 )
 from gidl.targets.reach import type_reaches
 from gidl.type_names import escaped
-from gidl.wire_layout import node_of, wire_tag_of
 from gidl.wire_nodes import EnumNode, ScalarNode
 
 
@@ -48,6 +46,7 @@ class Unions(ValueNames):
                     index + 1,
                     label,
                     several,
+                    case.member.secret,
                     doc_lines(
                         case.member.facts,
                         value_note(case.member.unit, case.member.range, bound_of(case.member.type)),
@@ -65,6 +64,7 @@ class Unions(ValueNames):
             initial,
             "std::variant<" + ", ".join(["std::monostate", *(a.type for a in arms)]) + ">",
             tuple(arms),
+            " || ".join(f"arm == {a.index}" for a in arms if a.secret),
             tuple(self._select(union)),
             f"0x{layout.fingerprint & 0xFFFFFFFFFFFFFFFF:016x}",
             self._union_codec(union, arms),
@@ -92,11 +92,9 @@ class Unions(ValueNames):
 
     def _union_codec(self, union: Union, arms: list[ArmView]) -> CodecView:
         lowering = self._lowering
-        tag_node = node_of(self._model, union.discriminator)
-        assert isinstance(tag_node, ScalarNode | EnumNode)
-        wire = wire_tag_of(tag_node)
-        wire_type = PRIMITIVES[wire]
-        total = wire.size + len(arms)
+        layout = self._layout.unions[union.name]
+        tag_node, wire_type = layout.tag, PRIMITIVES[layout.wire_tag]
+        total = layout.wire_tag.size + len(arms)
         size: list[str] = []
         check: list[str] = []
         char = isinstance(tag_node, ScalarNode) and tag_node.primitive is Primitive.CHAR
@@ -107,10 +105,10 @@ class Unions(ValueNames):
         check.append(f"if (value.value.index() != {self._name(union)}::gecos_arm(value.tag)) {{")
         check.append(f'  return gecos::wire::wrong_arm("{union.simple_name}");')
         check.append("}")
-        for arm, case in zip(arms, union.cases, strict=True):
+        for arm, field in zip(arms, layout.arms, strict=True):
             held = f"std::get<{arm.index}>(value)"
-            label = f"{union.simple_name}.{case.member.name}"
-            slot = Slot("arm", label, case.member.type, False, case.member.range)
+            label = f"{union.simple_name}.{field.name}"
+            slot = Slot("arm", label, field.node)
             always, more = lowering.size(slot, "size", LocalNames({"size", "arm"}))
             inner = [f"size += {always};"] if always else []
             if more:
@@ -152,6 +150,5 @@ class Unions(ValueNames):
 
     def _decode_tag(self, tag: ScalarNode | EnumNode, label: str, wire_type: str) -> list[str]:
         if isinstance(tag, EnumNode):
-            scope = "::".join(names.scope_of(self._model, tag.name))
-            return [f'{scope}::decode_enum(from, tag, "{label}")']
+            return [f'{self._lowering.function(tag.name, "decode_enum")}(from, tag, "{label}")']
         return [f'gecos::wire::get_tag<{wire_type}>(from, tag, "{label}")']

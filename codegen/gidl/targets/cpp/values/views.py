@@ -102,6 +102,7 @@ class ArmView:
     index: int
     tag: str  # the label that selects it when none is named
     several: bool  # more than one label selects it: the maker takes the tag
+    secret: bool
     doc: tuple[str, ...]
 
 
@@ -115,6 +116,7 @@ class UnionView:
     tag_initial: str
     value_type: str
     arms: tuple[ArmView, ...]
+    secrets: str  # which values of `arm` are secret, as a test; "" where none is
     select: tuple[str, ...]  # body of the function from tag to index of the variant
     fingerprint: str
     codec: CodecView

@@ -1,0 +1,111 @@
+"""In which order the types of a file are defined.
+
+C++ wants a type complete where a default value of what holds it is made, IDL only declared. So a
+type stands behind all that it holds, whatever the order in the file. Of types that hold each other
+in sequences one comes first; a type that holds another one otherwise always comes behind it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from gidl.model import (
+    AnyDeclaration,
+    ArrayType,
+    MapType,
+    Model,
+    NamedType,
+    SequenceType,
+    Struct,
+    Type,
+    Typedef,
+    Union,
+)
+from gidl.targets.cpp import names
+
+
+@dataclass(frozen=True, slots=True)
+class Placed:
+    declaration: AnyDeclaration
+    incomplete: frozenset[str]  # structs and unions that it holds and that come behind it
+
+
+def in_order(model: Model, declarations: list[AnyDeclaration]) -> list[Placed]:
+    """`declarations` of one file, as they were but where one holds what comes later."""
+    ordering = _Ordering(model, declarations)
+    for declaration in declarations:
+        ordering.place(declaration)
+    return ordering.placed
+
+
+def held(model: Model, used: Type, sequences: bool = True) -> set[str]:
+    """Declarations that stand in a type, also behind the names of other types; without `sequences`
+    only those that must be complete."""
+    match used:
+        case SequenceType() if not sequences:
+            return set()
+        case SequenceType(element) | ArrayType(element):
+            return held(model, element, sequences)
+        case MapType(key, value):
+            return held(model, key, sequences) | held(model, value, sequences)
+        case NamedType(name):
+            target = model.find(name)
+            behind = held(model, target.type, sequences) if isinstance(target, Typedef) else set()
+            return {name} | behind
+        case _:
+            return set()
+
+
+class _Ordering:
+    def __init__(self, model: Model, declarations: list[AnyDeclaration]) -> None:
+        self.placed: list[Placed] = []
+        self._model = model
+        self._here = {d.name: d for d in declarations}
+        self._open: set[str] = set()
+        self._complete: set[str] = set()
+
+    def place(self, declaration: AnyDeclaration) -> None:
+        if declaration.name in self._complete | self._open:
+            return
+        self._open.add(declaration.name)
+        all_held = [d for d in self._here.values() if d.name in self._held(declaration, True)]
+        for each in all_held:
+            by_name = isinstance(declaration, Typedef) and isinstance(each, Struct | Union)
+            if not by_name and not self._needed(each) & self._open:
+                self.place(each)
+        missing = (d.name for d in all_held if _is_generated(d) and d.name not in self._complete)
+        self.placed.append(Placed(declaration, frozenset(missing) - {declaration.name}))
+        self._open.discard(declaration.name)
+        self._complete.add(declaration.name)
+
+    def _needed(self, declaration: AnyDeclaration) -> set[str]:
+        """What must be complete before this one is: all that it holds outside sequences."""
+        needed, open_names = set[str](), {declaration.name}
+        while open_names:
+            name = open_names.pop()
+            if name not in needed and name in self._here:
+                needed.add(name)
+                open_names |= self._held(self._here[name], False)
+        return needed
+
+    def _held(self, declaration: AnyDeclaration, sequences: bool) -> set[str]:
+        found = {n for t in _types_in(declaration) for n in held(self._model, t, sequences)}
+        if isinstance(declaration, Struct) and declaration.base is not None:
+            found.add(declaration.base)
+        return found
+
+
+def _is_generated(declaration: AnyDeclaration) -> bool:
+    return isinstance(declaration, Struct | Union) and not names.hand_written(declaration)
+
+
+def _types_in(declaration: AnyDeclaration) -> list[Type]:
+    match declaration:
+        case Struct():
+            return [m.type for m in declaration.members]
+        case Union():
+            return [declaration.discriminator, *(c.member.type for c in declaration.cases)]
+        case Typedef():
+            return [declaration.type]
+        case _:
+            return []
