@@ -1,14 +1,18 @@
 # gidl_generate(<target> <file.gidl>... [ROOT <dir>] [IMPORTS <dir>...])
 #
-# Makes the static library <target> of the C++ types, clients and servers of .gidl files of your own, to be linked by
-# whoever includes them. ROOT is where your interfaces begin (default: the current source folder): a file
+# Makes the static library <target> of the C++ types, clients and servers of .gidl and .idl files of your own, to be
+# linked by whoever includes them. ROOT is where your interfaces begin (default: the current source folder): a file
 # <ROOT>/my/lamp.gidl gives "my/lamp_types.hpp", "my/lamp_client.hpp" and "my/lamp_server.hpp". What your files
 # include is looked for below ROOT, below each of IMPORTS and in our own idl/ ("robcl/device.gidl").
 #
+# What your files include from IMPORTS is generated too, once for the whole build: <target> links the target that an
+# earlier gidl_generate made of such a file, or else <target>_imports, which is made here. Included files below ROOT are
+# for another gidl_generate, whose target you link.
+#
 # <target>_json is the library of their JSON, "my/lamp_json.hpp"; it is built where something links it.
 #
-# `gidl gen` runs when CMake configures, and CMake configures again when one of the files, what they include or gidl
-# itself has changed.
+# `gidl gen` runs in ROOT when CMake configures, and so heeds a gidl.toml there or above. CMake configures again when
+# one of the files, what they include, gidl.toml or gidl itself has changed.
 
 get_filename_component(gecos_root "${CMAKE_CURRENT_LIST_DIR}/.." ABSOLUTE)
 set(GECOS_ROOT "${gecos_root}" CACHE INTERNAL "The tree that holds idl/ and codegen/")
@@ -17,16 +21,15 @@ function(gidl_generate target)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "ROOT" "IMPORTS")
   set(files ${arg_UNPARSED_ARGUMENTS})
   if(NOT files)
-    message(FATAL_ERROR "gidl_generate(${target}): name at least one .gidl file")
+    message(FATAL_ERROR "gidl_generate(${target}): name at least one .gidl or .idl file")
   endif()
   if(NOT arg_ROOT)
     set(arg_ROOT "${CMAKE_CURRENT_SOURCE_DIR}")
   endif()
   get_filename_component(root "${arg_ROOT}" ABSOLUTE)
-  find_package(Python 3.11 REQUIRED COMPONENTS Interpreter)
-
-  set(out "${CMAKE_CURRENT_BINARY_DIR}/${target}")
-  set(sources "")
+  if(NOT IS_DIRECTORY "${root}")
+    message(FATAL_ERROR "gidl_generate(${target}): ROOT ${root} is no folder")
+  endif()
   set(inputs "")
   foreach(file IN LISTS files)
     get_filename_component(input "${file}" ABSOLUTE)
@@ -35,27 +38,43 @@ function(gidl_generate target)
     endif()
     list(APPEND inputs "${input}")
   endforeach()
-
-  set(search -I "${root}")
+  set(imports "")
   foreach(directory IN LISTS arg_IMPORTS)
     get_filename_component(directory "${directory}" ABSOLUTE)
-    list(APPEND search -I "${directory}")
+    list(APPEND imports "${directory}")
   endforeach()
-  execute_process(
-    COMMAND "${CMAKE_COMMAND}" -E env "PYTHONPATH=${GECOS_ROOT}/codegen"
-            "${Python_EXECUTABLE}" -m gidl gen --lang cpp ${search} -I "${GECOS_ROOT}/idl" --out "${out}"
-            --depfile "${out}/inputs.d" ${inputs}
-    OUTPUT_QUIET
-    RESULT_VARIABLE failed)
-  if(failed)
-    message(FATAL_ERROR "gidl_generate(${target}): gidl gen failed; its findings are above")
-  endif()
-  file(READ "${out}/inputs.d" watched)
-  string(REGEX REPLACE "^.*: \\\\\n" "" watched "${watched}")
-  string(REGEX REPLACE " *\\\\?\n *" ";" watched "${watched}")
-  string(REPLACE "\\ " " " watched "${watched}")
-  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${inputs} ${watched})
+  gecos_gidl_library(${target} "${inputs}" "${root}" "${imports}")
+endfunction()
 
+# The library of `inputs`, and before it the one of what they import.
+function(gecos_gidl_library target inputs root imports)
+  gecos_gidl_claim(${target} "${inputs}" "${root}" "${imports}")
+  gecos_gidl_run(${target} "${inputs}" "${root}" "${imports}" interfaces)
+  set(makers "")
+  set(unmade "")
+  foreach(file IN LISTS interfaces)
+    gecos_gidl_is_import("${file}" "${root}" "${imports}" is_import)
+    if(NOT is_import OR file IN_LIST inputs)
+      continue()
+    endif()
+    get_property(maker GLOBAL PROPERTY "gidl maker of ${file}")
+    if(maker)
+      gecos_gidl_same_name(${target} ${maker} "${file}" "${root}" "${imports}")
+      list(APPEND makers ${maker})
+    else()
+      list(APPEND unmade "${file}")
+    endif()
+  endforeach()
+  if(unmade)
+    gecos_gidl_library(${target}_imports "${unmade}" "${root}" "${imports}")
+    foreach(file IN LISTS unmade)
+      set_property(GLOBAL PROPERTY "gidl importer of ${file}" ${target})
+    endforeach()
+    list(APPEND makers ${target}_imports)
+  endif()
+  list(REMOVE_DUPLICATES makers)
+
+  set(out "${CMAKE_CURRENT_BINARY_DIR}/${target}")
   file(GLOB_RECURSE sources "${out}/cpp/*.cpp")
   set(json_sources ${sources})
   list(FILTER sources EXCLUDE REGEX "_json\\.cpp$")
@@ -63,9 +82,111 @@ function(gidl_generate target)
   add_library(${target} STATIC ${sources})
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON)
   target_include_directories(${target} PUBLIC "${out}/cpp")
-  target_link_libraries(${target} PUBLIC robcl_generated gecos_session)
+  target_link_libraries(${target} PUBLIC ${makers} robcl_generated gecos_session)
   if(json_sources)
     add_library(${target}_json STATIC EXCLUDE_FROM_ALL ${json_sources})
     target_link_libraries(${target}_json PUBLIC ${target} robcl_json)
+    foreach(maker IN LISTS makers)
+      if(TARGET ${maker}_json)
+        target_link_libraries(${target}_json PUBLIC ${maker}_json)
+      endif()
+    endforeach()
   endif()
+endfunction()
+
+# Runs gidl, and gives the interface files that it read.
+function(gecos_gidl_run target inputs root imports result)
+  find_package(Python 3.11 REQUIRED COMPONENTS Interpreter)
+  set(out "${CMAKE_CURRENT_BINARY_DIR}/${target}")
+  set(search "")
+  foreach(directory IN LISTS root imports ITEMS "${GECOS_ROOT}/idl")
+    list(APPEND search -I "${directory}")
+  endforeach()
+  execute_process(
+    COMMAND "${CMAKE_COMMAND}" -E env "PYTHONPATH=${GECOS_ROOT}/codegen"
+            "${Python_EXECUTABLE}" -m gidl gen --prune --lang cpp ${search} --out "${out}"
+            --depfile "${out}/inputs.d" ${inputs}
+    WORKING_DIRECTORY "${root}"
+    OUTPUT_QUIET
+    RESULT_VARIABLE failed)
+  if(failed)
+    message(FATAL_ERROR "gidl_generate(${target}): gidl gen failed; its findings are above")
+  endif()
+  file(READ "${out}/inputs.d" read)
+  string(REGEX REPLACE "^.*: \\\\\n" "" read "${read}")
+  string(REGEX REPLACE " *\\\\?\n *" ";" read "${read}")
+  string(REPLACE "\\ " " " read "${read}")
+  list(TRANSFORM read STRIP)
+  list(FILTER read EXCLUDE REGEX "^$")
+  set(watched "")
+  foreach(file IN LISTS read)
+    get_filename_component(file "${file}" ABSOLUTE BASE_DIR "${root}")
+    list(APPEND watched "${file}")
+  endforeach()
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${inputs} ${watched})
+  list(FILTER watched INCLUDE REGEX "\\.[gG]?[iI][dD][lL]$")
+  set(${result} "${watched}" PARENT_SCOPE)
+endfunction()
+
+# Notes that `target` makes these files, for those who import them later.
+function(gecos_gidl_claim target inputs root imports)
+  foreach(file IN LISTS inputs)
+    get_property(importer GLOBAL PROPERTY "gidl importer of ${file}")
+    if(importer)
+      message(FATAL_ERROR "gidl_generate(${target}): ${file} was generated already for ${importer}, which imports it; "
+                          "call gidl_generate(${target}) before gidl_generate(${importer})")
+    endif()
+    get_property(maker GLOBAL PROPERTY "gidl maker of ${file}")
+    if(NOT maker)
+      gecos_gidl_name("${file}" "${root}" "${imports}" name)
+      set_property(GLOBAL PROPERTY "gidl maker of ${file}" ${target})
+      set_property(GLOBAL PROPERTY "gidl name of ${file}" "${name}")
+    endif()
+  endforeach()
+endfunction()
+
+# Headers of one file have one name in a build.
+function(gecos_gidl_same_name target maker file root imports)
+  get_property(there GLOBAL PROPERTY "gidl name of ${file}")
+  gecos_gidl_name("${file}" "${root}" "${imports}" here)
+  if(NOT here STREQUAL there)
+    message(FATAL_ERROR "gidl_generate(${target}): ${file} is ${here} here and ${there} for ${maker}; "
+                        "let both find it from the same folder, as ROOT or IMPORTS")
+  endif()
+endfunction()
+
+# What a file is called where includes begin.
+function(gecos_gidl_name file root imports result)
+  get_filename_component(name "${file}" NAME)
+  foreach(directory IN LISTS root imports)
+    cmake_path(IS_PREFIX directory "${file}" NORMALIZE below)
+    if(below)
+      file(RELATIVE_PATH name "${directory}" "${file}")
+      break()
+    endif()
+  endforeach()
+  set(${result} "${name}" PARENT_SCOPE)
+endfunction()
+
+# Whether nobody but gidl_generate itself makes an included file: it comes from IMPORTS, or from outside ROOT. Ours are
+# in robcl_generated.
+function(gecos_gidl_is_import file root imports result)
+  cmake_path(IS_PREFIX root "${file}" NORMALIZE own)
+  set(is_import TRUE)
+  if(own)
+    set(is_import FALSE)
+  endif()
+  foreach(directory IN LISTS imports)
+    cmake_path(IS_PREFIX directory "${file}" NORMALIZE below)
+    if(below)
+      set(is_import TRUE)
+    endif()
+  endforeach()
+  foreach(ours "${GECOS_ROOT}/idl" "${GECOS_ROOT}/codegen")
+    cmake_path(IS_PREFIX ours "${file}" NORMALIZE below)
+    if(below)
+      set(is_import FALSE)
+    endif()
+  endforeach()
+  set(${result} ${is_import} PARENT_SCOPE)
 endfunction()
