@@ -14,6 +14,7 @@ from gidl.model import (
     Range,
     Value,
 )
+from gidl.targets.groups import without_marks
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +52,7 @@ class LocalNames:
 def doc_lines(facts: Facts, note: str = "") -> tuple[str, ...]:
     """The author's comment, then unit and range in brackets, then since and deprecation."""
     lines: list[str] = []
-    for line in facts.doc.strip().splitlines():
+    for line in without_marks(facts.doc).strip().splitlines():
         lines += textwrap.wrap(line.strip(), 88) or [""]
     if note:
         if lines:
@@ -61,7 +62,8 @@ def doc_lines(facts: Facts, note: str = "") -> tuple[str, ...]:
     if facts.since:
         lines.append(f"Since {facts.since}.")
     if facts.deprecated is not None:
-        lines.append(f"Deprecated: {facts.deprecated}" if facts.deprecated else "Deprecated.")
+        why = " ".join(without_marks(facts.deprecated).split())
+        lines.append(f"Deprecated: {why}" if why else "Deprecated.")
     return tuple(lines)
 
 

@@ -25,15 +25,15 @@ class Broker : public virtual gecos::Object {
 
   /// Makes an object findable until the calling session ends. Named enlist because `register`
   /// is a word of C++.
-  /// May fail with ::gecos::NameTaken.
+  /// May fail with gecos::NameTaken.
   gecos::Command<void> enlist(const ::gecos::Entry& what) const;
 
   /// Takes an object of the calling session off the list.
-  /// May fail with ::gecos::UnknownName.
+  /// May fail with gecos::UnknownName.
   gecos::Command<void> withdraw(const std::string& name) const;
 
   /// Where an object is that was enlisted.
-  /// May fail with ::gecos::UnknownName.
+  /// May fail with gecos::UnknownName.
   gecos::Command<::gecos::Entry> lookup(const std::string& name) const;
 
   /// All that is enlisted now, in the order of names.

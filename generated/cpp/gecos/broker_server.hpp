@@ -21,15 +21,15 @@ class BrokerServant : public virtual gecos::Servant {
  protected:
   /// Makes an object findable until the calling session ends. Named enlist because `register`
   /// is a word of C++.
-  /// May fail with ::gecos::NameTaken.
+  /// May fail with gecos::NameTaken.
   virtual gecos::Result<void> enlist(const ::gecos::Entry& what) = 0;
 
   /// Takes an object of the calling session off the list.
-  /// May fail with ::gecos::UnknownName.
+  /// May fail with gecos::UnknownName.
   virtual gecos::Result<void> withdraw(const std::string& name) = 0;
 
   /// Where an object is that was enlisted.
-  /// May fail with ::gecos::UnknownName.
+  /// May fail with gecos::UnknownName.
   virtual gecos::Result<::gecos::Entry> lookup(const std::string& name) = 0;
 
   /// All that is enlisted now, in the order of names.

@@ -37,7 +37,7 @@ class GecosObject : public virtual gecos::Object {
   gecos::Command<::gecos::Description> describe() const;
 
   /// Asks for a status. It stays the caller's while the session lives and is heard of.
-  /// May fail with ::gecos::StatusRefused.
+  /// May fail with gecos::StatusRefused.
   gecos::Command<::gecos::Grant> acquire(
       ::gecos::Status wanted,
       const std::optional<std::string>& password = {}) const;

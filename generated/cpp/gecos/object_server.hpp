@@ -32,7 +32,7 @@ class GecosObjectServant : public virtual gecos::Servant {
   virtual gecos::Result<::gecos::Description> describe() = 0;
 
   /// Asks for a status. It stays the caller's while the session lives and is heard of.
-  /// May fail with ::gecos::StatusRefused.
+  /// May fail with gecos::StatusRefused.
   virtual gecos::Result<::gecos::Grant> acquire(
       ::gecos::Status wanted,
       const std::optional<std::string>& password) = 0;

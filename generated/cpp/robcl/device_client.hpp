@@ -29,7 +29,7 @@ class Device : public virtual gecos::Object {
 
   /// Places the base on the flange of `carrier`, or in the world when `carrier` is empty.
   /// Refused while moving.
-  /// May fail with ::robcl::MountRefused.
+  /// May fail with robcl::MountRefused.
   gecos::Command<void> mount(const std::string& carrier, const ::robcl::Frame& offset) const;
 };
 

@@ -25,7 +25,7 @@ class DeviceServant : public virtual gecos::Servant {
 
   /// Places the base on the flange of `carrier`, or in the world when `carrier` is empty.
   /// Refused while moving.
-  /// May fail with ::robcl::MountRefused.
+  /// May fail with robcl::MountRefused.
   virtual gecos::Result<void> mount(const std::string& carrier, const ::robcl::Frame& offset) = 0;
 
   void gecos_call_base(gecos::IncomingCall& call);

@@ -27,7 +27,7 @@ class LaserDistanceSensor : public virtual ::robcl::Device {
   tl::expected<gecos::Stream<::robcl::Distance>, gecos::Failure> beam(gecos::StreamTag) const;
 
   /// Takes a measurement now.
-  /// May fail with ::robcl::SensorFault.
+  /// May fail with robcl::SensorFault.
   gecos::Command<::robcl::Distance> measure() const;
 
   /// Switches the laser.

@@ -23,7 +23,7 @@ class LaserDistanceSensorServant : public virtual ::robcl::DeviceServant {
   virtual gecos::Result<::robcl::Distance> beam() = 0;
 
   /// Takes a measurement now.
-  /// May fail with ::robcl::SensorFault.
+  /// May fail with robcl::SensorFault.
   virtual gecos::Result<::robcl::Distance> measure() = 0;
 
   /// Switches the laser.

@@ -41,7 +41,7 @@ class Manipulator : public virtual ::robcl::Device {
   gecos::Command<void> set_tool_offset(const ::robcl::Frame& value) const;
 
   /// Moves the tool frame to `goal`, given in the world. FINISHED when it stands at the goal.
-  /// May fail with ::robcl::OutOfReach, ::robcl::JointLimit, ::robcl::Singular.
+  /// May fail with robcl::OutOfReach, robcl::JointLimit, robcl::Singular.
   gecos::Command<void, ::robcl::MotionProgress> move(
       const ::robcl::Frame& goal,
       const std::optional<::robcl::Trajectory>& how = {}) const;

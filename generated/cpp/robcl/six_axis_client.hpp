@@ -29,7 +29,7 @@ class SixAxis : public virtual ::robcl::Manipulator {
   tl::expected<gecos::Stream<::robcl::Joints>, gecos::Failure> joints(gecos::StreamTag) const;
 
   /// Moves all joints to `target`, arriving together.
-  /// May fail with ::robcl::JointLimit.
+  /// May fail with robcl::JointLimit.
   gecos::Command<void, ::robcl::MotionProgress> move_joints(
       const ::robcl::Joints& target,
       const std::optional<::robcl::Trajectory>& how = {}) const;

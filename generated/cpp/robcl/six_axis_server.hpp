@@ -25,7 +25,7 @@ class SixAxisServant : public virtual ::robcl::ManipulatorServant {
   virtual gecos::Result<::robcl::Joints> joints() = 0;
 
   /// Moves all joints to `target`, arriving together.
-  /// May fail with ::robcl::JointLimit.
+  /// May fail with robcl::JointLimit.
   virtual gecos::Result<void> move_joints(
       const ::robcl::Joints& target,
       const std::optional<::robcl::Trajectory>& how,

@@ -27,7 +27,7 @@ class World : public virtual gecos::Object {
   gecos::Command<std::vector<::robcl::Body>> bodies() const;
 
   /// One body, where it is now.
-  /// May fail with ::robcl::UnknownBody.
+  /// May fail with robcl::UnknownBody.
   gecos::Command<::robcl::Body> find(const std::string& name) const;
 
   /// First body on the ray from `origin` along its z axis.
@@ -40,7 +40,7 @@ class World : public virtual gecos::Object {
   gecos::Command<::robcl::Contact> between(const ::robcl::Frame& jaws, double opening) const;
 
   /// Puts a body somewhere, for preparing an experiment. Refused while it is held.
-  /// May fail with ::robcl::UnknownBody.
+  /// May fail with robcl::UnknownBody.
   gecos::Command<void> place(const std::string& name, const ::robcl::Frame& pose) const;
 };
 

@@ -23,7 +23,7 @@ class WorldServant : public virtual gecos::Servant {
   virtual gecos::Result<std::vector<::robcl::Body>> bodies() = 0;
 
   /// One body, where it is now.
-  /// May fail with ::robcl::UnknownBody.
+  /// May fail with robcl::UnknownBody.
   virtual gecos::Result<::robcl::Body> find(const std::string& name) = 0;
 
   /// First body on the ray from `origin` along its z axis.
@@ -36,7 +36,7 @@ class WorldServant : public virtual gecos::Servant {
   virtual gecos::Result<::robcl::Contact> between(const ::robcl::Frame& jaws, double opening) = 0;
 
   /// Puts a body somewhere, for preparing an experiment. Refused while it is held.
-  /// May fail with ::robcl::UnknownBody.
+  /// May fail with robcl::UnknownBody.
   virtual gecos::Result<void> place(const std::string& name, const ::robcl::Frame& pose) = 0;
 
   void gecos_call_bodies(gecos::IncomingCall& call);

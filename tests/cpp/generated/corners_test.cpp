@@ -11,6 +11,7 @@
 #include "bounded_server.hpp"
 #include "direct_session.hpp"
 #include "gecos/wire/json.hpp"
+#include "letters_types.hpp"
 #include "places_client.hpp"
 #include "places_server.hpp"
 #include "reopened_server.hpp"
@@ -70,6 +71,22 @@ TEST(GeneratedTypes, MayHoldEachOtherAcrossOpeningsOfTheirModule) {
   node.below = {leaf, leaf};
   node.chosen = tree::Choice::make_others({tree::Choice::make_below(node.below)});
   EXPECT_EQ(gecos::wire::from_bytes<tree::Node>(gecos::wire::to_bytes(node)), node);
+}
+
+TEST(GeneratedLetters, AreOneByteOfLatin1) {
+  EXPECT_EQ(static_cast<unsigned char>(letters::BIG), 0xff);
+  EXPECT_EQ(letters::ZERO, 0);
+  EXPECT_EQ(letters::S1,
+            "a\x01"
+            "1?"
+            "?=?");
+  EXPECT_EQ(letters::Cs{}.c, static_cast<char>(0xfe));
+  for (const auto& letter : {letters::Letter::make_a(5), letters::Letter::make_z(6)}) {
+    EXPECT_EQ(gecos_violation(letter), "");
+    EXPECT_EQ(gecos::wire::from_bytes<letters::Letter>(gecos::wire::to_bytes(letter)), letter);
+  }
+  const auto bytes = gecos::wire::to_bytes(letters::Letter::make_a(5));
+  EXPECT_EQ(bytes[3], std::byte{0xff});  // its tag
 }
 
 TEST(GeneratedRanges, HoldInArrays) {

@@ -16,11 +16,11 @@ from gidl.targets.cpp.calls.facts import CallFacts, why_not
 from gidl.targets.cpp.calls.views import (
     MethodView,
 )
+from gidl.targets.cpp.comments import doc_lines
 from gidl.targets.cpp.lower import Slot
 from gidl.targets.cpp.lower.statements import block, conjunction
 from gidl.targets.naming import (
     LocalNames,
-    doc_lines,
     value_note,
 )
 from gidl.type_names import escaped

@@ -16,11 +16,11 @@ from gidl.targets.calls import (
     short_name,
 )
 from gidl.targets.cpp import names
+from gidl.targets.cpp.comments import comment, doc_lines
 from gidl.targets.cpp.lower import Lowering, Slot
 from gidl.targets.cpp.lower.statements import indented
 from gidl.targets.naming import (
     LocalNames,
-    doc_lines,
     value_note,
 )
 from gidl.type_names import escaped
@@ -55,9 +55,9 @@ class CallFacts:
                 text = " ".join(doc_lines(p.facts, note))
                 doc.append(f"@param {escaped(p.name, CPP_WORDS)} {text}")
         if operation.raises:
-            raised = ", ".join(self._lowering.named(name) for name in operation.raises)
+            raised = ", ".join(self._lowering.named(n)[2:] for n in operation.raises)
             doc.append(f"May fail with {raised}.")
-        return tuple(doc)
+        return comment(doc)
 
     def _setter_name(self, attribute: Attribute) -> str:
         return LocalNames(names.method_names(self._model, self._interface)).fresh(

@@ -30,11 +30,9 @@ from gidl.targets.cpp.calls.views import (
     InterfaceView,
     MethodView,
 )
+from gidl.targets.cpp.comments import doc_lines
 from gidl.targets.cpp.includes import system_headers
 from gidl.targets.cpp.lower import Lowering
-from gidl.targets.naming import (
-    doc_lines,
-)
 from gidl.wire_layout import CallKind
 
 

@@ -22,11 +22,11 @@ from gidl.targets.cpp.calls.views import (
     HandlerView,
     PublisherView,
 )
+from gidl.targets.cpp.comments import doc_lines
 from gidl.targets.cpp.lower import Slot
 from gidl.targets.cpp.lower.statements import block, conjunction, indented, or_at_end
 from gidl.targets.naming import (
     LocalNames,
-    doc_lines,
     value_note,
 )
 from gidl.type_names import escaped

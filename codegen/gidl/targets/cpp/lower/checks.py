@@ -45,8 +45,10 @@ class Checks(Types):
         match node:
             case ScalarNode(limits=limits):
                 return limits is not None
-            case StringNode() | MapNode() | UnionNode() | ObjectNode():
+            case StringNode() | UnionNode() | ObjectNode():
                 return True
+            case MapNode(key, value, bound):
+                return bound is not None or self._has_checks(key) or self._has_checks(value)
             case EnumNode(name):
                 return isinstance(self.model.find(name), Bitset)
             case StructNode(name) | AppendableNode(name):

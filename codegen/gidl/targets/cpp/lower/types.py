@@ -158,14 +158,16 @@ _ESCAPES = {"\\": "\\\\", "\n": "\\n", "\r": "\\r", "\t": "\\t", "\0": "\\0"}
 
 
 def _quoted(text: str, quote: str) -> str:
+    """A literal. A char is one byte of Latin-1, a string is UTF-8."""
     out = ""
     for letter in text:
-        if letter == quote:
-            out += f"\\{quote}"
+        if letter == quote or (letter == "?" and out.endswith("?")):  # no trigraph
+            out += f"\\{letter}"
         elif letter in _ESCAPES:
             out += _ESCAPES[letter]
         elif " " <= letter <= "~":
             out += letter
         else:
-            out += "".join(f"\\{byte:03o}" for byte in letter.encode("utf-8"))
+            encoding = "latin-1" if quote == "'" else "utf-8"
+            out += "".join(f"\\{byte:03o}" for byte in letter.encode(encoding))
     return f"{quote}{out}{quote}"

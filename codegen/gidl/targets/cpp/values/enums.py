@@ -9,6 +9,7 @@ from gidl.model import (
     EnumDeclaration,
     Primitive,
 )
+from gidl.targets.cpp.comments import doc_lines
 from gidl.targets.cpp.lower import PRIMITIVES
 from gidl.targets.cpp.lower.statements import block
 from gidl.targets.cpp.values.names import ValueNames
@@ -20,9 +21,6 @@ from gidl.targets.cpp.values.views import (
     MaskView,
     PrintView,
     separated,
-)
-from gidl.targets.naming import (
-    doc_lines,
 )
 from gidl.type_names import escaped
 

@@ -21,6 +21,7 @@ from gidl.model import (
 )
 from gidl.targets.calls import passes_objects, result_structs
 from gidl.targets.cpp import names
+from gidl.targets.cpp.comments import doc_lines
 from gidl.targets.cpp.includes import system_headers
 from gidl.targets.cpp.lower import Lowering
 from gidl.targets.cpp.values.enums import Enums
@@ -36,7 +37,6 @@ from gidl.targets.cpp.values.views import (
     TypeView,
 )
 from gidl.targets.naming import (
-    doc_lines,
     has_output,
     value_note,
 )

@@ -12,6 +12,7 @@ from gidl.model import (
 )
 from gidl.targets.calls import result_struct
 from gidl.targets.cpp import names
+from gidl.targets.cpp.comments import doc_lines
 from gidl.targets.cpp.lower import Lowering, Slot
 from gidl.targets.cpp.lower.statements import conjunction, joined_puts, or_at_end
 from gidl.targets.cpp.values.names import ValueNames
@@ -27,7 +28,6 @@ from gidl.targets.cpp.values.views import (
 )
 from gidl.targets.naming import (
     LocalNames,
-    doc_lines,
     value_note,
 )
 from gidl.targets.reach import type_reaches

@@ -11,6 +11,7 @@ from gidl.model import (
     PrimitiveType,
     Union,
 )
+from gidl.targets.cpp.comments import doc_lines
 from gidl.targets.cpp.lower import PRIMITIVES, Slot
 from gidl.targets.cpp.lower.statements import block, conjunction, returning
 from gidl.targets.cpp.values.names import ValueNames
@@ -22,7 +23,6 @@ from gidl.targets.cpp.values.views import (
 )
 from gidl.targets.naming import (
     LocalNames,
-    doc_lines,
     value_note,
 )
 from gidl.targets.reach import type_reaches
