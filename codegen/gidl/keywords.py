@@ -21,6 +21,13 @@ USED = words(
     """
 )
 
+# Of these, the words that IDL before 4.0 did not have: older interfaces have names like INT8 or Map.
+NEW_IN_4 = words(
+    """
+    bitfield bitmask bitset int8 int16 int32 int64 map uint8 uint16 uint32 uint64
+    """
+)
+
 # Words of building blocks that are not part of .gidl: allowed as identifiers, with a warning,
 # because a tool for the whole of IDL will refuse them.
 UNUSED = words(

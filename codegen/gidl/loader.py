@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from difflib import get_close_matches
 from pathlib import Path, PurePosixPath
 
-from gidl.diagnostics import Findings
+from gidl.diagnostics import Findings, Severity
 from gidl.file_names import is_interface
 from gidl.installed import installed_folders
 from gidl.lexer import lex
@@ -24,6 +24,7 @@ VOCABULARY = "gecos/annotations.gidl"
 OBJECT_REF = "gecos/object_ref.gidl"  # what `Object` is a value of
 COMMAND_LINE = "<-D>"  # the source that constants of the command line are lines of
 _MAX_INCLUDE_DEPTH = 100
+_C_HEADERS = frozenset((".h", ".hh", ".hpp", ".hxx"))
 _NOT_UTF_8 = re.compile("[\udc80-\udcff]")  # as surrogateescape shows such bytes
 _AS_LATIN_1 = {0xDC00 + byte: byte for byte in range(0x80, 0x100)}
 
@@ -144,7 +145,7 @@ class Loader:
                 self._protected.add(path)
             nonlocal lacks_includes
             found = self._include(include, source)
-            lacks_includes |= found is None and self._find(include, source) is None
+            lacks_includes |= found is None and not self._is_open(include, source)
             if found is not None and found not in includes:
                 includes.append(found)
 
@@ -163,6 +164,9 @@ class Loader:
 
     def _include(self, include: Include, source: Source) -> str | None:
         place = self._find(include, source)
+        if place is None and PurePosixPath(include.path).suffix in _C_HEADERS:
+            self._is_c(include)
+            return None
         if place is None:
             self._not_found(include, source)
             return None
@@ -190,7 +194,34 @@ class Loader:
                 "G0013", include.span, f"includes are nested deeper than {_MAX_INCLUDE_DEPTH}"
             )
             return None
+        if place.suffix in _C_HEADERS:
+            return self._header(include, place, path)
         return self._load(place, path, _shown(place), asked_for=False)
+
+    def _header(self, include: Include, place: Path, path: str) -> str | None:
+        """A header may hold constants for the preprocessor, or IDL. C in it is one finding."""
+        before, findings = list(self.files), len(self.findings.found)
+        found = self._load(place, path, _shown(place), asked_for=False)
+        if all(f.severity is not Severity.ERROR for f in self.findings.found[findings:]):
+            return found
+        del self.findings.found[findings:]
+        for name in [name for name in self.files if name not in before]:
+            del self.files[name]
+        self._is_c(include)
+        return None
+
+    def _is_c(self, include: Include) -> None:
+        self.findings.error(
+            "G0216",
+            include.span,
+            f"'{include.path}' is a header of C: headers are not part of .gidl",
+            "include the IDL that declares the types",
+        )
+
+    def _is_open(self, include: Include, source: Source) -> bool:
+        """Whether it is a file that is being read, so that its names come after all."""
+        place = self._find(include, source)
+        return place is not None and self._by_place.get(place.resolve()) in self._open
 
     def _folders(self, include: Include, source: Source) -> list[Path]:
         beside = [] if include.angled or source.shown == "-" else [Path(source.shown).parent]

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from difflib import get_close_matches
 
 from gidl.diagnostics import Findings, Note
-from gidl.keywords import UNUSED_BY_LOWER, USED_BY_LOWER
+from gidl.keywords import NEW_IN_4, UNUSED_BY_LOWER, USED_BY_LOWER
 from gidl.lexer import Token
 from gidl.source import Source, Span
 from gidl.syntax import Name, ScopedName
@@ -139,7 +139,14 @@ class TokenReader:
             self._syntax_error(what)
             raise Skip
         keyword = USED_BY_LOWER.get(token.text.lower())
-        if keyword is not None:
+        if keyword in NEW_IN_4 and keyword != token.text:
+            self._findings.warning(
+                "G0707",
+                self._span(token),
+                f"'{token.text}' differs from '{keyword}', a keyword since IDL 4.0, only in case",
+                f"write '_{token.text}' to keep other IDL tools happy: the name stays the same",
+            )
+        elif keyword is not None:
             alike = "" if keyword == token.text else " (names are compared without regard to case)"
             self._findings.error(
                 "G0104",

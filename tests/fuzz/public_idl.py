@@ -112,7 +112,9 @@ def judge(project: Project, file: Path, scratch: Path) -> Judged:
     options = [f"-I{folder}" for folder in folders]
     omniidl = _runs(["omniidl", *options, str(file)], scratch)
     idlc = _runs(["idlc", *options, "-o", str(scratch), str(file)], scratch)
-    return Judged(file, omniidl, idlc, compile_files([str(file)], folders, wide=True))
+    defines = ["__OMNIIDL__"] if omniidl else []
+    found = compile_files([str(file)], folders, wide=True, defines=defines)
+    return Judged(file, omniidl, idlc, found)
 
 
 def _runs(command: list[str], scratch: Path) -> bool:

@@ -1,0 +1,1 @@
+#define MANY 4
