@@ -9,13 +9,15 @@ import argparse
 import os
 import sys
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
-from gidl import __version__, cli_breaking, cli_fmt, cli_gen, cli_lint, cli_new
+from gidl import __version__, cli_breaking, cli_fmt, cli_gen, cli_lint, cli_new, not_yet
 from gidl.cli_shared import (
     FAILED,
     FINDINGS,
     FINE,
     USAGE,
+    add_except,
     add_files,
     compiled_from,
     files_of,
@@ -79,6 +81,7 @@ def _parser() -> argparse.ArgumentParser:
 
     check = verbs.add_parser("check", help="report what is wrong")
     add_files(check)
+    add_except(check, "warnings that are not wanted, like G0708")
     check.set_defaults(command=_check)
 
     cli_lint.add_verb(verbs)
@@ -111,7 +114,12 @@ def _check(chosen: argparse.Namespace) -> int:
     files = files_of(chosen)
     if files is None:
         return USAGE
-    compiled = strictly(chosen, compiled_from(chosen, files))
+    compiled = compiled_from(chosen, files)
+    if not compiled.has_errors and not_yet.CODE not in chosen.excepted:
+        findings = Findings(list(compiled.findings))
+        not_yet.check(compiled.model, findings)
+        compiled = replace(compiled, findings=tuple(findings.in_order(list(compiled.sources))))
+    compiled = strictly(chosen, compiled)
     show(chosen, compiled.findings, compiled.sources)
     return FINDINGS if compiled.has_errors else FINE
 

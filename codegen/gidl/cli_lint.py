@@ -5,30 +5,24 @@ from __future__ import annotations
 import argparse
 import sys
 
-from gidl.cli_shared import FINDINGS, FINE, USAGE, add_files, compiled_from, count, files_of, show
+from gidl.cli_shared import (
+    FINDINGS,
+    FINE,
+    USAGE,
+    add_except,
+    add_files,
+    compiled_from,
+    count,
+    files_of,
+    show,
+)
 
 
 def add_verb(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser = verbs.add_parser("lint", help="report what could be better")
     add_files(parser)
-    parser.add_argument(
-        "--except",
-        dest="excepted",
-        type=_codes,
-        metavar="CODE,...",
-        help="rules that are not asked, like G0907",
-    )
+    add_except(parser, "rules that are not asked, like G0907")
     parser.set_defaults(command=run)
-
-
-def _codes(text: str) -> frozenset[str]:
-    from gidl.explain import lint_rules
-
-    codes = frozenset(part.strip().upper() for part in text.split(","))
-    for code in sorted(codes):
-        if code not in lint_rules():
-            raise argparse.ArgumentTypeError(f"there is no lint rule {code}")
-    return codes
 
 
 def run(chosen: argparse.Namespace) -> int:

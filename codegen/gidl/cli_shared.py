@@ -58,6 +58,20 @@ def add_reading(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_except(parser: argparse.ArgumentParser, meaning: str) -> None:
+    parser.add_argument("--except", dest="excepted", type=_codes, metavar="CODE,...", help=meaning)
+
+
+def _codes(text: str) -> frozenset[str]:
+    from gidl.explain import lint_rules
+
+    codes = frozenset(part.strip().upper() for part in text.split(","))
+    for code in sorted(codes):
+        if code not in lint_rules():
+            raise argparse.ArgumentTypeError(f"there is no lint rule {code}")
+    return codes
+
+
 def _constant(text: str) -> str:
     if not DEFINE.match(text):
         raise argparse.ArgumentTypeError(f"'{text}' is no NAME or NAME=VALUE")

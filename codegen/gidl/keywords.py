@@ -21,7 +21,7 @@ USED = words(
     """
 )
 
-# Of these, the words that IDL before 4.0 did not have: older interfaces have names like INT8 or Map.
+# Of these, the words that IDL before 4.0 did not have: older interfaces say INT8 or Map.
 NEW_IN_4 = words(
     """
     bitfield bitmask bitset int8 int16 int32 int64 map uint8 uint16 uint32 uint64

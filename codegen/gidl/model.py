@@ -178,7 +178,8 @@ class Facts:
     deprecated: str | None = None  # the reason; "" when none is given
     hash_as: str | None = None  # name used for codes and hashes instead of the present one
     annotations: tuple[Annotation, ...] = ()  # those without a meaning here, kept
-    written: tuple[tuple[str, Location], ...] = field(default=(), compare=False)  # those with one
+    written: tuple[tuple[str, Location], ...] = field(default=(), compare=False)
+    """Those with a meaning, and arguments of theirs: "qos", "qos.depth"."""
 
     def place_of(self, *annotations: str) -> Location:
         """Where one of these annotations stands, else where the name is declared."""

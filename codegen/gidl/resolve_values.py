@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
+from collections.abc import Iterator
 
 from gidl.constants import Arithmetic, Computed, compute, computed, describe_kind
 from gidl.diagnostics import Findings, Note
@@ -12,6 +13,7 @@ from gidl.model import (
     ArrayType,
     EnumValue,
     Facts,
+    Location,
     MapType,
     NamedType,
     Primitive,
@@ -453,8 +455,16 @@ class ValueResolver(ABC):
             marks.text("deprecated"),
             marks.text("hash_as"),
             marks.kept,
-            tuple((a.name, a.span.location) for a in marks.written()),
+            tuple(_written(marks)),
         )
+
+
+def _written(marks: Marks) -> Iterator[tuple[str, Location]]:
+    """The annotations, and which of several arguments were written: "qos", "qos.depth"."""
+    for applied in marks.written():
+        yield applied.name, applied.span.location
+        if len(applied.arguments) > 1:
+            yield from ((f"{applied.name}.{a}", applied.span.location) for a in applied.written)
 
 
 def _plain(use: AnnotationUse) -> AnnotationUse:

@@ -152,7 +152,7 @@ class TestProjectFile:
         ('defines = ["A B"]\n', "1:1", "defines: 'A B' is no NAME or NAME=VALUE", "written as"),
         ('wide = true\n', "1:1", "wide: 'utf8' is expected", 'wide = "utf8"'),
         ('strict = "yes"\n', "1:1", "strict: true or false is expected", "strict = true"),
-        ('except = ["G0102"]\n', "1:1", "except: 'G0102' is none of G0901,", "written as"),
+        ('except = ["G0102"]\n', "1:1", "except: 'G0102' is none of G0708,", "written as"),
         ('roots = ["own"]\nstrict true\n', "2:8", "is not TOML: Expected '=' after a key", ""),
         ('roots = ["own"\n', "2:1", "is not TOML: Unclosed array", ""),
     ],

@@ -1,0 +1,117 @@
+"""Terms of the vocabulary that are carried but do not act in this version.
+
+`gidl check` warns where one of them is written, so that nobody relies on it. Whoever makes a term
+act takes its line out of the table.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from gidl.diagnostics import Findings
+from gidl.model import Attribute, Facts, File, Interface, Model, Operation, Struct, Union
+from gidl.policy import Access, OnNew
+
+CODE = "G0708"
+
+Declared = Interface | Operation | Attribute | None  # None: a member, arm or parameter
+
+
+def _always(_declared: Declared) -> bool:
+    return True
+
+
+def _needs_status(declared: Declared) -> bool:
+    return isinstance(declared, Operation) and declared.access >= Access.ACTOR
+
+
+def _blends(declared: Declared) -> bool:
+    return isinstance(declared, Operation) and declared.on_new is OnNew.BLEND
+
+
+def _is_stream(declared: Declared) -> bool:
+    return isinstance(declared, Attribute) and declared.stream is not None
+
+
+def _is_call(declared: Declared) -> bool:
+    return isinstance(declared, Operation) or (
+        isinstance(declared, Attribute) and declared.stream is None
+    )
+
+
+def _is_member(declared: Declared) -> bool:
+    return isinstance(declared, Operation | Attribute)
+
+
+@dataclass(frozen=True, slots=True)
+class Term:
+    annotation: str
+    argument: str  # "": the annotation as a whole; in quotes: with this value
+    applies: Callable[[Declared], bool]
+    today: str
+
+    @property
+    def written(self) -> str:
+        """As facts name it."""
+        named = self.argument and not self.argument.startswith('"')
+        return f"{self.annotation}.{self.argument}" if named else self.annotation
+
+    def __str__(self) -> str:
+        return f"@{self.annotation}({self.argument})" if self.argument else f"@{self.annotation}"
+
+
+_BY_INTERFACE = "that of the interface decides which medium is taken"
+_UNMEASURED = "no line is measured"
+_ALL_RELIABLE = "every sample and call is sent as on any other line"
+
+NOT_YET = (
+    Term("presence", "", _always, "nobody's presence is checked"),
+    Term("idempotent", "", _needs_status, "what needs status is not sent again in a new session"),
+    Term("on_new", '"blend"', _blends, "the arms of robcl stop at each goal"),
+    Term("open_stream", "", _always, "over lcm the stream is sealed like any other"),
+    Term("bulk", "", _always, "it travels as any other value does"),
+    Term("qos", "latency", _always, _UNMEASURED),
+    Term("qos", "start_by", _always, "a command that starts late is not refused"),
+    Term("qos", "lifespan", _always, "a sample that is old is given all the same"),
+    Term("qos", "liveliness", _always, "a session lives as long as its connection"),
+    Term("qos", "deadline", _is_stream, "a gap between samples is not noticed"),
+    Term("qos", "depth", _is_call, "only streams keep samples"),
+    Term("qos", "class", _is_member, _BY_INTERFACE),
+    Term("qos", "media", _is_member, _BY_INTERFACE),
+    Term("qos", "reliability", _is_member, _ALL_RELIABLE),
+)
+
+
+def check(model: Model, findings: Findings) -> None:
+    """Speaks of the files that were asked for only."""
+    for file in model.files:
+        if file.asked_for:
+            for declared, name, facts in _annotated(file):
+                _one(declared, name, facts, findings)
+
+
+def _one(declared: Declared, name: str, facts: Facts, findings: Findings) -> None:
+    for term in NOT_YET:
+        if facts.has(term.written) and term.applies(declared):
+            findings.warning(
+                CODE,
+                facts.place_of(term.written),
+                f"'{term}' of '{name}' does not act in this version: {term.today}",
+            )
+
+
+def _annotated(file: File) -> Iterator[tuple[Declared, str, Facts]]:
+    for declaration in file.declarations:
+        match declaration:
+            case Interface():
+                yield declaration, declaration.simple_name, declaration.facts
+                for member in declaration.members:
+                    yield member, member.name, member.facts
+                    if isinstance(member, Operation):
+                        yield from ((None, p.name, p.facts) for p in member.parameters)
+            case Struct():
+                yield from ((None, m.name, m.facts) for m in declaration.members)
+            case Union():
+                arms = (case.member for case in declaration.cases)
+                yield from ((None, m.name, m.facts) for m in arms)
