@@ -105,7 +105,9 @@ def run(chosen: argparse.Namespace) -> int:
     written = len(difference.changed) + len(difference.missing)
     stale = f", {len(difference.stale)} deleted" if difference.stale else ""
     where = outputs.shown(chosen.lang)
-    _say(chosen, f"{deleted}gidl: {len(texts)} files in {where}, {written} written{stale}\n")
+    _say(
+        chosen, f"{deleted}gidl: {count(len(texts), 'file')} in {where}, {written} written{stale}\n"
+    )
     return FINE
 
 
@@ -170,7 +172,9 @@ def _told(
 ) -> int:
     where = outputs.shown(chosen.lang)
     if difference.is_empty:
-        _say(chosen, f"gidl: {len(texts)} files in {where} are what the interfaces say\n")
+        agree = "is" if len(texts) == 1 else "are"
+        made = count(len(texts), "file")
+        _say(chosen, f"gidl: {made} in {where} {agree} what the interfaces say\n")
         return FINE
     if chosen.error_format == "text":
         sys.stdout.write(diff_text(outputs, texts, difference))

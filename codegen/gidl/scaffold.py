@@ -10,6 +10,7 @@ from string import Template
 
 from gidl import wire_layout
 from gidl.compile import Compiled, compile_files
+from gidl.loader import absolute
 from gidl.model import Interface
 
 _STARTING_POINT = Path(__file__).parent / "starting_point"
@@ -76,14 +77,14 @@ def write_mock(
     folder = _new_folder(into if into is not None else Path(f"{stem}_mock"))
     source = "server.py" if language == "python" else "server.cpp"
     texts = {source: render_mock(compiled.model, layout, language, chosen)}
-    place = Path(compiled.sources[file.path].shown).absolute()
+    place = absolute(Path(compiled.sources[file.path].shown))
     root = place.parents[len(Path(file.path).parts) - 1]
     if language == "cpp":
         words = {
             "stem": stem,
             "file": place.as_posix(),
             "root": root.as_posix(),
-            "imports": "".join(f' "{Path(each).absolute().as_posix()}"' for each in search),
+            "imports": "".join(f' "{absolute(Path(each)).as_posix()}"' for each in search),
         }
         pattern = Template((_STARTING_POINT / "mock.txt.tmpl").read_text(encoding="utf-8"))
         texts["CMakeLists.txt"] = pattern.substitute(words)

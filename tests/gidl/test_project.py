@@ -77,6 +77,19 @@ class TestProjectFile:
         assert files(here / "src") == {"main.lcm", "lab/oven.lcm"}
         assert main(["gen", "--check"]) == 0
 
+    def test_generated_files_of_others_further_below_stay(self, here: Path) -> None:
+        with (here / "gidl.toml").open("a") as toml:
+            toml.write('[outputs]\nlcm = "."\n')
+        assert main(["gen"]) == 0
+        other = here / "build" / "lab" / "oven.lcm"
+        other.parent.mkdir(parents=True)
+        other.write_text((here / "lab" / "oven.lcm").read_text())
+        stale = here / "lab" / "old.lcm"
+        stale.write_text((here / "lab" / "oven.lcm").read_text().replace("oven", "old"))
+        assert main(["gen"]) == 0
+        assert other.exists()
+        assert not stale.exists()
+
     def test_a_file_from_elsewhere_has_its_own_idl_folder(self, here: Path) -> None:
         far = here / "far" / "idl" / "far"
         far.mkdir(parents=True)
