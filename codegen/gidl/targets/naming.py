@@ -49,11 +49,17 @@ class LocalNames:
         return wanted
 
 
+def wrapped(line: str, width: int) -> list[str]:
+    """A line of a comment in lines of at most `width` characters, but for words that are longer,
+    as addresses are."""
+    return textwrap.wrap(line, width, break_long_words=False, break_on_hyphens=False) or [""]
+
+
 def doc_lines(facts: Facts, note: str = "") -> tuple[str, ...]:
     """The author's comment, then unit and range in brackets, then since and deprecation."""
     lines: list[str] = []
     for line in without_marks(facts.doc).strip().splitlines():
-        lines += textwrap.wrap(line.strip(), 88) or [""]
+        lines += wrapped(line.strip(), 88)
     if note:
         if lines:
             lines[-1] = f"{lines[-1]} [{note}]"
@@ -63,7 +69,7 @@ def doc_lines(facts: Facts, note: str = "") -> tuple[str, ...]:
         lines.append(f"Since {facts.since}.")
     if facts.deprecated is not None:
         why = " ".join(without_marks(facts.deprecated).split())
-        lines.append(f"Deprecated: {why}" if why else "Deprecated.")
+        lines += wrapped(f"Deprecated: {why}" if why else "Deprecated.", 88)
     return tuple(lines)
 
 

@@ -112,6 +112,10 @@ class DeclaredError(CommandFailed):
     if TYPE_CHECKING:
         # What @dataclass makes for an exception without members, which mypy does not see.
         def __init__(self) -> None: ...
+    else:
+
+        def __new__(cls, *members: object, **named: object) -> Self:
+            return super().__new__(cls)  # `args` would show members that are secret
 
     @property
     def text(self) -> str:

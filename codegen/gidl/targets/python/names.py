@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Iterator
 
 from gidl.languages import PYTHON_CLASS_WORDS, PYTHON_WORDS
 from gidl.model import Attribute, Operation, Struct
-from gidl.targets.naming import LocalNames, snake_case
+from gidl.targets.naming import LocalNames, snake_case, wrapped
 from gidl.type_names import escaped
 
 # What a name cannot be in Python gets an underscore behind. All that generated code needs of the
@@ -71,7 +70,7 @@ def enumerator(name: str) -> str:
 
 def docstring(lines: tuple[str, ...]) -> tuple[str, ...]:
     """The lines as they can stand between three quotes."""
-    fitting = [part for line in lines for part in textwrap.wrap(line, 86) or [""]]
+    fitting = [part for line in lines for part in wrapped(line, 86)]
     safe = [line.replace("\\", "\\\\").replace('"""', '\\"\\"\\"') for line in fitting]
     if len(safe) == 1 and safe[0].endswith('"'):
         safe[0] = safe[0][:-1] + '\\"'

@@ -46,17 +46,24 @@ def shown(union: Any, secret_arms: Collection[int]) -> str:
     return f"{type(union).__name__}(tag={union.tag!r}, value={value})"
 
 
+def _numbers(value: Any) -> Any:
+    """Bytes as an array, which they may stand for."""
+    import numpy as np
+
+    given = isinstance(value, bytes | bytearray | memoryview)
+    return np.frombuffer(value, np.uint8) if given else value
+
+
 def same(left: Any, right: Any) -> bool:
     """`==` for values that hold arrays."""
     if isinstance(left, list) or isinstance(right, list):
         sized = hasattr(left, "__len__") and hasattr(right, "__len__")
         return sized and len(left) == len(right) and all(map(same, left, right))
-    if isinstance(left, bytes) or isinstance(right, bytes):
-        return bytes(left) == bytes(right)
     if isinstance(left, dict) and isinstance(right, dict):
         return left.keys() == right.keys() and all(same(left[key], right[key]) for key in left)
     if left is None or right is None:
         return left is right
+    left, right = _numbers(left), _numbers(right)
     equal = left == right
     if hasattr(equal, "all"):
         return bool(equal.all()) and left.shape == right.shape
