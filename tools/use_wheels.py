@@ -54,7 +54,7 @@ def serve_and_call() -> None:
     os.environ["GECOS_RUNTIME_DIR"] = os.environ["GECOS_KEY_DIR"] = str(Path.cwd())
     run("gidl", "new", "thermometer")
     os.chdir("thermometer")
-    run("gidl", "gen", "-I", ".", "--lang", "python", "lab/thermometer.gidl")
+    run("gidl", "gen")
     sys.path.insert(0, "generated/python")
     import gecos
 
