@@ -61,6 +61,7 @@ class TypeParser(TokenReader):
     """One function per rule; each is called with its first token next."""
 
     _in_angles = False  # then `>>` closes two brackets and is no shift
+    _in_annotation = False  # between its parentheses
     _wide = False  # wide text is read as text
     _wide_refused = False  # `wchar` or `wstring` was refused
     _uses_object = False  # the type `Object` was read
@@ -116,13 +117,22 @@ class TypeParser(TokenReader):
             self._expect(")", "at the end of the expression")
             return inner
         if token.kind in ("id", "escaped") or self._is("::"):
-            if token.text in ("true", "false", "True", "False"):
-                self._syntax_error("a value", "", f"booleans are written {token.text.upper()}")
-                raise Skip
+            if token.text.lower() in ("true", "false"):
+                return self._lower_case_boolean()
             name = self._scoped_name("a value")
             return NameUse(name, name.span)
         self._syntax_error("a value")
         raise Skip
+
+    def _lower_case_boolean(self) -> Literal:
+        token = self._advance()
+        span, keyword = self._span(token), token.text.upper()
+        message = f"'{token.text}' is the keyword '{keyword}' in another case"
+        if self._in_annotation:
+            self._findings.warning("G0709", span, message, f"write {keyword}")
+        else:
+            self._findings.error("G0104", span, message, f"write {keyword}")
+        return Literal(keyword == "TRUE", "bool", span)
 
     def _value_of(self, used: TypeSyntax) -> Expression:
         """The value of a constant. That of a refused type is part of what is refused."""
@@ -236,6 +246,7 @@ class TypeParser(TokenReader):
     def _annotation_arguments(self) -> list[tuple[Name | None, Expression]]:
         self._advance()
         outer, self._in_angles = self._in_angles, False
+        self._in_annotation = True
         arguments: list[tuple[Name | None, Expression]] = []
         while not self._is(")"):
             name = None
@@ -246,7 +257,7 @@ class TypeParser(TokenReader):
             arguments.append((name, self._expression()))
             if not self._accept(","):
                 break
-        self._in_angles = outer
+        self._in_angles, self._in_annotation = outer, False
         self._expect(")", "at the end of the annotation")
         return arguments
 
