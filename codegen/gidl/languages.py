@@ -6,17 +6,24 @@ beside types, members that every type has, parameters and locals of the bodies.
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from gidl.keywords import CPP, PYTHON, words
-from gidl.type_names import Language
+from gidl.model import AnyDeclaration, Bitset, Interface, Model, Struct, Union
+from gidl.type_names import Language, escaped
 
 # -- C++ -----------------------------------------------------------------------------------------
 
-_MACROS = words(
-    """
-    assert errno stdin stdout stderr offsetof alloca NULL TRUE FALSE DOMAIN EOF NAN INFINITY
-    HUGE_VAL BIG_ENDIAN LITTLE_ENDIAN BYTE_ORDER
-    """
-)
+
+def _names_of_headers() -> tuple[frozenset[str], frozenset[str]]:
+    """Macros of system headers, and what these declare outside of all namespaces. The file says
+    how it is made."""
+    text = (Path(__file__).parent / "cpp_names_of_headers.txt").read_text(encoding="utf-8")
+    macros, others = text.partition("# Macros:\n")[2].split("# Outside of all namespaces:\n")
+    return words(macros), words(others)
+
+
+_MACROS, _GLOBALS = _names_of_headers()
 CPP_WORDS = CPP | {"std", "tl"} | _MACROS
 """Keywords, the namespaces that generated code names, and the macros that headers bring along."""
 
@@ -25,23 +32,45 @@ CPP_STRUCT_WORDS = CPP_WORDS | {"encoded_size", "encode", "decode", "fingerprint
 CPP_UNION_WORDS = CPP_STRUCT_WORDS | {"tag", "value", "Held"}
 CPP_BITSET_WORDS = CPP_STRUCT_WORDS | {"bits", "set_bits", "raw"}
 
-_CPP_TYPE_WORDS = (
-    CPP_UNION_WORDS
-    | CPP_BITSET_WORDS
-    | words(
-        """
-        a arm b call code core decode_enum entry field flags from gecos guard has item key main
-        names number out read result row run selecting separator session size stamp_ns to
-        to_string why wrong
-        """
-    )
+# Functions that stand beside types.
+_CPP_FUNCTIONS = words("decode_enum gecos_violation has to_string")
+# Parameters and locals: a constant or alias of the name would be shadowed.
+_CPP_LOCALS = words(
+    """
+    a all arm b bases call code core description entry field flags from guard item key main names
+    number operations out outlier read result row run sample selecting separator session size
+    stamp_ns streams to why wrong
+    """
 )
 
+
+def _cpp_members(model: Model, declaration: AnyDeclaration) -> set[str]:
+    """A class has no member of its own name, and none that it inherits."""
+    match declaration:
+        case Struct():
+            return {escaped(m.name, CPP_STRUCT_WORDS) for m in model.all_members(declaration)}
+        case Union(cases=cases):
+            arms = {escaped(case.member.name, CPP_UNION_WORDS) for case in cases}
+            return arms | {f"make_{arm}" for arm in arms}
+        case Bitset():
+            fields = (field.name for field in model.all_fields(declaration))
+            return {escaped(name, CPP_BITSET_WORDS) for name in fields if name is not None}
+        case Interface():
+            methods = {m.name for m in model.all_interface_members(declaration)}
+            made = {f"{does}_{name}" for does in ("set", "publish") for name in methods}
+            return {escaped(name, CPP_WORDS) for name in methods | made}
+        case _:
+            return set()
+
+
 CPP_TYPES = Language(
-    type_words=_CPP_TYPE_WORDS,
-    module_words=CPP_WORDS,
-    inner_module_words=CPP_WORDS | {"gecos"},
+    type_words=(CPP_UNION_WORDS | CPP_BITSET_WORDS | {"gecos"} | _CPP_FUNCTIONS | _CPP_LOCALS),
+    module_words=CPP_WORDS | _CPP_FUNCTIONS,
+    inner_module_words=CPP_WORDS | _CPP_FUNCTIONS | {"gecos"},
     file_is_scope=False,
+    root_words=_GLOBALS,
+    own_module="gecos",
+    members=_cpp_members,
 )
 
 # -- Python --------------------------------------------------------------------------------------

@@ -12,7 +12,7 @@ run, so a declaration is called the same everywhere.
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
 
 from gidl.model import (
@@ -41,6 +41,10 @@ class Language:
     module_words: frozenset[str]  # modules at the top
     inner_module_words: frozenset[str]  # modules in modules
     file_is_scope: bool  # names of modules vanish, and a file is one scope
+    root_words: frozenset[str] = frozenset()  # whatever stands at the top, besides
+    own_module: str = ""  # of the runtime: of our interfaces, which stand in a folder called so
+    # Names of a declaration's members, where none may be that of the type.
+    members: Callable[[Model, AnyDeclaration], set[str]] = lambda _model, _declaration: set()
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,6 +81,8 @@ class _Naming:
         self._model = model
         self._language = language
         self._taken: dict[str, set[_Place]] = {}  # by file, with what it includes
+        self._top_types = language.type_words | language.root_words
+        self._top_modules = language.module_words | language.root_words
 
     def name_file(self, file: File) -> None:
         taken: set[_Place] = set()
@@ -93,8 +99,9 @@ class _Naming:
             for declaration in declared:
                 name = wanted[declaration.name]
                 if (name == declaration.simple_name) is as_written:
+                    inside = self._language.members(self._model, declaration)
                     self.names.types[declaration.name] = _fresh(
-                        self._scope(declaration), name, taken
+                        self._scope(declaration), name, taken, inside
                     )
         for declaration in declared:
             if isinstance(declaration, Interface):
@@ -103,7 +110,9 @@ class _Naming:
 
     def _name_companions(self, interface: Interface, taken: set[_Place]) -> None:
         own = self.names.types[interface.name]
-        self.names.servants[interface.name] = _fresh(own.scope, f"{own.name}Servant", taken)
+        inside = self._language.members(self._model, interface)
+        servant = _fresh(own.scope, f"{own.name}Servant", taken, inside)
+        self.names.servants[interface.name] = servant
         for operation in interface.operations:
             if len(operation.outputs) + (operation.result is not None) > 1:
                 wanted = f"{own.name}_{operation.name}_result"
@@ -113,8 +122,14 @@ class _Naming:
         if self._language.file_is_scope:
             return ()
         modules = self._modules(declaration)
-        first = tuple(escaped(m, self._language.module_words) for m in modules[:1])
+        first = tuple(self._top_module(declaration, m) for m in modules[:1])
         return first + tuple(escaped(m, self._language.inner_module_words) for m in modules[1:])
+
+    def _top_module(self, declaration: AnyDeclaration, name: str) -> str:
+        own = self._language.own_module
+        if name == own and not self._model.file_of(declaration.name).startswith(f"{own}/"):
+            return f"{name}_"
+        return escaped(name, self._top_modules)
 
     def _modules(self, declaration: AnyDeclaration) -> list[str]:
         """Modules around a declaration. What else is around it becomes part of its name."""
@@ -131,11 +146,16 @@ class _Naming:
         name = joined[declaration.name]
         if self._language.file_is_scope and list(joined.values()).count(name) > 1:
             name = declaration.name.replace("::", "_")  # a::State and b::State of one file
-        return escaped(name, self._language.type_words)
+        words = self._language.type_words
+        return escaped(
+            name, words if self._scope(declaration) else words | self._language.root_words
+        )
 
 
-def _fresh(scope: tuple[str, ...], wanted: str, taken: set[_Place]) -> TypeName:
-    while (scope, wanted) in taken:
+def _fresh(
+    scope: tuple[str, ...], wanted: str, taken: set[_Place], inside: Collection[str] = ()
+) -> TypeName:
+    while (scope, wanted) in taken or wanted in inside:
         wanted += "_"
     taken.add((scope, wanted))
     return TypeName(scope, wanted)

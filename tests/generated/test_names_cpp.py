@@ -5,16 +5,22 @@ from __future__ import annotations
 
 import re
 import subprocess
+import sys
+from collections.abc import Iterable
 from pathlib import Path
 
 import pytest
 from generating import TREE, generate
-from gidl.keywords import CPP
-from gidl.languages import CPP_TYPES
+from gidl.keywords import CPP, USED_BY_LOWER
+from gidl.languages import CPP_TYPES, CPP_WORDS
 from names_in_use import members_file, types_file
 
-WORDS = CPP_TYPES.type_words
-NAMES = sorted(word for word in WORDS - CPP if word.islower() or word.lower() not in WORDS)
+sys.path.insert(0, str(TREE / "tools"))
+from cpp_names_of_headers import source
+
+OURS = CPP_TYPES.type_words - CPP_WORDS
+COMMON = {"EIO", "INT_MAX", "NULL", "assert", "errno", "linux", "major", "std", "stdin", "unix"}
+NAMES = sorted(word for word in OURS | COMMON if word.islower() or word.lower() not in OURS)
 
 
 @pytest.fixture(scope="module")
@@ -32,17 +38,21 @@ def test_the_names_are_all_that_bodies_of_types_declare() -> None:
     qualifier = r"(?:const |static |constexpr )*"
     local = re.compile(rf"^ +(?! |return\b){qualifier}[\w:<>, ]+[*&]* ([a-z]+)_?(?:\{{| = |;)")
     found = set()
-    for source in (TREE / "generated" / "cpp").rglob("*_types.cpp"):
-        found |= {m[1] for line in source.read_text().splitlines() if (m := local.match(line))}
+    for path in (TREE / "generated" / "cpp").rglob("*_types.cpp"):
+        found |= {m[1] for line in path.read_text().splitlines() if (m := local.match(line))}
     assert {"number", "size"} <= found <= set(NAMES)
 
 
 @pytest.mark.parametrize("part", ["members", "types"])
 def test_types_and_members_of_these_names_compile(folder: Path, part: str) -> None:
-    every = folder / f"all_of_{part}.cpp"
     sources = sorted(folder.glob(f"{part}_*.cpp"))
     assert len(sources) == 4
-    every.write_text("".join(f'#include "{source.name}"\n' for source in sources))
+    compiles(folder, "".join(f'#include "{source.name}"\n' for source in sources))
+
+
+def compiles(folder: Path, text: str) -> None:
+    every = folder / "all.cpp"
+    every.write_text(text)
     include = [f"-I{f}" for f in (folder, TREE / "generated" / "cpp", TREE / "runtime" / "cpp")]
     clang = [TREE / "tools/clang.sh", "-std=c++20", "-fsyntax-only", "-Wall", "-Wextra"]
     run = subprocess.run(
@@ -51,3 +61,46 @@ def test_types_and_members_of_these_names_compile(folder: Path, part: str) -> No
         text=True,
     )
     assert run.returncode == 0, run.stderr[:4000]
+
+
+def distinct(words: Iterable[str]) -> list[str]:
+    """Names that IDL takes, which compares without regard to case."""
+    lower = {word.lower(): word for word in sorted(words) if word.lower() not in USED_BY_LOWER}
+    return sorted(lower.values())
+
+
+def test_names_of_system_headers_compile_behind_these_headers(tmp_path: Path) -> None:
+    macros = distinct(CPP_WORDS - CPP)
+    lines = [f"typedef long {name};" for name in distinct(CPP_TYPES.root_words - {"clock"})]
+    lines += ["module clock { struct stat { long clock; }; };"]
+    for first in range(0, len(macros), 100):
+        some = macros[first : first + 100]
+        lines += [f"module m{first} {{", "  struct Members {", *(f"    long {n};" for n in some)]
+        lines += ["  };", "  enum Literals {", *(f"    {n}," for n in some), "    OTHER };", "};"]
+    lines += ["interface Calls {", *(f"  long {n}(in long {n});" for n in macros[::20]), "};"]
+    (tmp_path / "headers.gidl").write_text("\n".join(lines))
+    generate(tmp_path, "--lang", "cpp", tmp_path / "headers.gidl")
+    sources = sorted((tmp_path / "cpp").glob("*.cpp"))
+    compiles(tmp_path / "cpp", source() + "".join(f'#include "{s.name}"\n' for s in sources))
+
+
+def test_a_type_is_never_called_as_its_members(tmp_path: Path) -> None:
+    (tmp_path / "same.gidl").write_text(
+        """
+        module same {
+          struct value { long value_; };
+          struct Below { long int_; };
+          struct int : Below { long x; };
+          union make_x switch (long) { case 1: long x; };
+          union goto switch (long) { case 1: long goto_; };
+          bitset class { bitfield<3> class_; };
+          interface Site { void new_(); };
+          interface new : Site { attribute long x; };
+          interface set_x { attribute double x; };
+        };
+        module gecos { struct wire { long x; }; };
+        """
+    )
+    generate(tmp_path, "--lang", "cpp", tmp_path / "same.gidl")
+    sources = sorted((tmp_path / "cpp").glob("*.cpp"))
+    compiles(tmp_path / "cpp", "".join(f'#include "{s.name}"\n' for s in sources))
