@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 from gidl.diagnostics import Findings
-from gidl.loader import read_text
 from gidl.model import Location
 from gidl.output import LANGUAGES
 from gidl.project_keys import OUTPUTS, wrong_with
@@ -49,8 +48,10 @@ def find(start: Path) -> Path | None:
 def read(file: Path, findings: Findings, sources: dict[str, Source]) -> Project:
     """What the file says. What is wrong is found, with its line."""
     shown = file.as_posix()
-    text = read_text(shown, findings)
-    if text is None:
+    try:
+        text = file.read_bytes().decode("utf-8")
+    except UnicodeDecodeError as problem:
+        findings.file_error("G0023", shown, f"is not UTF-8, as TOML is: {problem.reason}")
         return Project(file)
     sources[shown] = Source(shown, shown, text)
     try:
@@ -60,6 +61,9 @@ def read(file: Path, findings: Findings, sources: dict[str, Source]) -> Project:
         line, column = (place[1], place[2]) if place else ("1", "1")
         at = Location(shown, int(line or text.count("\n") + 1), int(column or 1))
         findings.error("G0023", at, f"is not TOML: {_AT.sub('', str(problem))}")
+        return Project(file)
+    except RecursionError:
+        findings.file_error("G0023", shown, "is not readable: lists are nested too deep")
         return Project(file)
     right: dict[str, Any] = {}
     for keys, value in _flat(said):
@@ -74,7 +78,7 @@ def read(file: Path, findings: Findings, sources: dict[str, Source]) -> Project:
 def line_of(text: str, keys: tuple[str, ...]) -> int:
     """The line where the statement begins that gives the key. A document that ends with a line is
     whole exactly where no statement goes on behind it, whatever strings and lists hold."""
-    lines = text.splitlines(keepends=True)
+    lines = [f"{line}\n" for line in text.split("\n")]
     begin = 1
     for end in range(1, len(lines) + 1):
         try:

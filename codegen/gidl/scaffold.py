@@ -10,6 +10,7 @@ from string import Template
 
 from gidl import wire_layout
 from gidl.compile import Compiled, compile_files
+from gidl.file_names import source_stem
 from gidl.loader import absolute
 from gidl.model import Interface
 
@@ -73,7 +74,7 @@ def write_mock(
         raise ScaffoldRefusal(f"{file.path} declares {asked}; there is {known}")
     layout = wire_layout.build(compiled.model)
     render(compiled.model, layout, [language])  # what cannot be generated cannot be mocked
-    stem = Path(file.path).stem
+    stem = re.sub(r"\W", "_", Path(source_stem(file.path)).name)  # CMake's targets have no spaces
     folder = _new_folder(into if into is not None else Path(f"{stem}_mock"))
     source = "server.py" if language == "python" else "server.cpp"
     texts = {source: render_mock(compiled.model, layout, language, chosen)}

@@ -1,10 +1,12 @@
 """`gidl new` writes a device whose files fit together; tests/system runs one."""
 
 import ast
+import re
 from pathlib import Path
 
 import pytest
 from gidl.cli import main
+from gidl.file_names import python_module
 
 
 @pytest.fixture(autouse=True)
@@ -103,6 +105,22 @@ def test_a_mock_stands_in_for_every_interface_of_a_file(here: Path, well: Path) 
     text = (here / "well_mock" / "server.py").read_text()
     assert "self._held_flow: float = 3.0" in text
     assert "Beat(50000000, " in text
+
+
+@pytest.mark.parametrize("name", ["my well-pump.idl", "types.gidl", "2fast.gidl"])
+def test_a_mock_of_a_file_of_any_name_imports_its_module(
+    here: Path, name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (here / "lab").mkdir()
+    (here / "lab" / name).write_text(WELL)
+    for language in ("python", "cpp"):
+        words = ["--lang", language, "--into", language]
+        assert main(["new", "--mock", f"lab/{name}", "-I", "lab", *words]) == 0
+    tree = ast.parse((here / "python" / "server.py").read_text())
+    imported = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
+    assert python_module(name) in imported
+    project = (here / "cpp" / "CMakeLists.txt").read_text()
+    assert re.search(r"^project\(\w+ CXX\)$", project, re.MULTILINE)
 
 
 @pytest.mark.parametrize("wanted", ["Valve", "lab::Valve"])

@@ -203,6 +203,15 @@ def test_the_example_of_the_documentation_has_every_key(here: Path) -> None:
     } == usual
 
 
+@pytest.mark.parametrize("data", [b"\xff", b"a = " + b"[" * 5000, b'a = "\\ud800"', b"\0"])
+def test_what_is_no_toml_at_all_is_told(
+    here: Path, data: bytes, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (here / "gidl.toml").write_bytes(data)
+    assert main(["check"]) == 2
+    assert "error[G0023]: is not " in capsys.readouterr().err
+
+
 def test_every_mistake_is_told_in_one_run(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (here / "gidl.toml").write_text("strict = 1\nwide = 2\n[more]\nx = 1\n")
     assert main(["check", "--error-format", "json"]) == 2
@@ -211,7 +220,9 @@ def test_every_mistake_is_told_in_one_run(here: Path, capsys: pytest.CaptureFixt
 
 def test_lines_are_found_behind_text_that_looks_like_a_key() -> None:
     text = 'a = """\nb = 1\n[t]\n"""\nc = [\n  # b = 2\n  "]",\n]\n\n"b" = 3\n[t]\nd = 4\n'
-    assert [line_of(text, keys) for keys in [("a",), ("c",), ("b",), ("t", "d")]] == [1, 5, 10, 12]
+    for ended in (text, text.replace("\n", "\r\n"), text.replace("1\n[t]", "\u2028\n[t]")):
+        lines = [line_of(ended, keys) for keys in [("a",), ("c",), ("b",), ("t", "d")]]
+        assert lines == [1, 5, 10, 12]
 
 
 def test_no_files_anywhere_is_wrong_usage(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
