@@ -1,12 +1,17 @@
-"""What generated Python modules name themselves, and interfaces whose declarations have all of
-those names."""
+"""What generated Python modules name themselves and their classes inherit, and interfaces whose
+declarations have all of those names."""
 
 from __future__ import annotations
 
 import ast
 import builtins
 from collections.abc import Iterable, Iterator
+from enum import IntEnum, IntFlag
 from pathlib import Path
+
+from gecos.errors import DeclaredError
+from gecos.proxy import Object
+from gecos.servant import Servant
 
 
 def names_in_use(modules: Iterable[Path]) -> list[list[str]]:
@@ -14,6 +19,8 @@ def names_in_use(modules: Iterable[Path]) -> list[list[str]]:
     a leading underscore, sorted. IDL compares without regard to case: what differs in nothing else
     is in another list."""
     found: set[str] = {"self", "cls", "annotations"}
+    for base in (IntEnum, IntFlag, BaseException, DeclaredError, Object, Servant):
+        found |= {name for name in dir(base) if not name.startswith("_")}
     for module in modules:
         found |= set(_names(ast.parse(module.read_text(encoding="utf-8"))))
     plain = {name.strip("_") for name in found}

@@ -15,6 +15,7 @@ COMMENTS = {
     "quote": 'ends in a quote "',
     "quotes": 'ends in two ""',
     "triple": '"""three""" and four """" of them',
+    "ends_in_triple": 'says """three more"""',
     "starts": '"starts with one',
     "backslash": "ends in a backslash \\",
     "escapes": r"\N{BULLET} \x \u12 \ and \" too",

@@ -22,7 +22,8 @@ module escaped {
   struct Words { long def; long def_; long int; long int_; long class; long class_; long self; };
   exception Errors { long args; long args_; string text; string text_; };
   enum Kinds { class, class_, name, name_, mro, mro_, value };
-  bitmask Flags { class_flag, name_flag };
+  bitmask Flags { real, imag, to_bytes };
+  enum Numbers { numerator, denominator, bit_count, is_integer };
   union Arms switch (long) {
     case 1: long if; case 2: string if_; case 3: long make_if; case 4: long tag; case 5: long tag_;
   };
@@ -128,6 +129,17 @@ def test_exceptions_of_one_name_are_read_as_what_they_are(out: Path) -> None:
         "right::Failed",
         "both::Failed",
     ]
+
+
+def test_flags_of_a_constant_are_all_named_by_their_bitmask(out: Path) -> None:
+    types = import_module("both_types")
+    assert types.SOME is types.Marks.FIRST | types.Marks.SIXTH
+
+
+def test_an_interface_may_have_nothing_but_a_base(out: Path) -> None:
+    module = import_module("both")
+    handlers = import_module("left.state").LampServant._gecos_handlers
+    assert module.BareServant._gecos_handlers == handlers
 
 
 def test_names_that_differ_in_an_underscore_stay_apart(out: Path) -> None:

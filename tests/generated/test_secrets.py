@@ -52,6 +52,7 @@ def values(types: Any) -> Iterator[Any]:
     yield types.Refused(why="no", pin=SECRET)
     yield types.Key.make_pin(SECRET)
     yield types.Only.make_pin(SECRET)
+    yield types.Only(False, SECRET)  # which nothing selects
     yield types.Door_both_result(SECRET, SECRET, SECRET)
 
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 
+from gidl.keywords import words
 from gidl.languages import PYTHON_CLASS_WORDS, PYTHON_WORDS
 from gidl.model import Attribute, Operation, Struct
 from gidl.targets.naming import LocalNames, snake_case, wrapped
@@ -16,8 +18,13 @@ METHOD_WORDS = PYTHON_WORDS | {"property", "gecos_on_stop"}
 STRUCT_WORDS = PYTHON_WORDS | PYTHON_CLASS_WORDS | {"encode", "decode", "fingerprint"}
 # A declared exception also is a CommandFailed and a BaseException.
 EXCEPTION_WORDS = STRUCT_WORDS | {"text", "detail", "args", "add_note", "with_traceback"}
-# What an enumerator cannot be called.
-ENUM_WORDS = PYTHON_WORDS | {"mro", "name", "value"}
+# What an enumerator cannot be called: what an enum has, and the whole number that it is.
+ENUM_WORDS = PYTHON_WORDS | words(
+    """
+    mro name value as_integer_ratio bit_count bit_length conjugate denominator from_bytes imag
+    is_integer numerator real to_bytes
+    """
+)
 
 
 def mapped(struct: Struct) -> tuple[str, str] | None:
@@ -71,7 +78,8 @@ def enumerator(name: str) -> str:
 def docstring(lines: tuple[str, ...]) -> tuple[str, ...]:
     """The lines as they can stand between three quotes."""
     fitting = [part for line in lines for part in wrapped(line, 86)]
-    safe = [line.replace("\\", "\\\\").replace('"""', '\\"\\"\\"') for line in fitting]
-    if len(safe) == 1 and safe[0].endswith('"'):
-        safe[0] = safe[0][:-1] + '\\"'
-    return tuple(safe)
+    quotes = '"{3,}|"+$' if len(fitting) == 1 else '"{3,}'
+    return tuple(
+        re.sub(quotes, lambda found: '\\"' * len(found[0]), line.replace("\\", "\\\\"))
+        for line in fitting
+    )

@@ -41,8 +41,10 @@ def as_array(values: npt.ArrayLike, code: str) -> Array:
 
 
 def shown(union: Any, secret_arms: Collection[int]) -> str:
-    """`repr` of a union whose arms of these numbers are secret."""
-    value = HIDDEN if union._arm(union.tag) in secret_arms else repr(union.value)
+    """`repr` of a union whose arms of these numbers are secret. What no arm selects may be one."""
+    arm = union._arm(union.tag)
+    secret = arm in secret_arms or (arm == 0 and union.value is not None)
+    value = HIDDEN if secret else repr(union.value)
     return f"{type(union).__name__}(tag={union.tag!r}, value={value})"
 
 

@@ -63,7 +63,7 @@ def _in_module(lowering: Lowering, file: File, interfaces: list[Interface]) -> L
 
 def _all_text(view: InterfaceView) -> str:
     """Everything that the template prints of it, for finding out which names are used."""
-    parts: list[str] = [view.client_bases, view.server_bases, view.quality]
+    parts: list[str] = [view.client_bases, view.server_bases, view.quality, "_Handler"]
     for function in view.functions:
         parts += [function.head, *function.body]
     for method in view.methods:
@@ -73,7 +73,7 @@ def _all_text(view: InterfaceView) -> str:
     for member in view.members:
         parts += [member.head, *member.body]
     for handler in view.handlers:
-        parts += ["_Handler(", handler.head, handler.arguments, handler.result]
+        parts += [handler.head, handler.arguments, handler.result]
     for publisher in view.publishers:
         parts += [publisher.head, *publisher.body]
     return "\n".join([*parts, "_Interface("])

@@ -125,13 +125,21 @@ class Types:
         if isinstance(node, OptionalNode):
             return self.literal(value, node.element)
         match value:
-            case EnumValue(enum, literal):
-                return f"{self.module.value(enum)}.{names.enumerator(literal)}"
+            case EnumValue():
+                return self._enumerator_literal(value)
             case bool() | str():
                 return quoted(value) if isinstance(value, str) else str(value)
             case _:
                 floating = isinstance(node, ScalarNode) and node.primitive.is_floating
                 return repr(float(value)) if floating else str(value)
+
+    def _enumerator_literal(self, value: EnumValue) -> str:
+        declaration = self.model.find(value.enum)
+        mine = self.module.value(value.enum)
+        if not isinstance(declaration, Bitmask):
+            return f"{mine}.{names.enumerator(value.literal)}"
+        flags = [f.name for f in declaration.flags if value.number >> f.position & 1]
+        return " | ".join(f"{mine}.{names.enumerator(flag)}" for flag in flags) or f"{mine}(0)"
 
     def initial(self, member: Member, node: Node) -> tuple[str, bool]:
         """Default expression, and whether it has to be made anew for each value."""
