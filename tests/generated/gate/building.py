@@ -37,6 +37,7 @@ SUPPORT = (
     )),
 )  # fmt: skip
 SANITIZERS = ("-fsanitize=address,undefined", "-fno-sanitize-recover=undefined")
+FIRST = "first.hpp"  # precompiled
 OURS = ("gecos/", "robcl/")
 
 
@@ -126,7 +127,7 @@ class Compiler:
         self._command, self._linker = compilers()
         self._cache = ["ccache"] if shutil.which("ccache") else []
         warnings = ["-Wall", "-Wextra", "-Wconversion", "-Wshadow"]
-        if os.environ.get("GECOS_WERROR") == "ON":
+        if os.environ.get("GECOS_WERROR", "ON") == "ON":
             warnings.append("-Werror")
         self._flags = [
             "-std=c++20", "-O0", *warnings, *SANITIZERS,
@@ -136,7 +137,19 @@ class Compiler:
         self._environment = {**os.environ, "CCACHE_SLOPPINESS": "pch_defines,time_macros"}
 
     def support(self) -> None:
-        """What every program is linked with."""
+        """What every program includes first, and what it is linked with."""
+        common = (
+            "driver.hpp",
+            "gecos/wire/json.hpp",
+            "gecos/wire/fields.hpp",
+            "gecos/wire/check.hpp",
+        )
+        first = "".join(f'#include "{header}"\n' for header in common)
+        (self.folder / FIRST).write_text(first, encoding="utf-8")
+        stamp = ["-Xclang", "-fno-pch-timestamp"] if "clang" in self._command else []
+        self._run(
+            [self._command, *self._flags, *stamp, "-x", "c++-header", FIRST, "-o", f"{FIRST}.gch"]
+        )
         for source in SUPPORT:
             self._run(
                 [
@@ -160,8 +173,9 @@ class Compiler:
         name = made.set.name
         (self.folder / f"{name}.gate.cpp").write_text(program.source(), encoding="utf-8")
         self._run(
-            [*self._cache, self._command, *self._flags, "-c", f"{name}.gate.cpp", "-o", f"{name}.o"]
-        )
+            [*self._cache, self._command, *self._flags, "-include", FIRST, "-c", f"{name}.gate.cpp",
+             "-o", f"{name}.o"]
+        )  # fmt: skip
         objects = [self._object(source) for source in SUPPORT]
         self._run([self._linker, *SANITIZERS, f"{name}.o", *objects, "-o", name])
         return program, self.folder / name

@@ -86,7 +86,7 @@ class Program:
             lines += self._interface(interface)
         body = ",\n    ".join(self.questions)
         lines += [f"const Question all[] = {{\n    {body}}};" if body else ""]
-        all_of_them = "all" if body else "std::span<const Question>()"
+        all_of_them = "all" if body else "std::span<const gate::Question>()"
         lines += ["}  // namespace gate", ""]
         lines += ["int main(int count, char** words) {"]
         call = f"gate::run({'gate::' if body else ''}{all_of_them}, count, words)"
@@ -182,7 +182,7 @@ class Program:
         proxy = spelled.cpp(self._model, self._layout, interface.name)
         servant = spelled.cpp_servant(self._layout, interface.name)
         yield from self._results(interface)
-        probe = f"Probe{len(self.questions)}"
+        probe = f"Probe_{interface.name.replace('::', '_')}"
         yield f"class {probe} final : public {servant} {{"
         yield " public:"
         yield "  Handler gate_handler;"
@@ -196,18 +196,19 @@ class Program:
                 yield f"  {virtual.result} {virtual.name}({virtual.parameters}) override {{"
                 yield f"    return gate_handler.answer<{virtual.inner}>({values});"
                 yield "  }"
-                methods[call.code] = virtual.name
+                owner = spelled.cpp(self._model, self._layout, each.name)
+                methods[call.code] = f"{owner}::{virtual.name}"
         yield "};"
         for call in self._layout.all_calls(self._model, interface):
             if call.kind is CallKind.EVENT:
                 continue
             key = f"{interface.name} {call.code}"
-            method = f"&{proxy}::{methods[call.code]}"
+            method = f"&{methods[call.code]}"
             lambda_ = "[](gecos::ByteView a, gecos::ByteView b) { return "
             self._question("ask", key, f"{lambda_}ask<{proxy}>({method}, a, b); }}")
             self._question("serve", key, f"{lambda_}serve<{probe}>({call.code}U, a, b); }}")
         for each in self._model.lineage(interface):
-            streams = self._layout.interfaces[each.name].streams
+            streams = sorted(self._layout.interfaces[each.name].streams, key=lambda s: s.code)
             for stream, name in zip(streams, self._publishers.get(each.name, []), strict=True):
                 owner = spelled.cpp_servant(self._layout, each.name)
                 key = f"{interface.name} {stream.code}"

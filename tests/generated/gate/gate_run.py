@@ -11,6 +11,7 @@ import traceback
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import dataclass, field
+from multiprocessing import get_context
 from pathlib import Path
 from random import Random
 
@@ -112,7 +113,8 @@ def run(folder: Path, sets: list[Set], values: int, jobs: int, mypy: bool) -> li
     compiler = Compiler(folder)
     compiler.support()
     said = Outcome("mypy")
-    with ThreadPoolExecutor(jobs) as threads, ProcessPoolExecutor(jobs) as processes:
+    processes_of_their_own = ProcessPoolExecutor(jobs, get_context("spawn"))  # threads run beside
+    with ThreadPoolExecutor(jobs) as threads, processes_of_their_own as processes:
         checked = threads.submit(type_checked, folder) if mypy and made else None
         compiled = [(each, threads.submit(compiler.program, each)) for each in made]
         compared = []

@@ -67,10 +67,10 @@ class Verdict:
 
 
 def judged(work: Callable[[], bytes]) -> Verdict:
-    """Refusals are values' errors; anything else is a fault of the generated code."""
+    """A value of another type is a TypeError; any other exception is a fault of the code."""
     try:
         return Verdict(True, work())
-    except (wire.EncodeError, wire.DecodeError, wire.JsonError) as error:
+    except (wire.EncodeError, wire.DecodeError, wire.JsonError, TypeError) as error:
         return Verdict(False, b"", f"{''.join(traceback.format_exception(error))}{error}")
     except Exception:
         return Verdict(False, b"", "FAULT " + traceback.format_exc())
