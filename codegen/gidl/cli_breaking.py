@@ -32,7 +32,7 @@ def add_verb(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None
         "--against",
         required=True,
         metavar="DIR|git#ref=REF",
-        help="the interfaces before: a folder, or idl/ of a commit (git#ref=main,subdir=idl)",
+        help="the interfaces before: a folder, or the roots in a commit (git#ref=main,subdir=idl)",
     )
     parser.set_defaults(command=run)
 
