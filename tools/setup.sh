@@ -28,7 +28,7 @@ want() {
       ;;
     tests)  # in C++ and Python, under any sanitizer of g++
       want build
-      packages+=(libgtest-dev)
+      packages+=(libgtest-dev iproute2)
       requirements+=(tests)
       ;;
     clang)

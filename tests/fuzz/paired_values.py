@@ -32,8 +32,8 @@ from gidl.model import (
     Type,
     Typedef,
     Union,
+    within,
 )
-from gidl.targets.naming import within
 from gidl.targets.python import names
 from gidl.wire_layout import Layout, node_of
 from gidl.wire_nodes import AppendableNode, UnionNode

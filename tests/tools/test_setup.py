@@ -26,6 +26,7 @@ ii  libglib2.0-0t64:amd64
 ii  libgtest-dev:amd64
 ii  g++-s390x-linux-gnu
 ii  qemu-user
+ii  iproute2
 rc  libbenchmark-dev:amd64
 """
 
