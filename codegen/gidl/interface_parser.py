@@ -40,13 +40,14 @@ class InterfaceParser(StructParser):
         token = self._now
         if self._ahead.text == "valuetype":
             return [self._refused_declaration()]
-        if token.text in ("abstract", "local"):
+        refused = token.text in ("abstract", "local")
+        if refused:
             self._refuse_kind(token)
         self._advance()
         name = self._identifier("the interface's name")
         if self._is(";"):
             self._advance()
-            return [ForwardSyntax("interface", name)]
+            return [RefusedSyntax(name) if refused else ForwardSyntax("interface", name)]
         bases: list[ScopedName] = []
         if self._accept(":"):
             bases.append(self._scoped_name("a base interface"))

@@ -167,7 +167,7 @@ class Parser(InterfaceParser):
         """One message for a name, which may be declared forward. It stays known, so that its uses
         are no further mistakes."""
         keyword = self._advance()
-        if keyword.text == "custom" or self._is("valuetype"):
+        if self._is("valuetype"):  # after "custom" or "abstract"
             keyword = self._advance()
         code, what, instead = _REFUSED[keyword.text]
         name = Name(self._now.text, self._span(self._now))

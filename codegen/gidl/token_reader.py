@@ -185,7 +185,7 @@ class TokenReader:
                 "G0212",
                 self._span(token),
                 "'Object' is a type of values, and names no interface",
-                "every interface has what 'Object' stands for: leave it out",
+                "write 'Object' alone as the type of a value; as a base leave it out",
             )
             raise Skip
         if token.kind != "id" or token.text in USED_BY_LOWER.values():
