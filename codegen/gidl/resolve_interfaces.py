@@ -64,7 +64,7 @@ class InterfaceResolver(TypeResolver):
         bases: list[str] = []
         inside = Scope(scope.qualified(syntax.name.text), "interface", scope)
         for base in syntax.bases:
-            found = self._base(base, scope, _INTERFACE, "interface")
+            found = self._complete(base, scope, _INTERFACE, "interface")
             if found is None:
                 continue
             if found in bases:
@@ -222,8 +222,8 @@ class InterfaceResolver(TypeResolver):
         parts = tuple(text.removeprefix("::").split("::"))
         name = ScopedName(parts, text.startswith("::"), cancelable.span)
         quiet = Scope(scope.name, scope.kind, scope)  # a name in a string introduces nothing
-        symbol = self._symbol(name, quiet, _STRUCT, "struct", "G0102")
-        return None if symbol is None else NamedType(symbol.scoped)
+        feedback = self._complete(name, quiet, _STRUCT, "struct")
+        return None if feedback is None else NamedType(feedback)
 
     def _access(self, marks: Marks) -> tuple[Access, bool]:
         said = [a for a in Access if a.name.lower() in marks]

@@ -117,7 +117,7 @@ class TypeResolver(ValueResolver):
         marks = self._marks(syntax.extras, kind, scope)
         base = None
         if syntax.base is not None:
-            base = self._base(syntax.base, scope, _STRUCT, "struct")
+            base = self._complete(syntax.base, scope, _STRUCT, "struct")
         symbol = self._names.declare(scope, syntax.name, kind)
         inside = Scope(scope.qualified(syntax.name.text), kind, scope)
         if symbol is not None:
@@ -136,7 +136,10 @@ class TypeResolver(ValueResolver):
             ),
         )
 
-    def _base(self, name: ScopedName, scope: Scope, kinds: frozenset[str], what: str) -> str | None:
+    def _complete(
+        self, name: ScopedName, scope: Scope, kinds: frozenset[str], what: str
+    ) -> str | None:
+        """The declaration of one of `kinds` that is meant, complete, and by its own name."""
         symbol = self._symbol(name, scope, kinds | {"typedef"}, what, "G0102")
         if symbol is not None and symbol.kind == "typedef":
             symbol = self._behind(name, symbol, scope, kinds, what)
@@ -146,7 +149,7 @@ class TypeResolver(ValueResolver):
             self._findings.error(
                 "G0111",
                 name.span,
-                f"'{name}' is only declared forward here, so it cannot be a base",
+                f"{what} '{name}' is only declared forward here",
                 f"declare the {what} before",
                 notes=(Note("declared forward here", symbol.span.location),),
             )
@@ -452,7 +455,7 @@ class TypeResolver(ValueResolver):
         marks = self._marks(syntax.extras, "bitset", scope)
         base = None
         if syntax.base is not None:
-            base = self._base(syntax.base, scope, _BITSET, "bitset")
+            base = self._complete(syntax.base, scope, _BITSET, "bitset")
         symbol = self._names.declare(scope, syntax.name, "bitset")
         inside = Scope(scope.qualified(syntax.name.text), "bitset", scope)
         position = self._bitset_sizes.get(base, 0) if base else 0
