@@ -3,6 +3,7 @@ and members may be what a type, parameter or member is called. As clang sees it.
 
 from __future__ import annotations
 
+import os
 import re
 import subprocess
 import sys
@@ -18,6 +19,7 @@ from names_in_use import members_file, types_file
 sys.path.insert(0, str(TREE / "tools"))
 from cpp_names_of_headers import source
 
+WARNINGS = ("-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Werror")
 OURS = CPP_TYPES.type_words - CPP_WORDS
 COMMON = {"EIO", "INT_MAX", "NULL", "assert", "errno", "linux", "major", "std", "stdin", "unix"}
 NAMES = sorted(word for word in OURS | COMMON if word.islower() or word.lower() not in OURS)
@@ -54,7 +56,7 @@ def compiles(folder: Path, text: str) -> None:
     every = folder / "all.cpp"
     every.write_text(text)
     include = [f"-I{f}" for f in (folder, TREE / "generated" / "cpp", TREE / "runtime" / "cpp")]
-    clang = [TREE / "tools/clang.sh", "-std=c++20", "-fsyntax-only", "-Wall", "-Wextra"]
+    clang = [TREE / "tools/clang.sh", "-std=c++20", "-fsyntax-only", *WARNINGS]
     run = subprocess.run(
         [*clang, *include, every],
         capture_output=True,
@@ -104,3 +106,34 @@ def test_a_type_is_never_called_as_its_members(tmp_path: Path) -> None:
     generate(tmp_path, "--lang", "cpp", tmp_path / "same.gidl")
     sources = sorted((tmp_path / "cpp").glob("*.cpp"))
     compiles(tmp_path / "cpp", "".join(f'#include "{s.name}"\n' for s in sources))
+
+
+# What a mock needs itself.
+MOCKED = """
+module mocked {
+  struct np { long x; };
+  enum Beat { SLOW, FAST };
+  struct MockLamp { @range(min=1, max=3) long x; };
+  @range(min=2, max=4) typedef double Half;
+  typedef Half Halves[3][2];
+  interface Mock { void mocks(in long mock_); void mock_streams(in long says, in string beats); };
+  interface Shop : Mock {
+    Halves range(in long held_clock_, in MockLamp got, out Beat mock_answer, inout long each_0);
+    @sensor @stream(rate="10Hz") readonly attribute ::mocked::Beat beat;
+    attribute MockLamp clock;
+    void held_beat_(in map<string, long> Beat, in ::mocked::Beat run);
+    @cancelable(feedback="mocked::MockLamp")
+    void go(in string Publishing, in long mocks, @secret in string lab);
+  };
+};
+module mocks { interface Shop { long x(); }; };
+"""
+
+
+def test_a_mock_of_whatever_names_compiles(tmp_path: Path) -> None:
+    (tmp_path / "mocked.gidl").write_text(MOCKED)
+    generate(tmp_path, "--lang", "cpp", tmp_path / "mocked.gidl")
+    command = [sys.executable, "-m", "gidl", "new", "--mock", str(tmp_path / "mocked.gidl")]
+    command += ["--lang", "cpp", "--into", str(tmp_path / "mock")]
+    subprocess.run(command, check=True, env={**os.environ, "PYTHONPATH": str(TREE / "codegen")})
+    compiles(tmp_path / "cpp", f'#include "{tmp_path}/mock/server.cpp"\n')

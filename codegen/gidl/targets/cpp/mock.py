@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 from gidl.file_names import source_stem
-from gidl.languages import CPP_WORDS
+from gidl.languages import CPP_TYPES, CPP_WORDS
 from gidl.model import (
     ArrayType,
     Attribute,
@@ -29,7 +29,7 @@ from gidl.targets.cpp.calls.server import ServerSide
 from gidl.targets.cpp.lower import Lowering
 from gidl.targets.cpp.lower.statements import indented
 from gidl.targets.naming import LocalNames, snake_case
-from gidl.type_names import escaped
+from gidl.type_names import TypeName, escaped
 from gidl.wire_layout import CallKind, CallLayout, node_of
 
 
@@ -63,6 +63,7 @@ class MockView:
     scoped_name: str
     object: str  # what it is served as
     variable: str
+    own: OwnNames
     held: tuple[HeldView, ...]
     methods: tuple[MethodView, ...]
     streams: tuple[StreamView, ...]
@@ -72,28 +73,74 @@ class MockView:
 class MocksView:
     source: str
     header: str
+    space: str  # the namespace of all that is its own
     mocks: tuple[MockView, ...]
     publishes: bool
-    logs: bool
+
+
+@dataclass(frozen=True, slots=True)
+class OwnNames:
+    """What the class of a mock has besides methods. They give way to methods and parameters."""
+
+    mock: str
+    streams: str
+    held: Mapping[str, str]  # by attribute
 
 
 def mocks_view(lowering: Lowering, path: str, interfaces: Sequence[Interface]) -> MocksView:
-    mocks = tuple(_mock(lowering, interface) for interface in interfaces)
-    lines = (line for v in mocks for method in v.methods for line in method.body)
+    table = lowering.layout.cpp_names
+    top = {t.scope[0] if t.scope else t.name for t in (*table.types.values(), OWN_TYPE)}
+    classes = LocalNames(
+        {"Beat", "Mock", "Publishing"}.union(*(_words(lowering, i) for i in interfaces))
+    )
+    variables = LocalNames({"beats", "lab", "publishing", "serve", "server"})
+    objects = LocalNames()
+    mocks = []
+    for interface in interfaces:
+        simple = table.types[interface.name].name
+        snake = snake_case(simple)
+        mocks.append(
+            _mock(
+                lowering, interface, classes.fresh(f"Mock{simple}"),
+                objects.fresh(snake.upper()), variables.fresh(f"mock_{snake}"),
+            )
+        )  # fmt: skip
     return MocksView(
         path,
         f"{source_stem(path)}_server.hpp",
-        mocks,
+        LocalNames(top).fresh("mocks"),
+        tuple(mocks),
         any(v.streams for v in mocks),
-        any(line.startswith("mock_says(") for line in lines),
     )
 
 
-def _mock(lowering: Lowering, interface: Interface) -> MockView:
+OWN_TYPE = TypeName(("gecos",), "")
+"""What is named besides the types of the interfaces."""
+
+
+def _words(lowering: Lowering, interface: Interface) -> set[str]:
+    """Methods and parameters of an interface."""
+    found = CPP_TYPES.members(lowering.model, interface)
+    for member in lowering.model.all_interface_members(interface):
+        if isinstance(member, Operation):
+            found |= {escaped(p.name, CPP_WORDS) for p in member.parameters}
+    return found
+
+
+def _mock(
+    lowering: Lowering, interface: Interface, name: str, served: str, variable: str
+) -> MockView:
     model = lowering.model
+    free = LocalNames(_words(lowering, interface))
+    attributes = [m for m in model.all_interface_members(interface) if isinstance(m, Attribute)]
+    own = OwnNames(
+        free.fresh("mock_"),
+        free.fresh("mock_streams"),
+        {a.name: free.fresh(f"held_{a.name}_") for a in attributes},
+    )
     held, methods, streams = [], [], []
     for base in model.lineage(interface):
-        facts = _Facts(lowering, base)
+        facts = _Facts(lowering, base, own)
         for call in lowering.layout.interfaces[base.name].calls:
             member = facts._member(call)
             methods.append(facts.method(call, member))
@@ -102,7 +149,7 @@ def _mock(lowering: Lowering, interface: Interface) -> MockView:
             value = attribute_value(member)
             held.append(
                 HeldView(
-                    _held(member), lowering.type(value.type, value.optional),
+                    own.held[member.name], lowering.type(value.type, value.optional),
                     tuple(sample(lowering, value)),
                 )
             )  # fmt: skip
@@ -111,31 +158,34 @@ def _mock(lowering: Lowering, interface: Interface) -> MockView:
                 streams.append(
                     StreamView(
                         facts._publisher(member, 0).name,
-                        _held(member),
+                        own.held[member.name],
                         str(samples.nanoseconds(rate)),
                         f"{rate:g} a second" if rate else "no rate is declared: 1 a second",
                     )
                 )
-    table = lowering.layout.cpp_names
-    simple = table.types[interface.name].name
+    servant = names.absolute(lowering.layout.cpp_names.servants[interface.name])
     return MockView(
-        f"Mock{simple}", names.absolute(table.servants[interface.name]), interface.name,
-        snake_case(simple).upper(), f"mock_{snake_case(simple)}",
+        name, servant, interface.name, served, variable, own,
         tuple(held), tuple(methods), tuple(streams),
     )  # fmt: skip
 
 
 class _Facts(ServerSide):
+    def __init__(self, lowering: Lowering, interface: Interface, own: OwnNames) -> None:
+        super().__init__(lowering, interface)
+        self._own = own
+
     def method(self, call: CallLayout, member: Operation | Attribute) -> MethodView:
         handler = self._handler(call)
         if isinstance(member, Attribute):
+            held = self._own.held[member.name]
             if call.kind is CallKind.GETTER:
                 head = f"{handler.returns} {handler.name}() override"
-                return MethodView(head, (f"return mock_got({_held(member)});",))
+                return MethodView(head, (f"return {self._own.mock}.got({held});",))
             head = f"{handler.returns} {handler.name}({handler.parameters}) override"
-            told = "mock_secret" if member.secret else "value"
-            body = (f'mock_says(mock_name_, "{member.name} =", {told});',
-                    f"mock_set({_held(member)}, value);", "return {};")  # fmt: skip
+            told = _HIDDEN if member.secret else "value"
+            body = (f'{self._own.mock}.says("{member.name} =", {told});',
+                    f"{self._own.mock}.set({held}, value);", "return {};")  # fmt: skip
             return MethodView(head, body)
         return self._operation(call, member)
 
@@ -148,10 +198,10 @@ class _Facts(ServerSide):
         if member.access is not Access.SENSOR or member.safety:
             used |= {p.name for p in member.inputs if not p.secret}
             for p in member.inputs:
-                shown = "mock_secret" if p.secret else escaped(p.name, CPP_WORDS)
+                shown = _HIDDEN if p.secret else escaped(p.name, CPP_WORDS)
                 told += [f'"{p.name} ="', shown]
-            words = ", ".join(["mock_name_", f'"{member.name}"', *told])
-            lines.append(f"mock_says({words});")
+            words = ", ".join([f'"{member.name}"', *told])
+            lines.append(f"{self._own.mock}.says({words});")
         parameters = []
         for (kind, name, _), p in zip(self._parameters(values), member.inputs, strict=True):
             parameters.append(f"{kind} {name}" if p.name in used else f"{kind} /*{name}*/")
@@ -160,16 +210,16 @@ class _Facts(ServerSide):
             run = local.fresh("run")
             feedback = self._lowering.type(member.feedback) if member.feedback else ""
             parameters.append(f"gecos::Execution<{feedback}>& {run}")
-            lines.append(f"{run}.progress(1.0{self._feedback(member)});")
+            lines.append(f"{run}.progress(1.0{self._feedback(member, taken)});")
         returns = f"gecos::Result<{self._result_type(call, member)}>"
         lines += self._answer_with(call, member, answers, taken)
         head = f"{returns} {escaped(member.name, CPP_WORDS)}({', '.join(parameters)}) override"
         return MethodView(head, tuple(lines))
 
-    def _feedback(self, member: Operation) -> str:
+    def _feedback(self, member: Operation, taken: set[str]) -> str:
         if member.feedback is None:
             return ""
-        return f", {in_place(self._lowering, CallValue('feedback', member.feedback))}"
+        return f", {in_place(self._lowering, CallValue('feedback', member.feedback), taken)}"
 
     def _answer_with(
         self, call: CallLayout, member: Operation, answers: list[CallValue], taken: set[str]
@@ -180,9 +230,9 @@ class _Facts(ServerSide):
         if len(answers) == 1:
             (only,) = answers
             name = escaped(only.name, CPP_WORDS)
-            text = name if only.name in given else in_place(self._lowering, only)
+            text = name if only.name in given else in_place(self._lowering, only, taken)
             return [f"return {text};"]
-        result = LocalNames(taken).fresh("mock_answer")
+        result = _free("mock_answer", taken)
         lines = [f"{self._result_type(call, member)} {result};"]
         for v in answers:
             place = f"{result}.{names.member_name(v.name)}"
@@ -193,24 +243,32 @@ class _Facts(ServerSide):
         return [*lines, f"return {result};"]
 
 
-def sample(lowering: Lowering, value: CallValue) -> list[str]:
+def _free(wanted: str, taken: Collection[str]) -> str:
+    """A name for a local that nothing taken begins with: loops add to it."""
+    while any(name.startswith(wanted) for name in taken):
+        wanted += "_"
+    return wanted
+
+
+def sample(lowering: Lowering, value: CallValue, taken: Collection[str] = ()) -> list[str]:
     """An initial value, as the lines behind a member's name."""
     if value.optional:
         return ["{}"]
-    lines = assigned(lowering, "mock_value", value.type, value.range, alone=True)
+    local = _free("mock_value", taken)
+    lines = assigned(lowering, local, value.type, value.range, alone=True)
     kind = lowering.type(value.type)
     if not lines:
         return ["{}"]
-    if len(lines) == 1 and lines[0].startswith("mock_value = "):
-        return [f"{{{lines[0].removeprefix('mock_value = ').removesuffix(';')}}}"]
-    body = [f"{kind} mock_value{{}};", *lines, "return mock_value;"]
+    if len(lines) == 1 and lines[0].startswith(f"{local} = "):
+        return [f"{{{lines[0].removeprefix(f'{local} = ').removesuffix(';')}}}"]
+    body = [f"{kind} {local}{{}};", *lines, f"return {local};"]
     return [" = [] {", *indented(body), "}()"]
 
 
-def in_place(lowering: Lowering, value: CallValue) -> str:
+def in_place(lowering: Lowering, value: CallValue, taken: Collection[str]) -> str:
     """The same as an expression."""
     kind = lowering.type(value.type, value.optional)
-    first, *rest = sample(lowering, value)
+    first, *rest = sample(lowering, value, taken)
     if not rest:
         return f"{kind}{first}"
     return "\n".join([first.removeprefix(" = "), *rest])
@@ -229,8 +287,8 @@ def assigned(
             number = samples.number(kind, samples.limits_of(model, used, limits))
             return [f"{x} = {lowering.literal(number, used)};"]
         case ArrayType(element, dimensions):
-            item = LocalNames({x.partition(".")[0]}).fresh(f"each_{x.count('each')}")
-            inner = assigned(lowering, item, element, None, alone)
+            item = f"{x.partition('.')[0]}_each"
+            inner = assigned(lowering, item, element, limits, alone)
             for size in dimensions[1:]:
                 row = f"{item}_row{size}"
                 inner = [f"for (auto& {item} : {row}) {{", *indented(inner), "}"]
@@ -270,5 +328,4 @@ def _named(lowering: Lowering, x: str, name: str) -> list[str]:
             raise AssertionError(name)
 
 
-def _held(attribute: Attribute) -> str:
-    return f"held_{attribute.name}_"
+_HIDDEN = '"***"'
