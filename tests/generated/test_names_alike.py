@@ -27,7 +27,19 @@ module escaped {
   union Arms switch (long) {
     case 1: long if; case 2: string if_; case 3: long make_if; case 4: long tag; case 5: long tag_;
   };
+  struct bool_ { long x; };
+  enum True_ { A, B };
+  enum arm { LEFT, RIGHT };
+  bitset key { bitfield<3> low; };
+  struct Beside { long _True; escaped::True_ other; sequence<escaped::bool_> more; boolean bool; };
+  union ByArm switch (escaped::arm) {
+    case LEFT: escaped::key low[2]; case RIGHT: map<long, long> numbers;
+  };
+  struct print;
+  typedef sequence<print> Prints;
+  struct print { long x; Prints more; };
   @version("1.0") interface Calls {
+    void with(in sequence<escaped::bool_> bool, in escaped::True_ _True);
     void delete(in long def, in long def_);
     void delete_(in long out_, in long source, in long self, in long cls);
     long lambda(in long lambda, out long lambda_);
@@ -154,6 +166,17 @@ def test_names_that_differ_in_an_underscore_stay_apart(out: Path) -> None:
     assert (made.if_, made.if__) == (5, None)
     assert types.Arms.make_make_if(7).make_if == 7
     assert types.Errors(1, 2, "a", "b").args__ == 2
+
+
+def test_members_and_locals_do_not_hide_types(out: Path) -> None:
+    types = import_module("escaped_types")
+    for value in (
+        types.Beside(True___=1, other=types.True__.B, more=[types.bool__(2)], bool___=True),
+        types.ByArm.make_low([types.key(1), types.key(2)]),
+        types.ByArm.make_numbers({1: 2}),
+        types.print(1, [types.print(2)]),
+    ):
+        assert wire.from_bytes(type(value), wire.to_bytes(value)) == value
 
 
 def test_all_of_it_can_be_imported_and_is_well_typed(out: Path, tmp_path: Path) -> None:

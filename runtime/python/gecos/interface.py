@@ -117,6 +117,11 @@ class Interface:
     streams: tuple[OutwardStream, ...] = ()  # likewise
     quality: Quality = field(default_factory=Quality)
 
+    def __post_init__(self) -> None:
+        """Several bases may bring the same ones, which it has once."""
+        object.__setattr__(self, "operations", tuple(dict.fromkeys(self.operations)))
+        object.__setattr__(self, "streams", tuple(dict.fromkeys(self.streams)))
+
 
 @dataclass(frozen=True)  # no slots: Method[T, F](…) writes an attribute of its own
 class Method(Generic[T, F]):

@@ -33,7 +33,11 @@ def mapped(struct: Struct) -> tuple[str, str] | None:
 
 
 def member_name(name: str, words: frozenset[str] = STRUCT_WORDS) -> str:
-    return escaped(name, words)
+    """`name`, with underscores behind it where it is one of `words`. Two names stay two: of names
+    that differ in underscores alone, each gets as many more as keep the first from all `words`."""
+    plain = name.rstrip("_")
+    taken = (len(word) - len(plain) for word in words if word.rstrip("_") == plain)
+    return name + "_" * max((more + 1 for more in taken), default=0)
 
 
 class Constants:

@@ -15,10 +15,10 @@ from gidl.targets.calls import (
     short_name,
 )
 from gidl.targets.python import names
+from gidl.targets.python.calls.bases import class_bases
 from gidl.targets.python.calls.views import FunctionView
 from gidl.targets.python.homes import Home
 from gidl.targets.python.lower import Lowering, Slot
-from gidl.type_names import escaped
 from gidl.wire_layout import CallKind, CallLayout, FieldLayout, node_of
 from gidl.wire_nodes import Node
 
@@ -90,7 +90,7 @@ class CallFacts:
         inputs = self._inputs(call)
         words = PYTHON_WORDS | {"out"}
         words = self._lowering.words_beside([each.node for each in inputs], words)
-        return [escaped(each.value.name, words) for each in inputs]
+        return [names.member_name(each.value.name, words) for each in inputs]
 
     def _type_names(self, values: list[Passed]) -> set[str]:
         """Of the classes that codecs of the values name."""
@@ -144,7 +144,7 @@ def classes_of(lowering: Lowering, interface: Interface) -> set[Home]:
             nodes.append(node_of(model, operation.feedback))
         if operation.scoped_name in layout.python_names.results:
             found.add(homes.result(operation))
-    for base in interface.bases:
+    for base in {*interface.bases, *class_bases(model, interface)}:
         found |= {homes.proxy(base), homes.servant(base)}
     return found.union(*(lowering.named(node) for node in nodes))
 

@@ -9,6 +9,7 @@ from gidl.model import File, Interface
 from gidl.targets.calls import refuse_unsupported
 from gidl.targets.groups import group
 from gidl.targets.python import names
+from gidl.targets.python.calls.bases import class_bases
 from gidl.targets.python.calls.facts import classes_of
 from gidl.targets.python.calls.members import Members
 from gidl.targets.python.calls.tables import Tables, quality
@@ -114,6 +115,7 @@ class _Interface(Tables, Members):
         publishers = tuple(self._publisher(a) for a in streamed)
         bases = [self._module.proxy(base) for base in interface.bases]
         servants = [self._module.servant(base) for base in interface.bases]
+        derived_from = class_bases(self._model, interface)
         return InterfaceView(
             self._name,
             self._layout.python_names.servants[interface.name].name,
@@ -122,8 +124,8 @@ class _Interface(Tables, Members):
             interface.facts.version or "",
             f"0x{self._layout.interfaces[interface.name].hash:016X}",
             type_doc(interface.facts),
-            group(bases or ["_Object"]),
-            group(servants or ["_Servant"]),
+            group([self._module.proxy(base) for base in derived_from] or ["_Object"]),
+            group([self._module.servant(base) for base in derived_from] or ["_Servant"]),
             tuple(bases),
             tuple(servants),
             interface.all_bases,

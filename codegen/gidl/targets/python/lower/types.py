@@ -119,7 +119,7 @@ class Types:
 
     def words_beside(self, nodes: Iterable[Node], words: frozenset[str]) -> frozenset[str]:
         """`words`, and the types in the hints of values."""
-        return words | {name.rstrip("_") for name in self.type_names(nodes)}
+        return words | self.type_names(nodes)
 
     def literal(self, value: Value, node: Node) -> str:
         if isinstance(node, OptionalNode):

@@ -44,8 +44,7 @@ from gidl.wire_nodes import Node, ScalarNode
 
 def types_view(lowering: Lowering, file: File) -> TypesView:
     builder = _Types(_in_module(lowering, file))
-    types = [view for d in file.declarations if (view := builder.type(d)) is not None]
-    types += builder.results(file)
+    types = [*builder.types(file), *builder.results(file)]
     mapped = [d for d in file.declarations if isinstance(d, Struct) and names.mapped(d) is not None]
     known = lowering.layout.python_names.types
     hand_written = {mapped_import(d, known[d.name].name) for d in mapped}
@@ -150,6 +149,21 @@ class _Types(Structs, Unions):
     def results(self, file: File) -> list[StructView]:
         """What operations of the file give that give several values."""
         return [self._result(operation) for operation in self.module.homes.results_of(file)]
+
+    def types(self, file: File) -> list[TypeView]:
+        """In the order of the file, but for typedefs of what is declared behind them."""
+        views: list[TypeView] = []
+        later: list[TypeView] = []
+        missing = self.module.homes.names_of(file)
+        for declaration in file.declarations:
+            view = self.type(declaration)
+            if view is None:
+                continue
+            missing.discard(view.name)
+            used = self._lowering.type_names(_nodes(self._model, self._layout, declaration))
+            early = isinstance(view, AliasView) and used & missing
+            (later if early else views).append(view)
+        return views + later
 
     def type(self, declaration: AnyDeclaration) -> TypeView | None:
         match declaration:

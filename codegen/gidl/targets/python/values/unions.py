@@ -76,31 +76,32 @@ class Unions(ValueNames):
         refusal = call("_wire.EncodeError", quoted(union.simple_name), why)
         written = call("_wire.number", number, quoted(_tag_code(layout)), label)
         lines = [
-            "arm = self._arm(self.tag)",
+            "_arm = self._arm(self.tag)",
             "value: _Any = self.value",
-            "if (value is None) != (arm == 0):",
+            "if (value is None) != (_arm == 0):",
             f"    raise {refusal}",
             call("out.append", written),
         ]
         if isinstance(tag, EnumNode):
             kind = lowering.module.value(tag.name)
             lines.append(call("_wire.expect_enumerator", "self.tag", kind, label))
-        for index, slot in enumerate(_slots(union, layout), start=1):
-            used = {home.name for home in lowering.used(slot.node)}
-            local = LocalNames(LOCAL_WORDS | used | {"arm", "value"})
+        slots = _slots(union, layout)
+        used = {home.name for slot in slots for home in lowering.used(slot.node)}
+        for index, slot in enumerate(slots, start=1):
+            local = LocalNames(LOCAL_WORDS | used | {"value"})
             lines += [
-                f'out.append(b"\\1" if arm == {index} else b"\\0")',
-                f"if arm == {index}:",
+                f'out.append(b"\\1" if _arm == {index} else b"\\0")',
+                f"if _arm == {index}:",
                 *indented(lowering.encode(slot, local)),
             ]
         return lines
 
     def _decode(self, union: Union, layout: UnionLayout) -> list[str]:
         lines = self._decode_tag(union, layout)
-        lines += ["arm = cls._arm(tag)", "value: _Any = None"]
+        lines += ["_arm = cls._arm(tag)", "value: _Any = None"]
         for index, slot in enumerate(_slots(union, layout), start=1):
             lines += [
-                f"if {call('source.arm', f'arm == {index}', quoted(slot.label))}:",
+                f"if {call('source.arm', f'_arm == {index}', quoted(slot.label))}:",
                 f"    value = {self._lowering.decode(slot)}",
             ]
         if layout.appendable:
