@@ -78,7 +78,7 @@ def _formatted(shown: str, findings: Findings, sources: dict[str, Source]) -> _F
     source = Source(shown, shown, text)
     sources[shown] = source
     wrong = Findings()
-    parse(source, wrong, {}, lambda _include: None)
+    parse(source, wrong, {}, lambda _include: None, wide=True)
     if wrong.has_errors:
         findings.found += [f for f in wrong.found if f.severity is Severity.ERROR]
         return None

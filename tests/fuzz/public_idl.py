@@ -67,13 +67,13 @@ class Judged:
         return tuple(sorted({f.code for f in self.gidl.findings if f.severity is Severity.ERROR}))
 
 
-class Project:
-    """The files of one project, and where their includes are found."""
+class Projects:
+    """The files of all projects, and where their includes are found: one may include another's."""
 
-    def __init__(self, root: Path) -> None:
-        self._root = root
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
         self._places: dict[str, list[Path]] = defaultdict(list)
-        for place in root.rglob("*"):
+        for place in folder.rglob("*"):
             if place.is_file():
                 self._places[place.name].append(place)
 
@@ -105,9 +105,16 @@ class Project:
         return list(found)
 
     def _nearest(self, name: str, asker: Path) -> Path | None:
-        """The file of that name that shares most folders with the one that includes it."""
+        """The file of that name that shares most folders with the one that includes it. Only IDL
+        of another project is taken."""
         ending = "/" + name
-        places = [p for p in self._places[Path(name).name] if str(p).endswith(ending)]
+        own = len(self._folder.parts) + 1
+        places = [
+            place
+            for place in self._places[Path(name).name]
+            if str(place).endswith(ending)
+            and (place.suffix == ".idl" or _shared(place, asker) >= own)
+        ]
         places += [s / name for s in SYSTEM if not places and (s / name).is_file()]
         return max(places, key=lambda p: _shared(p, asker), default=None)
 
@@ -117,8 +124,8 @@ def _shared(one: Path, other: Path) -> int:
     return next((n for n, (a, b) in enumerate(pairs) if a != b), 0)
 
 
-def judge(project: Project, file: Path, scratch: Path) -> Judged:
-    folders = [str(f) for f in project.folders(file)]
+def judge(projects: Projects, file: Path, scratch: Path) -> Judged:
+    folders = [str(f) for f in projects.folders(file)]
     options = [f"-I{folder}" for folder in folders]
     omniidl = _runs(["omniidl", *options, str(file)], scratch)
     idlc = _runs(["idlc", *options, "-o", str(scratch), str(file)], scratch)
@@ -138,10 +145,9 @@ def _runs(command: list[str], scratch: Path) -> bool:
 
 def judged(folder: Path) -> Iterator[tuple[str, Judged]]:
     with tempfile.TemporaryDirectory() as scratch:
-        for root in sorted(p for p in folder.iterdir() if p.is_dir()) or [folder]:
-            project = Project(root)
-            for file in project.files():
-                yield root.name, judge(project, file, Path(scratch))
+        projects = Projects(folder)
+        for file in projects.files():
+            yield file.relative_to(folder).parts[0], judge(projects, file, Path(scratch))
 
 
 def main() -> int:

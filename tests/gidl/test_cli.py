@@ -81,6 +81,18 @@ def test_a_file_that_cannot_be_read_is_a_finding(
     assert f"odd.gidl: error[{code}]" in capsys.readouterr().err
 
 
+def test_pragmas_are_warned_about_once_a_run(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (here / "a.gidl").write_text(
+        '#pragma prefix "a"\n#pragma ID A "IDL:A:1.0"\nstruct A { long x; };'
+    )
+    (here / "b.gidl").write_text('#include "a.gidl"\n#pragma other\nstruct B { A one; };\n')
+    assert main(["check", "a.gidl", "b.gidl"]) == 0
+    said = capsys.readouterr().err
+    assert said.count("G0701") == 1 and "a.gidl:1:1: warning[G0701]" in said
+
+
 def test_each_file_that_cannot_be_read_is_named(
     here: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -65,3 +65,10 @@ def test_every_verb_that_compiles_takes_the_option(tmp_path: Path) -> None:
     against = ["--against", str(tmp_path)]
     assert main(["breaking", "--wide=utf8", *against, *here]) == 0
     assert main(["lint", "--wide=utf8", "--except", "G0910", *here]) == 0
+
+
+def test_the_formatter_needs_no_option(tmp_path: Path) -> None:
+    file = tmp_path / "a.idl"
+    file.write_text('const  wstring A = L"x  y";\nstruct S { wchar  c ; };\n')
+    assert main(["fmt", str(file)]) == 0
+    assert file.read_text() == 'const wstring A = L"x  y";\nstruct S { wchar c; };\n'
