@@ -12,6 +12,7 @@ from gidl.model import Interface, Model
 from gidl.targets.cpp import mock as cpp_mock
 from gidl.targets.cpp import view as cpp
 from gidl.targets.cpp.lower import Lowering as CppLowering
+from gidl.targets.groups import group
 from gidl.targets.layout import laid_out
 from gidl.targets.lcm import view as lcm
 from gidl.targets.naming import OutputFile, UnsupportedError
@@ -61,7 +62,7 @@ def render_mock(
 @cache
 def _environment(language: str) -> jinja2.Environment:
     folder = Path(__file__).parent / "targets" / language / "templates"
-    return jinja2.Environment(
+    environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(folder),
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
@@ -69,3 +70,5 @@ def _environment(language: str) -> jinja2.Environment:
         keep_trailing_newline=True,
         autoescape=False,  # source code, not HTML
     )
+    environment.globals["group"] = group
+    return environment

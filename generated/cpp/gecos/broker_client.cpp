@@ -129,9 +129,9 @@ gecos::Command<::gecos::Entry> Broker::lookup(const std::string& name) const {
   if (!wrong.empty()) {
     return gecos::Command<::gecos::Entry>(gecos::session::ended(
         {gecos::Detail::BadParameter, wrong, {}, {}}),
-        [](
-            gecos::wire::Decoder& from,
-            ::gecos::Entry& value) { return gecos::wire::get_block(from, value, "lookup"); });
+        [](gecos::wire::Decoder& from, ::gecos::Entry& value) {
+          return gecos::wire::get_block(from, value, "lookup");
+        });
   }
   std::size_t size = 5;
   size += name.size();
@@ -140,18 +140,19 @@ gecos::Command<::gecos::Entry> Broker::lookup(const std::string& name) const {
       [&](gecos::wire::Encoder& to) {
         to.put_string(name);
       }, gecos_options_),
-        [](
-            gecos::wire::Decoder& from,
-            ::gecos::Entry& value) { return gecos::wire::get_block(from, value, "lookup"); });
+        [](gecos::wire::Decoder& from, ::gecos::Entry& value) {
+          return gecos::wire::get_block(from, value, "lookup");
+        });
 }
 
 gecos::Command<std::vector<::gecos::Entry>> Broker::list() const {
   return gecos::Command<std::vector<::gecos::Entry>>(gecos_session_->call(
       gecos_description().operations[2], 0, [](gecos::wire::Encoder&) {}, gecos_options_),
         [](gecos::wire::Decoder& from, std::vector<::gecos::Entry>& value) {
-          return gecos::wire::get_sequence(from, value, 4, gecos::wire::npos, "list", [&](auto& item) {
-                   return gecos::wire::get_block(from, item, "list");
-                 });
+          return gecos::wire::get_sequence(from, value, 4, gecos::wire::npos, "list",
+                     [&](auto& item) {
+                       return gecos::wire::get_block(from, item, "list");
+                     });
         });
 }
 

@@ -50,32 +50,37 @@ void Entry::encode(gecos::wire::Encoder& to) const {
 bool Entry::decode([[maybe_unused]] gecos::wire::Decoder& from) {
   return from.get_string(name, gecos::wire::npos, "Entry.name") &&
          from.get_string(interface_name, gecos::wire::npos, "Entry.interface_name") &&
-         gecos::wire::get_sequence(from, bases, 5, gecos::wire::npos, "Entry.bases", [&](auto& item) {
-           return from.get_string(item, gecos::wire::npos, "Entry.bases");
-         }) &&
+         gecos::wire::get_sequence(from, bases, 5, gecos::wire::npos, "Entry.bases",
+             [&](auto& item) {
+               return from.get_string(item, gecos::wire::npos, "Entry.bases");
+             }) &&
          from.get(interface_hash, "Entry.interface_hash") &&
          from.get(boot, "Entry.boot") &&
          from.get(pid, "Entry.pid") &&
          from.get_string(user, gecos::wire::npos, "Entry.user") &&
          from.get_string(host, gecos::wire::npos, "Entry.host") &&
          from.get_string(hostname, gecos::wire::npos, "Entry.hostname") &&
-         gecos::wire::get_sequence(from, addresses, 5, gecos::wire::npos, "Entry.addresses", [&](auto& item) {
-           return from.get_string(item, gecos::wire::npos, "Entry.addresses");
-         }) &&
+         gecos::wire::get_sequence(from, addresses, 5, gecos::wire::npos, "Entry.addresses",
+             [&](auto& item) {
+               return from.get_string(item, gecos::wire::npos, "Entry.addresses");
+             }) &&
          from.get(simulated, "Entry.simulated") &&
          gecos::wire::skip_rest(from);
 }
 
 std::string gecos_violation(const Entry& value) {
   if (!gecos::wire::valid_text(value.name)) return gecos::wire::bad_text("Entry.name");
-  if (
-      !gecos::wire::valid_text(value.interface_name)) return gecos::wire::bad_text("Entry.interface_name");
+  if (!gecos::wire::valid_text(value.interface_name)) {
+    return gecos::wire::bad_text("Entry.interface_name");
+  }
   for (const auto& item : value.bases) {
     if (!gecos::wire::valid_text(item)) return gecos::wire::bad_text("Entry.bases");
   }
   if (!gecos::wire::valid_text(value.user)) return gecos::wire::bad_text("Entry.user");
   if (!gecos::wire::valid_text(value.host)) return gecos::wire::bad_text("Entry.host");
-  if (!gecos::wire::valid_text(value.hostname)) return gecos::wire::bad_text("Entry.hostname");
+  if (!gecos::wire::valid_text(value.hostname)) {
+    return gecos::wire::bad_text("Entry.hostname");
+  }
   for (const auto& item : value.addresses) {
     if (!gecos::wire::valid_text(item)) return gecos::wire::bad_text("Entry.addresses");
   }
@@ -129,13 +134,16 @@ void UnknownName::encode(gecos::wire::Encoder& to) const {
 
 bool UnknownName::decode([[maybe_unused]] gecos::wire::Decoder& from) {
   return from.get_string(name, gecos::wire::npos, "UnknownName.name") &&
-         gecos::wire::get_sequence(from, known, 5, gecos::wire::npos, "UnknownName.known", [&](auto& item) {
-           return from.get_string(item, gecos::wire::npos, "UnknownName.known");
-         });
+         gecos::wire::get_sequence(from, known, 5, gecos::wire::npos, "UnknownName.known",
+             [&](auto& item) {
+               return from.get_string(item, gecos::wire::npos, "UnknownName.known");
+             });
 }
 
 std::string gecos_violation(const UnknownName& value) {
-  if (!gecos::wire::valid_text(value.name)) return gecos::wire::bad_text("UnknownName.name");
+  if (!gecos::wire::valid_text(value.name)) {
+    return gecos::wire::bad_text("UnknownName.name");
+  }
   for (const auto& item : value.known) {
     if (!gecos::wire::valid_text(item)) return gecos::wire::bad_text("UnknownName.known");
   }

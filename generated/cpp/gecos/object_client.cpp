@@ -158,9 +158,10 @@ gecos::Command<std::vector<::gecos::Holder>> GecosObject::holders() const {
   return gecos::Command<std::vector<::gecos::Holder>>(gecos_session_->call(
       gecos_description().operations[0], 0, [](gecos::wire::Encoder&) {}, gecos_options_),
         [](gecos::wire::Decoder& from, std::vector<::gecos::Holder>& value) {
-          return gecos::wire::get_sequence(from, value, 4, gecos::wire::npos, "holders", [&](auto& item) {
-                   return gecos::wire::get_block(from, item, "holders");
-                 });
+          return gecos::wire::get_sequence(from, value, 4, gecos::wire::npos, "holders",
+                     [&](auto& item) {
+                       return gecos::wire::get_block(from, item, "holders");
+                     });
         });
 }
 
@@ -177,9 +178,9 @@ gecos::Command<void> GecosObject::ping() const {
 gecos::Command<::gecos::Description> GecosObject::describe() const {
   return gecos::Command<::gecos::Description>(gecos_session_->call(
       gecos_description().operations[3], 0, [](gecos::wire::Encoder&) {}, gecos_options_),
-        [](
-            gecos::wire::Decoder& from,
-            ::gecos::Description& value) { return gecos::wire::get_block(from, value, "describe"); });
+        [](gecos::wire::Decoder& from, ::gecos::Description& value) {
+          return gecos::wire::get_block(from, value, "describe");
+        });
 }
 
 gecos::Command<::gecos::Grant> GecosObject::acquire(
@@ -194,9 +195,9 @@ gecos::Command<::gecos::Grant> GecosObject::acquire(
   if (!wrong.empty()) {
     return gecos::Command<::gecos::Grant>(gecos::session::ended(
         {gecos::Detail::BadParameter, wrong, {}, {}}),
-        [](
-            gecos::wire::Decoder& from,
-            ::gecos::Grant& value) { return gecos::wire::get_block(from, value, "acquire"); });
+        [](gecos::wire::Decoder& from, ::gecos::Grant& value) {
+          return gecos::wire::get_block(from, value, "acquire");
+        });
   }
   std::size_t size = 5;
   if (password) {
@@ -212,9 +213,9 @@ gecos::Command<::gecos::Grant> GecosObject::acquire(
           to.put_string(*password);
         }
       }, gecos_options_),
-        [](
-            gecos::wire::Decoder& from,
-            ::gecos::Grant& value) { return gecos::wire::get_block(from, value, "acquire"); });
+        [](gecos::wire::Decoder& from, ::gecos::Grant& value) {
+          return gecos::wire::get_block(from, value, "acquire");
+        });
 }
 
 gecos::Command<void> GecosObject::release(std::uint64_t epoch, bool now) const {
@@ -232,9 +233,9 @@ gecos::Command<std::uint32_t> GecosObject::subscribe(std::uint32_t code) const {
       [&](gecos::wire::Encoder& to) {
         to.put(code);
       }, gecos_options_),
-        [](
-            gecos::wire::Decoder& from,
-            std::uint32_t& value) { return from.get(value, "subscribe"); });
+        [](gecos::wire::Decoder& from, std::uint32_t& value) {
+          return from.get(value, "subscribe");
+        });
 }
 
 gecos::Command<void> GecosObject::unsubscribe(std::uint32_t code) const {
@@ -256,9 +257,9 @@ gecos::Command<::gecos::OutcomeRecord> GecosObject::outcome(
         to.put(session);
         to.put(counter);
       }, gecos_options_),
-        [](
-            gecos::wire::Decoder& from,
-            ::gecos::OutcomeRecord& value) { return gecos::wire::get_block(from, value, "outcome"); });
+        [](gecos::wire::Decoder& from, ::gecos::OutcomeRecord& value) {
+          return gecos::wire::get_block(from, value, "outcome");
+        });
 }
 
 }  // namespace gecos

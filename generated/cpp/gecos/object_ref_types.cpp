@@ -33,7 +33,9 @@ bool ObjectRef::decode([[maybe_unused]] gecos::wire::Decoder& from) {
 
 std::string gecos_violation(const ObjectRef& value) {
   if (!gecos::wire::valid_text(value.name)) return gecos::wire::bad_text("ObjectRef.name");
-  if (!gecos::wire::valid_text(value.where)) return gecos::wire::bad_text("ObjectRef.where");
+  if (!gecos::wire::valid_text(value.where)) {
+    return gecos::wire::bad_text("ObjectRef.where");
+  }
   return {};
 }
 

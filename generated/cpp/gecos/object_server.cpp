@@ -97,7 +97,11 @@ void GecosObjectServant::gecos_call_describe(gecos::IncomingCall& call) {
   }();
   if (!wrong.empty()) {
     return call.fail(
-        {gecos::Detail::Fault, "the handler of gecos::GecosObject::describe gave " + wrong, {}, {}});
+        {
+            gecos::Detail::Fault,
+            "the handler of gecos::GecosObject::describe gave " + wrong,
+            {},
+            {}});
   }
   std::size_t size = 4;
   size += value.encoded_size();

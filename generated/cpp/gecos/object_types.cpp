@@ -80,7 +80,9 @@ std::string gecos_violation(const Holder& value) {
   if (value.program.size() > 128) {
     return gecos::wire::over_bound("Holder.program", value.program.size(), 128, "bytes");
   }
-  if (!gecos::wire::valid_text(value.program)) return gecos::wire::bad_text("Holder.program");
+  if (!gecos::wire::valid_text(value.program)) {
+    return gecos::wire::bad_text("Holder.program");
+  }
   return {};
 }
 
@@ -146,16 +148,24 @@ bool Description::decode([[maybe_unused]] gecos::wire::Decoder& from) {
 }
 
 std::string gecos_violation(const Description& value) {
-  if (!gecos::wire::valid_text(value.name)) return gecos::wire::bad_text("Description.name");
-  if (
-      !gecos::wire::valid_text(value.interface_name)) return gecos::wire::bad_text("Description.interface_name");
-  if (!gecos::wire::valid_text(value.version)) return gecos::wire::bad_text("Description.version");
-  if (
-      !gecos::wire::valid_text(value.presence)) return gecos::wire::bad_text("Description.presence");
-  if (
-      !gecos::wire::valid_text(value.authentication)) return gecos::wire::bad_text("Description.authentication");
-  if (
-      !gecos::wire::valid_text(value.executing)) return gecos::wire::bad_text("Description.executing");
+  if (!gecos::wire::valid_text(value.name)) {
+    return gecos::wire::bad_text("Description.name");
+  }
+  if (!gecos::wire::valid_text(value.interface_name)) {
+    return gecos::wire::bad_text("Description.interface_name");
+  }
+  if (!gecos::wire::valid_text(value.version)) {
+    return gecos::wire::bad_text("Description.version");
+  }
+  if (!gecos::wire::valid_text(value.presence)) {
+    return gecos::wire::bad_text("Description.presence");
+  }
+  if (!gecos::wire::valid_text(value.authentication)) {
+    return gecos::wire::bad_text("Description.authentication");
+  }
+  if (!gecos::wire::valid_text(value.executing)) {
+    return gecos::wire::bad_text("Description.executing");
+  }
   return {};
 }
 
@@ -207,13 +217,16 @@ void StatusRefused::encode(gecos::wire::Encoder& to) const {
 
 bool StatusRefused::decode([[maybe_unused]] gecos::wire::Decoder& from) {
   return from.get_string(reason, gecos::wire::npos, "StatusRefused.reason") &&
-         gecos::wire::get_sequence(from, holders, 4, gecos::wire::npos, "StatusRefused.holders", [&](auto& item) {
-           return gecos::wire::get_block(from, item, "StatusRefused.holders");
-         });
+         gecos::wire::get_sequence(from, holders, 4, gecos::wire::npos, "StatusRefused.holders",
+             [&](auto& item) {
+               return gecos::wire::get_block(from, item, "StatusRefused.holders");
+             });
 }
 
 std::string gecos_violation(const StatusRefused& value) {
-  if (!gecos::wire::valid_text(value.reason)) return gecos::wire::bad_text("StatusRefused.reason");
+  if (!gecos::wire::valid_text(value.reason)) {
+    return gecos::wire::bad_text("StatusRefused.reason");
+  }
   for (const auto& item : value.holders) {
     if (auto why = ::gecos::gecos_violation(item); !why.empty()) return why;
   }
@@ -270,7 +283,9 @@ bool OutcomeRecord::decode([[maybe_unused]] gecos::wire::Decoder& from) {
 }
 
 std::string gecos_violation(const OutcomeRecord& value) {
-  if (!gecos::wire::valid_text(value.text)) return gecos::wire::bad_text("OutcomeRecord.text");
+  if (!gecos::wire::valid_text(value.text)) {
+    return gecos::wire::bad_text("OutcomeRecord.text");
+  }
   return {};
 }
 

@@ -79,9 +79,9 @@ gecos::Command<::robcl::Frame> Device::base() const {
 gecos::Command<std::string> Device::parent() const {
   return gecos::Command<std::string>(gecos_session_->call(
       gecos_description().operations[0], 0, [](gecos::wire::Encoder&) {}, gecos_options_),
-        [](
-            gecos::wire::Decoder& from,
-            std::string& value) { return from.get_string(value, gecos::wire::npos, "parent"); });
+        [](gecos::wire::Decoder& from, std::string& value) {
+          return from.get_string(value, gecos::wire::npos, "parent");
+        });
 }
 
 gecos::Command<void> Device::mount(const std::string& carrier, const ::robcl::Frame& offset) const {

@@ -26,7 +26,9 @@ bool MountRefused::decode([[maybe_unused]] gecos::wire::Decoder& from) {
 }
 
 std::string gecos_violation(const MountRefused& value) {
-  if (!gecos::wire::valid_text(value.reason)) return gecos::wire::bad_text("MountRefused.reason");
+  if (!gecos::wire::valid_text(value.reason)) {
+    return gecos::wire::bad_text("MountRefused.reason");
+  }
   return {};
 }
 

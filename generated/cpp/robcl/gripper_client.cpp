@@ -168,9 +168,9 @@ Gripper::Gripper(std::shared_ptr<gecos::session::ClientSession> session)
 gecos::Command<::robcl::GripperState> Gripper::jaws() const {
   return gecos::Command<::robcl::GripperState>(gecos_session_->call(
       gecos_description().operations[1], 0, [](gecos::wire::Encoder&) {}, gecos_options_),
-        [](
-            gecos::wire::Decoder& from,
-            ::robcl::GripperState& value) { return gecos::wire::get_block(from, value, "jaws"); });
+        [](gecos::wire::Decoder& from, ::robcl::GripperState& value) {
+          return gecos::wire::get_block(from, value, "jaws");
+        });
 }
 
 tl::expected<gecos::Stream<::robcl::GripperState>, gecos::Failure> Gripper::jaws(
@@ -178,9 +178,9 @@ tl::expected<gecos::Stream<::robcl::GripperState>, gecos::Failure> Gripper::jaws
   auto core = gecos_session_->subscribe(gecos_description().streams[0]);
   if (!core) return tl::unexpected(std::move(core.error()));
   return gecos::Stream<::robcl::GripperState>(std::move(*core),
-        [](
-            gecos::wire::Decoder& from,
-            ::robcl::GripperState& value) { return gecos::wire::get_block(from, value, "jaws"); });
+        [](gecos::wire::Decoder& from, ::robcl::GripperState& value) {
+          return gecos::wire::get_block(from, value, "jaws");
+        });
 }
 
 gecos::Command<::robcl::Frame> Gripper::grip_point() const {

@@ -32,7 +32,9 @@ bool GripperState::decode([[maybe_unused]] gecos::wire::Decoder& from) {
 }
 
 std::string gecos_violation(const GripperState& value) {
-  if (!gecos::wire::valid_text(value.held)) return gecos::wire::bad_text("GripperState.held");
+  if (!gecos::wire::valid_text(value.held)) {
+    return gecos::wire::bad_text("GripperState.held");
+  }
   return {};
 }
 

@@ -34,7 +34,11 @@ void LaserDistanceSensorServant::gecos_dispatch(gecos::IncomingCall call) {
         return gecos_call_mount(call);
       default:
         return call.fail(
-            {gecos::Detail::UnknownOperation, "robcl::LaserDistanceSensor has no such operation", {}, {}});
+            {
+                gecos::Detail::UnknownOperation,
+                "robcl::LaserDistanceSensor has no such operation",
+                {},
+                {}});
     }
   } catch (const std::exception& error) {
     call.fail({gecos::Detail::Fault, std::string("the handler threw: ") + error.what(), {}, {}});

@@ -61,7 +61,9 @@ bool SensorFault::decode([[maybe_unused]] gecos::wire::Decoder& from) {
 }
 
 std::string gecos_violation(const SensorFault& value) {
-  if (!gecos::wire::valid_text(value.reason)) return gecos::wire::bad_text("SensorFault.reason");
+  if (!gecos::wire::valid_text(value.reason)) {
+    return gecos::wire::bad_text("SensorFault.reason");
+  }
   return {};
 }
 

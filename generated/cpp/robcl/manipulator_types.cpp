@@ -100,13 +100,15 @@ bool Trajectory::decode([[maybe_unused]] gecos::wire::Decoder& from) {
          ::robcl::decode_enum(from, path, "Trajectory.path") &&
          ::robcl::decode_enum(from, at_goal, "Trajectory.at_goal") &&
          (from.at_end() ||
-          gecos::wire::get_optional(from, tool_speed, "Trajectory.tool_speed", [&](auto& value) {
-            return from.get(value, "Trajectory.tool_speed");
-          })) &&
+          gecos::wire::get_optional(from, tool_speed, "Trajectory.tool_speed",
+              [&](auto& value) {
+                return from.get(value, "Trajectory.tool_speed");
+              })) &&
          (from.at_end() ||
-          gecos::wire::get_optional(from, turn_speed, "Trajectory.turn_speed", [&](auto& value) {
-            return from.get(value, "Trajectory.turn_speed");
-          })) &&
+          gecos::wire::get_optional(from, turn_speed, "Trajectory.turn_speed",
+              [&](auto& value) {
+                return from.get(value, "Trajectory.turn_speed");
+              })) &&
          gecos::wire::skip_rest(from);
 }
 
@@ -193,7 +195,9 @@ std::string gecos_violation(const OutOfReach& value) {
   if (value.reason.size() > 160) {
     return gecos::wire::over_bound("OutOfReach.reason", value.reason.size(), 160, "bytes");
   }
-  if (!gecos::wire::valid_text(value.reason)) return gecos::wire::bad_text("OutOfReach.reason");
+  if (!gecos::wire::valid_text(value.reason)) {
+    return gecos::wire::bad_text("OutOfReach.reason");
+  }
   return {};
 }
 
@@ -253,7 +257,9 @@ std::string gecos_violation(const Singular& value) {
   if (value.reason.size() > 160) {
     return gecos::wire::over_bound("Singular.reason", value.reason.size(), 160, "bytes");
   }
-  if (!gecos::wire::valid_text(value.reason)) return gecos::wire::bad_text("Singular.reason");
+  if (!gecos::wire::valid_text(value.reason)) {
+    return gecos::wire::bad_text("Singular.reason");
+  }
   return {};
 }
 

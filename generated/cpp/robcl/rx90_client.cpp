@@ -29,7 +29,11 @@ const gecos::InterfaceDescription& Rx90::gecos_description() {
        .ordered = false,
        .on_new = gecos::OnNew::Queue,
        .on_loss = gecos::OnLoss::Stop,
-       .quality = {.line = gecos::qos::Class::SoftRealtime, .reliability = gecos::qos::Reliability::BestEffort, .latency = gecos::Duration{5000000}, .lifespan = gecos::Duration{20000000}},
+       .quality = {
+           .line = gecos::qos::Class::SoftRealtime,
+           .reliability = gecos::qos::Reliability::BestEffort,
+           .latency = gecos::Duration{5000000},
+           .lifespan = gecos::Duration{20000000}},
        .hash = 0xe4a63fbb9f4aa676U},
       {.code = gecos::FunctionCode{0x3507e304},
        .name = "move",
@@ -113,7 +117,11 @@ const gecos::InterfaceDescription& Rx90::gecos_description() {
        .ordered = false,
        .on_new = gecos::OnNew::Queue,
        .on_loss = gecos::OnLoss::Stop,
-       .quality = {.line = gecos::qos::Class::SoftRealtime, .reliability = gecos::qos::Reliability::BestEffort, .latency = gecos::Duration{5000000}, .lifespan = gecos::Duration{20000000}},
+       .quality = {
+           .line = gecos::qos::Class::SoftRealtime,
+           .reliability = gecos::qos::Reliability::BestEffort,
+           .latency = gecos::Duration{5000000},
+           .lifespan = gecos::Duration{20000000}},
        .hash = 0x294c864a0a1bb0d9U},
       {.code = gecos::FunctionCode{0xd85eec1c},
        .name = "base",
@@ -178,7 +186,11 @@ const gecos::InterfaceDescription& Rx90::gecos_description() {
        .status = gecos::access::Status::Sensor,
        .rate_hz = 250.0,
        .largest = 56,
-       .quality = {.line = gecos::qos::Class::SoftRealtime, .reliability = gecos::qos::Reliability::BestEffort, .latency = gecos::Duration{5000000}, .lifespan = gecos::Duration{20000000}}},
+       .quality = {
+           .line = gecos::qos::Class::SoftRealtime,
+           .reliability = gecos::qos::Reliability::BestEffort,
+           .latency = gecos::Duration{5000000},
+           .lifespan = gecos::Duration{20000000}}},
       {.code = gecos::FunctionCode{0xbff4d1d1},
        .name = "joints",
        .status = gecos::access::Status::Sensor,
@@ -190,7 +202,11 @@ const gecos::InterfaceDescription& Rx90::gecos_description() {
        .status = gecos::access::Status::Sensor,
        .rate_hz = 250.0,
        .largest = 56,
-       .quality = {.line = gecos::qos::Class::SoftRealtime, .reliability = gecos::qos::Reliability::BestEffort, .latency = gecos::Duration{5000000}, .lifespan = gecos::Duration{20000000}}},
+       .quality = {
+           .line = gecos::qos::Class::SoftRealtime,
+           .reliability = gecos::qos::Reliability::BestEffort,
+           .latency = gecos::Duration{5000000},
+           .lifespan = gecos::Duration{20000000}}},
   };
   static constexpr gecos::InterfaceDescription description{
       .name = "robcl::Rx90",
@@ -210,9 +226,9 @@ Rx90::Rx90(std::shared_ptr<gecos::session::ClientSession> session)
 gecos::Command<::robcl::Configuration> Rx90::posture() const {
   return gecos::Command<::robcl::Configuration>(gecos_session_->call(
       gecos_description().operations[8], 0, [](gecos::wire::Encoder&) {}, gecos_options_),
-        [](
-            gecos::wire::Decoder& from,
-            ::robcl::Configuration& value) { return gecos::wire::get_block(from, value, "posture"); });
+        [](gecos::wire::Decoder& from, ::robcl::Configuration& value) {
+          return gecos::wire::get_block(from, value, "posture");
+        });
 }
 
 }  // namespace robcl

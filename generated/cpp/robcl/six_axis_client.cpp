@@ -28,7 +28,11 @@ const gecos::InterfaceDescription& SixAxis::gecos_description() {
        .ordered = false,
        .on_new = gecos::OnNew::Queue,
        .on_loss = gecos::OnLoss::Stop,
-       .quality = {.line = gecos::qos::Class::SoftRealtime, .reliability = gecos::qos::Reliability::BestEffort, .latency = gecos::Duration{5000000}, .lifespan = gecos::Duration{20000000}},
+       .quality = {
+           .line = gecos::qos::Class::SoftRealtime,
+           .reliability = gecos::qos::Reliability::BestEffort,
+           .latency = gecos::Duration{5000000},
+           .lifespan = gecos::Duration{20000000}},
        .hash = 0xe4a63fbb9f4aa676U},
       {.code = gecos::FunctionCode{0x3507e304},
        .name = "move",
@@ -112,7 +116,11 @@ const gecos::InterfaceDescription& SixAxis::gecos_description() {
        .ordered = false,
        .on_new = gecos::OnNew::Queue,
        .on_loss = gecos::OnLoss::Stop,
-       .quality = {.line = gecos::qos::Class::SoftRealtime, .reliability = gecos::qos::Reliability::BestEffort, .latency = gecos::Duration{5000000}, .lifespan = gecos::Duration{20000000}},
+       .quality = {
+           .line = gecos::qos::Class::SoftRealtime,
+           .reliability = gecos::qos::Reliability::BestEffort,
+           .latency = gecos::Duration{5000000},
+           .lifespan = gecos::Duration{20000000}},
        .hash = 0x294c864a0a1bb0d9U},
       {.code = gecos::FunctionCode{0xd85eec1c},
        .name = "base",
@@ -163,7 +171,11 @@ const gecos::InterfaceDescription& SixAxis::gecos_description() {
        .status = gecos::access::Status::Sensor,
        .rate_hz = 250.0,
        .largest = 56,
-       .quality = {.line = gecos::qos::Class::SoftRealtime, .reliability = gecos::qos::Reliability::BestEffort, .latency = gecos::Duration{5000000}, .lifespan = gecos::Duration{20000000}}},
+       .quality = {
+           .line = gecos::qos::Class::SoftRealtime,
+           .reliability = gecos::qos::Reliability::BestEffort,
+           .latency = gecos::Duration{5000000},
+           .lifespan = gecos::Duration{20000000}}},
       {.code = gecos::FunctionCode{0xbff4d1d1},
        .name = "joints",
        .status = gecos::access::Status::Sensor,
@@ -175,7 +187,11 @@ const gecos::InterfaceDescription& SixAxis::gecos_description() {
        .status = gecos::access::Status::Sensor,
        .rate_hz = 250.0,
        .largest = 56,
-       .quality = {.line = gecos::qos::Class::SoftRealtime, .reliability = gecos::qos::Reliability::BestEffort, .latency = gecos::Duration{5000000}, .lifespan = gecos::Duration{20000000}}},
+       .quality = {
+           .line = gecos::qos::Class::SoftRealtime,
+           .reliability = gecos::qos::Reliability::BestEffort,
+           .latency = gecos::Duration{5000000},
+           .lifespan = gecos::Duration{20000000}}},
   };
   static constexpr gecos::InterfaceDescription description{
       .name = "robcl::SixAxis",

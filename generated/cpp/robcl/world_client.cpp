@@ -102,9 +102,10 @@ gecos::Command<std::vector<::robcl::Body>> World::bodies() const {
   return gecos::Command<std::vector<::robcl::Body>>(gecos_session_->call(
       gecos_description().operations[0], 0, [](gecos::wire::Encoder&) {}, gecos_options_),
         [](gecos::wire::Decoder& from, std::vector<::robcl::Body>& value) {
-          return gecos::wire::get_sequence(from, value, 4, gecos::wire::npos, "bodies", [&](auto& item) {
-                   return gecos::wire::get_block(from, item, "bodies");
-                 });
+          return gecos::wire::get_sequence(from, value, 4, gecos::wire::npos, "bodies",
+                     [&](auto& item) {
+                       return gecos::wire::get_block(from, item, "bodies");
+                     });
         });
 }
 
@@ -116,9 +117,9 @@ gecos::Command<::robcl::Body> World::find(const std::string& name) const {
   if (!wrong.empty()) {
     return gecos::Command<::robcl::Body>(gecos::session::ended(
         {gecos::Detail::BadParameter, wrong, {}, {}}),
-        [](
-            gecos::wire::Decoder& from,
-            ::robcl::Body& value) { return gecos::wire::get_block(from, value, "find"); });
+        [](gecos::wire::Decoder& from, ::robcl::Body& value) {
+          return gecos::wire::get_block(from, value, "find");
+        });
   }
   std::size_t size = 5;
   size += name.size();
@@ -127,9 +128,9 @@ gecos::Command<::robcl::Body> World::find(const std::string& name) const {
       [&](gecos::wire::Encoder& to) {
         to.put_string(name);
       }, gecos_options_),
-        [](
-            gecos::wire::Decoder& from,
-            ::robcl::Body& value) { return gecos::wire::get_block(from, value, "find"); });
+        [](gecos::wire::Decoder& from, ::robcl::Body& value) {
+          return gecos::wire::get_block(from, value, "find");
+        });
 }
 
 gecos::Command<::robcl::RayHit> World::cast(const ::robcl::Frame& origin, double reach) const {
@@ -139,9 +140,9 @@ gecos::Command<::robcl::RayHit> World::cast(const ::robcl::Frame& origin, double
         origin.encode(to);
         to.put(reach);
       }, gecos_options_),
-        [](
-            gecos::wire::Decoder& from,
-            ::robcl::RayHit& value) { return gecos::wire::get_block(from, value, "cast"); });
+        [](gecos::wire::Decoder& from, ::robcl::RayHit& value) {
+          return gecos::wire::get_block(from, value, "cast");
+        });
 }
 
 gecos::Command<::robcl::Contact> World::between(const ::robcl::Frame& jaws, double opening) const {
@@ -151,9 +152,9 @@ gecos::Command<::robcl::Contact> World::between(const ::robcl::Frame& jaws, doub
         jaws.encode(to);
         to.put(opening);
       }, gecos_options_),
-        [](
-            gecos::wire::Decoder& from,
-            ::robcl::Contact& value) { return gecos::wire::get_block(from, value, "between"); });
+        [](gecos::wire::Decoder& from, ::robcl::Contact& value) {
+          return gecos::wire::get_block(from, value, "between");
+        });
 }
 
 gecos::Command<void> World::place(const std::string& name, const ::robcl::Frame& pose) const {

@@ -75,7 +75,9 @@ bool RayHit::decode([[maybe_unused]] gecos::wire::Decoder& from) {
 }
 
 std::string gecos_violation(const RayHit& value) {
-  if (!gecos::wire::valid_text(value.body_name)) return gecos::wire::bad_text("RayHit.body_name");
+  if (!gecos::wire::valid_text(value.body_name)) {
+    return gecos::wire::bad_text("RayHit.body_name");
+  }
   return {};
 }
 
@@ -110,7 +112,9 @@ bool Contact::decode([[maybe_unused]] gecos::wire::Decoder& from) {
 }
 
 std::string gecos_violation(const Contact& value) {
-  if (!gecos::wire::valid_text(value.body_name)) return gecos::wire::bad_text("Contact.body_name");
+  if (!gecos::wire::valid_text(value.body_name)) {
+    return gecos::wire::bad_text("Contact.body_name");
+  }
   return {};
 }
 
@@ -146,13 +150,16 @@ void UnknownBody::encode(gecos::wire::Encoder& to) const {
 
 bool UnknownBody::decode([[maybe_unused]] gecos::wire::Decoder& from) {
   return from.get_string(name, gecos::wire::npos, "UnknownBody.name") &&
-         gecos::wire::get_sequence(from, known, 5, gecos::wire::npos, "UnknownBody.known", [&](auto& item) {
-           return from.get_string(item, gecos::wire::npos, "UnknownBody.known");
-         });
+         gecos::wire::get_sequence(from, known, 5, gecos::wire::npos, "UnknownBody.known",
+             [&](auto& item) {
+               return from.get_string(item, gecos::wire::npos, "UnknownBody.known");
+             });
 }
 
 std::string gecos_violation(const UnknownBody& value) {
-  if (!gecos::wire::valid_text(value.name)) return gecos::wire::bad_text("UnknownBody.name");
+  if (!gecos::wire::valid_text(value.name)) {
+    return gecos::wire::bad_text("UnknownBody.name");
+  }
   for (const auto& item : value.known) {
     if (!gecos::wire::valid_text(item)) return gecos::wire::bad_text("UnknownBody.known");
   }

@@ -27,7 +27,8 @@ from gidl.targets.calls import CallValue, attribute_value, parameter_value, repl
 from gidl.targets.cpp import names
 from gidl.targets.cpp.calls.server import ServerSide
 from gidl.targets.cpp.lower import Lowering
-from gidl.targets.cpp.lower.statements import indented
+from gidl.targets.cpp.lower.statements import indented, quoted
+from gidl.targets.groups import group
 from gidl.targets.naming import LocalNames, snake_case
 from gidl.type_names import TypeName, escaped
 from gidl.wire_layout import CallKind, CallLayout, node_of
@@ -182,7 +183,7 @@ class _Facts(ServerSide):
             if call.kind is CallKind.GETTER:
                 head = f"{handler.returns} {handler.name}() override"
                 return MethodView(head, (f"return {self._own.mock}.got({held});",))
-            head = f"{handler.returns} {handler.name}({handler.parameters}) override"
+            head = f"{handler.returns} {handler.name}{handler.parameters} override"
             told = _HIDDEN if member.secret else "value"
             body = (f'{self._own.mock}.says("{member.name} =", {told});',
                     f"{self._own.mock}.set({held}, value);", "return {};")  # fmt: skip
@@ -200,8 +201,7 @@ class _Facts(ServerSide):
             for p in member.inputs:
                 shown = _HIDDEN if p.secret else escaped(p.name, CPP_WORDS)
                 told += [f'"{p.name} ="', shown]
-            words = ", ".join([f'"{member.name}"', *told])
-            lines.append(f"{self._own.mock}.says({words});")
+            lines.append(f"{self._own.mock}.says{group([quoted(member.name), *told])};")
         parameters = []
         for (kind, name, _), p in zip(self._parameters(values), member.inputs, strict=True):
             parameters.append(f"{kind} {name}" if p.name in used else f"{kind} /*{name}*/")
@@ -213,7 +213,7 @@ class _Facts(ServerSide):
             lines.append(f"{run}.progress(1.0{self._feedback(member, taken)});")
         returns = f"gecos::Result<{self._result_type(call, member)}>"
         lines += self._answer_with(call, member, answers, taken)
-        head = f"{returns} {escaped(member.name, CPP_WORDS)}({', '.join(parameters)}) override"
+        head = f"{returns} {escaped(member.name, CPP_WORDS)}{group(parameters)} override"
         return MethodView(head, tuple(lines))
 
     def _feedback(self, member: Operation, taken: set[str]) -> str:

@@ -19,6 +19,7 @@ from gidl.targets.cpp.calls.views import (
 from gidl.targets.cpp.comments import doc_lines
 from gidl.targets.cpp.lower import Slot
 from gidl.targets.cpp.lower.statements import block, conjunction
+from gidl.targets.groups import flat, group
 from gidl.targets.naming import (
     LocalNames,
     value_note,
@@ -51,8 +52,8 @@ class Client(CallFacts):
             doc,
             returns,
             name,
-            ", ".join(f"{t} {n}{d}" for t, n, d in parameters),
-            ", ".join(f"{t} {n}" for t, n, _ in parameters),
+            group(f"{t} {n}{d}" for t, n, d in parameters),
+            group(f"{t} {n}" for t, n, _ in parameters),
             tuple(body),
         )
 
@@ -125,7 +126,7 @@ class Client(CallFacts):
             terms = [self._lowering.decode(slot, source, LocalNames({*taken, value, source}))]
         lines = conjunction(terms)
         head = f"[](gecos::wire::Decoder& {source}, {result}& {value})"
-        if len(lines) == 1:
+        if len(lines) == 1 and len(flat(head + lines[0])) < 86:
             return f"{head} {{ {lines[0]} }}"
         inner = "\n".join(f"          {line}" for line in lines)
         return f"{head} {{\n{inner}\n        }}"
@@ -142,8 +143,8 @@ class Client(CallFacts):
             (note,),
             f"tl::expected<gecos::Stream<{used}>, gecos::Failure>",
             escaped(attribute.name, CPP_WORDS),
-            "gecos::StreamTag",
-            "gecos::StreamTag",
+            group(["gecos::StreamTag"]),
+            group(["gecos::StreamTag"]),
             (
                 f"auto core = gecos_session_->subscribe(gecos_description().streams[{index}]);",
                 "if (!core) return tl::unexpected(std::move(core.error()));",

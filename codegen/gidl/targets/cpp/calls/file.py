@@ -20,7 +20,7 @@ from gidl.targets.calls import (
 from gidl.targets.cpp import names
 from gidl.targets.cpp.calls.client import Client
 from gidl.targets.cpp.calls.facts import hex32, hex64
-from gidl.targets.cpp.calls.server import ServerSide
+from gidl.targets.cpp.calls.server import ServerSide, fail
 from gidl.targets.cpp.calls.tables import Tables, quality
 from gidl.targets.cpp.calls.views import (
     CaseView,
@@ -121,4 +121,5 @@ class _Interface(Tables, Client, ServerSide):
             tuple(
                 CaseView(hex32(c.code), self._caller_name(c), short_name(c)) for c in self._calls
             ),
+            fail("call", "UnknownOperation", f'"{interface.name} has no such operation"'),
         )

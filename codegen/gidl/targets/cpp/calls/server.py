@@ -24,7 +24,9 @@ from gidl.targets.cpp.calls.views import (
 )
 from gidl.targets.cpp.comments import doc_lines
 from gidl.targets.cpp.lower import Slot
-from gidl.targets.cpp.lower.statements import block, conjunction, indented, or_at_end
+from gidl.targets.cpp.lower.statements import block, conjunction, indented, or_at_end, quoted
+from gidl.targets.groups import call as called
+from gidl.targets.groups import group
 from gidl.targets.naming import (
     LocalNames,
     value_note,
@@ -60,7 +62,7 @@ class ServerSide(CallFacts):
             doc,
             returns,
             name,
-            ", ".join(parameters),
+            group(parameters),
             self._caller_name(call),
             request_name(self._slots(call.request, "")),
             hex32(call.code),
@@ -122,10 +124,7 @@ class ServerSide(CallFacts):
         lines += expression
         lines += block(
             f"if (!{read})",
-            [
-                f"return {request}.fail({{gecos::Detail::BadParameter, "
-                f"{source}.error().message(), {{}}, {{}}}});"
-            ],
+            [f"return {fail(request, 'BadParameter', f'{source}.error().message()')};"],
         )
         return lines
 
@@ -185,7 +184,7 @@ class ServerSide(CallFacts):
         if not lines:
             return []
         told = f'"the handler of {call.name} gave " + {wrong}'
-        refusal = f"return {request}.fail({{gecos::Detail::Fault, {told}, {{}}, {{}}}});"
+        refusal = f"return {fail(request, 'Fault', told)};"
         return [*lines, *block(f"if (!{wrong}.empty())", [refusal])]
 
     def _publisher(self, attribute: Attribute, index: int) -> PublisherView:
@@ -199,10 +198,11 @@ class ServerSide(CallFacts):
         checks = self._lowering.check(slot, LocalNames({*taken, "wrong"}))
         if checks:
             lines += why_not(checks, "wrong")
+            told = '"not published: " + wrong'
             lines += block(
                 "if (!wrong.empty())",
                 [
-                    f'gecos::log_error("{attribute.scoped_name}", "not published: " + wrong);',
+                    f"{called('gecos::log_error', quoted(attribute.scoped_name), told)};",
                     "return;",
                 ],
             )
@@ -219,9 +219,18 @@ class ServerSide(CallFacts):
         lines.append("gecos::wire::Encoder to(sample);")
         lines += self._lowering.encode(slot, "to", LocalNames({*taken, "size", "to", "sample"}))
         lines.append(
-            f"gecos_publisher_->publish({self._type}::gecos_description().streams[{index}],"
-            " sample, stamp_ns);"
+            called(
+                "gecos_publisher_->publish",
+                f"{self._type}::gecos_description().streams[{index}]",
+                "sample",
+                "stamp_ns",
+            )
+            + ";"
         )
-        return PublisherView(
-            name, attribute.name, self._lowering.parameter(value.type, value.optional), tuple(lines)
-        )
+        sample = f"{self._lowering.parameter(value.type, value.optional)} value"
+        return PublisherView(name, attribute.name, sample, tuple(lines))
+
+
+def fail(request: str, detail: str, text: str) -> str:
+    failure = group([f"gecos::Detail::{detail}", text, "{}", "{}"], "{", "}")
+    return called(f"{request}.fail", failure)

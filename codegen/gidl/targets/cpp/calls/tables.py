@@ -15,6 +15,7 @@ from gidl.targets.cpp.calls.views import (
     OperationRow,
     StreamRow,
 )
+from gidl.targets.groups import group
 from gidl.wire_layout import CallKind, CallLayout
 
 
@@ -71,7 +72,7 @@ def quality(qos: Qos) -> str:
     if qos.media is not None:
         named = " | ".join(f"gecos::qos::Media::{medium.capitalize()}" for medium in qos.media)
         terms.append(f".media = {named}")
-    return "{" + ", ".join(terms) + "}"
+    return group(terms, "{", "}")
 
 
 def _on_new(value: OnNew) -> str:

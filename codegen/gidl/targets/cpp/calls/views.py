@@ -42,8 +42,8 @@ class MethodView:
     doc: tuple[str, ...]
     returns: str
     name: str
-    declared: str  # parameters with defaults
-    defined: str  # parameters without
+    declared: str  # "(parameters with defaults)"
+    defined: str  # "(parameters without)"
     body: tuple[str, ...]
 
 
@@ -54,7 +54,7 @@ class HandlerView:
     doc: tuple[str, ...]
     returns: str
     name: str
-    parameters: str
+    parameters: str  # "(…)"
     caller: str  # "gecos_call_move"
     request: str  # name of its parameter
     code: str
@@ -66,7 +66,7 @@ class HandlerView:
 class PublisherView:
     name: str
     stream: str  # its IDL name
-    parameter: str
+    parameter: str  # "const T& value"
     body: tuple[str, ...]
 
 
@@ -96,6 +96,7 @@ class InterfaceView:
     handlers: tuple[HandlerView, ...]
     publishers: tuple[PublisherView, ...]
     cases: tuple[CaseView, ...]  # inherited ones too, by code
+    unknown: str  # answers another code
 
 
 @dataclass(frozen=True, slots=True)

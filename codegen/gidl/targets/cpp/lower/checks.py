@@ -10,10 +10,12 @@ from gidl.targets.cpp import names
 from gidl.targets.cpp.lower.ranges import bounds, range_test
 from gidl.targets.cpp.lower.statements import (
     block,
-    call,
     loop,
+    of,
+    quoted,
 )
 from gidl.targets.cpp.lower.types import Slot, Types, is_bulk
+from gidl.targets.groups import call
 from gidl.targets.naming import LocalNames, range_text
 from gidl.wire_layout import FieldLayout, Layout
 from gidl.wire_nodes import (
@@ -78,9 +80,10 @@ class Checks(Types):
                 inner = self._check(element, f"*{x}", label, local)
                 return block(f"if ({x})", inner) if inner else []
             case StringNode(bound):
-                lines = [
-                    f'if (!gecos::wire::valid_text({x})) return gecos::wire::bad_text("{label}");'
-                ]
+                head = f"if (!gecos::wire::valid_text({x}))"
+                bad = f"return gecos::wire::bad_text({quoted(label)});"
+                short = len(head) + len(bad) < 90
+                lines = [f"{head} {bad}"] if short else block(head, [bad])
                 return self._over(x, label, bound, "bytes") + lines
             case SequenceNode(element, bound):
                 over = self._over(x, label, bound, "elements")
@@ -130,17 +133,18 @@ class Checks(Types):
         if number.limits is None:
             return []
         found = local.fresh("outlier")
-        first = f"gecos::wire::first_outside({x}, {bounds(number)})"
+        first = call("gecos::wire::first_outside", x, bounds(number))
         return _refused(f"if (const auto* {found} = {first})", number, f"*{found}", label)
 
     @staticmethod
     def _over(x: str, label: str, bound: int | None, what: str) -> list[str]:
         if bound is None:
             return []
-        size = call(x, "size()")
+        size = of(x, "size()")
+        told = call("gecos::wire::over_bound", quoted(label), size, str(bound), quoted(what))
         return block(
             f"if ({size} > {bound})",
-            [f'return gecos::wire::over_bound("{label}", {size}, {bound}, "{what}");'],
+            [f"return {told};"],
         )
 
 
@@ -150,4 +154,5 @@ def _refused(head: str, number: ScalarNode, x: str, label: str) -> list[str]:
     wide = "unsigned long long" if kind.is_unsigned else "long long"
     cast = x if kind.is_floating else f"static_cast<{wide}>({x})"
     text = range_text(number.limits)
-    return block(head, [f'return gecos::wire::out_of_range("{label}", {cast}, "{text}");'])
+    told = call("gecos::wire::out_of_range", quoted(label), cast, quoted(text))
+    return block(head, [f"return {told};"])

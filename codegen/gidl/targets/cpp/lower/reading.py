@@ -8,11 +8,12 @@ from __future__ import annotations
 
 from gidl.targets.cpp.lower.ranges import bounds, range_test
 from gidl.targets.cpp.lower.statements import (
-    call,
     indented,
+    of,
     with_lambda,
 )
 from gidl.targets.cpp.lower.types import Slot, Types, is_bulk
+from gidl.targets.groups import call
 from gidl.targets.naming import LocalNames
 from gidl.wire_layout import min_size_of
 from gidl.wire_nodes import (
@@ -49,14 +50,15 @@ class Reading(Types):
                 if node.limits is not None:
                     test, size = range_test(x, node), primitive.size
                     lines[0] += " &&"
-                    lines.append(f"gecos::wire::in_range({source}, {test}, {size}, {field})")
+                    in_range = call("gecos::wire::in_range", source, test, str(size), field)
+                    lines.append(in_range)
                 return lines
             case EnumNode(name):
                 return [f"{self.function(name, 'decode_enum')}({source}, {x}, {field})"]
             case StringNode(bound):
                 return [f"{source}.get_string({x}, {_bound(bound)}, {field})"]
             case StructNode() | ObjectNode() | UnionNode(appendable=False):
-                return [call(x, f"decode({source})")]
+                return [of(x, f"decode({source})")]
             case AppendableNode() | UnionNode():
                 return [f"gecos::wire::get_block({source}, {x}, {field})"]
             case ArrayNode(element, dimensions):
@@ -101,7 +103,7 @@ def _bulk(read: str, number: ScalarNode, x: str, label: str, source: str) -> lis
         return [read]
     return [
         f"{read} &&",
-        f'gecos::wire::all_within({source}, {x}, {bounds(number)}, "{label}")',
+        call("gecos::wire::all_within", source, x, bounds(number), f'"{label}"'),
     ]
 
 

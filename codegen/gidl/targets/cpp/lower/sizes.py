@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from gidl.targets.cpp.lower.statements import (
     block,
-    call,
     loop,
+    of,
 )
 from gidl.targets.cpp.lower.types import Slot, Types
 from gidl.targets.naming import LocalNames
@@ -36,16 +36,16 @@ class Sizes(Types):
             case ScalarNode() | EnumNode():
                 return min_size_of(self.model, node), []
             case StringNode():
-                return 5, [f"{total} += {call(x, 'size()')};"]
+                return 5, [f"{total} += {of(x, 'size()')};"]
             case StructNode(name):
                 fixed = self.layout.structs[name].fixed_size
                 if fixed is not None:
                     return fixed, []
-                return 0, [f"{total} += {call(x, 'encoded_size()')};"]
+                return 0, [f"{total} += {of(x, 'encoded_size()')};"]
             case AppendableNode() | UnionNode(appendable=True):
-                return 4, [f"{total} += {call(x, 'encoded_size()')};"]
+                return 4, [f"{total} += {of(x, 'encoded_size()')};"]
             case UnionNode() | ObjectNode():
-                return 0, [f"{total} += {call(x, 'encoded_size()')};"]
+                return 0, [f"{total} += {of(x, 'encoded_size()')};"]
             case ArrayNode(element, dimensions):
                 item = local.fresh("item")
                 each, lines = self._size(element, item, total, local)
@@ -77,5 +77,5 @@ class Sizes(Types):
 
     @staticmethod
     def _repeated(x: str, each: int, inner: list[str], total: str, whole: list[str]) -> list[str]:
-        lines = [f"{total} += {each} * {call(x, 'size()')};"] if each else []
+        lines = [f"{total} += {each} * {of(x, 'size()')};"] if each else []
         return lines + (whole if inner else [])

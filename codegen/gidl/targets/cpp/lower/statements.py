@@ -2,9 +2,16 @@
 
 from __future__ import annotations
 
+from gidl.targets.groups import flat
 
-def call(x: str, what: str) -> str:
+
+def of(x: str, what: str) -> str:
     return f"{x[1:]}->{what}" if x.startswith("*") else f"{x}.{what}"
+
+
+def quoted(text: str) -> str:
+    """A literal of a text that holds nothing to escape."""
+    return f'"{text}"'
 
 
 def indented(lines: list[str]) -> list[str]:
@@ -22,8 +29,15 @@ def loop(item: str, over: str, lines: list[str], kind: str = "const auto&") -> l
 def with_lambda(head: str, name: str, body: list[str]) -> list[str]:
     """`head` with a lambda behind it whose body is the expression `body`."""
     lines = returning(body)
-    if len(lines) == 1 and len(head) + len(lines[0]) < 80:
+    if len(lines) == 1 and len(flat(head + lines[0])) < 70:
         return [f"{head}[&](auto& {name}) {{ {lines[0]} }})"]
+    if len(flat(head)) > 64:
+        return [
+            head.rstrip(),
+            f"    [&](auto& {name}) {{",
+            *indented(indented(indented(lines))),
+            "    })",
+        ]
     return [f"{head}[&](auto& {name}) {{", *indented(lines), "})"]
 
 

@@ -8,8 +8,8 @@ from gidl.model import (
 )
 from gidl.targets.cpp.lower.statements import (
     block,
-    call,
     loop,
+    of,
 )
 from gidl.targets.cpp.lower.types import PRIMITIVES, Slot, Types, is_bulk
 from gidl.targets.naming import LocalNames
@@ -39,23 +39,23 @@ class Writing(Types):
                 return [f"{to}.put({x});"]
             case EnumNode(name, wire):
                 if isinstance(self.model.find(name), Bitset):
-                    return [f"{to}.put({call(x, 'bits()')});"]
+                    return [f"{to}.put({of(x, 'bits()')});"]
                 return [f"{to}.put(static_cast<{PRIMITIVES[wire]}>({x}));"]
             case StringNode():
                 return [f"{to}.put_string({x});"]
             case StructNode() | ObjectNode() | UnionNode(appendable=False):
-                return [f"{call(x, f'encode({to})')};"]
+                return [f"{of(x, f'encode({to})')};"]
             case AppendableNode() | UnionNode():
-                size = call(x, "encoded_size()")
-                return [f"{to}.put_count({size});", f"{call(x, f'encode({to})')};"]
+                size = of(x, "encoded_size()")
+                return [f"{to}.put_count({size});", f"{of(x, f'encode({to})')};"]
             case ArrayNode(element, dimensions):
                 return self._encode_array(element, len(dimensions), x, to, local)
             case SequenceNode(element=element):
                 lines = self._encode_array(element, 1, x, to, local)
-                return [f"{to}.put_count({call(x, 'size()')});", *lines]
+                return [f"{to}.put_count({of(x, 'size()')});", *lines]
             case OptionalNode(element=element):
                 inner = self._encode(element, f"*{x}", to, local)
-                return [f"{to}.put({call(x, 'has_value()')});", *block(f"if ({x})", inner)]
+                return [f"{to}.put({of(x, 'has_value()')});", *block(f"if ({x})", inner)]
             case MapNode(key, value):
                 key_name, value_name = local.fresh("key"), local.fresh("entry")
                 inner = [
@@ -63,7 +63,7 @@ class Writing(Types):
                     *self._encode(value, value_name, to, local),
                 ]
                 head = f"for (const auto& [{key_name}, {value_name}] : {x})"
-                return [f"{to}.put_count({call(x, 'size()')});", *block(head, inner)]
+                return [f"{to}.put_count({of(x, 'size()')});", *block(head, inner)]
             case _:
                 raise AssertionError(node)
 

@@ -11,7 +11,7 @@ from gidl.model import (
 )
 from gidl.targets.cpp.comments import doc_lines
 from gidl.targets.cpp.lower import PRIMITIVES
-from gidl.targets.cpp.lower.statements import block
+from gidl.targets.cpp.lower.statements import block, quoted
 from gidl.targets.cpp.values.names import ValueNames
 from gidl.targets.cpp.values.views import (
     BitsView,
@@ -22,6 +22,7 @@ from gidl.targets.cpp.values.views import (
     PrintView,
     separated,
 )
+from gidl.targets.groups import call
 from gidl.type_names import escaped
 
 
@@ -114,11 +115,9 @@ class Enums(ValueNames):
         else:
             low, high, wide = -(1 << (width - 1)), (1 << (width - 1)) - 1, "long long"
             test = f"value.{name} < {low} || value.{name} > {high}"
-        text = f"{bitset.simple_name}.{label}"
+        text, cast = f"{bitset.simple_name}.{label}", f"static_cast<{wide}>(value.{name})"
+        told = call("gecos::wire::out_of_range", quoted(text), cast, quoted(f"[{low}, {high}]"))
         return block(
             f"if ({test})",
-            [
-                f'return gecos::wire::out_of_range("{text}", static_cast<{wide}>(value.{name}), '
-                f'"[{low}, {high}]");'
-            ],
+            [f"return {told};"],
         )

@@ -21,6 +21,7 @@ from gidl.targets.cpp.values.views import (
     UnionView,
     bound_of,
 )
+from gidl.targets.groups import group
 from gidl.targets.naming import (
     LocalNames,
     value_note,
@@ -62,7 +63,7 @@ class Unions(ValueNames):
             doc_lines(union.facts),
             tag_type,
             initial,
-            "std::variant<" + ", ".join(["std::monostate", *(a.type for a in arms)]) + ">",
+            "std::variant" + group(["std::monostate", *(a.type for a in arms)], "<", ">"),
             tuple(arms),
             " || ".join(f"arm == {a.index}" for a in arms if a.secret),
             tuple(self._select(union)),
