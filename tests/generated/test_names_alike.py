@@ -62,6 +62,9 @@ module mocked {
   struct main { @range(min=1, max=3) long x; };
   struct Callable { long x; };
   struct MockLamp { long x; };
+  struct print { long x; };
+  interface FirstShop { mocked::print show(in long much); };
+  interface First_Shop {};
   struct time { long x; };
   @version("1.0") interface Lamp {
     double npt(in np np_, in gecos gecos_, in long print, in long range, in long bytes);
@@ -84,6 +87,8 @@ module mocked {
     @sensor @stream(rate="10Hz") readonly attribute Beat stamp;
     attribute time clock;
     void dict(in map<string, long> int);
+    string answer(in long result, inout long back);
+    Beat pace(in double result);
   };
 };
 """
@@ -203,3 +208,6 @@ def test_a_mock_answers_whatever_its_interface_calls_things(out: Path) -> None:
     assert shop.range(1, 2, types.MockLamp()).result.shape == (3, 2)
     assert shop.npt(types.np(), types.gecos(), 1, 2, 3) == 0.0
     assert len(shop.mock_streams_()) == 1
+    assert (shop.answer(1, 2).result, shop.answer(1, 2).back) == ("", 2)
+    assert shop.pace(1.5) == types.Beat.SLOW
+    assert mock.MockFirstShop("FIRST").show(1) == types.print(0)

@@ -10,6 +10,7 @@ from gidl.languages import PYTHON_CLASS_WORDS
 from gidl.model import (
     Attribute,
     Bitset,
+    Direction,
     EnumDeclaration,
     Interface,
     Operation,
@@ -119,10 +120,11 @@ def mocks_view(lowering: Lowering, path: str, interfaces: Sequence[Interface]) -
     methods = {name for member in every for name in names.method_names(member)}
     own = OwnNames(parameters | methods)
     mocks = {f"Mock{table[interface.name].name}" for interface in interfaces}
-    taken = own.all | parameters | methods | mocks
+    taken = own.all | parameters | methods | mocks | {"print"}
     module = NamesAsUsed(lowering.module.homes, taken)
     printing = lowering.within(module)
-    views = tuple(_Mock(printing, interface, own).view() for interface in interfaces)
+    served = LocalNames()
+    views = tuple(_Mock(printing, interface, own).view(served) for interface in interfaces)
     text = "\n".join(
         [*(m.head for v in views for m in v.methods), *(h.hint for v in views for h in v.held)]
         + [line for v in views for m in v.methods for line in m.body]
@@ -180,7 +182,8 @@ class _Mock:
         members = self._model.all_interface_members(interface)
         self._methods = {name for member in members for name in names.method_names(member)}
 
-    def view(self) -> MockView:
+    def view(self, served: LocalNames) -> MockView:
+        """`served` are the names of those before it."""
         held, methods, streams = [], [], []
         for interface in self._model.lineage(self.interface):
             facts = _Facts(self._lowering, interface, self._own)
@@ -195,14 +198,15 @@ class _Mock:
                     held.append(HeldView(_held(member), self._hint(node), self._value(node)))
                     if member.streams_out and member.stream is not None:
                         streams.append(self._stream(member, member.stream.rate_hz))
+        called = served.fresh(snake_case(self._name))
         beats = LocalNames(self._methods).fresh("mock_streams")
         hint = _plain(f"list[{self._own['Beat']}]", self._own, self._methods & PYTHON_CLASS_WORDS)
         return MockView(
             f"Mock{self._name}",
             self._module.servant(self.interface.name),
             self.interface.name,
-            snake_case(self._name).upper(),
-            f"mock_{snake_case(self._name)}",
+            called.upper(),
+            f"mock_{called}",
             beats,
             f"def {beats}(self) -> {hint}:",
             tuple(held),
@@ -239,8 +243,12 @@ class _Mock:
             feedback = [] if node is None else [self._value(node, hidden=hidden)]
             lines.append(call(f"{facts._run(layout)}.progress", "1.0", *feedback))
         outputs = facts._outputs(layout)
+        given_back = {p.name for p in member.parameters if p.direction is Direction.INOUT}
         answers = [
-            called.get(each.value.name) or self._value(each.node, hidden=hidden) for each in outputs
+            called[each.value.name]
+            if each.value.name in given_back
+            else self._value(each.node, hidden=hidden)
+            for each in outputs
         ]
         if facts._gives_several(layout):
             nodes = [each.node for each in outputs]
