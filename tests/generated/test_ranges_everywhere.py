@@ -38,6 +38,8 @@ module ranged {
   @final struct One { Count x; };
   @final struct Parts { Part x[2]; };
   @final struct Single { Part x; };
+  @final struct Exact { @range(min=-2.3, max=-2.3) float x; };
+  @final struct Exacts { @range(min=-2.3, max=-2.3) sequence<float> x; };
   @final struct Ticks { sequence<Tick> x; };
   @final struct Optional { @optional Angle x; };
   @final struct OptionalItems { @optional sequence<Step> x; };
@@ -85,6 +87,8 @@ CASES: list[tuple[str, Any, list[Any]]] = [
     ("One", 3, [4, 2**64 - 1]),
     ("Parts", np.array([0.7, -0.5], "f4"), [np.array([0.71, 0.0], "f4"), [NAN, 0.0]]),
     ("Single", 0.7, [0.8, -0.6, NAN]),
+    ("Exact", -2.3, [-2.2, -2.4, NAN]),
+    ("Exacts", np.array([-2.3]), [[-2.2], np.array([-2.4], "f4"), [NAN]]),
     ("Ticks", [3, -128], [[4]]),
     ("Optional", 3.0, [4.0, NAN]),
     ("OptionalItems", [3], [[4]]),
@@ -186,5 +190,12 @@ def test_a_float_at_its_bound_is_sent_and_received(types: Any) -> None:
     """0.7 is no number of single precision: what is sent is compared before it is rounded, what is
     received with the rounded bound."""
     assert wire.from_bytes(types.Single, wire.to_bytes(types.Single(0.7))).x == np.float32(0.7)
+    for exact in (-2.3, float(np.float32(-2.3))):
+        for encode in both(types.Exact, "encode"):
+            encode(types.Exact(exact), [])
+        sent = wire.to_bytes(types.Exact(exact))
+        assert wire.from_bytes(types.Exact, sent).x == np.float32(-2.3)
+        for code in ("f4", "f8"):
+            wire.to_bytes(types.Exacts(np.array([exact], code)))
     parts = types.Parts(np.array([0.7, -0.5]))
     assert list(wire.from_bytes(types.Parts, wire.to_bytes(parts)).x) == [np.float32(0.7), -0.5]

@@ -13,6 +13,7 @@ from gidl.targets.python.lower.types import (
     most,
     quoted,
     repeated,
+    sent_bounds,
 )
 from gidl.wire_layout import min_size_of
 from gidl.wire_nodes import (
@@ -106,5 +107,7 @@ def _decode_scalar(node: ScalarNode, label: str) -> str:
 def range_arguments(element: Node) -> tuple[str, ...]:
     """What codecs of arrays are told of the range of their elements. numpy compares in the
     precision of the array."""
-    limits = element.limits if isinstance(element, ScalarNode) else None
+    if not isinstance(element, ScalarNode):
+        return ()
+    limits = sent_bounds(element) if element.primitive.is_floating else element.limits
     return () if limits is None else (repr(limits.minimum), repr(limits.maximum))

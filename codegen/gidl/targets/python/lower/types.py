@@ -240,10 +240,16 @@ def is_bulk(node: Node) -> bool:
 
 def sent_bounds(node: Node) -> Range | None:
     """What a number is compared with before it is sent. A float of Python has more digits than the
-    declared one; as those are cut, no number within the limits leaves its bounds."""
+    declared one: both a limit as it is written and the nearest float, as it was received, are
+    within, and both are sent as the nearest float."""
     if not isinstance(node, ScalarNode):
         return None
-    return node.limits if node.primitive is Primitive.FLOAT else node.bounds
+    exact, nearest = node.limits, node.bounds
+    if exact is None or nearest is None or node.primitive is not Primitive.FLOAT:
+        return nearest
+    low = [x for x in (exact.minimum, nearest.minimum) if x is not None]
+    high = [x for x in (exact.maximum, nearest.maximum) if x is not None]
+    return Range(min(low, default=None), max(high, default=None))
 
 
 def bulk_code(element: Node) -> str | None:
