@@ -41,12 +41,19 @@ class Finding:
     shown: str | None = None  # file, where there is no location
 
 
+_Key = tuple[str, Location | str | None, str]
+
+
+def _key(finding: Finding) -> _Key:
+    return (finding.code, finding.location or finding.shown, finding.message)
+
+
 @dataclass(slots=True)
 class Findings:
     """What was found so far. A place gets each code once, so one mistake is one finding."""
 
     found: list[Finding] = field(default_factory=list)
-    _seen: set[tuple[str, Location | str | None, str]] = field(default_factory=set)
+    _seen: set[_Key] = field(default_factory=set)
 
     def error(
         self,
@@ -80,6 +87,11 @@ class Findings:
             if place is None or not any(place.line in lines for lines in without):
                 self._keep(finding)
 
+    def forget_after(self, count: int) -> None:
+        """Keeps the first `count` findings; the others may be found again."""
+        self._seen.difference_update(map(_key, self.found[count:]))
+        del self.found[count:]
+
     def file_error(self, code: str, shown: str, message: str, *help_lines: str) -> None:
         """About a file as a whole, for instance one that cannot be read."""
         self._keep(Finding(code, Severity.ERROR, message, None, 0, help_lines, (), shown))
@@ -101,7 +113,7 @@ class Findings:
         self._keep(Finding(code, severity, message, location, length, shown_help, notes))
 
     def _keep(self, finding: Finding) -> None:
-        key = (finding.code, finding.location or finding.shown, finding.message)
+        key = _key(finding)
         if key not in self._seen:
             self._seen.add(key)
             self.found.append(finding)

@@ -6,7 +6,6 @@ module asks here.
 
 from __future__ import annotations
 
-import re
 import unicodedata
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
@@ -64,8 +63,8 @@ def python_module(path: str) -> str:
 def _identifier(part: str) -> str:
     name = unicodedata.normalize("NFKC", part)  # as Python reads names
     name = "".join(c if f"_{c}".isidentifier() else "_" for c in name)
-    if not re.match(r"[^\W\d]", name):
-        name = f"_{name}" if name[:1] != "_" else name
+    if not name.isidentifier():
+        name = f"_{name}"
     return f"{name}_" if name in PYTHON or name in _SPECIAL else name
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import re
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Set
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 from pathlib import Path, PurePosixPath
@@ -36,7 +36,7 @@ class LoadedFile:
     asked_for: bool
     includes: list[str] = field(default_factory=list)  # direct, by path
     visible: set[str] = field(default_factory=set)  # itself and all it includes
-    macros: Macros = field(default_factory=dict)  # that it leaves to who includes it
+    macros: Macros = field(default_factory=dict)  # that it leaves to the files that include it
     cut: list[str] = field(default_factory=list)  # includes it has, read after it
     lacks_includes: bool = False  # one of them, or of theirs, was not found
 
@@ -53,6 +53,7 @@ class Loader:
     sources: dict[str, Source] = field(default_factory=dict)
     _installed: tuple[Path, ...] = ()
     _by_place: dict[Path, str] = field(default_factory=dict)
+    _headers_of_c: set[Path] = field(default_factory=set)  # each was reported once
     _given: Macros = field(default_factory=dict)  # by -D
     _macros: Macros = field(default_factory=dict)
     _open: list[str] = field(default_factory=list)
@@ -170,6 +171,8 @@ class Loader:
         if place is None:
             self._not_found(include, source)
             return None
+        if place.resolve() in self._headers_of_c:
+            return None
         path = self._include_path(place, beside=(source.path, include.path))
         known = self._by_place.get(place.resolve())
         if known is not None:
@@ -200,15 +203,22 @@ class Loader:
 
     def _header(self, include: Include, place: Path, path: str) -> str | None:
         """A header may hold constants for the preprocessor, or IDL. C in it is one finding."""
-        before, findings = list(self.files), len(self.findings.found)
+        before, findings = set(self.files), len(self.findings.found)
         found = self._load(place, path, _shown(place), asked_for=False)
         if all(f.severity is not Severity.ERROR for f in self.findings.found[findings:]):
             return found
-        del self.findings.found[findings:]
-        for name in [name for name in self.files if name not in before]:
-            del self.files[name]
+        self.findings.forget_after(findings)
+        self._forget_files(self.files.keys() - before)
+        self._headers_of_c.add(place.resolve())
         self._is_c(include)
         return None
+
+    def _forget_files(self, paths: Set[str]) -> None:
+        """Another file that includes one of them reads it again."""
+        for path in paths:
+            del self.files[path], self.sources[path]
+        for place in [place for place, path in self._by_place.items() if path in paths]:
+            del self._by_place[place]
 
     def _is_c(self, include: Include) -> None:
         self.findings.error(

@@ -93,6 +93,20 @@ def test_pragmas_are_warned_about_once_a_run(
     assert said.count("G0701") == 1 and "a.gidl:1:1: warning[G0701]" in said
 
 
+def test_a_header_of_c_is_one_finding_however_many_files_include_it(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (here / "inner.idl").write_text("struct Inner { long x; };\n")
+    (here / "c.h").write_text('#include "inner.idl"\ntypedef struct { int x; } c_type;\n')
+    (here / "a.gidl").write_text('#include "c.h"\nstruct A { c_type x; };\n')
+    (here / "b.gidl").write_text(
+        '#include "c.h"\n#include "inner.idl"\nstruct B { c_type x; Inner part; };\n'
+    )
+    assert main(["check", "a.gidl", "b.gidl"]) == 100
+    said = capsys.readouterr().err
+    assert "a.gidl:1:1: error[G0216]" in said and "gidl: 1 error, 0 warnings" in said
+
+
 def test_each_file_that_cannot_be_read_is_named(
     here: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

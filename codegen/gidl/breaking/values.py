@@ -197,7 +197,7 @@ def _union(sides: Sides, old: Union, new: Union, report: Report) -> None:
 def _typedef(sides: Sides, old: Typedef, new: Typedef, report: Report) -> None:
     was, is_now = wire_text(sides.old, old.type), wire_text(sides.new, new.type)
     what = f"type '{old.name}'"
-    if source_stem(was) != source_stem(is_now):
+    if was != is_now:
         report.add("G1102", old.name, f"{what} was {was} and is {is_now}",
                    "programs that name it do not build any more, or compute with another type",
                    "keep it, and add another type", new=new.facts, old=old.facts)  # fmt: skip

@@ -45,7 +45,6 @@ def interfaces_view(lowering: Lowering, file: File, types: tuple[str, ...]) -> I
     return InterfacesView(
         file.path,
         doc or (f"Types of {file.path}.",),
-        bool(views),
         tuple(import_lines(standard)) if views else (),
         tuple(import_lines(modules)),
         "_npt." in text,

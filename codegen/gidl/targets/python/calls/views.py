@@ -83,7 +83,6 @@ class InterfaceView:
 class InterfacesView:
     source: str
     doc: tuple[str, ...]
-    has_interfaces: bool
     standard: tuple[str, ...]  # import lines of the standard library
     imports: tuple[str, ...]
     numpy: bool
