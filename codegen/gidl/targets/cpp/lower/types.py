@@ -97,7 +97,7 @@ class Types:
     def literal(self, value: Value, used: Type) -> str:
         match value:
             case EnumValue(enum, literal):
-                return f"{self.named(enum)}::{escaped(literal, CPP_WORDS)}"
+                return self._enumerators(enum, literal)
             case bool():
                 return "true" if value else "false"
             case str():
@@ -106,6 +106,11 @@ class Types:
                 return _quoted(value, "'" if is_char else '"')
             case _:
                 return self._number(value, used)
+
+    def _enumerators(self, enum: str, literal: str) -> str:
+        """One of an enum, or flags of a bitmask, which are written "LEFT|RIGHT"."""
+        words = [escaped(word.strip(), CPP_WORDS) for word in literal.split("|")]
+        return " | ".join(f"{self.named(enum)}::{word}" for word in words)
 
     def _number(self, value: int | float, used: Type) -> str:
         target = self.model.target(used)
