@@ -3,46 +3,23 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 from gidl.languages import PYTHON_CLASS_WORDS
-from gidl.model import (
-    Attribute,
-    Bitset,
-    Direction,
-    EnumDeclaration,
-    Interface,
-    Operation,
-    Primitive,
-    Union,
-    Value,
-)
+from gidl.model import Attribute, Direction, Interface, Operation
 from gidl.policy import Access
 from gidl.targets import samples
-from gidl.targets.groups import call, clauses, group
+from gidl.targets.groups import call
 from gidl.targets.naming import LocalNames, snake_case
 from gidl.targets.python import names
 from gidl.targets.python.calls.members import Members
 from gidl.targets.python.homes import NamesAsUsed
 from gidl.targets.python.imports import import_lines
 from gidl.targets.python.lower import Lowering
-from gidl.targets.python.lower.types import DTYPES, bulk_code, is_octet
+from gidl.targets.python.mock_values import MockValues, OwnNames, plain_hint
 from gidl.wire_layout import CallKind, CallLayout
-from gidl.wire_nodes import (
-    AppendableNode,
-    ArrayNode,
-    EnumNode,
-    MapNode,
-    Node,
-    ObjectNode,
-    OptionalNode,
-    ScalarNode,
-    SequenceNode,
-    StringNode,
-    StructNode,
-    UnionNode,
-)
+from gidl.wire_nodes import Node
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,28 +65,6 @@ class MocksView:
     imports: tuple[str, ...]
     mocks: tuple[MockView, ...]
     publishes: bool
-
-
-class OwnNames:
-    """What a mock calls what it needs itself. They give way to parameters and methods; types give
-    way to them."""
-
-    def __init__(self, taken: Iterable[str]) -> None:
-        free = LocalNames(taken)
-        self.modules = {
-            word: free.fresh(word)
-            for word in ("gecos", "np", "npt", "builtins", "contextlib", "threading", "time")
-        }
-        self.words = {
-            word: free.fresh(word) for word in ("Callable", "NamedTuple", "Beat", "publish", "main")
-        }
-
-    def __getitem__(self, word: str) -> str:
-        return self.modules.get(word) or self.words[word]
-
-    @property
-    def all(self) -> set[str]:
-        return {*self.modules.values(), *self.words.values()}
 
 
 def mocks_view(lowering: Lowering, path: str, interfaces: Sequence[Interface]) -> MocksView:
@@ -167,17 +122,13 @@ class _Facts(Members):
         self._beside = methods
 
     def _in_class(self, hint: str) -> str:
-        return _plain(hint, self._own_names, self._beside & PYTHON_CLASS_WORDS)
+        return plain_hint(hint, self._own_names, self._beside & PYTHON_CLASS_WORDS)
 
 
-class _Mock:
+class _Mock(MockValues):
     def __init__(self, lowering: Lowering, interface: Interface, own: OwnNames) -> None:
         self.interface = interface
-        self._own = own
-        self._lowering = lowering
-        self._module = lowering.module
-        self._model = lowering.model
-        self._layout = lowering.layout
+        super().__init__(lowering, own)
         self._name = self._layout.python_names.types[interface.name].name
         members = self._model.all_interface_members(interface)
         self._methods = {name for member in members for name in names.method_names(member)}
@@ -200,7 +151,9 @@ class _Mock:
                         streams.append(self._stream(member, member.stream.rate_hz))
         called = served.fresh(snake_case(self._name))
         beats = LocalNames(self._methods).fresh("mock_streams")
-        hint = _plain(f"list[{self._own['Beat']}]", self._own, self._methods & PYTHON_CLASS_WORDS)
+        hint = plain_hint(
+            f"list[{self._own['Beat']}]", self._own, self._methods & PYTHON_CLASS_WORDS
+        )
         return MockView(
             f"Mock{self._name}",
             self._module.servant(self.interface.name),
@@ -277,104 +230,8 @@ class _Mock:
         text = f'f"{{self._mock_name}}: {what}"'
         return call(self._builtin("print", hidden), text, "flush=True")
 
-    def _builtin(self, word: str, hidden: Collection[str]) -> str:
-        return f"{self._own['builtins']}.{word}" if word in hidden else word
-
     def _hint(self, node: Node) -> str:
-        return _plain(self._lowering.hint(node, sending=True), self._own, ())
-
-    def _value(self, node: Node, default: Value | None = None, hidden: Collection[str] = ()) -> str:
-        """An expression where the names `hidden` are those of parameters."""
-        if default is not None and not isinstance(node, OptionalNode):
-            return self._lowering.literal(default, node)
-        match node:
-            case ScalarNode(Primitive.BOOLEAN):
-                return "False"
-            case ScalarNode(Primitive.CHAR):
-                return '"\\0"'
-            case ScalarNode(kind, limits):
-                return repr(samples.number(kind, limits))
-            case StringNode():
-                return '""'
-            case MapNode():
-                return "{}"
-            case SequenceNode(element):
-                if is_octet(element):
-                    return 'b""'
-                code = bulk_code(element)
-                np = self._own["np"]
-                return call(f"{np}.empty", "0", f"{np}.{DTYPES[code]}") if code else "[]"
-            case ArrayNode(element, dimensions):
-                return self._array(element, dimensions, hidden)
-            case EnumNode(name):
-                declaration = self._model.find(name)
-                mine = self._module.value(name)
-                if isinstance(declaration, EnumDeclaration):
-                    return f"{mine}.{names.enumerator(declaration.initial.name)}"
-                return f"{mine}()" if isinstance(declaration, Bitset) else f"{mine}(0)"
-            case UnionNode(name):
-                return self._union(name, hidden)
-            case StructNode(name) | AppendableNode(name):
-                return self._struct(name, hidden)
-            case ObjectNode(name):
-                return f"{self._module.value(name)}()"
-            case OptionalNode():
-                return "None"
-
-    def _array(self, element: Node, dimensions: tuple[int, ...], hidden: Collection[str]) -> str:
-        if is_octet(element) and len(dimensions) == 1:
-            return f"{self._builtin('bytes', hidden)}({dimensions[0]})"
-        text = self._value(element, None, hidden)
-        code = bulk_code(element)
-        if code:
-            sizes = group(map(str, dimensions)) if dimensions[1:] else str(dimensions[0])
-            np = self._own["np"]
-            return call(f"{np}.full", sizes, text, f"{np}.{DTYPES[code]}")
-        for size in reversed(dimensions):
-            each = f"for _ in {self._builtin('range', hidden)}({size})"
-            text = clauses([text, each], "[", "]")
-        return text
-
-    def _struct(self, name: str, hidden: Collection[str]) -> str:
-        struct = self._model.struct(name)
-        mine = self._module.value(name)
-        if struct.maps_to is not None:
-            return f"{mine}()"
-        words = self._lowering.words(struct)
-        members = zip(
-            self._model.all_members(struct), self._layout.structs[name].fields, strict=True
-        )
-        given = [
-            f"{names.member_name(m.name, words)}={self._value(field.node, m.default, hidden)}"
-            for m, field in members
-            if not m.optional
-            and m.default is None
-            and not samples.is_made_by_default(self._model, field.node, alone=False)
-        ]
-        return call(mine, *given)
-
-    def _union(self, name: str, hidden: Collection[str]) -> str:
-        union = self._model.find(name)
-        assert isinstance(union, Union)
-        layout = self._layout.unions[name]
-        case = samples.arm_of(union)
-        arm = self._value(layout.arms[union.cases.index(case)].node, None, hidden)
-        tag = (
-            self._lowering.literal(case.labels[0], layout.tag)
-            if case.labels
-            else self._value(layout.tag, None, hidden)
-        )
-        return call(self._module.value(name), tag, arm)
-
-
-def _plain(hint: str, own: OwnNames, hidden: Collection[str]) -> str:
-    """A hint as people write it, also where methods hide builtins."""
-
-    def other(found: re.Match[str]) -> str:
-        return f"{own['builtins']}.{found[0]}" if found[0] in hidden else found[0]
-
-    hint = re.sub(r"(?<![.\w])[A-Za-z]\w*", other, hint)
-    return re.sub(r"\b_(npt?)\.", lambda found: f"{own[found[1]]}.", hint)
+        return plain_hint(self._lowering.hint(node, sending=True), self._own, ())
 
 
 def _held(attribute: Attribute) -> str:

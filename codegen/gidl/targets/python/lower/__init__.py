@@ -10,10 +10,10 @@ from gidl.targets.python.lower.plans import Plans
 from gidl.targets.python.lower.reading import Reading
 from gidl.targets.python.lower.runs import Leaf, Run
 from gidl.targets.python.lower.shapes import Shapes
-from gidl.targets.python.lower.types import CODES, Slot, holds_array, indented, is_bulk
+from gidl.targets.python.lower.types import CODES, Slot, holds_array, indented
 from gidl.targets.python.lower.writing import Writing
 
-__all__ = ["CODES", "Leaf", "Lowering", "Run", "Slot", "holds_array", "indented", "is_bulk"]
+__all__ = ["CODES", "Leaf", "Lowering", "Run", "Slot", "holds_array", "indented"]
 
 
 class Lowering(Writing, Reading, Shapes, Plans):
