@@ -1,7 +1,7 @@
 # gidl_generate(<target> <file.gidl>... [ROOT <dir>] [IMPORTS <dir>...])
 #
 # Makes the static library <target> of the C++ types, clients and servers of .gidl and .idl files of your own, to be
-# linked by whoever includes them. ROOT is where your interfaces begin (default: the current source folder): a file
+# linked by the programs that include them. ROOT is where your interfaces begin (default: the current source folder):
 # <ROOT>/my/lamp.gidl gives "my/lamp_types.hpp", "my/lamp_client.hpp" and "my/lamp_server.hpp". What your files
 # include is looked for below ROOT, below each of IMPORTS and in our own idl/ ("robcl/device.gidl").
 #

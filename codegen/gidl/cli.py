@@ -64,7 +64,7 @@ def main(arguments: Sequence[str]) -> int:
 
 
 def _no_more_output() -> None:
-    """What is still buffered goes nowhere, lest Python tries again when it ends."""
+    """Discards buffered output, which Python would otherwise try to write when it ends."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 

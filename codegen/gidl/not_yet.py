@@ -1,7 +1,7 @@
 """Terms of the vocabulary that are carried but do not act in this version.
 
-`gidl check` warns where one of them is written, so that nobody relies on it. Whoever makes a term
-act takes its line out of the table.
+`gidl check` warns where one of them is written, so that nobody relies on it. A change that
+makes a term act takes its line out of the table.
 """
 
 from __future__ import annotations

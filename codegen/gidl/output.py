@@ -127,8 +127,8 @@ def write(outputs: Outputs, files: Mapping[str, str], difference: Difference) ->
 
 
 def replace_texts(texts: Mapping[Path, str]) -> None:
-    """Gives files new texts, all or none: who is interrupted, or finds the disk full, has the old
-    ones. An OSError names the file that could not be written."""
+    """Gives files new texts, all or none: after an interrupt or on a full disk the old ones are
+    still there. An OSError names the file that could not be written."""
     beside: dict[Path, Path] = {}
     try:
         for file, text in texts.items():

@@ -76,8 +76,8 @@ def read(file: Path, findings: Findings, sources: dict[str, Source]) -> Project:
 
 
 def line_of(text: str, keys: tuple[str, ...]) -> int:
-    """The line where the statement begins that gives the key. A document that ends with a line is
-    whole exactly where no statement goes on behind it, whatever strings and lists hold."""
+    """The line where the statement begins that gives the key. The lines up to some
+    line parse as TOML only where no statement goes on after it, whatever strings and lists hold."""
     lines = [f"{line}\n" for line in text.split("\n")]
     begin = 1
     for end in range(1, len(lines) + 1):

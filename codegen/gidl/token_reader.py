@@ -41,7 +41,7 @@ class TokenReader:
         return self._token_at(1)
 
     def _token_at(self, distance: int) -> Token:
-        """The token so many behind the next one."""
+        """The token at that distance after the next one."""
         return self._tokens[min(self._at + distance, len(self._tokens) - 1)]
 
     @property

@@ -3,6 +3,8 @@
 import errno
 import json
 import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -97,7 +99,7 @@ class TestReports:
         (lcm / "oven.lcm").write_text("".join([*lines[:2], "// by hand\n", *lines[2:]]))
         (lcm / "old.lcm").write_text(text.replace("oven", "old"))
         (lcm / "stage.lcm").unlink()
-        # A warning of the run belongs into the same report.
+        # A warning of the run is part of the same report.
         stage = here / "idl" / "lab" / "stage.gidl"
         stage.write_text(STRUCT.format("lab", "Port"))
         capsys.readouterr()
@@ -200,9 +202,6 @@ class TestWriting:
     def test_a_full_standard_output_is_named(
         self, here: Path, capfd: pytest.CaptureFixture[str]
     ) -> None:
-        import subprocess
-        import sys
-
         with Path("/dev/full").open("w") as full:
             run = subprocess.run(
                 [sys.executable, "-m", "gidl", "dump"],

@@ -74,7 +74,7 @@ class _Broken:
     head: str  # with the opening bracket
     parts: list[str]
     tail: str  # with the closing bracket; may hold more groups
-    comma: str  # behind each part; "" between clauses
+    comma: str  # after each part; "" between clauses
 
 
 def _first_group(line: str) -> _Broken:
