@@ -337,7 +337,6 @@ class Calls:
 
     def published(self, code: int, slot: Slot, value: Any) -> Verdict:
         """A value given to the servant as a sample of a stream."""
-        method = self._servant._gecos_handlers[code].method
         caught: list[bytes] = []
 
         class Probe(self._servant):  # type: ignore[misc, name-defined]
@@ -346,14 +345,13 @@ class Calls:
 
         Probe.__abstractmethods__ = frozenset()
         probe = Probe()
-        name = next(
-            n
-            for n in (f"publish_{method.rstrip('_')}_", f"publish_{method}_", f"publish_{method}")
-            if hasattr(probe, n)
+        methods = [getattr(Probe, n) for n in dir(Probe) if n.startswith("publish_")]
+        publish = next(
+            m for m in methods if hasattr(m, "__code__") and code in m.__code__.co_consts
         )
 
         def work() -> bytes:
-            getattr(probe, name)(self._types.built(slot, value))
+            publish(probe, self._types.built(slot, value))
             return caught[0]
 
         return judged(work)
