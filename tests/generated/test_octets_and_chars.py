@@ -67,6 +67,9 @@ def test_bytes_are_checked_like_arrays(types: Any) -> None:
         (types.Limited(signed_ones=b"ab"), r"Limited\.signed_ones: an array of"),
         (types.Bytes(raws=3), r"Bytes\.raws: 3 is not bytes"),
         (types.Bytes(raws=np.zeros(2)), r"Bytes\.raws: .* is not bytes"),
+        (types.Letters(one=65), r"Letters\.one: 65 is not one character of Latin-1"),
+        (types.Letters(more=[b"a"]), r"Letters\.more: b'a' is not one character of Latin-1"),
+        (types.Letters(more=5), r"Letters\.more: 5 is no list and has no elements"),
         (types.Bytes(raw=[1, 256]), r"Bytes\.raw: .* is not bytes"),
     ):
         with pytest.raises(wire.EncodeError, match=words):

@@ -129,7 +129,7 @@ def char(letter: str, field: str = "") -> bytes:
     """One character of Latin-1, a byte."""
     try:
         raw = letter.encode("latin-1")
-    except UnicodeEncodeError:
+    except (UnicodeEncodeError, AttributeError):
         raw = b""
     if len(raw) != 1:
         raise EncodeError(field, f"{letter!r} is not one character of Latin-1")
