@@ -116,8 +116,7 @@ def test_no_refusal_says_it(types: Any, wrong: Any) -> None:
             act()
         except wire.EncodeError as error:
             refused += 1
-            assert SECRET not in "".join(traceback.format_exception(error)).replace(
-                'SECRET = "hunter2"', ""
-            )
+            assert SECRET not in "".join(traceback.format_exception(error))
             assert SECRET not in error.why
-    assert refused == len(acts) or wrong == SECRET * 4  # not every one is bounded
+    accepted = 3 if wrong == SECRET * 4 else 0  # by strings without a bound
+    assert refused == len(acts) - accepted

@@ -7,14 +7,10 @@ import math
 from gidl.model import (
     EnumDeclaration,
     Model,
-    NamedType,
     Primitive,
     Range,
-    Type,
-    Typedef,
     Union,
     UnionCase,
-    within,
 )
 from gidl.wire_layout import node_of
 from gidl.wire_nodes import (
@@ -26,16 +22,6 @@ from gidl.wire_nodes import (
     StructNode,
     UnionNode,
 )
-
-
-def limits_of(model: Model, used: Type, limits: Range | None) -> Range | None:
-    """Bounds of a number, those of its typedefs included."""
-    while isinstance(used, NamedType):
-        declaration = model.find(used.name)
-        if not isinstance(declaration, Typedef):
-            break
-        limits, used = within(limits, declaration.range), declaration.type
-    return limits
 
 
 def number(kind: Primitive, limits: Range | None) -> int | float:

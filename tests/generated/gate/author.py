@@ -19,7 +19,6 @@ INTEGERS = {
 }  # fmt: skip
 FLOATING = ("float", "double")
 HEAVIEST_MEMBER, HEAVIEST = 16, 40
-ELEMENTS = True  # whether a range may be written on an array or sequence
 
 
 @dataclass(frozen=True)
@@ -94,8 +93,7 @@ class Types:
             bound = f", {self.size(here, 6, *more)}" if self.once_in(3) else ""
             kind = inner.text.split()[-1]
             bulk = inner.is_scalar and kind in (*INTEGERS, *FLOATING)
-            number = inner.number if ELEMENTS else None
-            return Used(f"sequence<{inner.text}{bound}>", 1 + 2 * inner.weight, number,
+            return Used(f"sequence<{inner.text}{bound}>", 1 + 2 * inner.weight, inner.number,
                         is_bulk=bulk)  # fmt: skip
         bound = f", {self.size(here, 4, *more)}" if self.once_in(4) else ""
         return Used(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from random import Random
 
-from author import ELEMENTS, HEAVIEST, HEAVIEST_MEMBER, INTEGERS, Known, Number, Types, Used
+from author import HEAVIEST, HEAVIEST_MEMBER, INTEGERS, Known, Number, Types, Used
 from scope import Path, Scope, Scopes
 from words import comment, comment_behind, written
 
@@ -155,7 +155,7 @@ class Declarations(Types):
 
     def marks(self, used: Used, sizes: str = "", may_default: bool = True) -> str:
         """Annotations of a member: a range, of the elements where they are numbers; a secret."""
-        limits, number = self.limits(used.number if ELEMENTS or not sizes else None)
+        limits, number = self.limits(used.number)
         text = limits
         if used.is_string and not sizes and self.once_in(3):
             text += "@secret "
@@ -235,7 +235,7 @@ class Declarations(Types):
         sizes, factor = self.dimensions() if self.once_in(3) else ("", 1)
         if used.weight * factor > HEAVIEST_MEMBER:
             used, sizes, factor = Used("float", 1, Number("float"), True), "[2]", 2
-        limits, number = self.limits(used.number if ELEMENTS or not sizes else None, 1.5)
+        limits, number = self.limits(used.number, 1.5)
         name = self.fresh(here)
         scalar = used.is_scalar and not sizes
         whole = scalar and number is not None and number.kind in INTEGERS

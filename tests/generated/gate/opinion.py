@@ -150,9 +150,6 @@ class Opinion:
         found = (self.wrong(s, v) for s, v in zip(slots, values, strict=True))
         return next(filter(None, found), "")
 
-    def wrong_contents(self, name: str, value: Any) -> str:
-        return self.wrong(Slot(NamedType(name)), value)
-
     def _wrong(self, slot: Slot, value: Any) -> Iterator[str]:
         slot = settled(self._model, slot)
         if slot.optional:

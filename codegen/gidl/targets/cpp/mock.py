@@ -15,7 +15,6 @@ from gidl.model import (
     Model,
     NamedType,
     Operation,
-    PrimitiveType,
     Range,
     Struct,
     Type,
@@ -32,6 +31,7 @@ from gidl.targets.groups import group
 from gidl.targets.naming import LocalNames, snake_case
 from gidl.type_names import TypeName, escaped
 from gidl.wire_layout import CallKind, CallLayout, node_of
+from gidl.wire_nodes import ScalarNode
 
 
 @dataclass(frozen=True, slots=True)
@@ -279,13 +279,14 @@ def assigned(
 ) -> list[str]:
     """Statements that make of a value as C++ initialises it the one to answer with."""
     model: Model = lowering.model
-    if samples.is_made_by_default(model, node_of(model, used, False, limits), alone):
+    node = node_of(model, used, False, limits)
+    if samples.is_made_by_default(model, node, alone):
         return []
+    if isinstance(node, ScalarNode):
+        number = samples.number(node.primitive, node.limits)
+        return [f"{x} = {lowering.literal(number, used)};"]
     target = model.target(used)
     match target:
-        case PrimitiveType(kind):
-            number = samples.number(kind, samples.limits_of(model, used, limits))
-            return [f"{x} = {lowering.literal(number, used)};"]
         case ArrayType(element, dimensions):
             item = f"{x.partition('.')[0]}_each"
             inner = assigned(lowering, item, element, limits, alone)
