@@ -1,6 +1,7 @@
 """gidl_generate in a project of its own: configured for real, and a header compiled."""
 
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -41,6 +42,7 @@ def configured(here: Path, body: str, languages: str = "NONE") -> subprocess.Com
     text = PROJECT.format(tree=TREE, languages=languages, body=body)
     (here / "CMakeLists.txt").write_text(text)
     words = ["cmake", "-S", str(here), "-B", str(here / "build"), "-G", "Ninja"]
+    words.append(f"-DPython_EXECUTABLE={sys.executable}")  # another may lack jinja2
     return subprocess.run(words, capture_output=True, text=True, check=False, timeout=100)
 
 
