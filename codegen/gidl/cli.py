@@ -59,6 +59,12 @@ def main(arguments: Sequence[str]) -> int:
             _no_more_output()
         print(f"gidl: {name}: {problem.strerror or problem}", file=sys.stderr)
         return FAILED
+    except RecursionError:
+        print(
+            "gidl: declarations build on each other in too long a chain; shorten it",
+            file=sys.stderr,
+        )
+        return FAILED
     except KeyboardInterrupt:
         return FAILED
 

@@ -126,6 +126,10 @@ class Loader:
             if asked_for and known in self.files:
                 self.files[known].asked_for = True
             return known
+        if _not_text(shown):
+            name = shown.encode("utf-8", "backslashreplace").decode()
+            self.findings.file_error("G0001", name, "has a name that is not UTF-8", "rename it")
+            return None
         data = _read(place, shown, self.findings)
         if data is None:
             return None
@@ -324,6 +328,11 @@ def _read(place: Path, shown: str, findings: Findings) -> bytes | None:
         findings.file_error("G0001", shown, f"cannot be read: {reason}")
         return None
     return _checked(data, shown, findings)
+
+
+def _not_text(name: str) -> bool:
+    """Whether a file's name has bytes that are not UTF-8: no generated file could say it."""
+    return any("\udc80" <= character <= "\udcff" for character in name)
 
 
 def _checked(data: bytes, shown: str, findings: Findings) -> bytes | None:

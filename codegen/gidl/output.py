@@ -95,7 +95,7 @@ def _ours(folder: Path, endings: tuple[str, ...], stems: Collection[str] | None)
     """Files of ours that lie where `folder` has them: not those of another project further below,
     such as a build folder or a virtual environment."""
     found = []
-    for place in folder.rglob("*") if folder.is_dir() else ():
+    for place in (Path(at, name) for at, _, names in os.walk(folder) for name in names):
         if place.suffix in endings and place.is_file() and not place.is_symlink():
             mark = _MARK.search(_head(place))
             path = place.relative_to(folder).as_posix()
@@ -107,8 +107,11 @@ def _ours(folder: Path, endings: tuple[str, ...], stems: Collection[str] | None)
 
 
 def _head(place: Path) -> str:
-    with place.open("rb") as stream:
-        return stream.read(_MARK_WITHIN).decode("utf-8", "ignore")
+    try:
+        with place.open("rb") as stream:
+            return stream.read(_MARK_WITHIN).decode("utf-8", "ignore")
+    except FileNotFoundError:  # another run has deleted it
+        return ""
 
 
 def write(outputs: Outputs, files: Mapping[str, str], difference: Difference) -> None:
@@ -119,11 +122,12 @@ def write(outputs: Outputs, files: Mapping[str, str], difference: Difference) ->
     replace_texts({outputs.place(path): files[path] for path in wanted})
     roots = {outputs.base, *outputs.own.values()}
     for place in difference.stale:
-        place.unlink()
+        place.unlink(missing_ok=True)  # another run may delete it, too
         folder = place.parent
-        while folder not in roots and not any(folder.iterdir()):
-            folder.rmdir()
-            folder = folder.parent
+        with suppress(OSError):  # not empty, or gone
+            while folder not in roots:
+                folder.rmdir()
+                folder = folder.parent
 
 
 def replace_texts(texts: Mapping[Path, str]) -> None:

@@ -45,7 +45,8 @@ def _folders(value: object, folder: Path) -> str:
 
 
 def _folder(value: object, _: Path) -> str:
-    return "" if isinstance(value, str) and value else "the name of a folder is expected"
+    is_name = isinstance(value, str) and value and "\0" not in value
+    return "" if is_name else "the name of a folder is expected"
 
 
 def _defines(value: object, _: Path) -> str:

@@ -167,11 +167,11 @@ class TokenReader:
         self._advance()
         return Name(token.text, self._span(token))
 
-    def _scoped_name(self, what: str) -> ScopedName:
+    def _scoped_name(self, what: str, *, in_one_piece: bool = False) -> ScopedName:
         start = self._now
         absolute = self._accept("::")
         parts = [self._name_part(what)]
-        while self._is("::"):
+        while self._is("::") and not (in_one_piece and self._now.start > self._previous.end):
             self._advance()
             parts.append(self._name_part("a name after '::'"))
         return ScopedName(tuple(parts), absolute, self._since(start))

@@ -64,13 +64,16 @@ class TypeParser(ExpressionParser):
         return found
 
     def _annotation(self) -> AnnotationUse:
+        """Behind a space "::" is no more of the annotation's name, but begins a type:
+        `@optional ::m::Pose where`."""
         start = self._advance()
         name_token = self._now
-        if name_token.kind == "id" and self._ahead.text != "::":
+        is_scoped = self._ahead.text == "::" and self._ahead.start == name_token.end
+        if name_token.kind == "id" and not is_scoped:
             self._advance()
             name = ScopedName((name_token.text,), False, self._span(name_token))
         else:
-            name = self._scoped_name("the name of an annotation after '@'")
+            name = self._scoped_name("the name of an annotation after '@'", in_one_piece=True)
         arguments: list[tuple[Name | None, Expression]] = []
         if self._is("("):
             arguments = self._annotation_arguments()

@@ -1,5 +1,6 @@
 """Files are UTF-8; comments of older IDL may be Latin-1."""
 
+import os
 from pathlib import Path
 
 import pytest
@@ -57,3 +58,15 @@ def test_the_formatter_writes_utf_8_only(
     assert main(["fmt", str(file)]) != 0
     assert "is not UTF-8: byte 0xe4 in line 1" in capsys.readouterr().err
     assert file.read_bytes() == b"// \xe4\nstruct A { long x; };\n"
+
+
+def test_a_file_whose_name_is_not_utf_8_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """No generated file could say what it is made from."""
+    (tmp_path / "idl").mkdir()
+    (tmp_path / "idl" / os.fsdecode(b"caf\xe9.gidl")).write_text("struct A { long x; };")
+    monkeypatch.chdir(tmp_path)
+    assert main(["gen"]) == 100
+    assert "caf\\udce9.gidl: error[G0001]: has a name that is not UTF-8" in capsys.readouterr().err
+    assert not (tmp_path / "generated").exists()

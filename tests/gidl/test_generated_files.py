@@ -3,12 +3,14 @@
 import errno
 import json
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 from gidl.cli import main
+from gidl.output import Outputs, compare, write
 
 STRUCT = "module {0} {{ @final struct {1} {{ double x; }}; }};\n"
 INTERFACE = "interface Lamp { @actor void turn(in boolean on); };\n"
@@ -76,6 +78,15 @@ class TestDeleting:
             f"gidl: deleted {path}" for path in stale
         ]
         assert main([*command, "--check"]) == 0
+
+    def test_another_run_may_delete_them_first(self, here: Path) -> None:
+        assert main(["gen", "--lang", "lcm"]) == 0
+        outputs = Outputs(here / "generated")
+        difference = compare(outputs, {}, ["lcm"], None)
+        assert difference.count == 2
+        shutil.rmtree(here / "generated" / "lcm")
+        write(outputs, {}, difference)
+        assert files(here / "generated") == set()
 
     def test_files_of_other_makers_stay(self, here: Path) -> None:
         assert main(["gen"]) == 0

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 from gidl import hashes, wire_layout
+from gidl.cli import main
 from gidl.compile import Compiled, compile_files
 from gidl.diagnostics import as_json, as_text
 from gidl.model_json import model_text
@@ -94,3 +95,14 @@ def test_excess(tmp_path: Path, text: str) -> None:
 def test_ten_megabytes_are_refused(tmp_path: Path) -> None:
     compiled = compile_text(tmp_path, b"struct S { double x; };\n" * 450_000)
     assert [f.code for f in compiled.findings] == ["G0011"]
+
+
+def test_too_long_a_chain_of_declarations(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """What is laid out by recursion is refused in a sentence."""
+    file = tmp_path / "chain.gidl"
+    types = "".join(f"typedef T{i} T{i + 1};\n" for i in range(2000))
+    file.write_text(f"typedef long T0;\n{types}struct S {{ T2000 x; }};\n")
+    assert main(["gen", "--lang", "lcm", "--out", str(tmp_path / "made"), str(file)]) == 1
+    assert "build on each other in too long a chain" in capsys.readouterr().err

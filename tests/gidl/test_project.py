@@ -159,6 +159,7 @@ class TestProjectFile:
         ('languages = ["cpp", "cobol"]\n', "1:1",
          "languages: 'cobol' is none of cpp, lcm, model, python", "written as"),
         ('out = ""\n', "1:1", "out: the name of a folder is expected", 'out = "generated"'),
+        ('out = "a\\u0000b"\n', "1:1", "out: the name of a folder is expected", "written as"),
         ('[outputs]\ncpp = "a"\ncobol = "b"\n', "3:1", "there is no key 'outputs.cobol'", "did"),
         ('outputs = "b"\n', "1:1", "there is no key 'outputs'", "did you mean 'outputs."),
         ('[outputs]\n\ncpp = 1\n', "3:1", "outputs.cpp: the name of a folder is expected",

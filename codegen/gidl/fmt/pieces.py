@@ -92,6 +92,12 @@ def _directive(text: str) -> str:
     return text
 
 
+def _adjoins(piece: Piece, following: Piece) -> bool:
+    """Whether nothing, not even white space, stands between two pieces."""
+    ends = (piece.end_line, piece.column + len(piece.text))
+    return ends == (following.line, following.column)
+
+
 class _Spacing:
     """Decides for each token whether a space stands before it, and what each bracket is."""
 
@@ -99,6 +105,7 @@ class _Spacing:
         self._pieces = [p for p in pieces if p.kind not in ("comment", "directive")]
         self._open: list[str] = []
         self._annotation = False  # the name of an annotation is being read
+        self._annotated = False  # the piece before ends the name of an annotation
         self._in_label = False
         self._unary = False  # the piece before is a sign
 
@@ -153,7 +160,7 @@ class _Spacing:
             return False
         if is_op and text == "::":
             is_name = before.kind == "escaped" or (before.kind == "id" and last not in _KEYWORDS)
-            return not (is_name or self._annotation)
+            return self._annotated or not (is_name or self._annotation)
         if "annotation" in self._open and ((is_op and text == "=") or (was_op and last == "=")):
             return False
         if is_op and text == "(":
@@ -162,15 +169,18 @@ class _Spacing:
 
     def _follow(self, before: Piece | None, piece: Piece, following: Piece | None) -> None:
         text = piece.text
+        self._annotated = False
         if piece.kind == "op" and text == "@":
             self._annotation = True
         elif self._annotation:
             is_name = piece.kind in ("id", "escaped") or text == "::"
             goes_on = following is not None and (
-                (following.kind == "op" and following.text in ("::", "("))
+                (following.kind == "op" and following.text == "(")
+                or (following.text == "::" and _adjoins(piece, following))
                 or (piece.kind == "op" and text == "::")
             )
             self._annotation = is_name and goes_on
+            self._annotated = is_name and not goes_on
         if piece.kind == "id" and text == "case" and (before is None or before.text != "@"):
             self._in_label = True
         elif piece.kind == "op" and text in (":", ";", "{", "}"):

@@ -160,7 +160,12 @@ def leading(item: Item) -> int:
 def _annotation_end(parts: list[Piece | Body], at: int) -> int:
     """Index behind the annotation whose name begins at `at`."""
     at += 1
-    while at + 1 < len(parts) and isinstance(part := parts[at], Piece) and part.text == "::":
+    while (
+        at + 1 < len(parts)
+        and isinstance(part := parts[at], Piece)
+        and part.text == "::"
+        and not part.spaced
+    ):
         at += 2
     opening = parts[at] if at < len(parts) else None
     if not (isinstance(opening, Piece) and opening.role == "annotation" and opening.text == "("):
