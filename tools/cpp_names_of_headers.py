@@ -1,11 +1,10 @@
 """Writes the names that system headers define outside of all namespaces: generated C++ calls
 nothing as a macro, and nothing at the top as a function, type or constant of the C library.
 
-    tools/cpp_names_of_headers.py
+    tools/cpp_names_of_headers.py > codegen/gidl/cpp_names_of_headers.txt
 
 The headers are those of C++20, and of POSIX those that programs beside a robot are likely to
-include before generated code. Compilers and systems differ: names that the file has already
-stay in it.
+include before generated code. Compilers and systems differ: names only ever come to the file.
 """
 
 from __future__ import annotations
@@ -15,8 +14,6 @@ import subprocess
 from pathlib import Path
 
 TREE = Path(__file__).resolve().parent.parent
-FILE = TREE / "codegen" / "gidl" / "cpp_names_of_headers.txt"
-_MACROS, _AT_THE_TOP = "# Macros:\n", "# Outside of all namespaces:\n"
 
 HEADERS = """
     algorithm any array atomic barrier bit bitset cassert cctype cerrno cfenv cfloat charconv chrono
@@ -87,31 +84,24 @@ def names_at_the_top(clang: str) -> set[str]:
     return found
 
 
-def names_in_the_file() -> tuple[set[str], set[str]]:
-    """Macros, and the others."""
-    text = FILE.read_text(encoding="utf-8")
-    defined, others = text.partition(_MACROS)[2].split(_AT_THE_TOP)
-    return set(defined.split()), set(others.split())
-
-
-def printed(names: set[str]) -> str:
+def printed(names: set[str]) -> list[str]:
     """In lines; what begins with an underscore is no name of an interface."""
     lines = [""]
     for name in sorted(n for n in names if not n.startswith("_")):
         if len(lines[-1]) + len(name) > 98:
             lines.append("")
         lines[-1] += f" {name}" if lines[-1] else name
-    return "\n".join(lines) + "\n"
+    return lines
 
 
 def main() -> None:
     clang = str(TREE / "tools" / "clang.sh")
-    defined, others = names_in_the_file()
-    defined |= macros("g++") | macros(clang)
-    others |= names_at_the_top(clang)
-    head = "# Names that system headers define. Written by tools/cpp_names_of_headers.py.\n"
-    text = f"{head}{_MACROS}{printed(defined)}{_AT_THE_TOP}{printed(others - defined)}"
-    FILE.write_text(text, encoding="utf-8")
+    defined = macros("g++") | macros(clang)
+    print("# Names that system headers define. Written by tools/cpp_names_of_headers.py.")
+    print("# Macros:")
+    print("\n".join(printed(defined)))
+    print("# Outside of all namespaces:")
+    print("\n".join(printed(names_at_the_top(clang) - defined)))
 
 
 if __name__ == "__main__":

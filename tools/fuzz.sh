@@ -1,5 +1,5 @@
 #!/bin/bash
-# fuzz.sh <parser|decoders|packets|datagrams|rings|verdicts|lcm-gen|evolution|gate>: one of the runs of `make fuzz`.
+# fuzz.sh <parser|decoders|packets|datagrams|rings|verdicts|lcm-gen|evolution>: one of the runs of `make fuzz`.
 # FUZZ_SECONDS says how long the first five run, FUZZ_SEED what verdicts and lcm-gen begin with.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -43,11 +43,8 @@ case "${1-}" in
   evolution)
     GIDL_EVOLUTION_EDITS=2000 exec "$python" -m pytest -q tests/gidl/test_evolution.py
     ;;
-  gate)
-    GECOS_WERROR=ON exec "$python" tests/generated/gate --corpus --random $((seconds * 5 / 6)) --values 40 --jobs "$jobs" --seed "${FUZZ_SEED:-1000}"
-    ;;
   *)
-    echo "fuzz: name one of parser, decoders, packets, datagrams, rings, verdicts, lcm-gen, evolution, gate" >&2
+    echo "fuzz: name one of parser, decoders, packets, datagrams, rings, verdicts, lcm-gen, evolution" >&2
     exit 2
     ;;
 esac

@@ -20,7 +20,7 @@ from gidl.cli_shared import (
     strictly,
 )
 from gidl.compile import Compiled
-from gidl.diagnostics import Findings
+from gidl.diagnostics import Finding, Findings, Severity
 from gidl.file_names import same_modules, source_stem
 from gidl.model import Location
 from gidl.output import (
@@ -68,24 +68,34 @@ def _languages(text: str) -> tuple[str, ...]:
 
 def run(chosen: argparse.Namespace) -> int:
     from gidl.depfile import depfile_text
+    from gidl.emit import UnsupportedError
 
     files = files_of(chosen)
     if files is None:
         return USAGE
     compiled = strictly(chosen, compiled_from(chosen, files))
-    findings = Findings(list(compiled.findings))
-    texts = None if compiled.has_errors else _generated(chosen, compiled, findings)
+    found = list(compiled.findings)
+    texts: dict[str, str] | None = None
+    if not compiled.has_errors and "python" in chosen.lang:
+        found += _modules_of_two(compiled)
+    if not any(finding.severity is Severity.ERROR for finding in found):
+        try:
+            texts = texts_of(compiled, chosen.lang)
+        except UnsupportedError as problem:
+            refusal = Findings()
+            refusal.error("G0801", problem.location, problem.text)
+            found += refusal.found
     if texts is None:
-        show(chosen, findings.found, compiled.sources)
+        show(chosen, found, compiled.sources)
         return FINDINGS
     outputs = Outputs(chosen.out, chosen.outputs)
     difference = compare(outputs, texts, chosen.lang, _sources(chosen, compiled))
     if chosen.check:
         if chosen.error_format != "text":
-            _report(outputs, texts, difference, _mend(chosen), findings)
-        show(chosen, findings.found, compiled.sources)
+            found += differing(outputs, texts, difference, _mend(chosen)).found
+        show(chosen, found, compiled.sources)
         return _told(chosen, outputs, texts, difference)
-    show(chosen, findings.found, compiled.sources)
+    show(chosen, found, compiled.sources)
     write(outputs, texts, difference)
     if chosen.depfile is not None:
         project = [chosen.project.file] if chosen.project.file is not None else []
@@ -101,24 +111,14 @@ def run(chosen: argparse.Namespace) -> int:
     return FINE
 
 
-def _generated(
-    chosen: argparse.Namespace, compiled: Compiled, findings: Findings
-) -> dict[str, str] | None:
-    """Path below the output folder -> text. None, and a finding, where that is not possible."""
-    from gidl.emit import UnsupportedError
+def _modules_of_two(compiled: Compiled) -> list[Finding]:
     from gidl.targets.naming import has_output
 
-    if "python" in chosen.lang:
-        model = compiled.model
-        for clash in same_modules(f.path for f in model.files if has_output(model, f.path)):
-            clash.report("G0022", findings, compiled.sources)
-    if findings.has_errors:
-        return None
-    try:
-        return texts_of(compiled, chosen.lang)
-    except UnsupportedError as problem:
-        findings.error("G0801", problem.location, problem.text)
-        return None
+    model = compiled.model
+    wrong = Findings()
+    for clash in same_modules(f.path for f in model.files if has_output(model, f.path)):
+        clash.report("G0022", wrong, compiled.sources)
+    return wrong.found
 
 
 def texts_of(compiled: Compiled, languages: Collection[str]) -> dict[str, str]:
@@ -145,14 +145,11 @@ def _sources(chosen: argparse.Namespace, compiled: Compiled) -> Collection[str] 
     return {source_stem(file.path) for file in compiled.model.files if file.asked_for}
 
 
-def _report(
-    outputs: Outputs,
-    texts: Mapping[str, str],
-    difference: Difference,
-    mend: str,
-    findings: Findings,
-) -> None:
+def differing(
+    outputs: Outputs, texts: Mapping[str, str], difference: Difference, mend: str
+) -> Findings:
     """A finding for each file that is not as generated."""
+    findings = Findings()
     for path in difference.changed:
         place = outputs.place(path)
         line = first_difference(read_output(place) or "", texts[path])
@@ -164,6 +161,7 @@ def _report(
     for place in difference.stale:
         message = "is generated from an interface that does not give it any more"
         findings.file_error("G1403", place.as_posix(), message, mend)
+    return findings
 
 
 def _told(

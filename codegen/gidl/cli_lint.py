@@ -16,7 +16,6 @@ from gidl.cli_shared import (
     files_of,
     show,
 )
-from gidl.diagnostics import Findings
 
 
 def add_verb(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -33,10 +32,13 @@ def run(chosen: argparse.Namespace) -> int:
     if files is None:
         return USAGE
     compiled = compiled_from(chosen, files)
-    found = list(compiled.findings)
+    findings = list(compiled.findings)
     if not compiled.has_errors:
-        found += [f for f in lint(compiled.model) if f.code not in chosen.excepted]
-    findings = Findings(found).in_order(list(compiled.sources))
+        findings += [f for f in lint(compiled.model) if f.code not in chosen.excepted]
+        order = {path: number for number, path in enumerate(compiled.sources)}
+        findings.sort(
+            key=lambda f: (order[f.location.file], f.location.line) if f.location else (-1, 0)
+        )
     show(chosen, findings, compiled.sources)
     if not findings and chosen.error_format == "text":
         print(f"gidl: nothing to better in {count(len(files), 'file')}", file=sys.stderr)

@@ -31,6 +31,15 @@ void TaskQueue::push(Task task) {
 }
 
 std::optional<Task> TaskQueue::next() {
+  for (;;) {
+    std::optional<Task> task = pull();
+    if (!task) return std::nullopt;
+    auto* const call = std::get_if<IncomingCall>(&*task);
+    if (call == nullptr || call->begin()) return task;
+  }
+}
+
+std::optional<Task> TaskQueue::pull() {
   std::unique_lock lock(mutex_);
   arrived_.wait(lock, [&] { return closed_ || !waiting_.empty(); });
   if (closed_) return std::nullopt;

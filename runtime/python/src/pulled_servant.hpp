@@ -30,12 +30,14 @@ using Task = std::variant<IncomingCall, Stopped>;
 class TaskQueue {
  public:
   void push(Task task);
-  /// Waits for the next task; nothing once it is closed.
+  /// Waits for the next task that may begin; nothing once it is closed. A call counts as started.
   std::optional<Task> next();
   /// Nothing is given out any more; what still waits is answered as not handled.
   void close();
 
  private:
+  std::optional<Task> pull();
+
   std::mutex mutex_;
   std::condition_variable arrived_;
   std::deque<Task> waiting_;
@@ -49,6 +51,7 @@ class PulledServant final : public Servant {
 
   const InterfaceDescription& gecos_interface() const override { return interface_; }
   void gecos_dispatch(IncomingCall call) override;
+  bool gecos_begins_calls() const override { return true; }
   /// Any thread.
   void stopped() { queue(Lane::Safety).push(Stopped{}); }
   /// Any thread; waits for the next task of that lane, nothing once it is closed.

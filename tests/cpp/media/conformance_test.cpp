@@ -193,6 +193,21 @@ TEST_P(Conformance, BeatsAreSeenWithoutPackets) {
   }));
 }
 
+TEST_P(Conformance, WordsAreReadByThePeerWithoutAPacket) {
+  if (!client_.link->offer().shared_words) GTEST_SKIP() << "it has none";
+  ASSERT_TRUE(client_.send("both ends know each other"));
+  ASSERT_EQ(server_.receive(), "both ends know each other");
+  ASSERT_TRUE(server_.send("now"));
+  ASSERT_EQ(client_.receive(), "now");
+  for (std::size_t word = 0; word < shared_word_count; ++word) {
+    EXPECT_EQ(client_.link->peer_word(word), 0u);
+    client_.link->write_word(word, 10 + word);
+    server_.link->write_word(word, 20 + word);
+    EXPECT_EQ(server_.link->peer_word(word), 10 + word);
+    EXPECT_EQ(client_.link->peer_word(word), 20 + word);
+  }
+}
+
 TEST_P(Conformance, ArmFindsWhatIsThereAlready) {
   ASSERT_TRUE(client_.send("first"));
   ASSERT_TRUE(

@@ -65,6 +65,13 @@ TEST_P(Callbacks, GoOnWhenOneThrows) {
   told.get_future().get();
 }
 
+TEST_P(Callbacks, ThrowToNobodyWhenTheirCommandHasEndedBefore) {
+  const auto set = probe_.set(3);
+  ASSERT_EQ(set.wait(), gecos::State::Finished);
+  EXPECT_NO_THROW(set.then([](const Moved&) { throw std::runtime_error("of the test"); }));
+  EXPECT_NO_THROW(set.then([](const Moved&) { throw 7; }));
+}
+
 TEST_P(Callbacks, AreToldOfTheirServersEnd) {
   std::promise<Moved> told;
   probe_.move(1).then([&](const Moved& moved) { told.set_value(moved); });

@@ -211,5 +211,27 @@ TEST(ObjectQueue, TakesOneCallAloneWhateverItTakes) {
   EXPECT_TRUE(queue.push(large(ObjectQueue::most_bytes_of_object * 2)));
 }
 
+TEST(ObjectQueue, ReadingsOfOthersStartBesideThoseOfAClientThatMustWait) {
+  ObjectQueue queue(LaneThreads::Many);
+  const auto waits = ticket(reads, ada);
+  const auto starts = ticket(reads, bob);
+  ASSERT_TRUE(queue.push(waits));
+  ASSERT_TRUE(queue.push(starts));
+  const auto not_of_ada = [](const Ticket& which) { return which.client != ada; };
+  EXPECT_EQ(queue.next(not_of_ada), starts);
+  EXPECT_EQ(queue.next(not_of_ada), nullptr);
+  EXPECT_EQ(queue.next(), waits);
+}
+
+TEST(ObjectQueue, ActorCommandsKeepTheirOrderBehindOneThatMustWait) {
+  ObjectQueue queue(LaneThreads::Many);
+  const auto waits = ticket(moves, ada);
+  const auto behind = ticket(moves, bob);
+  ASSERT_TRUE(queue.push(waits));
+  ASSERT_TRUE(queue.push(behind));
+  EXPECT_EQ(queue.next([](const Ticket& which) { return which.client != ada; }), nullptr);
+  EXPECT_EQ(queue.next(), waits);
+}
+
 }  // namespace
 }  // namespace gecos::session

@@ -37,6 +37,7 @@ SUPPORT = (
     )),
 )  # fmt: skip
 SANITIZERS = ("-fsanitize=address,undefined", "-fno-sanitize-recover=undefined")
+FIRST = "first.hpp"  # precompiled
 OURS = ("gecos/", "robcl/")
 
 
@@ -133,11 +134,34 @@ class Compiler:
             "-Icpp", f"-I{GENERATED}", f"-I{RUNTIME}", f"-I{HERE}",
             "-isystem", "/usr/include/eigen3",
         ]  # fmt: skip
+        self._environment = {**os.environ, "CCACHE_SLOPPINESS": "pch_defines,time_macros"}
 
     def support(self) -> None:
-        """What every program is linked with."""
+        """What every program includes first, and what it is linked with."""
+        common = (
+            "driver.hpp",
+            "gecos/wire/json.hpp",
+            "gecos/wire/fields.hpp",
+            "gecos/wire/check.hpp",
+        )
+        first = "".join(f'#include "{header}"\n' for header in common)
+        (self.folder / FIRST).write_text(first, encoding="utf-8")
+        stamp = ["-Xclang", "-fno-pch-timestamp"] if "clang" in self._command else []
+        self._run(
+            [self._command, *self._flags, *stamp, "-x", "c++-header", FIRST, "-o", f"{FIRST}.gch"]
+        )
         for source in SUPPORT:
-            self._compile(str(source), self._object(source))
+            self._run(
+                [
+                    *self._cache,
+                    self._command,
+                    *self._flags,
+                    "-c",
+                    str(source),
+                    "-o",
+                    self._object(source),
+                ]
+            )
 
     @staticmethod
     def _object(source: Path) -> str:
@@ -148,22 +172,18 @@ class Compiler:
         program = Program(made.model, made.layout, self.folder / "cpp", made.stems)
         name = made.set.name
         (self.folder / f"{name}.gate.cpp").write_text(program.source(), encoding="utf-8")
-        self._compile(f"{name}.gate.cpp", f"{name}.o")
+        self._run(
+            [*self._cache, self._command, *self._flags, "-include", FIRST, "-c", f"{name}.gate.cpp",
+             "-o", f"{name}.o"]
+        )  # fmt: skip
         objects = [self._object(source) for source in SUPPORT]
         self._run([self._linker, *SANITIZERS, f"{name}.o", *objects, "-o", name])
         return program, self.folder / name
 
-    def _compile(self, source: str, target: str) -> None:
-        rest = [*self._flags, "-c", source, "-o", target]
-        try:
-            self._run([*self._cache, self._command, *rest])
-        except Rejected as why:
-            if "submit a bug report" not in str(why) or self._command == "c++":
-                raise
-            self._run([*self._cache, "c++", *rest])  # clang 14 crashes over some valid programs
-
     def _run(self, command: list[str]) -> None:
-        done = subprocess.run(command, cwd=self.folder, capture_output=True, text=True)
+        done = subprocess.run(
+            command, cwd=self.folder, capture_output=True, text=True, env=self._environment
+        )
         if done.returncode:
             raise Rejected(f"C++: {done.stderr[:6000]}")
 

@@ -236,12 +236,9 @@ class Program:
         """In the order of the interface's own calls."""
         if interface.name not in self._virtuals:
             header = self._header(interface)
-            servant = self._layout.cpp_names.servants[interface.name]
-            if servant.scope:
-                around = re.escape("::".join(servant.scope))
-                header = "".join(re.findall(rf"\nnamespace {around} {{\n.*?\n}}  //", header, re.S))
-            body = re.search(rf"class {servant.name} :.*?\n}};", header, re.S)
-            assert body is not None, f"no servant {servant.name} in the header of {interface.name}"
+            name = self._layout.cpp_names.servants[interface.name].name
+            body = re.search(rf"class {name} :.*?\n}};", header, re.S)
+            assert body is not None, f"no servant {name} in the header of {interface.name}"
             text = re.sub(r"\s+", " ", re.sub(r"//.*", "", body[0]))
             found = re.findall(r"virtual (gecos::Result<.*?>) (\w+)\( ?(.*?)\) = 0;", text)
             self._virtuals[interface.name] = [Virtual(*each) for each in found]

@@ -337,6 +337,7 @@ class Calls:
 
     def published(self, code: int, slot: Slot, value: Any) -> Verdict:
         """A value given to the servant as a sample of a stream."""
+        method = self._servant._gecos_handlers[code].method
         caught: list[bytes] = []
 
         class Probe(self._servant):  # type: ignore[misc, name-defined]
@@ -345,13 +346,14 @@ class Calls:
 
         Probe.__abstractmethods__ = frozenset()
         probe = Probe()
-        methods = [getattr(Probe, n) for n in dir(Probe) if n.startswith("publish_")]
-        publish = next(
-            m for m in methods if hasattr(m, "__code__") and code in m.__code__.co_consts
+        name = next(
+            n
+            for n in (f"publish_{method.rstrip('_')}_", f"publish_{method}_", f"publish_{method}")
+            if hasattr(probe, n)
         )
 
         def work() -> bytes:
-            publish(probe, self._types.built(slot, value))
+            getattr(probe, name)(self._types.built(slot, value))
             return caught[0]
 
         return judged(work)

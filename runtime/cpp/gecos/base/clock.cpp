@@ -1,10 +1,18 @@
 #include "gecos/base/clock.hpp"
 
+#include <time.h>
+
 #include <cassert>
 
 namespace gecos {
 
 TimePoint SystemClock::now() const { return std::chrono::steady_clock::now(); }
+
+TimePoint SystemClock::since_boot() const {
+  timespec passed{};
+  ::clock_gettime(CLOCK_BOOTTIME, &passed);
+  return TimePoint{std::chrono::seconds(passed.tv_sec) + std::chrono::nanoseconds(passed.tv_nsec)};
+}
 
 double SystemClock::unix_seconds() const {
   const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();

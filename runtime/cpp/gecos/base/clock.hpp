@@ -17,6 +17,10 @@ class Clock {
   /// Never goes back; unrelated to the time of day and to other hosts.
   virtual TimePoint now() const = 0;
 
+  /// Likewise, and goes on while the machine is suspended (CLOCK_BOOTTIME). Only differences to
+  /// other readings of it mean something.
+  virtual TimePoint since_boot() const { return now(); }
+
   /// Seconds since 1970 UTC, for stamps that leave the process. May be set back by an operator.
   virtual double unix_seconds() const = 0;
 };
@@ -24,6 +28,7 @@ class Clock {
 class SystemClock final : public Clock {
  public:
   TimePoint now() const override;
+  TimePoint since_boot() const override;
   double unix_seconds() const override;
 };
 

@@ -27,6 +27,7 @@ constexpr Offer inproc_offer{.kind = Kind::Inproc,
                              .real_time = true,
                              .reports_death = false,  // who dies here dies with us
                              .authenticated = true,
+                             .shared_words = true,
                              .largest_packet = largest_bulk_packet};
 
 /// What one end writes and the other one looks at.
@@ -128,6 +129,7 @@ class InprocLink final : public Link {
     return number;
   }
   std::optional<ByteView> receive() override { return reader_.read(); }
+  Duration age() override { return reader_.age(); }
   std::optional<std::uint64_t> taken_by_peer() override { return writer_.taken(); }
 
   bool arm() override {
@@ -142,6 +144,13 @@ class InprocLink final : public Link {
     own_.bell.quiet();
   }
   std::span<const int> descriptors() const override { return descriptors_; }
+
+  void write_word(std::size_t index, std::uint64_t value) override {
+    own_.ring.control->words.at(index).store(value, std::memory_order_seq_cst);
+  }
+  std::uint64_t peer_word(std::size_t index) override {
+    return other_.ring.control->words.at(index).load(std::memory_order_seq_cst);
+  }
 
   void beat() override {
     own_.ring.control->beats.fetch_add(1, std::memory_order_relaxed);

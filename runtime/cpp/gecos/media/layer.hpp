@@ -24,6 +24,10 @@ class LinkLayer : public Link {
   bool arm() override { return inner_->arm(); }
   void disarm() override { inner_->disarm(); }
   std::span<const int> descriptors() const override { return inner_->descriptors(); }
+  void write_word(std::size_t index, std::uint64_t value) override {
+    inner_->write_word(index, value);
+  }
+  std::uint64_t peer_word(std::size_t index) override { return inner_->peer_word(index); }
   void beat() override { inner_->beat(); }
   std::uint64_t beats_seen() override { return inner_->beats_seen(); }
   Loss loss() override { return inner_->loss(); }

@@ -14,6 +14,10 @@ std::string_view to_string(Kind kind) {
   return "unknown medium";
 }
 
+void Link::write_word(std::size_t /*index*/, std::uint64_t /*value*/) {}
+
+std::uint64_t Link::peer_word(std::size_t /*index*/) { return 0; }
+
 std::optional<Kind> kind_from(std::string_view name) {
   for (const Kind kind : {Kind::Inproc, Kind::Shm, Kind::Lcm}) {
     if (to_string(kind) == name) return kind;

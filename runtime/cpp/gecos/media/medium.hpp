@@ -40,6 +40,7 @@ struct Offer {
   bool real_time = true;           ///< no shared queue, no loss: fit for HARD_REALTIME
   bool reports_death = true;       ///< the kernel says when the peer has died
   bool authenticated = true;       ///< the peer's user is proved
+  bool shared_words = false;       ///< write_word() and peer_word() work
   std::size_t largest_packet = 0;  ///< bytes
 };
 
@@ -92,6 +93,8 @@ class StreamReader {
   virtual bool next(std::uint64_t after, StreamSample& into) = 0;
 };
 
+inline constexpr std::size_t shared_word_count = 4;
+
 /// One end of a connection between a client and a server.
 class Link {
  public:
@@ -127,6 +130,14 @@ class Link {
   /// the packets come through the acceptor's descriptors: watch those as well, and call accept()
   /// when they are readable.
   virtual std::span<const int> descriptors() const = 0;
+
+  /// Words that this end writes and the peer reads in place, zero at first. No packet carries them
+  /// and neither end needs to run for the other to write or read: a process that stood still finds
+  /// them when it goes on. Sequentially consistent; any thread. @pre offer().shared_words and
+  /// `index` < shared_word_count
+  virtual void write_word(std::size_t index, std::uint64_t value);
+  /// A word of the peer's, whatever it wrote: believed only as far as it harms the peer itself.
+  virtual std::uint64_t peer_word(std::size_t index);
 
   /// A sign of life, every 100 ms by housekeeping. Wakes nobody on shm and inproc.
   virtual void beat() = 0;

@@ -1,5 +1,7 @@
 #include "gecos/media/ring.hpp"
 
+#include <time.h>
+
 #include <algorithm>
 #include <cstring>
 
@@ -35,11 +37,19 @@ class SlotFiller {
   std::size_t filled_ = 0;
 };
 
+/// A clock that costs a few nanoseconds, the same for all processes of a host.
+std::uint32_t coarse_milliseconds() {
+  timespec now{};
+  ::clock_gettime(CLOCK_MONOTONIC_COARSE, &now);
+  return static_cast<std::uint32_t>(now.tv_sec * 1000 + now.tv_nsec / 1'000'000);
+}
+
 }  // namespace
 
 std::uint64_t RingWriter::publish(std::size_t size, std::size_t slots) {
   RingSlot& first = own_.slots[position_ & mask_];
   first.size.store(static_cast<std::uint32_t>(size), std::memory_order_relaxed);
+  first.stamp_ms.store(coarse_milliseconds(), std::memory_order_relaxed);
   first.sequence.store(position_ + 1, std::memory_order_seq_cst);
   position_ += slots;
   // The next packet's first line comes here while nobody waits for it.
@@ -105,6 +115,7 @@ void RingReader::advance(std::size_t slots) {
 
 std::optional<ByteView> RingReader::take(const RingSlot& slot) {
   const std::size_t size = slot.size.load(std::memory_order_relaxed);  // once: it may change
+  stamp_ms_ = slot.stamp_ms.load(std::memory_order_relaxed);
   if (size > largest_ring_packet || slots_for(size) > writer_.slot_count || broken()) {
     if (size == beside_ring) return take_bulk(slot);
     broken_.store(true, std::memory_order_relaxed);
@@ -118,6 +129,12 @@ std::optional<ByteView> RingReader::take(const RingSlot& slot) {
   }
   advance(slots_for(size));
   return ByteView(copy_.get(), size);
+}
+
+Duration RingReader::age() const {
+  const std::uint32_t passed = coarse_milliseconds() - stamp_ms_;
+  // A stamp of the future is a writer's nonsense: it harms the writer's own calls alone.
+  return std::chrono::milliseconds(passed < 1U << 31U ? passed : 0);
 }
 
 std::optional<ByteView> RingReader::take_bulk(const RingSlot& slot) {

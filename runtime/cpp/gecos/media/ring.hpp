@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -27,6 +28,8 @@ struct RingControl {
   alignas(64) std::atomic<std::uint32_t> asleep{0};
   /// Tells the other side's housekeeping that this one lives.
   alignas(64) std::atomic<std::uint64_t> beats{0};
+  /// Tell the other side what its session needs to know without a packet (Link::write_word).
+  alignas(64) std::array<std::atomic<std::uint64_t>, shared_word_count> words{};
 };
 
 inline constexpr std::size_t slot_payload = 240;
@@ -35,8 +38,8 @@ inline constexpr std::size_t slot_payload = 240;
 struct alignas(64) RingSlot {
   /// Index of the slot since the ring began, plus one: publishes the packet that begins here.
   std::atomic<std::uint64_t> sequence;
-  std::atomic<std::uint32_t> size;  // of the packet; ordered by sequence
-  std::uint32_t unused;
+  std::atomic<std::uint32_t> size;      // of the packet; ordered by sequence
+  std::atomic<std::uint32_t> stamp_ms;  // when it was sent, by coarse_milliseconds(); likewise
   std::byte payload[slot_payload];
 };
 static_assert(sizeof(RingSlot) == 256);
@@ -139,6 +142,9 @@ class RingReader {
   }
   /// The writer broke the rules; nothing more is read.
   bool broken() const { return broken_.load(std::memory_order_relaxed); }
+  /// How long the packet that read() gave last lay in the ring, as its writer says; within some
+  /// milliseconds.
+  Duration age() const;
 
  private:
   std::optional<ByteView> take(const RingSlot& slot);
@@ -150,6 +156,7 @@ class RingReader {
   const std::size_t mask_;
   std::uint64_t position_ = 0;
   std::uint64_t packets_ = 0;
+  std::uint32_t stamp_ms_ = 0;
   BulkSource* const bulk_;
   std::unique_ptr<std::byte[]> copy_;
   std::atomic<bool> broken_{false};  // tells other threads of this process, nothing else

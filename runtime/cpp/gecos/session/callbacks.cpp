@@ -15,10 +15,8 @@
 #include "gecos/session/thread.hpp"
 
 namespace gecos::session {
-namespace {
 
-/// A callback has no caller that could be told.
-void call(const std::function<void()>& callback) {
+void run_callback(const std::function<void()>& callback) {
   try {
     callback();
   } catch (const std::exception& error) {
@@ -27,8 +25,6 @@ void call(const std::function<void()>& callback) {
     log_error("session", "a callback of a command threw something that is no std::exception");
   }
 }
-
-}  // namespace
 
 /// What the thread needs; it outlives a Callbacks that is destroyed by one of its callbacks.
 struct Callbacks::Shared {
@@ -51,7 +47,7 @@ void Callbacks::Shared::run() {
       const auto next = std::move(waiting.front());
       waiting.pop_front();
       lock.unlock();
-      call(next);
+      run_callback(next);
     }
     lock.lock();
   }

@@ -5,6 +5,9 @@
 
 namespace gecos::session {
 
+/// Runs it. What it throws is logged, as nobody waits for it that could be told.
+void run_callback(const std::function<void()>& callback);
+
 /// Runs what users hung on the ends of their commands: one after another, on a thread of its own
 /// that starts with the first. They may block; only other callbacks wait for them.
 class Callbacks {

@@ -6,8 +6,10 @@
 #include <atomic>
 #include <mutex>
 #include <thread>
+#include <string>
 #include <utility>
 
+#include "gecos/base/log.hpp"
 #include "gecos/session/thread.hpp"
 #include "gecos/session/wakeup.hpp"
 
@@ -20,8 +22,10 @@ struct Housekeeping::Shared {
   void run();
   std::vector<std::function<void()>> take_jobs();
   std::vector<std::shared_ptr<Tended>> look_at();
+  void judge_pause(const std::vector<std::shared_ptr<Tended>>& alive);
 
   const Clock& clock;
+  PauseWatch pauses;
   const pid_t owner = getpid();
   Wakeup wakeup;
   std::thread thread;
@@ -46,6 +50,15 @@ std::vector<std::shared_ptr<Tended>> Housekeeping::Shared::look_at() {
   return alive;
 }
 
+void Housekeeping::Shared::judge_pause(const std::vector<std::shared_ptr<Tended>>& alive) {
+  const TimePoint now = clock.since_boot();
+  const auto stood_still = pauses.tick(now);
+  if (!stood_still) return;
+  log_warning("session", "this process " + stood_still_for(*stood_still));
+  for (const auto& one : alive) one->after_pause(*stood_still);
+  pauses.judged(clock.since_boot() + tick);
+}
+
 void Housekeeping::Shared::run() {
   std::vector<pollfd> descriptors;
   for (;;) {
@@ -53,6 +66,7 @@ void Housekeeping::Shared::run() {
     if (ended.load()) return;
     for (const auto& job : take_jobs()) job();
     auto alive = look_at();
+    judge_pause(alive);
     const TimePoint now = clock.now();
     TimePoint next = TimePoint::max();
     for (const auto& one : alive) next = std::min(next, one->tend(now));
@@ -63,6 +77,7 @@ void Housekeeping::Shared::run() {
     alive.clear();  // whoever is dropped meanwhile ends at once, not after this sleep
     const bool idle = next == TimePoint::max();
     const auto rest = std::chrono::ceil<std::chrono::milliseconds>(std::max(next - now, tick));
+    pauses.due(idle ? TimePoint::max() : clock.since_boot() + rest);
     poll(descriptors.data(), descriptors.size(), idle ? -1 : static_cast<int>(rest.count()));
     for (const auto& one : watched) {
       if (const auto still = one.lock()) still->unwatch();
@@ -101,6 +116,8 @@ void Housekeeping::post(std::function<void()> job) {
 }
 
 void Housekeeping::wake() { shared_->wakeup.ring(); }
+
+PauseWatch& Housekeeping::pauses() { return shared_->pauses; }
 
 bool Housekeeping::on_this_thread() const {
   return std::this_thread::get_id() == shared_->thread.get_id();

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "gecos/base/clock.hpp"
+#include "gecos/session/pause_watch.hpp"
 
 namespace gecos::session {
 
@@ -18,6 +19,8 @@ class Tended {
   /// the next look is due; it may come sooner, and comes at the earliest after a
   /// `Housekeeping::tick`.
   virtual TimePoint tend(TimePoint now) = 0;
+  /// Before that, where this process stood still for so long. Until it returns nothing starts.
+  virtual void after_pause(Duration stood_still) { static_cast<void>(stood_still); }
   /// Adds descriptors to sleep on until the next look; `unwatch` follows after the sleep.
   virtual void watch(std::vector<pollfd>& into) { static_cast<void>(into); }
   virtual void unwatch() {}
@@ -41,6 +44,8 @@ class Housekeeping {
   /// Looks again now.
   void wake();
   bool on_this_thread() const;
+  /// Whether this process stood still, as this thread's ticks tell.
+  PauseWatch& pauses();
 
  private:
   struct Shared;

@@ -295,6 +295,11 @@ void IoLoop::shut_doors() {
   }
 }
 
+void IoLoop::await_signs_of_life() {
+  const std::lock_guard list(list_mutex_);
+  for (const auto& [key, session] : sessions_) session->object()->await_sign_of_life(*session);
+}
+
 void IoLoop::tend(TimePoint now) {
   const std::uint64_t handler = handler_turn_.load();
   if (handler % 2 == 1 && handler == handler_seen_) {

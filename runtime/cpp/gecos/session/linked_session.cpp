@@ -7,6 +7,7 @@
 #include "gecos/session/packets.hpp"
 #include "gecos/session/retry.hpp"
 #include "gecos/session/runtime.hpp"
+#include "gecos/session/start_words.hpp"
 
 namespace gecos::session {
 
@@ -52,6 +53,7 @@ std::shared_ptr<CommandCore> LinkedSession::call(const OperationDescription& ope
     return call_repeatable(operation, size, encode, options);
   }
   auto command = make_recycled<PendingCommand>(shared_from_this());
+  command->marked_words = marked_words(operation);
   wire::PacketHeader header;
   header.kind = wire::PacketKind::Call;
   header.code = operation.code;
@@ -222,6 +224,17 @@ void LinkedSession::lose(Ending how, const std::string& text) {
     if (lost_.load(std::memory_order_relaxed)) return;
     loss_text_ = text;
     lost_.store(true, std::memory_order_release);
+    // A goodbye that the server acknowledged drains: what is queued there still runs.
+    const bool drains = how == Ending::ByUs && goodbye_heard_.load(std::memory_order_relaxed);
+    if (link_->offer().shared_words && !drains) {
+      link_->write_word(withdrawn_word, next_counter_ - 1);
+      withdrawn_ = true;  // before any of them is reported: none of them starts any more
+    } else if (how == Ending::ByUs && !drains) {
+      wire::PacketHeader header;
+      header.kind = wire::PacketKind::Goodbye;
+      header.flags = withdraws;
+      static_cast<void>(send(header, {}));
+    }
     // A loss that is reported leaves them `grace`; after silence that is over already.
     if (how == Ending::Died || how == Ending::Closed) adrift = cast_off(how, text);
     open = calls_.take_all();
@@ -237,12 +250,8 @@ Failure LinkedSession::failure_of(const PendingCommand& command, Ending how,
   if (repeats_ && !command.retry.on_its_way) {
     return {Detail::NotStarted, text + "; this command was never sent", {}, {}};
   }
-  // A peer that is gone takes nothing any more; one that is only silent may still.
-  if (how == Ending::Died || how == Ending::Closed) {
-    const auto taken = link_->taken_by_peer();
-    if (taken && command.sent_as > *taken) {
-      return {Detail::NotStarted, text + " before it took this command", {}, {}};
-    }
+  if (!may_have_started(command, how)) {
+    return {Detail::NotStarted, text + " before it started this command", {}, {}};
   }
   if (how == Ending::Died) {
     return {
@@ -250,6 +259,23 @@ Failure LinkedSession::failure_of(const PendingCommand& command, Ending how,
   }
   return {
       Detail::OutcomeUnknown, text + "; whether the command was carried out is not known", {}, {}};
+}
+
+/// False where it is proved that the server has not started it and will not. With the mutex, and
+/// where the medium has words after the withdrawal.
+bool LinkedSession::may_have_started(const PendingCommand& command, Ending how) const {
+  if (how == Ending::Broken) return true;  // then its words prove nothing
+  if (withdrawn_ && command.marked_words != 0) {
+    for (std::size_t word = 0; word < media::shared_word_count; ++word) {
+      const bool may_stand_here = (command.marked_words >> word & 1U) != 0;
+      if (may_stand_here && link_->peer_word(word) >= command.counter) return true;
+    }
+    return false;
+  }
+  // A peer that is gone takes nothing any more; one that is only silent may still.
+  if (how != Ending::Died && how != Ending::Closed) return true;
+  const auto taken = link_->taken_by_peer();
+  return !taken || command.sent_as <= *taken;
 }
 
 void LinkedSession::close(Duration patience) {
@@ -260,16 +286,17 @@ void LinkedSession::close(Duration patience) {
     wait(
         nullptr, [this] { return lost() || everything_arrived(); }, give_up);
   }
+  bool sent = false;
   int tries = 1;
   do {
-    {
+    if (!sent || repeats_) {
       const std::lock_guard lock(mutex_);
       wire::PacketHeader header;
       header.kind = wire::PacketKind::Goodbye;
-      static_cast<void>(send(header, {}));
+      sent = send(header, {}).has_value();
     }
-    if (!repeats_ || patience == Duration{}) break;
-    const TimePoint next = deadline_after(retry_after(tries++));
+    if (patience == Duration{}) break;
+    const TimePoint next = sent && !repeats_ ? give_up : deadline_after(retry_after(tries++));
     wait(
         nullptr, [this] { return goodbye_heard_.load() || lost(); }, std::min(next, give_up));
   } while (!lost() && std::chrono::steady_clock::now() < give_up);

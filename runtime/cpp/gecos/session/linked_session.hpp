@@ -80,7 +80,9 @@ class LinkedSession final : public ClientSession,
   /// Lets go of all that may be sent again elsewhere.
   std::vector<Adrift> cast_off_repeatable();
 
-  /// Ends the session in order. Waits at most `patience` until the server has what was sent.
+  /// Ends the session in order. Waits at most `patience` until the server has acknowledged it: what
+  /// was sent then still runs. Without acknowledgement what has not started never starts, where the
+  /// medium lets that be said.
   void close(Duration patience);
 
   // For commands and streams.
@@ -142,6 +144,7 @@ class LinkedSession final : public ClientSession,
   enum class Ending : std::uint8_t { Died, Closed, Silent, Broken, ByUs };
   static constexpr const char* closed_by_us = "this program closed the session";
   void lose(Ending how, const std::string& text);
+  bool may_have_started(const PendingCommand& command, Ending how) const;
   Failure failure_of(const PendingCommand& command, Ending how, const std::string& text) const;
   std::vector<Adrift> cast_off(Ending how, const std::string& text);
   bool has_repeatable();
@@ -182,6 +185,7 @@ class LinkedSession final : public ClientSession,
   CallTable<PendingCommand> calls_;
   Bytes packet_;  ///< sending: reused
   std::string loss_text_;
+  bool withdrawn_ = false;  ///< the server starts nothing more of this session
   std::shared_ptr<LinkedSession> follower_;
   bool cancels_waiting_ = false;  ///< one found no room
   std::uint64_t statuses_ = 0;    ///< how many there were; leases of the newest count

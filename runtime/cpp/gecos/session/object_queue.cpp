@@ -85,10 +85,25 @@ std::shared_ptr<Ticket> ObjectQueue::next() {
   if (threads_ == LaneThreads::One && inside_ != 0) return nullptr;
   Lane* lane = !safety_.empty() ? &safety_ : !sensor_.empty() ? &sensor_ : nullptr;
   if (lane == nullptr && !actor_.empty() && beside_running(*actor_.front())) lane = &actor_;
-  if (lane == nullptr) return nullptr;
+  return lane == nullptr ? nullptr : start(*lane, lane->begin());
+}
 
-  auto ticket = std::move(lane->front());
-  lane->pop_front();
+std::shared_ptr<Ticket> ObjectQueue::next(FunctionRef<bool(const Ticket&)> wanted) {
+  if (threads_ == LaneThreads::One && inside_ != 0) return nullptr;
+  for (Lane* const lane : {&safety_, &sensor_}) {
+    const auto at =
+        std::ranges::find_if(*lane, [&](const auto& ticket) { return wanted(*ticket); });
+    if (at != lane->end()) return start(*lane, at);
+  }
+  if (actor_.empty() || !wanted(*actor_.front()) || !beside_running(*actor_.front())) {
+    return nullptr;
+  }
+  return start(actor_, actor_.begin());
+}
+
+std::shared_ptr<Ticket> ObjectQueue::start(Lane& lane, Lane::iterator at) {
+  auto ticket = std::move(*at);
+  lane.erase(at);
   ticket->started = true;
   ++inside_;
   if (ticket->lane == Ticket::Place::Actor) running_.push_back(ticket.get());

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "gecos/base/function_ref.hpp"
 #include "gecos/base/result.hpp"
 #include "gecos/session/description.hpp"
 
@@ -54,6 +55,9 @@ class ObjectQueue {
 
   /// The next call that may start now; from then on it counts as started. Null when none may.
   std::shared_ptr<Ticket> next();
+  /// Likewise, of those that `wanted` picks. Actor commands keep their order: one that is not wanted
+  /// holds up those behind it.
+  std::shared_ptr<Ticket> next(FunctionRef<bool(const Ticket&)> wanted);
   /// Its handler's thread came back. The call may be answered later.
   void returned(const Ticket& ticket);
   /// It is answered and its handler has returned: its successor may start.
@@ -73,6 +77,7 @@ class ObjectQueue {
   using Lane = std::deque<std::shared_ptr<Ticket>>;
   Lane& lane_of(const Ticket& ticket);
   bool keeps_place(const Ticket& ticket) const;
+  std::shared_ptr<Ticket> start(Lane& lane, Lane::iterator at);
   std::optional<Full> too_large(const Ticket& ticket) const;
   bool beside_running(const Ticket& ticket) const;
 

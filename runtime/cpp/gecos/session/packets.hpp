@@ -15,6 +15,9 @@ namespace gecos::session {
 /// Flags of a Call whose body begins with the session and counter that it was sent under before.
 inline constexpr std::int8_t sent_again = 1;
 inline constexpr std::size_t sent_before_size = 8 + 8;
+/// Flags of a Goodbye after which nothing of the session starts any more: its client waited in vain
+/// for the answer to one without.
+inline constexpr std::int8_t withdraws = 1;
 
 void write_packet(Bytes& into, const wire::PacketHeader& header, ByteView body);
 /// With a body that takes `size` bytes.

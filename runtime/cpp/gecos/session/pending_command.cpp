@@ -4,6 +4,7 @@
 #include <mutex>
 #include <utility>
 
+#include "gecos/session/callbacks.hpp"
 #include "gecos/session/linked_session.hpp"
 #include "gecos/session/runtime.hpp"
 
@@ -74,7 +75,7 @@ void PendingCommand::when_ended(std::function<void()> then) {
       return be_attended();
     }
   }
-  then();
+  run_callback(then);
 }
 
 void PendingCommand::be_attended() {

@@ -92,6 +92,8 @@ class CallCore {
   virtual bool interrupted() const = 0;
   /// Sleeps until interrupted() or `deadline`; true when interrupted.
   virtual bool wait_interrupted_until(TimePoint deadline) = 0;
+  /// False: its handler must not begin any more.
+  virtual bool begin() { return true; }
   virtual void progress(double fraction, ByteView feedback) = 0;
   /// The first of finish and fail counts; a later one is ignored.
   virtual void finish(ByteView result) = 0;
@@ -117,6 +119,9 @@ class IncomingCall {
     return core_->wait_interrupted_until(deadline);
   }
   void progress(double fraction, ByteView feedback) { core_->progress(fraction, feedback); }
+  /// For servants that queue calls: directly before the handler runs. False: the call ended while it
+  /// was queued, or its caller gave it up; drop it unanswered.
+  [[nodiscard]] bool begin() { return core_->begin(); }
 
   void finish(ByteView result) { std::exchange(core_, nullptr)->finish(result); }
   void fail(Failure failure) { std::exchange(core_, nullptr)->fail(std::move(failure)); }
@@ -182,6 +187,9 @@ class Servant {
   /// Decodes, runs the handler, answers. Must not throw; generated skeletons turn an exception of a
   /// handler into FAULT with its text.
   virtual void gecos_dispatch(IncomingCall call) = 0;
+
+  /// True: gecos_dispatch() only queues, and IncomingCall::begin() is called before each handler.
+  virtual bool gecos_begins_calls() const { return false; }
 
   /// A session in which calls came (Caller::session) has ended. On a thread of the server, beside
   /// handlers: must not block.

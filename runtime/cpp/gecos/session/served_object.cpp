@@ -6,6 +6,7 @@
 #include "gecos/base/log.hpp"
 #include "gecos/session/function_code.hpp"
 #include "gecos/session/packets.hpp"
+#include "gecos/session/start_words.hpp"
 
 namespace gecos::session {
 
@@ -75,16 +76,23 @@ std::shared_ptr<ServerCall> ServedObject::execute(const std::shared_ptr<ServerCa
   return start_next(starter);
 }
 
-/// False for one that was ended before a thread came to it: its caller was told, so it does not
-/// begin.
+/// False for one that was ended before a thread came to it, or may not start any more: its caller
+/// was told, so it does not begin.
 bool ServedObject::begins(ServerCall& call) {
+  runtime_->housekeeping().pauses().await_judgement(runtime_->clock());
   const Lock lock(mutex_);
-  if (call.terminal) {
+  if (!may_start(call) || (!servant_.gecos_begins_calls() && !marked(call))) {
     never_began(call);
     return false;
   }
   if (runs_long(call.operation())) call.listener().report(call, Detail::Executing, 0);
   return true;
+}
+
+bool ServedObject::begin(ServerCall& call) {
+  runtime_->housekeeping().pauses().await_judgement(runtime_->clock());
+  const Lock lock(mutex_);
+  return may_start(call) && marked(call);
 }
 
 /// All was ended before, or there is no thread for it.
@@ -108,10 +116,15 @@ void ServedObject::never_began(ServerCall& call) {
 
 std::shared_ptr<ServerCall> ServedObject::start_next(Starter starter) {
   ready_.store(false, std::memory_order_relaxed);
-  while (auto ticket = queue_.next()) {
+  if (runtime_->housekeeping().pauses().suspected(runtime_->clock().since_boot())) {
+    note_ready();  // housekeeping starts what may start once it has judged the pause
+    return nullptr;
+  }
+  while (auto ticket = next_ticket()) {
     auto call = std::static_pointer_cast<ServerCall>(std::move(ticket));
-    if (starts_on_time(*call)) {
-      if (starter == Starter::Other || runs_long(call->operation())) list(*call);
+    const bool here = starter != Starter::Other && !runs_long(call->operation());
+    if (may_start(*call) && (!here || servant_.gecos_begins_calls() || marked(*call))) {
+      if (!here) list(*call);
       return call;
     }
     never_began(*call);
@@ -119,9 +132,21 @@ std::shared_ptr<ServerCall> ServedObject::start_next(Starter starter) {
   return nullptr;
 }
 
+std::shared_ptr<Ticket> ServedObject::next_ticket() {
+  if (awaited_ == 0) return queue_.next();
+  return queue_.next([](const Ticket& ticket) {
+    return !static_cast<const ServerCall&>(ticket).listener().awaited;
+  });
+}
+
 /// What was true when it was queued need not be true any more.
-bool ServedObject::starts_on_time(ServerCall& call) {
+bool ServedObject::may_start(ServerCall& call) {
   if (call.terminal) return false;
+  const ServerSession& caller = call.listener();
+  if (caller.departed && !caller.parted_in_order) {
+    end(call, Failure{Detail::NotStarted, "its caller was gone before it started", {}, {}});
+    return false;
+  }
   if (call.deadline != TimePoint::max() && runtime_->clock().now() >= call.deadline) {
     end(call, Failure{Detail::Expired,
                       "the deadline of '" + std::string(call.operation().name) +
@@ -140,6 +165,24 @@ bool ServedObject::starts_on_time(ServerCall& call) {
               "'" + std::string(call.operation().name) + "' of " + name_ + " " + may.error().text,
               {},
               {}});
+  return false;
+}
+
+/// Marks it as started, directly before its handler begins. False when its caller has withdrawn it,
+/// and so has been told, or will be, that it did not start.
+bool ServedObject::marked(ServerCall& call) {
+  ServerSession& session = call.listener();
+  if (!session.link().offer().shared_words) return true;
+  const std::uint64_t counter = call.counter_in(session);
+  const std::size_t word = marked_word(call.lane);
+  session.marked.at(word) = std::max(session.marked.at(word), counter);
+  session.link().write_word(word, session.marked.at(word));
+  if (session.link().peer_word(withdrawn_word) < counter) return true;
+  end(call, Failure{Detail::NotStarted,
+                    "'" + std::string(call.operation().name) + "' of " + name_ +
+                        " was not started: its caller had given it up",
+                    {},
+                    {}});
   return false;
 }
 
@@ -336,6 +379,28 @@ void ServedObject::look_at_time(TimePoint now) {
   tell_positions();
 }
 
+void ServedObject::await_sign_of_life(ServerSession& session) {
+  const Lock lock(mutex_);
+  if (session.departed) return;
+  session.beats_judged = session.link().beats_seen();
+  if (!std::exchange(session.awaited, true)) ++awaited_;
+}
+
+void ServedObject::no_more_awaited(ServerSession& session) {
+  if (!std::exchange(session.awaited, false)) return;
+  --awaited_;
+  note_ready();
+}
+
+void ServedObject::after_pause(Duration stood_still) {
+  const Lock lock(mutex_);
+  end_commands([](const ServerCall& call) { return call.started; },
+               Failure{Detail::Fault,
+                       "the server " + stood_still_for(stood_still) + " while it was running",
+                       {},
+                       {}});
+}
+
 bool ServedObject::judge_silence(const std::shared_ptr<ServerSession>& session) {
   const Lock lock(mutex_);
   if (session->overrun()) return true;
@@ -344,6 +409,7 @@ bool ServedObject::judge_silence(const std::shared_ptr<ServerSession>& session) 
   if (beats != session->beats_judged || session->last_sign == TimePoint{}) {
     session->beats_judged = beats;
     session->last_sign = now;
+    no_more_awaited(*session);
     leases_.renew(session->id(), now);
     return false;
   }
@@ -355,6 +421,8 @@ void ServedObject::depart(const std::shared_ptr<ServerSession>& session, Departu
   {
     const Lock lock(mutex_);
     if (std::exchange(session->departed, true)) return;
+    session->parted_in_order = how == Departure::InOrder || session->left;
+    no_more_awaited(*session);
     if (how == Departure::InOrder || session->left) {
       give_back_all(*session);
     } else if (leases_.lose(session->id())) {

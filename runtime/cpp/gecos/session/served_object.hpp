@@ -55,12 +55,19 @@ class ServedObject final : public Publisher, public std::enable_shared_from_this
   /// The link is gone. In order: its commands go on, its status drains.
   enum class Departure : std::uint8_t { InOrder, Lost };
   void depart(const std::shared_ptr<ServerSession>& session, Departure how);
+  /// This process stood still: nothing of `session` starts before its next heartbeat.
+  void await_sign_of_life(ServerSession& session);
+  /// Ends the actor commands that ran meanwhile.
+  void after_pause(Duration stood_still);
   /// Heartbeat seen from it, or not, judged every tick. True: it ends, silent for so long or deaf.
   bool judge_silence(const std::shared_ptr<ServerSession>& session);
   /// Deadlines, leases, progress that waits to be told, and what may start and nobody looks at. On
   /// the housekeeping thread.
   void tend(TimePoint now);
 
+  /// Directly before the handler of a call begins, where that is not in gecos_dispatch: marks it
+  /// as started. False: it has ended meanwhile or may not start; drop it.
+  bool begin(ServerCall& call);
   void answered(ServerCall& call, ByteView result);
   void answered(ServerCall& call, Failure failure);
   void progressed(ServerCall& call, double fraction, ByteView feedback);
@@ -99,6 +106,7 @@ class ServedObject final : public Publisher, public std::enable_shared_from_this
   void end_early(ServerSession& session, std::uint64_t counter, Detail how, const std::string& why);
   void answer_again(ServerSession& session, std::uint64_t counter);
   void cancel(ServerSession& session, std::uint64_t counter);
+  void withdraw(ServerSession& session);
   void say_goodbye(ServerSession& session, SessionId to, const std::string& why);
 
   // Reserved operations; with the mutex.
@@ -117,7 +125,10 @@ class ServedObject final : public Publisher, public std::enable_shared_from_this
   // Life of calls; with the mutex.
   std::shared_ptr<ServerCall> start_next(Starter starter);
   std::vector<std::shared_ptr<ServerCall>> actor_commands() const;
-  bool starts_on_time(ServerCall& call);
+  std::shared_ptr<Ticket> next_ticket();
+  void no_more_awaited(ServerSession& session);
+  bool may_start(ServerCall& call);
+  bool marked(ServerCall& call);
   void not_begun(ServerCall& call);
   void never_began(ServerCall& call);
   void end(ServerCall& call, const Failure& failure);
@@ -158,6 +169,7 @@ class ServedObject final : public Publisher, public std::enable_shared_from_this
   std::condition_variable_any interrupted_;
   std::vector<std::shared_ptr<ServerCall>> open_;  ///< what has a deadline, and what may take long
   WatchedTime watched_;                            ///< leases and silence are judged by it
+  std::size_t awaited_ = 0;                        ///< sessions whose calls wait for a heartbeat
   bool closed_ = false;
   std::atomic<bool> ready_{
       false};  // a hint: something was queued or ended since it was last looked

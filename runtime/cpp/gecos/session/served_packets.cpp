@@ -39,6 +39,8 @@ std::string text_of(ObjectQueue::Full full, std::size_t bytes) {
   return {};
 }
 
+constexpr const char* given_up = "it was not started: its caller had given it up";
+
 SessionId new_session_id() {
   std::uint64_t id = 0;
   while (id == 0) {
@@ -83,6 +85,7 @@ void ServedObject::take_packet(const std::shared_ptr<ServerSession>& session, By
   if (header.kind == wire::PacketKind::Goodbye) {
     if (theirs) {
       session->left = true;
+      if (header.flags == withdraws) withdraw(*session);
       give_back_all(*session);
     }
     return say_goodbye(*session, header.session, "as you asked");
@@ -166,6 +169,22 @@ void ServedObject::greet(const std::shared_ptr<ServerSession>& session,
   session->send(header, wire::to_bytes(welcome));
 }
 
+/// Its client has given up what has not started.
+void ServedObject::withdraw(ServerSession& session) {
+  while (!session.early.empty()) {
+    end_early(session, session.early.begin()->first, Detail::NotStarted, given_up);
+  }
+  std::vector<std::shared_ptr<ServerCall>> calls;
+  for (const auto& [counter, call] : session.calls.all()) calls.push_back(call);
+  for (const auto& call : calls) {
+    if (!queue_.remove(*call)) continue;
+    end(*call, Failure{Detail::NotStarted, given_up, {}, {}});
+    call->answered = call->returned = true;
+    finished(*call);
+  }
+  note_ready();
+}
+
 void ServedObject::say_goodbye(ServerSession& session, SessionId to, const std::string& why) {
   wire::PacketHeader header;
   header.kind = wire::PacketKind::Goodbye;
@@ -178,8 +197,16 @@ void ServedObject::say_goodbye(ServerSession& session, SessionId to, const std::
 void ServedObject::arrive(const std::shared_ptr<ServerSession>& session,
                           const wire::PacketView& packet) {
   const std::uint64_t counter = packet.header.counter;
+  if (waited_too_long(*session)) {
+    if (session->repeats()) return;  // its client asks again, or has given it up
+    session->window.arrived_in_order(counter);
+    const std::string why = "it was not started: it lay unread for more than " +
+                            std::to_string(session->accept_within / std::chrono::milliseconds(1)) +
+                            " ms, because this process or its machine was kept from running";
+    history_.ended({session->id(), counter, Detail::NotStarted, why});
+    return session->reply(counter, Failure{Detail::NotStarted, why, {}, {}});
+  }
   if (session->repeats()) {
-    if (waited_too_long(*session)) return;
     // What was issued before a release still runs: until all of it is here, it has not arrived.
     const bool release =
         packet.header.code == FunctionCode{static_cast<std::uint32_t>(Reserved::Release)};
@@ -196,7 +223,7 @@ void ServedObject::arrive(const std::shared_ptr<ServerSession>& session,
     session->window.arrived_in_order(counter);
   }
   wire::PacketView aged = packet;
-  if (Duration& left = aged.header.deadline; session->repeats() && left > Duration{}) {
+  if (Duration& left = aged.header.deadline; left > Duration{}) {
     left = std::max(left - session->link().age(), Duration{1});
   }
   take_call(session, aged);

@@ -41,6 +41,7 @@ class Server::Core {
   struct Upkeep final : session::Tended {
     explicit Upkeep(Core& its_core) : core(&its_core) {}
     TimePoint tend(TimePoint now) override;
+    void after_pause(Duration stood_still) override;
     std::mutex mutex;
     Core* core;  ///< null once the server ends
   };
@@ -70,6 +71,14 @@ TimePoint Server::Core::Upkeep::tend(TimePoint now) {
   const std::lock_guard objects(core->mutex_);
   for (const auto& object : core->objects_) object->tend(now);
   return now + session::Housekeeping::tick;
+}
+
+void Server::Core::Upkeep::after_pause(Duration stood_still) {
+  const std::lock_guard lock(mutex);
+  if (core == nullptr) return;
+  core->io_.await_signs_of_life();
+  const std::lock_guard objects(core->mutex_);
+  for (const auto& object : core->objects_) object->after_pause(stood_still);
 }
 
 Server::Core::~Core() {

@@ -22,6 +22,8 @@ bool ServerCall::wait_interrupted_until(TimePoint until) {
   return object().wait_interrupted(*this, until);
 }
 
+bool ServerCall::begin() { return object().begin(*this); }
+
 void ServerCall::progress(double its_fraction, ByteView its_feedback) {
   object().progressed(*this, its_fraction, its_feedback);
 }

@@ -25,6 +25,7 @@ class ServerCall final : public CallCore,
   const Caller& caller() const override;
   bool interrupted() const override { return interrupted_.load(std::memory_order_acquire); }
   bool wait_interrupted_until(TimePoint deadline) override;
+  bool begin() override;
   void progress(double fraction, ByteView feedback) override;
   void finish(ByteView result) override;
   void fail(Failure failure) override;

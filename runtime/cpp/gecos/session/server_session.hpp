@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <deque>
 #include <limits>
@@ -81,14 +82,19 @@ class ServerSession {
   std::map<FunctionCode, std::uint32_t> subscriptions;  ///< stream and the id it is shared under
   /// Since which epoch it has held a status; its own stops renew it.
   std::uint64_t held_from = std::numeric_limits<std::uint64_t>::max();
+  /// The highest counter marked as started, by lane (start_words.hpp).
+  std::array<std::uint64_t, media::shared_word_count> marked{};
   std::size_t commands = 0;    ///< actor commands that have not reached their end
   std::size_t unreturned = 0;  ///< calls that wait, or whose handler has not answered and returned
   Duration accept_within{
       0};                 ///< as its client asked: what is older is not taken up; 0: however old
   bool left = false;      ///< said goodbye
   bool departed = false;  ///< its link is gone
+  bool parted_in_order = false;  ///< and what it had issued still runs
   std::uint64_t beats_judged = 0;
   TimePoint last_sign{};
+  /// The server stood still: nothing of it starts before it has shown a sign of life since.
+  bool awaited = false;
 
  private:
   void deliver(ByteView packet);

@@ -5,6 +5,7 @@
 #include "gecos/session/linked_session.hpp"
 #include "gecos/session/packets.hpp"
 #include "gecos/session/runtime.hpp"
+#include "gecos/session/start_words.hpp"
 
 namespace gecos::session {
 
@@ -44,6 +45,7 @@ std::shared_ptr<CommandCore> LinkedSession::call_repeatable(
   auto command = make_recycled<PendingCommand>(shared_from_this());
   command->again = std::make_unique<PendingCommand::Again>();
   auto& again = *command->again;
+  command->marked_words = marked_words(operation);
   again.code = operation.code;
   again.name = operation.name;
   again.arguments.resize(size);

@@ -67,12 +67,13 @@ class ServerSide(CallFacts):
             request_name(self._slots(call.request, "")),
             hex32(call.code),
             call.name,
-            tuple(self._handler_body(call, name, values, execution)),
+            tuple(self._handler_body(call, member, name, values, execution)),
         )
 
     def _handler_body(
         self,
         call: CallLayout,
+        member: Operation | Attribute,
         name: str,
         values: list[CallValue],
         execution: str,
@@ -85,14 +86,14 @@ class ServerSide(CallFacts):
         )  # fmt: skip
         lines = []
         if values:
-            lines += self._read_arguments(values, slots, source, request)
+            lines += self._read_arguments(values, slots, source, request, call)
         arguments = [slot.expression for slot in slots]
         if execution:
             lines.append(f"{execution} {run}({request});")
             arguments.append(run)
         lines.append(f"const auto {result} = this->{name}({', '.join(arguments)});")
         lines.append(f"if (!{result}) return {request}.fail({result}.error().failure());")
-        lines += self._answer(call, result, request, taken)
+        lines += self._answer(call, member, result, request, taken)
         return lines
 
     def _read_arguments(
@@ -101,6 +102,7 @@ class ServerSide(CallFacts):
         slots: list[Slot],
         source: str,
         request: str,
+        call: CallLayout,
     ) -> list[str]:
         lines = [f"gecos::wire::Decoder {source}({request}.arguments());"]
         required = first_missing(values)
@@ -129,6 +131,7 @@ class ServerSide(CallFacts):
     def _answer(
         self,
         call: CallLayout,
+        member: Operation | Attribute,
         result: str,
         request: str,
         taken: set[str],

@@ -6,6 +6,7 @@ namespace gecos::media {
 namespace {
 
 constexpr std::size_t most_notices = 1024;
+constexpr Duration oldest_sign_of_life = std::chrono::milliseconds(250);
 
 /// What was sealed, in a frame that was opened in place.
 ByteView text_in(const Bytes& frame) {
@@ -40,7 +41,8 @@ void LcmInbox::put_locked(Bytes frame, TimePoint now) {
   const auto header = InnerHeader::read(text_in(frame));
   if (!header) return;
   const Duration age = clock_.age(header->sent_ns, now);
-  beats_.fetch_add(1, std::memory_order_relaxed);
+  // One that waited here while this process stood still says nothing of the peer's life now.
+  if (age < oldest_sign_of_life) beats_.fetch_add(1, std::memory_order_relaxed);
   switch (header->kind) {
     case InnerKind::Beat:
       return;

@@ -46,6 +46,7 @@ const Offer& shm_offer() {
                                .real_time = true,
                                .reports_death = true,
                                .authenticated = true,
+                               .shared_words = true,
                                .largest_packet = largest_bulk_packet};
   return offer;
 }
@@ -188,6 +189,15 @@ void ShmLink::disarm() {
   own_.control->asleep.store(0, std::memory_order_relaxed);
   // Not the bell: then it was the socket, or the peer's death, or nothing.
   if (!bell_.quiet()) read_control();
+}
+
+void ShmLink::write_word(std::size_t index, std::uint64_t value) {
+  own_.control->words.at(index).store(value, std::memory_order_seq_cst);
+}
+
+std::uint64_t ShmLink::peer_word(std::size_t index) {
+  if (!other_->known()) return 0;  // it has not answered, so it has written nothing yet
+  return other_->ring().control->words.at(index).load(std::memory_order_seq_cst);
 }
 
 void ShmLink::beat() {

@@ -64,10 +64,13 @@ class ShmLink final : public Link {
   const Peer& peer() const override { return peer_; }
   tl::expected<std::uint64_t, SendProblem> send(ByteView head, ByteView body) override;
   std::optional<ByteView> receive() override;
+  Duration age() override { return reader_ ? reader_->age() : Duration::zero(); }
   std::optional<std::uint64_t> taken_by_peer() override;
   bool arm() override;
   void disarm() override;
   std::span<const int> descriptors() const override { return descriptors_; }
+  void write_word(std::size_t index, std::uint64_t value) override;
+  std::uint64_t peer_word(std::size_t index) override;
   void beat() override;
   std::uint64_t beats_seen() override;
   Loss loss() override;

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "gecos/base/clock.hpp"
+
+namespace gecos::session {
+
+/// "stood still for 3.1 s"
+std::string stood_still_for(Duration pause);
+
+/// Notices that this process stood still: SIGSTOP, a suspended machine, a core that was taken away.
+///
+/// The maintenance thread says at each tick by when the next one is due. A tick that is late by more
+/// than `longest_gap`, or would be if it came now, is a pause. Between the end of a pause and the
+/// moment at which maintenance has judged it nothing may start: what lies in the rings is as old as
+/// the pause, and nobody knows yet who died meanwhile. Times are of CLOCK_BOOTTIME.
+class PauseWatch {
+ public:
+  static constexpr Duration longest_gap = std::chrono::milliseconds(500);
+
+  /// Maintenance, at each tick. The length of the pause that ends here, if there was one; then
+  /// nothing starts until judged().
+  std::optional<Duration> tick(TimePoint now) {
+    const TimePoint due = due_.load(std::memory_order_relaxed);
+    if (due == TimePoint::max() || now - due <= longest_gap) return std::nullopt;
+    judging_.store(true, std::memory_order_relaxed);
+    return now - due;
+  }
+  /// Maintenance: sessions and commands are as the pause left them to be.
+  void judged(TimePoint next_due) {
+    {
+      const std::lock_guard lock(mutex_);
+      due_.store(next_due, std::memory_order_release);
+      judging_.store(false, std::memory_order_release);
+    }
+    judged_.notify_all();
+  }
+  /// Maintenance, where there was no pause. TimePoint::max(): it sleeps until it is woken.
+  void due(TimePoint next) { due_.store(next, std::memory_order_relaxed); }
+
+  /// Any thread, before it starts a handler: a pause has ended and is not judged yet.
+  bool suspected(TimePoint now) const {
+    const TimePoint due = due_.load(std::memory_order_relaxed);
+    return judging_.load(std::memory_order_acquire) ||
+           (due != TimePoint::max() && now - due > longest_gap);
+  }
+  /// Waits until it is judged. Never on the maintenance thread.
+  void await_judgement(const Clock& clock) {
+    if (!suspected(clock.since_boot())) return;
+    std::unique_lock lock(mutex_);
+    judged_.wait(lock, [&] { return !suspected(clock.since_boot()); });
+  }
+
+ private:
+  std::atomic<TimePoint> due_{TimePoint::max()};  // publishes nothing but itself
+  std::atomic<bool> judging_{false};              // cleared: publishes what the judge did
+  std::mutex mutex_;
+  std::condition_variable judged_;
+};
+
+}  // namespace gecos::session

@@ -1,0 +1,66 @@
+#include "gecos/session/pause_watch.hpp"
+
+#include <gtest/gtest.h>
+
+#include <thread>
+
+namespace gecos::session {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+constexpr TimePoint begin{seconds(100)};
+constexpr Duration gap = PauseWatch::longest_gap;
+
+TEST(PauseWatch, SuspectsNothingBeforeTheFirstTickNorWhileMaintenanceSleepsOnPurpose) {
+  PauseWatch watch;
+  EXPECT_FALSE(watch.suspected(begin));
+  EXPECT_FALSE(watch.tick(begin));
+  watch.due(TimePoint::max());
+  EXPECT_FALSE(watch.suspected(begin + std::chrono::hours(1)));
+  EXPECT_FALSE(watch.tick(begin + std::chrono::hours(1)));
+}
+
+TEST(PauseWatch, ATickThatIsLateByNoMoreThanTheGapIsNoPause) {
+  PauseWatch watch;
+  watch.due(begin);
+  EXPECT_FALSE(watch.suspected(begin + gap));
+  EXPECT_FALSE(watch.tick(begin + gap));
+}
+
+TEST(PauseWatch, EveryThreadSuspectsAPauseBeforeMaintenanceHasSeenIt) {
+  PauseWatch watch;
+  watch.due(begin);
+  EXPECT_TRUE(watch.suspected(begin + gap + milliseconds(1)));
+}
+
+TEST(PauseWatch, NothingMayStartUntilThePauseIsJudged) {
+  PauseWatch watch;
+  watch.due(begin);
+  const TimePoint end = begin + seconds(3);
+  EXPECT_EQ(watch.tick(end), seconds(3));
+  EXPECT_TRUE(watch.suspected(end)) << "it is being judged";
+  watch.judged(end + milliseconds(10));
+  EXPECT_FALSE(watch.suspected(end));
+  EXPECT_FALSE(watch.tick(end + milliseconds(10)));
+}
+
+TEST(PauseWatch, WhoWaitsForTheJudgementGoesOnAfterIt) {
+  FakeClock clock;
+  PauseWatch watch;
+  watch.due(clock.since_boot());
+  clock.advance(seconds(3));
+  ASSERT_TRUE(watch.tick(clock.since_boot()));
+  std::thread waiter([&] { watch.await_judgement(clock); });
+  watch.judged(clock.since_boot());
+  waiter.join();
+  EXPECT_FALSE(watch.suspected(clock.since_boot()));
+}
+
+TEST(PauseWatch, SaysHowLongItWasInSeconds) {
+  EXPECT_EQ(stood_still_for(milliseconds(3140)), "stood still for 3.1 s");
+}
+
+}  // namespace
+}  // namespace gecos::session
