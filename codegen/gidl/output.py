@@ -132,13 +132,17 @@ def write(outputs: Outputs, files: Mapping[str, str], difference: Difference) ->
 
 def replace_texts(texts: Mapping[Path, str]) -> None:
     """Gives files new texts, all or none: after an interrupt or on a full disk the old ones are
-    still there. An OSError names the file that could not be written."""
+    still there. A device or a pipe is written to and never replaced. An OSError names the file that
+    could not be written."""
     beside: dict[Path, Path] = {}
     try:
         for file, text in texts.items():
             with _naming(file):
                 file.parent.mkdir(parents=True, exist_ok=True)
                 real = file.resolve()
+                if real.exists() and not real.is_file():
+                    real.write_text(text, encoding="utf-8", newline="\n")
+                    continue
                 number, name = tempfile.mkstemp(dir=real.parent, prefix=f".{real.name}.")
                 beside[real] = Path(name)
                 with os.fdopen(number, "w", encoding="utf-8", newline="\n") as stream:

@@ -210,6 +210,17 @@ class TestWriting:
         assert said.endswith(": No space left on device\n")
         assert {p: p.read_text() for p in (here / "generated").rglob("*") if p.is_file()} == before
 
+    def test_a_pipe_is_written_to_and_stays_one(self, here: Path) -> None:
+        pipe = here / "inputs.d"
+        os.mkfifo(pipe)
+        reader = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
+        try:
+            assert main(["gen", "--lang", "cpp", "--depfile", str(pipe)]) == 0
+            assert pipe.is_fifo()
+            assert b"oven" in os.read(reader, 65536)
+        finally:
+            os.close(reader)
+
     def test_a_full_standard_output_is_named(
         self, here: Path, capfd: pytest.CaptureFixture[str]
     ) -> None:
