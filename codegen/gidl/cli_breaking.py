@@ -16,6 +16,7 @@ from gidl.cli_shared import (
     compiled_from,
     files_of,
     show,
+    strictly,
 )
 from gidl.compile import compile_files
 from gidl.file_names import source_stem
@@ -47,7 +48,7 @@ def run(chosen: argparse.Namespace) -> int:
     if "-" in files:
         print("gidl: breaking compares files; stdin has no older version", file=sys.stderr)
         return USAGE
-    new = compiled_from(chosen, files)
+    new = strictly(chosen, compiled_from(chosen, files))
     if new.has_errors:
         show(chosen, new.findings, new.sources)
         return FINDINGS

@@ -11,6 +11,7 @@ from gidl.cli_shared import (
     USAGE,
     add_except,
     add_files,
+    as_errors,
     compiled_from,
     count,
     files_of,
@@ -39,7 +40,7 @@ def run(chosen: argparse.Namespace) -> int:
         findings.sort(
             key=lambda f: (order[f.location.file], f.location.line) if f.location else (-1, 0)
         )
-    show(chosen, findings, compiled.sources)
+    show(chosen, as_errors(findings) if chosen.strict else findings, compiled.sources)
     if not findings and chosen.error_format == "text":
         print(f"gidl: nothing to better in {count(len(files), 'file')}", file=sys.stderr)
     return FINDINGS if findings else FINE

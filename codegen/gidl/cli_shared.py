@@ -139,8 +139,11 @@ def strictly(chosen: argparse.Namespace, compiled: Compiled) -> Compiled:
     """With --strict, warnings are errors."""
     if not chosen.strict or not compiled.findings:
         return compiled
-    errors = tuple(replace(found, severity=Severity.ERROR) for found in compiled.findings)
-    return replace(compiled, findings=errors, has_errors=True)
+    return replace(compiled, findings=tuple(as_errors(compiled.findings)), has_errors=True)
+
+
+def as_errors(findings: Iterable[Finding]) -> list[Finding]:
+    return [replace(found, severity=Severity.ERROR) for found in findings]
 
 
 def show(

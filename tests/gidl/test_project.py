@@ -304,3 +304,15 @@ class TestOptions:
             )
             out, err = capsys.readouterr()
             assert (out, "w.gidl:1:26: error[G0702]" in err) == ("", True)
+
+    def test_strict_of_lint_and_breaking(
+        self, here: Path, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        (here / "w.gidl").write_text(WARNS)
+        assert main(["lint", "--strict", "w.gidl"]) == 100
+        said = capsys.readouterr().err
+        assert "error[G0702]" in said
+        assert "warning[" not in said
+        assert main(["breaking", "--against", ".", "w.gidl"]) == 0
+        assert main(["breaking", "--strict", "--against", ".", "w.gidl"]) == 100
+        assert "error[G0702]" in capsys.readouterr().err
