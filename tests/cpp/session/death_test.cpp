@@ -231,9 +231,9 @@ INSTANTIATE_TEST_SUITE_P(Over, BothStandStill, ::testing::Values(Kind::Shm, Kind
                          gecos::media::name_of);
 
 TEST_P(BothStandStill, AndWhatADeadClientHadIssuedIsNotCarriedOut) {
-  // Shorter than the client's patience: it gives nothing up before it dies. Longer than a gap.
+  client_.kill_at_once();  // it has given nothing up
+  // The pause itself: what the client sent is younger than the server would refuse for its age.
   std::this_thread::sleep_for(gecos::session::PauseWatch::longest_gap + 100ms);
-  client_.kill_at_once();
   server_.signal(SIGCONT);
   EXPECT_EQ(level_of_a_free_robot(), 7);
 }
