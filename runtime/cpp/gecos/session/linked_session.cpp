@@ -224,8 +224,10 @@ void LinkedSession::lose(Ending how, const std::string& text) {
     if (lost_.load(std::memory_order_relaxed)) return;
     loss_text_ = text;
     lost_.store(true, std::memory_order_release);
-    // A goodbye that the server acknowledged drains: what is queued there still runs.
-    const bool drains = how == Ending::ByUs && goodbye_heard_.load(std::memory_order_relaxed);
+    // A goodbye that the server acknowledged drains: what is queued there still runs. So does one
+    // that nobody waited for: a proxy was dropped, and its commands are meant to go on.
+    const bool drains =
+        how == Ending::ByUs && (goodbye_heard_.load(std::memory_order_relaxed) || !awaits_goodbye_);
     if (link_->offer().shared_words && !drains) {
       link_->write_word(withdrawn_word, next_counter_ - 1);
       withdrawn_ = true;  // before any of them is reported: none of them starts any more
@@ -285,6 +287,10 @@ void LinkedSession::close(Duration patience) {
   if (repeats_ && patience > Duration{}) {
     wait(
         nullptr, [this] { return lost() || everything_arrived(); }, give_up);
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    awaits_goodbye_ = patience > Duration{};
   }
   bool sent = false;
   int tries = 1;

@@ -185,7 +185,8 @@ class LinkedSession final : public ClientSession,
   CallTable<PendingCommand> calls_;
   Bytes packet_;  ///< sending: reused
   std::string loss_text_;
-  bool withdrawn_ = false;  ///< the server starts nothing more of this session
+  bool awaits_goodbye_ = false;  ///< this program closes it, and waits for the server to know
+  bool withdrawn_ = false;       ///< the server starts nothing more of this session
   std::shared_ptr<LinkedSession> follower_;
   bool cancels_waiting_ = false;  ///< one found no room
   std::uint64_t statuses_ = 0;    ///< how many there were; leases of the newest count
