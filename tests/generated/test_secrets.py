@@ -22,6 +22,7 @@ module secrets {
   struct Login { string user; @secret Digits pin; @secret @optional string word; };
   exception Refused { string why; @secret string pin; };
   union Key switch (long) { case 1: string name; case 2: @secret Digits pin; };
+  union Proof switch (long) { case 1: @secret string pin; case 2: Login both; };
   union Only switch (boolean) { case TRUE: @secret string pin; };
 
   @version("1.0") interface Door {
@@ -83,6 +84,10 @@ def test_what_is_no_secret_is_shown(types: Any) -> None:
     assert loads(types.Key, '{"tag": 2, "value": "1234"}') == types.Key.make_pin("1234")
     with pytest.raises(wire.JsonError, match="value: it was hidden when this was written"):
         loads(types.Key, '{"tag": 2, "value": "***"}')
+
+
+def test_a_secret_under_the_tag_of_another_arm_is_not_shown(types: Any) -> None:
+    assert repr(types.Proof(2, SECRET)) == "Proof(tag=2, value=***)"
 
 
 WRONG = [

@@ -9,6 +9,7 @@
 #include <cstdio>
 
 #include "gecos/gecos.hpp"
+#include "gecos/session/termination.hpp"
 #include "record.hpp"
 #include "setting.hpp"
 #include "stress/workbench_server.hpp"
@@ -107,6 +108,7 @@ int main(int count, char** words) {
       return 1;
     }
     if (setting.text("child") == "yes") leave_a_child();
+    const gecos::session::Termination from_here_on;  // also before run() takes the signals
     record.note("serve " + std::to_string(getpid()));
     std::puts("ready");
     std::fflush(stdout);

@@ -41,9 +41,14 @@ def as_array(values: npt.ArrayLike, code: str) -> Array:
 
 
 def shown(union: Any, secret_arms: Collection[int]) -> str:
-    """`repr` of a union whose arms of these numbers are secret. What no arm selects may be one."""
+    """`repr` of a union whose arms of these numbers are secret. A text under the tag of an arm that
+    is none, or of no arm, may be one."""
+    from gecos.wire.shapes import Text  # which needs this module
+
     arm = union._arm(union.tag)
-    secret = arm in secret_arms or (arm == 0 and union.value is not None)
+    selected = union._gecos_shape().arms[arm - 1] if arm else None
+    misplaced = isinstance(union.value, str) and not isinstance(selected, Text)
+    secret = arm in secret_arms or misplaced
     value = HIDDEN if secret else repr(union.value)
     return f"{type(union).__name__}(tag={union.tag!r}, value={value})"
 
