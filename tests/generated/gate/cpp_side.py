@@ -235,9 +235,13 @@ class Program:
     def _handlers(self, interface: Interface) -> list[Virtual]:
         """In the order of the interface's own calls."""
         if interface.name not in self._virtuals:
-            header = self._header(interface)
-            name = self._layout.cpp_names.servants[interface.name].name
-            body = re.search(rf"class {name} :.*?\n}};", header, re.S)
+            servant = self._layout.cpp_names.servants[interface.name]
+            scope, name = "::".join(servant.scope), servant.name
+            text = self._header(interface)
+            if scope:  # a header may have several namespaces with a class of that name
+                inside = rf"^namespace {scope} {{\n(.*?)^}}  // namespace {scope}$"
+                text = "".join(re.findall(inside, text, re.S | re.M))
+            body = re.search(rf"class {name} :.*?\n}};", text, re.S)
             assert body is not None, f"no servant {name} in the header of {interface.name}"
             text = re.sub(r"\s+", " ", re.sub(r"//.*", "", body[0]))
             found = re.findall(r"virtual (gecos::Result<.*?>) (\w+)\( ?(.*?)\) = 0;", text)
