@@ -121,6 +121,10 @@ def compilers() -> tuple[str, str]:
     return "c++", "c++"
 
 
+class CompilerCrashed(Rejected):
+    """The compiler itself failed, which says nothing of the program."""
+
+
 class Compiler:
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -172,10 +176,11 @@ class Compiler:
         program = Program(made.model, made.layout, self.folder / "cpp", made.stems)
         name = made.set.name
         (self.folder / f"{name}.gate.cpp").write_text(program.source(), encoding="utf-8")
-        self._run(
-            [*self._cache, self._command, *self._flags, "-include", FIRST, "-c", f"{name}.gate.cpp",
-             "-o", f"{name}.o"]
-        )  # fmt: skip
+        rest = [*self._flags, "-include", FIRST, "-c", f"{name}.gate.cpp", "-o", f"{name}.o"]
+        try:
+            self._run([*self._cache, self._command, *rest])
+        except CompilerCrashed:  # clang 14 does on some valid programs
+            self._run([*self._cache, "c++", *rest])
         objects = [self._object(source) for source in SUPPORT]
         self._run([self._linker, *SANITIZERS, f"{name}.o", *objects, "-o", name])
         return program, self.folder / name
@@ -184,6 +189,8 @@ class Compiler:
         done = subprocess.run(
             command, cwd=self.folder, capture_output=True, text=True, env=self._environment
         )
+        if "PLEASE submit a bug report" in done.stderr:
+            raise CompilerCrashed(f"C++: {done.stderr[:6000]}")
         if done.returncode:
             raise Rejected(f"C++: {done.stderr[:6000]}")
 

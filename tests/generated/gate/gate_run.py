@@ -86,7 +86,7 @@ def corpus() -> list[Set]:
         *idl.rglob("*.gidl"),
     ]
     return [
-        Set("_".join(f.relative_to(TREE / "tests").with_suffix("").parts), (f,), (f.parent, idl))
+        Set("_".join(f.relative_to(TREE / "tests").with_suffix("").parts), (f,), (idl, f.parent))
         for f in sorted(found)
         if not any(
             word in f.read_text(errors="replace") for word in ("@event", 'dir="in"', "own::Point")

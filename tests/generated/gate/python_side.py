@@ -35,6 +35,7 @@ from gidl.model import (
     Struct,
     Union,
 )
+from gidl.targets.python import names
 from gidl.wire_layout import Layout
 from neutral import (
     REFERENCE,
@@ -337,7 +338,7 @@ class Calls:
 
     def published(self, code: int, slot: Slot, value: Any) -> Verdict:
         """A value given to the servant as a sample of a stream."""
-        method = self._servant._gecos_handlers[code].method
+        name = names.publisher(self._servant._gecos_handlers[code].operation.name)
         caught: list[bytes] = []
 
         class Probe(self._servant):  # type: ignore[misc, name-defined]
@@ -346,11 +347,6 @@ class Calls:
 
         Probe.__abstractmethods__ = frozenset()
         probe = Probe()
-        name = next(
-            n
-            for n in (f"publish_{method.rstrip('_')}_", f"publish_{method}_", f"publish_{method}")
-            if hasattr(probe, n)
-        )
 
         def work() -> bytes:
             getattr(probe, name)(self._types.built(slot, value))
