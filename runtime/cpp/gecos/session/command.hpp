@@ -125,7 +125,8 @@ class CommandCore {
   /// Descriptor that becomes readable when the command is terminal; the core owns it.
   virtual int descriptor() = 0;
   /// Runs `then` once the command is terminal: at once when it is, else on the lab's thread of
-  /// callbacks; also when the command was dropped. What `then` throws is logged and goes no further.
+  /// callbacks; also when the command was dropped. What `then` throws is logged and goes no
+  /// further.
   virtual void when_ended(std::function<void()> then) = 0;
 };
 

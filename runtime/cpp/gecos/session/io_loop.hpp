@@ -31,8 +31,8 @@ class IoLoop {
   void serve(std::shared_ptr<ServedObject> object, std::shared_ptr<media::Acceptor> acceptor);
   /// Parts from the clients of `object` and lets no more in. @pre it is closed
   void withdraw(const ServedObject& object);
-  /// After a pause of this process: each session's calls wait for a heartbeat that comes from now on.
-  /// On the housekeeping thread.
+  /// After a pause of this process: each session's calls wait for a heartbeat that comes from now
+  /// on. On the housekeeping thread.
   void await_signs_of_life();
   /// Heartbeats, silence and lost links; wakes the standby. On the housekeeping thread.
   void tend(TimePoint now);

@@ -55,8 +55,8 @@ class ObjectQueue {
 
   /// The next call that may start now; from then on it counts as started. Null when none may.
   std::shared_ptr<Ticket> next();
-  /// Likewise, of those that `wanted` picks. Actor commands keep their order: one that is not wanted
-  /// holds up those behind it.
+  /// Likewise, of those that `wanted` picks. Actor commands keep their order: one that is not
+  /// wanted holds up those behind it.
   std::shared_ptr<Ticket> next(FunctionRef<bool(const Ticket&)> wanted);
   /// Its handler's thread came back. The call may be answered later.
   void returned(const Ticket& ticket);

@@ -15,10 +15,10 @@ std::string stood_still_for(Duration pause);
 
 /// Notices that this process stood still: SIGSTOP, a suspended machine, a core that was taken away.
 ///
-/// The maintenance thread says at each tick by when the next one is due. A tick that is late by more
-/// than `longest_gap`, or would be if it came now, is a pause. Between the end of a pause and the
-/// moment at which maintenance has judged it nothing may start: what lies in the rings is as old as
-/// the pause, and nobody knows yet who died meanwhile. Times are of CLOCK_BOOTTIME.
+/// The maintenance thread says at each tick by when the next one is due. A tick that is late by
+/// more than `longest_gap`, or would be if it came now, is a pause. Between the end of a pause and
+/// the moment at which maintenance has judged it nothing may start: what lies in the rings is as
+/// old as the pause, and nobody knows yet who died meanwhile. Times are of CLOCK_BOOTTIME.
 class PauseWatch {
  public:
   static constexpr Duration longest_gap = std::chrono::milliseconds(500);

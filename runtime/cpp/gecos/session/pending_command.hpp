@@ -47,7 +47,7 @@ class PendingCommand final : public CommandCore {
       0;  ///< written before the command is shared, as the two below, or by moor()
   std::uint64_t session_id = 0;
   std::uint64_t boot = 0;
-  std::uint64_t sent_as = 0;  ///< the packet's number on the link; written before it is shared
+  std::uint64_t sent_as = 0;      ///< the packet's number on the link; written before it is shared
   std::uint8_t marked_words = 0;  ///< where the server marks its start; written before it is shared
   /// It was sent in `session`, its first or another; with that session's mutex.
   void moor(const std::shared_ptr<LinkedSession>& session, const CommandId& id, std::uint64_t as);

@@ -119,8 +119,8 @@ class IncomingCall {
     return core_->wait_interrupted_until(deadline);
   }
   void progress(double fraction, ByteView feedback) { core_->progress(fraction, feedback); }
-  /// For servants that queue calls: directly before the handler runs. False: the call ended while it
-  /// was queued, or its caller gave it up; drop it unanswered.
+  /// For servants that queue calls: directly before the handler runs. False: the call ended while
+  /// it was queued, or its caller gave it up; drop it unanswered.
   [[nodiscard]] bool begin() { return core_->begin(); }
 
   void finish(ByteView result) { std::exchange(core_, nullptr)->finish(result); }

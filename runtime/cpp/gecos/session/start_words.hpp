@@ -10,10 +10,10 @@
 /// so that neither needs the other to run.
 ///
 /// The server writes the counter of a call before it starts it: the *mark*. The client writes the
-/// counter of its last call before it reports how its calls ended: the *withdrawal*. Each then reads
-/// the other's word. In the one order of all four, a call whose mark the client does not see was
-/// marked after the withdrawal or never, and a server that marks after a withdrawal sees it and does
-/// not start the call.
+/// counter of its last call before it reports how its calls ended: the *withdrawal*. Each then
+/// reads the other's word. In the one order of all four, a call whose mark the client does not see
+/// was marked after the withdrawal or never, and a server that marks after a withdrawal sees it and
+/// does not start the call.
 namespace gecos::session {
 
 /// Of the client: no call up to this counter may start any more.
@@ -23,8 +23,8 @@ inline constexpr std::size_t withdrawn_word = 0;
 /// in their order there, but for handlers that run beside each other.
 constexpr std::size_t marked_word(Ticket::Place lane) { return static_cast<std::size_t>(lane); }
 
-/// The words in which the mark of a call of `operation` may stand, one bit each. None for a built-in
-/// operation, which has no handler.
+/// The words in which the mark of a call of `operation` may stand, one bit each. None for a
+/// built-in operation, which has no handler.
 inline std::uint8_t marked_words(const OperationDescription& operation) {
   const auto bit = [](Ticket::Place lane) {
     return static_cast<std::uint8_t>(1U << marked_word(lane));
