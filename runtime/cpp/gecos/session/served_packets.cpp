@@ -13,8 +13,11 @@ namespace gecos::session {
 namespace {
 
 /// While this process was stopped, say: its client has been told that nobody knows, or asks again.
+/// Where the medium loses nothing, a call also waits unread behind handlers that take long, which
+/// is no reason to refuse it: there only a pause is.
 bool waited_too_long(ServerSession& session) {
-  return session.accept_within > Duration{} && session.link().age() > session.accept_within;
+  return (session.repeats() || session.awaited) && session.accept_within > Duration{} &&
+         session.link().age() > session.accept_within;
 }
 
 std::string text_of(ObjectQueue::Full full, std::size_t bytes) {
