@@ -6,7 +6,7 @@ JOBS ?= $(shell nproc)
 PYTHON := .venv/bin/python
 CTEST := ctest --output-on-failure --no-tests=error -j$(JOBS)
 CONFIGURE := tools/configure.sh $(BUILD) $(BUILD_TYPE)
-# What is built for use, without tests and benchmarks: a part of the same folder that the tests are built in.
+# The targets for use, without tests and benchmarks. Tests are built in the same folder.
 PARTS := $(addsuffix /all,runtime/cpp generated/cpp devices examples runtime/python)
 
 export GECOS_WERROR ?= $(if $(CI),ON)

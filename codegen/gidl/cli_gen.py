@@ -50,10 +50,13 @@ def add_verb(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None
     gen.add_argument(
         "--prune",
         action="store_true",
-        help="although files are named, delete what was generated from any other file",
+        help="delete the leftovers of all interfaces, even when files are named",
     )
     gen.add_argument(
-        "--depfile", type=Path, metavar="FILE", help="for Make and Ninja: what was read"
+        "--depfile",
+        type=Path,
+        metavar="FILE",
+        help="write the list of read files there, for Make and Ninja",
     )
     gen.set_defaults(command=run)
 
@@ -138,8 +141,8 @@ def texts_of(compiled: Compiled, languages: Collection[str]) -> dict[str, str]:
 
 
 def _sources(chosen: argparse.Namespace, compiled: Compiled) -> Collection[str] | None:
-    """Whose stale files go: those of the files that are named. Where none is named the run is about
-    all interfaces, and what is made from another one is made from one that is gone."""
+    """The sources whose stale output goes: the named files. None: the run is about all interfaces,
+    so output of any other source is left over from one that is gone."""
     if chosen.prune or not chosen.files:
         return None
     return {source_stem(file.path) for file in compiled.model.files if file.asked_for}

@@ -131,7 +131,7 @@ def files_of(chosen: argparse.Namespace) -> list[str] | None:
 
 
 def compiled_from(chosen: argparse.Namespace, files: list[str]) -> Compiled:
-    """Compiles as command line and project file say. What was found is the caller's to show."""
+    """Compiles as command line and project file say. The caller shows the findings."""
     return compile_files(files, chosen.search, wide=chosen.wide is not None, defines=chosen.defines)
 
 

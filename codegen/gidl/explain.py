@@ -26,7 +26,7 @@ def all_titles() -> list[tuple[str, str]]:
 
 
 def lint_rules() -> list[str]:
-    """What may be excepted: advice, and terms that do not act yet."""
+    """The codes that `--except` takes: advice, and terms that do not act yet."""
     return [code for code, _ in all_titles() if code.startswith("G09") or code == not_yet.CODE]
 
 

@@ -294,7 +294,7 @@ def read_text(shown: str, findings: Findings) -> str | None:
 
 
 def _source(path: str, shown: str, data: bytes) -> Source:
-    """What is not UTF-8 is read as Latin-1. The lexer says whether it stands where it may."""
+    """Bytes that are no UTF-8 are read as Latin-1. The lexer says if they stand in a comment."""
     text = data.decode("utf-8", "surrogateescape")
     foreign = tuple(m.start() for m in _NOT_UTF_8.finditer(text))
     return Source(path, shown, text.translate(_AS_LATIN_1), foreign)

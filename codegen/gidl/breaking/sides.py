@@ -35,8 +35,8 @@ class Sides:
     new: Model
 
     def declarations(self) -> Iterator[tuple[AnyDeclaration, AnyDeclaration | None]]:
-        """What the old files declare, with what it became. What is gone counts only in files that
-        were asked for: another one may just not be included any more."""
+        """The old declarations, each with what it became. A missing one counts only in files that
+        were asked for: another file may just not be included any more."""
         became = {_key(self.new, d): d for d in self.new.declarations()}
         for file in self.old.files:
             for declaration in file.declarations:
