@@ -1,6 +1,7 @@
 #!/bin/bash
-# fuzz.sh <parser|decoders|packets|datagrams|rings|verdicts|lcm-gen|evolution>: one of the runs of `make fuzz`.
-# FUZZ_SECONDS says how long the first five run, FUZZ_SEED what verdicts and lcm-gen begin with.
+# fuzz.sh <parser|decoders|packets|datagrams|rings|verdicts|lcm-gen|evolution|gate>: one of the runs of `make fuzz`.
+# FUZZ_SECONDS says how long the first five run, FUZZ_SEED what verdicts, lcm-gen and gate begin with, GATE_SETS how many
+# random sets of files gate makes.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 seconds=${FUZZ_SECONDS:-600}
@@ -43,8 +44,13 @@ case "${1-}" in
   evolution)
     GIDL_EVOLUTION_EDITS=2000 exec "$python" -m pytest -q tests/gidl/test_evolution.py
     ;;
+  gate)
+    seed=${FUZZ_SEED:-$RANDOM}
+    echo "gate: seed $seed"
+    exec "$python" tests/generated/gate/__main__.py --random "${GATE_SETS:-500}" --seed "$seed" --jobs "$jobs"
+    ;;
   *)
-    echo "fuzz: name one of parser, decoders, packets, datagrams, rings, verdicts, lcm-gen, evolution" >&2
+    echo "fuzz: name one of parser, decoders, packets, datagrams, rings, verdicts, lcm-gen, evolution, gate" >&2
     exit 2
     ;;
 esac
