@@ -76,7 +76,8 @@ class Declarations(Types):
         name = self.fresh(here)
         inside = Scope((*here, name), {n.lower(): n for n in (base.fields if base else ())})
         room = (64 if self.once_in(3) else 31) - (base.bits if base else 0)
-        fields, bits = [], base.bits if base else 0
+        fields: list[str] = []
+        bits = base.bits if base else 0
         while room > 0 and len(fields) < 4:
             width = self.dice.randint(1, min(room, 12))
             if fields and self.once_in(5):

@@ -118,22 +118,20 @@ def run(folder: Path, sets: list[Set], values: int, jobs: int, mypy: bool) -> li
         checked = threads.submit(type_checked, folder) if mypy and made else None
         compiled = [(each, threads.submit(compiler.program, each)) for each in made]
         compared = []
-        for each, future in compiled:
+        for one, future in compiled:
             try:
                 program, binary = future.result()
             except Rejected as why:
-                outcomes[each.set.name].differences.append(str(why))
+                outcomes[one.set.name].differences.append(str(why))
                 continue
             except Exception:
-                outcomes[each.set.name].differences.append(traceback.format_exc())
+                outcomes[one.set.name].differences.append(traceback.format_exc())
                 continue
-            compared.append(
-                (each, processes.submit(compare, folder, each, program, binary, values))
-            )
-        for each, told in compared:
+            compared.append((one, processes.submit(compare, folder, one, program, binary, values)))
+        for one, told in compared:
             outcome = told.result()
-            outcome.differences = outcomes[each.set.name].differences + outcome.differences
-            outcomes[each.set.name] = outcome
+            outcome.differences = outcomes[one.set.name].differences + outcome.differences
+            outcomes[one.set.name] = outcome
         if checked is not None and checked.result():
             said.differences.append(checked.result())
     return [*outcomes.values(), said]

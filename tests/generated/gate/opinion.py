@@ -132,7 +132,7 @@ class Opinion:
                 declaration = self._model.find(name)
                 assert isinstance(declaration, EnumDeclaration | Bitmask)
                 wide = declaration.bit_bound > 32
-        out = (tag & 0xFFFF_FFFF_FFFF_FFFF).to_bytes(8, "big")
+        out: bytes = (tag & 0xFFFF_FFFF_FFFF_FFFF).to_bytes(8, "big")
         out = out if wide else out[4:]
         for at, slot in enumerate(arms(union), start=1):
             out += bytes([at == index])

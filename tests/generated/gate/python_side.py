@@ -212,7 +212,7 @@ class Types:
             case Interface():
                 return self._members(list(REFERENCE), value)
             case EnumDeclaration() | Bitmask():
-                assert isinstance(value, enum.Enum), f"{value!r} is no {name}"
+                assert isinstance(value, enum.IntEnum | enum.IntFlag), f"{value!r} is no {name}"
                 return int(value)
             case Bitset():
                 slots = [Slot(f.type) for f in named_fields(self._model, declaration)]
