@@ -70,6 +70,6 @@ apt-config dump | grep -E '^Acquire::(https?::|Check-|Retries)' >"$system/etc/ap
 [ ! -f /etc/pip.conf ] || cp /etc/pip.conf "$system/etc/"
 [ ! -f ~/.config/pip/pip.conf ] || install -D ~/.config/pip/pip.conf "$system/root/.config/pip/pip.conf"
 cp -r /usr/local/share/ca-certificates "$system/usr/local/share/"
-chroot "$system" update-ca-certificates >/dev/null 2>&1
+said=$(env -u TMPDIR chroot "$system" update-ca-certificates 2>&1) || { echo "$said"; exit 1; }
 git clone --quiet --no-hardlinks . "$system/root/robcl"
 unshare --mount --pid --fork --kill-child --propagation private "$0" --inside "$system" "$@"
