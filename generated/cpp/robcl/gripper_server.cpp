@@ -44,6 +44,8 @@ void GripperServant::gecos_dispatch(gecos::IncomingCall call) {
     }
   } catch (const std::exception& error) {
     call.fail({gecos::Detail::Fault, std::string("the handler threw: ") + error.what(), {}, {}});
+  } catch (...) {
+    call.fail({gecos::Detail::Fault, "the handler threw something that is no std::exception", {}, {}});
   }
 }
 

@@ -24,6 +24,7 @@ class Painter final : public DeepServant {
     seen_times = times;
     if (words.empty()) return tl::unexpected(Refused{"no words", 1.5});
     if (words[0] == "boom") throw std::runtime_error("the can fell over");
+    if (words[0] == "bang") throw 7;
     return what;
   }
   gecos::Result<Stage_measure_result> measure(std::int32_t channel, const Grows& state) override {
@@ -102,6 +103,14 @@ TEST_F(GeneratedCalls, TurnWhatAHandlerThrowsIntoAFaultWithItsText) {
   ASSERT_FALSE(painted);
   EXPECT_EQ(painted.error().detail, Detail::Fault);
   EXPECT_NE(painted.error().text.find("the can fell over"), std::string::npos);
+}
+
+TEST_F(GeneratedCalls, TurnWhatIsNoExceptionOfTheStandardLibraryIntoAFaultToo) {
+  const auto painted = stage.paint(Colour::RED, {"bang"}).get();
+  ASSERT_FALSE(painted);
+  EXPECT_EQ(painted.error().detail, Detail::Fault);
+  EXPECT_EQ(painted.error().text, "the handler threw something that is no std::exception");
+  EXPECT_TRUE(stage.paint(Colour::RED, {"a"}).get()) << "and the next call is carried out";
 }
 
 TEST_F(GeneratedCalls, RefuseBadParametersBeforeAnythingIsSent) {

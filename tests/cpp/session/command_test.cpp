@@ -160,6 +160,23 @@ TEST_P(Commands, AreAnsweredLaterFromAnotherThread) {
   for (auto& thread : answering->threads) thread.join();
 }
 
+TEST_P(Commands, AreFaultWhenTheirServantThrowsWhateverItThrows) {
+  servant_.on_read([](gecos::IncomingCall) { throw 7; });
+  const auto read = probe_.read().get();
+  ASSERT_FALSE(read);
+  EXPECT_EQ(read.error().detail, Detail::Fault);
+  servant_.on_read(nullptr);
+  EXPECT_EQ(probe_.read().get().value(), 7) << "the server goes on";
+}
+
+TEST_P(Commands, OfAWorkerAreFaultToo) {
+  servant_.on_move([] { throw 7; });
+  const auto moved = probe_.move(1).get();
+  ASSERT_FALSE(moved);
+  EXPECT_EQ(moved.error().detail, Detail::Fault);
+  EXPECT_EQ(probe_.set(3).get().value(), 3) << "its queue goes on";
+}
+
 TEST_P(Commands, AreFaultWhenTheirHandlerDropsThem) {
   servant_.on_read([](gecos::IncomingCall) {});
   const auto read = probe_.read().get();

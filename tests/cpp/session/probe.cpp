@@ -114,12 +114,15 @@ void ProbeServant::gecos_dispatch(gecos::IncomingCall call) {
 
 void ProbeServant::move(gecos::IncomingCall call, std::int32_t goal) {
   const std::string which = std::to_string(goal);
+  std::function<void()> at_start;
   {
     const std::lock_guard lock(mutex_);
     ++moves_;
     events_.push_back("start " + which);
+    at_start = on_move_;
   }
   changed_.notify_all();
+  if (at_start) at_start();
   call.progress(0.25, bytes_of(goal));
   for (;;) {
     {
@@ -146,6 +149,11 @@ void ProbeServant::publish_damaged() {
 void ProbeServant::on_read(std::function<void(gecos::IncomingCall)> handler) {
   const std::lock_guard lock(mutex_);
   on_read_ = std::move(handler);
+}
+
+void ProbeServant::on_move(std::function<void()> at_start) {
+  const std::lock_guard lock(mutex_);
+  on_move_ = std::move(at_start);
 }
 
 void ProbeServant::await(const std::string& what, const std::function<bool()>& come) {

@@ -92,6 +92,8 @@ class ProbeServant : public gecos::Servant {
 
   /// Instead of answering `read` or `look` with the level.
   void on_read(std::function<void(gecos::IncomingCall)> handler);
+  /// At the start of `move`, on its thread.
+  void on_move(std::function<void()> at_start);
 
  private:
   /// Throws, and says what came instead, when it does not come within half a minute.
@@ -103,6 +105,7 @@ class ProbeServant : public gecos::Servant {
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::function<void(gecos::IncomingCall)> on_read_;
+  std::function<void()> on_move_;
   std::vector<std::string> events_;
   std::int32_t level_ = 7;
   int moves_ = 0;

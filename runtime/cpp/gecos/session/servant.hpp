@@ -184,8 +184,8 @@ class Servant {
   Servant& operator=(const Servant&) = delete;
 
   virtual const InterfaceDescription& gecos_interface() const = 0;
-  /// Decodes, runs the handler, answers. Must not throw; generated skeletons turn an exception of a
-  /// handler into FAULT with its text.
+  /// Decodes, runs the handler, answers. Generated skeletons turn what a handler throws into FAULT
+  /// with its text. What comes out of here is logged, and its call ends as FAULT without a text.
   virtual void gecos_dispatch(IncomingCall call) = 0;
 
   /// True: gecos_dispatch() only queues, and IncomingCall::begin() is called before each handler.

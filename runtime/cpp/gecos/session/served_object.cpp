@@ -63,7 +63,13 @@ void ServedObject::run_ready(Starter starter, std::shared_ptr<ServerCall> starte
 
 std::shared_ptr<ServerCall> ServedObject::execute(const std::shared_ptr<ServerCall>& call,
                                                   Starter starter) {
-  servant_.gecos_dispatch(IncomingCall(call));
+  try {
+    servant_.gecos_dispatch(IncomingCall(call));
+  } catch (...) {  // dropped unanswered, the call has ended as FAULT
+    log_error("session", name_ + ": the servant threw while it dispatched '" +
+                             std::string(call->operation().name) +
+                             "'; catch it there and fail the call with its text");
+  }
   const Lock lock(mutex_);
   call->returned = true;
   queue_.returned(*call);
