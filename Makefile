@@ -85,7 +85,7 @@ bench-peers:  ## ours beside omniORB, Ice, Cap'n Proto, iceoryx, iceoryx2 and LC
 	@benchmarks/peers/setup.sh build-release
 	@$(PYTHON) benchmarks/peers/bench_peers.py --build build-release $(BENCH)
 
-# Each run says what it found; all of them run, whatever the others said. FUZZ_SECONDS=60 GATE_SETS=20 for shorter ones.
+# Each run says what it found; all of them run, whatever the others said. FUZZ_SECONDS=60 FUZZ_SETS=20 for shorter ones.
 FUZZ_SECONDS ?= 600
 FUZZ ?= parser decoders packets datagrams rings verdicts lcm-gen evolution gate
 .PHONY: fuzz

@@ -1,6 +1,6 @@
 #!/bin/bash
 # fuzz.sh <parser|decoders|packets|datagrams|rings|verdicts|lcm-gen|evolution|gate>: one of the runs of `make fuzz`.
-# FUZZ_SECONDS says how long the first five run, FUZZ_SEED what verdicts, lcm-gen and gate begin with, GATE_SETS how many
+# FUZZ_SECONDS says how long the first five run, FUZZ_SEED what verdicts, lcm-gen and gate begin with, FUZZ_SETS how many
 # random sets of files gate makes.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -47,7 +47,7 @@ case "${1-}" in
   gate)
     seed=${FUZZ_SEED:-$RANDOM}
     echo "gate: seed $seed"
-    exec "$python" tests/generated/gate/__main__.py --random "${GATE_SETS:-500}" --seed "$seed" --jobs "$jobs"
+    exec "$python" tests/generated/gate/__main__.py --random "${FUZZ_SETS:-500}" --seed "$seed" --jobs "$jobs"
     ;;
   *)
     echo "fuzz: name one of parser, decoders, packets, datagrams, rings, verdicts, lcm-gen, evolution, gate" >&2

@@ -30,6 +30,7 @@ from gidl.output import (
     compare,
     diff_text,
     first_difference,
+    not_ours,
     read_output,
     replace_texts,
     write,
@@ -98,7 +99,10 @@ def run(chosen: argparse.Namespace) -> int:
             found += differing(outputs, texts, difference, _mend(chosen)).found
         show(chosen, found, compiled.sources)
         return _told(chosen, outputs, texts, difference)
-    show(chosen, found, compiled.sources)
+    in_the_way = _in_the_way(outputs, difference)
+    show(chosen, found + in_the_way, compiled.sources)
+    if in_the_way:
+        return FINDINGS
     write(outputs, texts, difference)
     if chosen.depfile is not None:
         project = [chosen.project.file] if chosen.project.file is not None else []
@@ -122,6 +126,17 @@ def _modules_of_two(compiled: Compiled) -> list[Finding]:
     for clash in same_modules(f.path for f in model.files if has_output(model, f.path)):
         clash.report("G0022", wrong, compiled.sources)
     return wrong.found
+
+
+def _in_the_way(outputs: Outputs, difference: Difference) -> list[Finding]:
+    """A finding for each file that somebody wrote by hand and `gen` would replace."""
+    findings = Findings()
+    for place in not_ours(outputs, difference):
+        message = "is no generated file, and a generated one belongs there"
+        findings.file_error(
+            "G1404", place.as_posix(), message, "move it away or delete it; nothing was written"
+        )
+    return findings.found
 
 
 def texts_of(compiled: Compiled, languages: Collection[str]) -> dict[str, str]:

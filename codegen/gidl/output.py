@@ -114,6 +114,12 @@ def _head(place: Path) -> str:
         return ""
 
 
+def not_ours(outputs: Outputs, difference: Difference) -> list[Path]:
+    """Files with a text of somebody else's in the places of generated ones."""
+    places = (outputs.place(path) for path in difference.changed)
+    return [place for place in places if (head := _head(place).strip()) and not _MARK.search(head)]
+
+
 def write(outputs: Outputs, files: Mapping[str, str], difference: Difference) -> None:
     """Makes the folders what `files` say. Untouched files keep their time stamp. All new texts are
     on disk before the first old one goes: a full disk or a folder that cannot be written leaves

@@ -60,6 +60,21 @@ class TestDeleting:
         assert (here / "generated/cpp/lab/stage_types.hpp").exists()
         assert main(["gen", "--check", "--lang", "cpp"]) == 0
 
+    def test_a_file_written_by_hand_is_not_replaced(
+        self, here: Path, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        mine = here / "generated" / "cpp" / "lab" / "oven_types.hpp"
+        mine.parent.mkdir(parents=True)
+        mine.write_text("// mine\n")
+        assert main(["gen", "--lang", "cpp"]) == 100
+        said = capsys.readouterr().err
+        assert "G1404" in said
+        assert "generated/cpp/lab/oven_types.hpp" in said
+        assert mine.read_text() == "// mine\n"
+        assert [file.name for file in mine.parent.iterdir()] == [mine.name]
+        mine.write_text("")  # an empty file is nobody's
+        assert main(["gen", "--lang", "cpp"]) == 0
+
     @pytest.mark.parametrize("words", [[], ["--prune", "idl/lab/oven.gidl"]])
     def test_the_whole_tree_and_prune_clean_up(
         self, here: Path, words: list[str], capsys: pytest.CaptureFixture[str]
