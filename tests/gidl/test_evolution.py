@@ -8,6 +8,7 @@ the hashes tell the two apart, it must. More edits: GIDL_EVOLUTION_EDITS=5000.
 from __future__ import annotations
 
 import os
+import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 from random import Random
@@ -27,9 +28,12 @@ CARTS = Path(__file__).resolve().parents[1] / "idl" / "evolution"
 
 
 @pytest.fixture(autouse=True, scope="module")
-def broker(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    with pytest.MonkeyPatch.context() as environment:
-        environment.setenv("GECOS_RUNTIME_DIR", str(tmp_path_factory.mktemp("run")))
+def broker() -> Iterator[None]:
+    with (
+        tempfile.TemporaryDirectory(prefix="gecos-") as folder,  # whose path is short enough
+        pytest.MonkeyPatch.context() as environment,
+    ):
+        environment.setenv("GECOS_RUNTIME_DIR", folder)
         environment.delenv("GECOS_BROKER", raising=False)
         with gecos.Lab() as lab, gecos.Broker(lab):
             yield

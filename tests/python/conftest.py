@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -11,13 +12,15 @@ from lamp import Lamp, PlainLamp
 
 
 @pytest.fixture(scope="session")
-def place(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+def place() -> Iterator[Path]:
     """A folder to meet in, so that nobody else's broker is found. One for the process's life."""
-    folder = tmp_path_factory.mktemp("run")
-    with pytest.MonkeyPatch.context() as environment:
-        environment.setenv("GECOS_RUNTIME_DIR", str(folder))
+    with (
+        tempfile.TemporaryDirectory(prefix="gecos-") as folder,  # whose path is short enough
+        pytest.MonkeyPatch.context() as environment,
+    ):
+        environment.setenv("GECOS_RUNTIME_DIR", folder)
         environment.delenv("GECOS_BROKER", raising=False)
-        yield folder
+        yield Path(folder)
 
 
 @pytest.fixture

@@ -404,49 +404,5 @@ TEST_F(ShmProcess, AClientForWhomNotEvenTheSpareDescriptorWasLeftIsLetInLater) {
   EXPECT_FALSE(door->short_of_descriptors());
 }
 
-TEST(RuntimeDirectory, IsMadeForThisUserAlone) {
-  const ScratchDirectory scratch;
-  const std::string path = scratch.path() + "/gecos";
-  ASSERT_TRUE(shm::prepare_directory(path));
-  struct stat made {};
-  ASSERT_EQ(::stat(path.c_str(), &made), 0);
-  EXPECT_EQ(made.st_mode & 0777, 0700u);
-  EXPECT_TRUE(shm::prepare_directory(path)) << "and found again";
-}
-
-TEST(RuntimeDirectory, IsRefusedWhereOthersCouldListenIn) {
-  const ScratchDirectory scratch;
-  ASSERT_EQ(::chmod(scratch.path().c_str(), 0777), 0);
-  const auto refused = shm::prepare_directory(scratch.path());
-  ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().text, "shm: others may write to " + scratch.path() +
-                                      ", who could listen in; run:  chmod go-w " + scratch.path());
-  const auto file = scratch.path() + "/file";
-  std::filesystem::copy("/proc/self/comm", file);
-  EXPECT_FALSE(shm::prepare_directory(file));
-  EXPECT_FALSE(shm::prepare_directory(scratch.path() + "/not/there"));
-  const auto link = scratch.path() + "/link";
-  std::filesystem::create_directory_symlink("/", link);
-  EXPECT_FALSE(shm::prepare_directory(link)) << "in /tmp somebody else may have made the link";
-}
-
-TEST(RuntimeDirectory, IdentifiesTheHostTogetherWithItsBoot) {
-  const ScratchDirectory one;
-  const ScratchDirectory two;
-  const auto first = shm::host_identity(one.path());
-  ASSERT_TRUE(first);
-  EXPECT_EQ(*first, shm::host_identity(one.path()));
-  EXPECT_NE(*first, shm::host_identity(two.path()));
-}
-
-TEST(RuntimeDirectory, TooLongAPathIsExplained) {
-  const ScratchDirectory scratch;
-  const std::string path = scratch.path() + "/" + std::string(100, 'x');
-  const auto refused = make_shm({.directory = path})->listen("RX90", false);
-  ASSERT_FALSE(refused);
-  EXPECT_NE(refused.error().text.find("GECOS_RUNTIME_DIR"), std::string::npos)
-      << refused.error().text;
-}
-
 }  // namespace
 }  // namespace gecos::media

@@ -105,6 +105,33 @@ TEST_F(Create, SaysWhatItTriedWhenThereIsNoBroker) {
   EXPECT_NE(text.find("tried inproc:nobody"), std::string::npos) << text;
 }
 
+TEST_F(Create, SaysWhyTheMediumThatLeadsToTheBrokerCannotBeHad) {
+  setenv("GECOS_LCM_TTL", "far", 1);
+  gecos::LabOptions over_lcm;
+  over_lcm.broker = "lcm";
+  gecos::Lab lab(over_lcm);
+  const auto created = lab.create<probe::Probe>("PROBE");
+  unsetenv("GECOS_LCM_TTL");
+  ASSERT_FALSE(created);
+  EXPECT_NE(created.error().to_string().find("GECOS_LCM_TTL is 'far'"), std::string::npos)
+      << created.error();
+}
+
+TEST_F(Create, TellsAnotherRuntimeDirectoryOfThisHostFromAnotherHost) {
+  auto& runtime = *lab_.core().runtime();
+  gecos::Entry entry;
+  entry.hostname = "robots";
+  entry.addresses = {"shm:/tmp/theirs/PROBE.12.1.sock"};
+  const auto why = [&] { return gecos::session::select(runtime, entry, {}, std::nullopt).error(); };
+  entry.host = runtime.host_identity() + "0";
+  EXPECT_EQ(why(),
+            "cannot be reached (shm: it is on this host, in another runtime directory "
+            "(shm:/tmp/theirs/PROBE.12.1.sock): programs that are to meet over shm need one user "
+            "and the same GECOS_RUNTIME_DIR)");
+  entry.host = "0" + runtime.host_identity();
+  EXPECT_EQ(why(), "cannot be reached (shm: it is on another host (robots))");
+}
+
 TEST_F(Create, RefusesHardRealtimeOnAMediumThatCannotUnlessSimulated) {
   gecos::Entry entry;
   entry.host = lab_.core().runtime()->host_identity();

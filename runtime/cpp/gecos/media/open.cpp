@@ -28,12 +28,17 @@ tl::expected<std::unique_ptr<Medium>, MediumError> open_lcm() {
   return make_lcm(options);
 }
 
+tl::expected<std::unique_ptr<Medium>, MediumError> open_shm() {
+  const ShmOptions options;
+  return shm::prepare_directory(options.directory).map([&] { return make_shm(options); });
+}
+
 tl::expected<std::unique_ptr<Medium>, MediumError> open_itself(Kind kind) {
   switch (kind) {
     case Kind::Inproc:
       return make_inproc();
     case Kind::Shm:
-      return make_shm();
+      return open_shm();
     case Kind::Lcm:
       return open_lcm();
   }
@@ -58,6 +63,11 @@ std::string host_identity() {
   }
   const auto identity = shm::host_identity(directory);
   return identity ? *identity : "no shared memory: " + identity.error().text;
+}
+
+bool on_one_machine(std::string_view one, std::string_view other) {
+  const auto boot = one.substr(0, one.find('/'));
+  return boot.size() < one.size() && other.starts_with(boot) && other.substr(boot.size(), 1) == "/";
 }
 
 }  // namespace gecos::media

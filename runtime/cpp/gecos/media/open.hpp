@@ -3,6 +3,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "gecos/media/medium.hpp"
 
@@ -18,5 +19,8 @@ tl::expected<std::unique_ptr<Medium>, MediumError> open(Kind kind, const WrapMed
 
 /// Equal exactly where programs reach each other over shm; a text of its own where shm is unusable.
 std::string host_identity();
+
+/// Whether two host identities are of one machine: where they differ, their directories do.
+bool on_one_machine(std::string_view one, std::string_view other);
 
 }  // namespace gecos::media

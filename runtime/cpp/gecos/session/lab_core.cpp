@@ -9,6 +9,14 @@
 
 namespace gecos::session {
 
+namespace {
+
+void append(std::string& list, const std::string& text) {
+  list += (list.empty() ? "" : "; ") + text;
+}
+
+}  // namespace
+
 LabCore::LabCore(std::shared_ptr<Runtime> runtime)
     : runtime_(std::move(runtime)), renewal_(std::make_shared<Renewal>(*this)) {}
 
@@ -41,7 +49,7 @@ void LabCore::close(Duration patience) {
   renewal_->end();
 }
 
-std::vector<std::string> LabCore::broker_addresses() {
+std::vector<std::string> LabCore::broker_addresses(std::string& tried) {
   std::string named = runtime_->options().broker;
   if (named.empty()) {
     const char* variable = std::getenv("GECOS_BROKER");
@@ -51,6 +59,8 @@ std::vector<std::string> LabCore::broker_addresses() {
   const auto add_well_known = [&](media::Kind kind) {
     if (const auto opened = runtime_->medium(kind)) {
       addresses.push_back((*opened)->well_known_address(broker_name));
+    } else {
+      append(tried, opened.error().text);
     }
   };
   if (const auto kind = media::kind_from(named)) {  // "lcm": its well-known place
@@ -97,10 +107,10 @@ void LabCore::note_broker(std::shared_ptr<LinkedSession> found, std::string miss
 tl::expected<std::shared_ptr<LinkedSession>, std::string> LabCore::look_for_broker(
     TimePoint deadline) {
   std::string tried;
-  for (const auto& address : broker_addresses()) {
+  for (const auto& address : broker_addresses(tried)) {
     auto session = runtime_->connect(address, broker_interface(), deadline);
     if (session) return session;
-    tried += (tried.empty() ? "" : "; ") + session.error();
+    append(tried, session.error());
   }
   return tl::unexpected(
       "no broker answers; start `gecos broker`, or say where it is in GECOS_BROKER" +

@@ -32,7 +32,8 @@ class LabCore : public std::enable_shared_from_this<LabCore> {
   void close(Duration patience);
 
  private:
-  std::vector<std::string> broker_addresses();
+  /// Where a broker may be. Adds to `tried` why a medium that leads to one cannot be had here.
+  std::vector<std::string> broker_addresses(std::string& tried);
   tl::expected<std::shared_ptr<LinkedSession>, std::string> look_for_broker(TimePoint deadline);
   void note_broker(std::shared_ptr<LinkedSession> found, std::string missing);
 

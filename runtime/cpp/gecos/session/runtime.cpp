@@ -105,10 +105,11 @@ tl::expected<media::Medium*, media::MediumError> Runtime::medium(media::Kind kin
   const std::lock_guard lock(mutex_);
   auto found = media_.find(kind);
   if (found == media_.end()) {
-    found = media_.emplace(kind, media::open(kind, options_.wrap_medium)).first;
+    auto opened = media::open(kind, options_.wrap_medium);
+    if (!opened) return tl::unexpected(std::move(opened.error()));
+    found = media_.emplace(kind, std::move(*opened)).first;
   }
-  if (!found->second) return tl::unexpected(found->second.error());
-  return found->second->get();
+  return found->second.get();
 }
 
 const std::string& Runtime::host_identity() {

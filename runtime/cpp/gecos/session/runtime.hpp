@@ -36,7 +36,7 @@ class Runtime : public std::enable_shared_from_this<Runtime> {
   Housekeeping& housekeeping() { return housekeeping_; }
   Callbacks& callbacks() { return callbacks_; }
 
-  /// The medium of this kind, opened at first use, or why it cannot be had here.
+  /// The medium of this kind, opened at first use, or why it cannot be had here now.
   tl::expected<media::Medium*, media::MediumError> medium(media::Kind kind);
   /// Which host this is, as far as shared memory reaches: the folder that this runtime meets
   /// others in is part of it.
@@ -56,7 +56,7 @@ class Runtime : public std::enable_shared_from_this<Runtime> {
   const LabOptions options_;
   const Clock& clock_;
   std::mutex mutex_;
-  std::map<media::Kind, tl::expected<std::unique_ptr<media::Medium>, media::MediumError>> media_;
+  std::map<media::Kind, std::unique_ptr<media::Medium>> media_;
   std::optional<std::string> host_identity_;
   std::vector<std::weak_ptr<LinkedSession>> sessions_;
   Callbacks callbacks_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "gecos/media/open.hpp"
 #include "gecos/qos/match.hpp"
 
 namespace gecos::session {
@@ -18,15 +19,24 @@ qos::LineOffer line_of(const media::Offer& offer) {
   return line;
 }
 
+std::string out_of_shared_memory(const std::string& here, const Entry& entry,
+                                 const std::string& address) {
+  if (entry.host == here) return "";
+  if (!media::on_one_machine(entry.host, here)) {
+    return "it is on another host (" + entry.hostname + ")";
+  }
+  return "it is on this host, in another runtime directory (" + address +
+         "): programs that are to meet over shm need one user and the same GECOS_RUNTIME_DIR";
+}
+
 /// Why this medium does not lead from here to there; empty when it does.
-std::string out_of_reach(Runtime& runtime, const Entry& entry, media::Kind kind) {
+std::string out_of_reach(Runtime& runtime, const Entry& entry, media::Kind kind,
+                         const std::string& address) {
   switch (kind) {
     case media::Kind::Inproc:
       return entry.boot == number(process_boot()) ? "" : "it is in another process";
     case media::Kind::Shm:
-      return entry.host == runtime.host_identity()
-                 ? ""
-                 : "it is on another host (" + entry.hostname + ")";
+      return out_of_shared_memory(runtime.host_identity(), entry, address);
     case media::Kind::Lcm:
       return "";
   }
@@ -52,7 +62,7 @@ tl::expected<std::vector<std::string>, std::string> select(Runtime& runtime, con
       continue;
     }
     if (only && *kind != *only) continue;
-    if (const auto why = out_of_reach(runtime, entry, *kind); !why.empty()) {
+    if (const auto why = out_of_reach(runtime, entry, *kind, address); !why.empty()) {
       pass_over(medium, why);
     } else if (const auto opened = runtime.medium(*kind); !opened) {
       pass_over(medium, opened.error().text);

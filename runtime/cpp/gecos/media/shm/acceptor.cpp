@@ -57,21 +57,42 @@ Descriptor new_socket() {
   return Descriptor(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
 }
 
-/// @pre the directory's lock is held.
-bool server_is_dead(const std::string& path) { return !connect_to(path) && errno == ECONNREFUSED; }
+bool is_socket(const std::string& path) {
+  struct stat found {};
+  return ::lstat(path.c_str(), &found) == 0 && S_ISSOCK(found.st_mode);
+}
 
-/// What to say of a well-known place that somebody serves; `their` is a connection there, if any.
-tl::unexpected<MediumError> taken(const std::string& path, const Descriptor& their) {
-  const auto server = their ? peer_of(their.get()) : tl::unexpected(std::string());
-  const std::string others = "or name a folder of your own in GECOS_RUNTIME_DIR";
-  if (!server) {
-    return error(path + " is served already by another program (`fuser -v " + path +
-                 "` tells by which); use that one, end it first, " + others);
+/// @pre the directory's lock is held.
+bool server_is_dead(const std::string& path) {
+  return is_socket(path) && !connect_to(path) && errno == ECONNREFUSED;
+}
+
+/// Why nobody else can listen at `path`, which exists: what is there, and what to do.
+std::string occupied(const std::string& path) {
+  const std::string elsewhere = "name a directory of your own in GECOS_RUNTIME_DIR";
+  const Descriptor their = connect_to(path);
+  if (!their && errno == EACCES) {
+    return path + " belongs to another user; " + elsewhere;
   }
-  if (*server->pid == ::getpid()) return error(path + " is served already by this program");
-  const std::string pid = std::to_string(*server->pid);
-  return error(path + " is served already by " + server->description +
-               "; use that one, end it first (kill " + pid + "), " + others);
+  if (!their && errno != EAGAIN) {  // that one serves, and has too many clients at once
+    const std::string why = system_text(errno);
+    if (!is_socket(path)) {
+      return path + " is no socket, and no link to one that is served; remove it, or " + elsewhere;
+    }
+    return "cannot tell who serves " + path + ": " + why;
+  }
+  const auto server = their ? peer_of(their.get()) : tl::unexpected(std::string());
+  if (!server) {
+    return path + " is served already by another program (`fuser -v " + path +
+           "` tells by which); use that one, or " + elsewhere;
+  }
+  const std::string taken = path + " is served already by ";
+  if (*server->pid == ::getpid()) return taken + "this program";
+  if (server->uid != ::geteuid()) {
+    return taken + server->description + ", a program of another user; " + elsewhere;
+  }
+  return taken + server->description + "; use that one, end it first (kill " +
+         std::to_string(*server->pid) + "), or " + elsewhere;
 }
 
 /// Removes what servers that were killed have left: "<name>.<pid>.<number>.sock".
@@ -160,10 +181,9 @@ tl::expected<std::unique_ptr<Acceptor>, MediumError> ShmAcceptor::open(const Shm
   if (well_known) {
     listener = bind_and_listen(path, options.other_users);
     if (!listener && errno == EADDRINUSE) {
-      const Descriptor their = connect_to(path);
-      if (their || errno != ECONNREFUSED) return taken(path, their);
-      ::unlink(path.c_str());
+      if (server_is_dead(path)) ::unlink(path.c_str());
       listener = bind_and_listen(path, options.other_users);
+      if (!listener && errno == EADDRINUSE) return error(occupied(path));
     }
   } else {
     static std::atomic<std::uint64_t> opened{0};  // makes addresses of this process differ
@@ -174,8 +194,7 @@ tl::expected<std::unique_ptr<Acceptor>, MediumError> ShmAcceptor::open(const Shm
     } while (!listener && errno == EADDRINUSE);
   }
   if (!listener) {
-    return error("cannot listen at " + path + ": " + system_text(errno) +
-                 (errno == ENAMETOOLONG ? "; name a shorter directory in GECOS_RUNTIME_DIR" : ""));
+    return error("cannot listen at " + path + ": " + system_text(errno));
   }
   try {
     return std::make_unique<ShmAcceptor>(path, std::move(listener), options.other_users);

@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cstdlib>
 #include <ctime>
+#include <filesystem>
 #include <fstream>
 #include <utility>
 
@@ -17,42 +18,63 @@
 namespace gecos::media::shm {
 namespace {
 
-constexpr const char* all_users_directory = "/run/gecos";
+constexpr const char* administrators_directory = "/run/gecos";
+/// A socket's path has 107 characters, and its file name may take 57 of them.
+constexpr std::size_t longest_directory = 50;
 
 tl::unexpected<MediumError> error(const std::string& text) {
   return tl::unexpected(MediumError{"shm: " + text});
 }
 
+/// Root's and sticky, as /tmp is: every user may make files there and remove only their own.
 bool sticky_of_root(const struct stat& found) {
   return S_ISDIR(found.st_mode) && found.st_uid == 0 && (found.st_mode & S_ISVTX) != 0;
+}
+
+/// Follows a link, but not one that another user may have put there.
+bool look_at(const std::string& directory, struct stat& found) {
+  struct stat parent {};
+  const std::string above = std::filesystem::path(directory).parent_path().string();
+  const bool others_make_links =
+      ::stat(above.c_str(), &parent) == 0 && (parent.st_mode & (S_IWGRP | S_IWOTH)) != 0;
+  return (others_make_links ? ::lstat : ::stat)(directory.c_str(), &found) == 0;
+}
+
+bool shared_between_users(const std::string& directory) {
+  struct stat found {};
+  return look_at(directory, found) && sticky_of_root(found);
+}
+
+std::string folder_of_this_user(const std::string& in) {
+  return in + "/gecos-" + std::to_string(::geteuid());
 }
 
 }  // namespace
 
 std::string default_runtime_directory() {
   if (const char* named = std::getenv("GECOS_RUNTIME_DIR"); named != nullptr && *named != '\0') {
-    return named;
+    std::string directory = named;
+    while (directory.size() > 1 && directory.back() == '/') directory.pop_back();
+    return shared_between_users(directory) ? folder_of_this_user(directory) : directory;
   }
-  if (shared_between_users(all_users_directory) && ::access(all_users_directory, W_OK) == 0) {
-    return all_users_directory;
-  }
-  return "/tmp/gecos-" + std::to_string(::geteuid());
-}
-
-bool shared_between_users(const std::string& directory) {
-  struct stat found {};
-  return ::lstat(directory.c_str(), &found) == 0 && sticky_of_root(found);
+  const bool administered = shared_between_users(administrators_directory) &&
+                            ::access(administrators_directory, W_OK) == 0;
+  return folder_of_this_user(administered ? administrators_directory : "/tmp");
 }
 
 tl::expected<void, MediumError> prepare_directory(const std::string& directory) {
+  if (directory.size() > longest_directory) {
+    return error("the path " + directory + " has " + std::to_string(directory.size()) +
+                 " characters, and the sockets in that directory leave room for " +
+                 std::to_string(longest_directory) +
+                 "; name a shorter directory in GECOS_RUNTIME_DIR");
+  }
   if (::mkdir(directory.c_str(), 0700) != 0 && errno != EEXIST) {
     return error("cannot make " + directory + ": " + system_text(errno) +
                  "; name another one in GECOS_RUNTIME_DIR");
   }
   struct stat found {};
-  // stat, not lstat, where the user may have chosen a link; in /tmp somebody else may have.
-  const bool in_tmp = directory.rfind("/tmp/", 0) == 0;
-  if ((in_tmp ? ::lstat : ::stat)(directory.c_str(), &found) != 0) {
+  if (!look_at(directory, found)) {
     return error("cannot look at " + directory + ": " + system_text(errno));
   }
   if (!S_ISDIR(found.st_mode)) {

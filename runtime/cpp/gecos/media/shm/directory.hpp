@@ -7,16 +7,15 @@
 
 namespace gecos::media::shm {
 
-/// `GECOS_RUNTIME_DIR`, else /run/gecos where an administrator made one for all users (root's,
-/// sticky), else one for this user alone, /tmp/gecos-<uid>. The only look at the environment here.
+/// Where the programs of this user meet: `GECOS_RUNTIME_DIR`, else /run/gecos where an
+/// administrator made it, else /tmp. Each user has a folder gecos-<uid> in a directory that all
+/// users share (one of root's that is sticky): a shared place for sockets would belong to whoever
+/// came first. The only look at the environment here.
 std::string default_runtime_directory();
 
-/// Makes `directory` (0700) if nothing is there, and checks that no other user could put sockets of
-/// theirs in place of ours.
+/// Makes `directory` (0700) if nothing is there. Checks that its path leaves room for the names of
+/// sockets and that no other user could put sockets of theirs in place of ours.
 tl::expected<void, MediumError> prepare_directory(const std::string& directory);
-
-/// True when several users meet in `directory`.
-bool shared_between_users(const std::string& directory);
 
 /// What is equal exactly where programs reach each other over shm through `directory`: the boot id
 /// of the kernel and the inode of the directory, "6b0c…-…/2049:131".

@@ -32,18 +32,19 @@ class Shm final : public Medium {
     if (!address.starts_with(prefix)) return error("an address of shm begins with \"shm:\"");
     Descriptor socket = shm::connect_to(std::string(address.substr(prefix.size())));
     if (!socket) {
-      if (errno == ENOENT || errno == ECONNREFUSED) return error("no server is there");
+      if (errno == ENOENT || errno == ECONNREFUSED) return error(no_server(address));
       if (errno == EAGAIN) return error("too many clients are waiting there, try again");
-      if (errno == EACCES) return error("this user may not connect there");
+      if (errno == EACCES) return error("it belongs to another user, who is met over lcm alone");
       return error(system_text(errno));
     }
     auto server = shm::peer_of(socket.get());
     if (!server) return error(server.error());
     if (!options_.other_users && server->uid != ::geteuid() && server->uid != 0u) {
-      return error("the server runs as another user, " + server->description);
+      return error("the server runs as another user, " + server->description +
+                   ", who is met over lcm alone");
     }
     auto death = shm::death_of_peer(socket.get(), *server->pid);
-    if (!death) return error("no server is there: " + death.error());
+    if (!death) return error(no_server(address) + ": " + death.error());
     return shm::ShmLink::greet(std::move(socket), std::move(*server), std::move(*death));
   }
 
@@ -52,6 +53,13 @@ class Shm final : public Medium {
   }
 
  private:
+  std::string no_server(std::string_view address) const {
+    const bool ours = address.starts_with(std::string(prefix) + options_.directory + "/");
+    if (!ours || options_.other_users) return "no server is there";
+    return "no server is there (the directory is for uid " + std::to_string(::geteuid()) +
+           " alone; programs of other users are met over lcm)";
+  }
+
   const ShmOptions options_;
 };
 
