@@ -174,8 +174,10 @@ TEST_F(LeaseTableTest, SilentHolderLosesTheRobot) {
   const auto denied = table.may_start(kAda, grant.epoch, Status::Actor, now + 500ms);
   ASSERT_FALSE(denied);
   EXPECT_EQ(denied.error().reason, Denial::Reason::LeaseEnded);
-  EXPECT_EQ(denied.error().text,
-            "was issued under a status that has ended; take it with actor(object) of gecos again");
+  EXPECT_EQ(
+      denied.error().text,
+      "was issued under a status that has ended: its holder was silent for 0.5 s; take it with "
+      "actor(object) of gecos again");
 }
 
 TEST_F(LeaseTableTest, ASignOfLifeKeepsTheRobot) {
@@ -200,6 +202,36 @@ TEST_F(LeaseTableTest, OneSilentHolderLosesItsOwnShareOnly) {
   EXPECT_EQ(table.epoch(), epoch);
   EXPECT_TRUE(holds(kBob));
   EXPECT_FALSE(holds(kAda));
+}
+
+TEST_F(LeaseTableTest, ASilentHolderOfASharedStatusIsToldThatItLostItsShare) {
+  const Proof password = plain_proof("sesame");
+  const Epoch epoch = give(kAda, Status::Actor, password).epoch;
+  ASSERT_TRUE(table.acquire(kBob, bob, Status::Actor, password, now));
+  table.renew(kBob, now + 400ms);
+  ASSERT_EQ(table.expire(now + 500ms).size(), 1U);
+  const auto denied = table.may_queue(kAda, epoch, Status::Actor, now + 500ms);
+  ASSERT_FALSE(denied);
+  EXPECT_EQ(denied.error().reason, Denial::Reason::LeaseEnded);
+  EXPECT_EQ(denied.error().text,
+            "was issued under a status that has ended: its holder was silent for 0.5 s; actor "
+            "status is held by bob on lab2 (watch, pid 4712) for 0.5 s, lost in 0.4 s if silent; "
+            "take it with actor(object) of gecos again");
+  EXPECT_EQ(table.may_queue(kAda, Epoch{}, Status::Actor, now).error().reason,
+            Denial::Reason::NeedsStatus)
+      << "what is issued under no status is denied";
+  ASSERT_TRUE(table.acquire(kAda, ada, Status::Actor, password, now + 500ms));
+  EXPECT_TRUE(table.may_queue(kAda, epoch, Status::Actor, now + 500ms)) << "it has joined again";
+}
+
+TEST_F(LeaseTableTest, ASilentHolderOfASharedMasterStatusIsToldThatItLostItsShare) {
+  const Proof password = plain_proof("sesame");
+  const Epoch epoch = give(kAda, Status::Master, password).epoch;
+  ASSERT_TRUE(table.acquire(kBob, bob, Status::Master, password, now));
+  table.renew(kBob, now + 400ms);
+  ASSERT_EQ(table.expire(now + 500ms).size(), 1U);
+  EXPECT_EQ(table.may_queue(kAda, epoch, Status::Actor, now + 500ms).error().reason,
+            Denial::Reason::LeaseEnded);
 }
 
 TEST_F(LeaseTableTest, EpochRisesWhenTheObjectBecomesFree) {
@@ -253,7 +285,7 @@ TEST_F(LeaseTableTest, AcquiredTwiceIsReleasedTwice) {
 
 TEST_F(LeaseTableTest, AStaleReleaseChangesNothing) {
   const Epoch stale = give(kAda, Status::Actor).epoch;
-  table.stop(kBob);
+  table.stop(kBob, "stopped by eve");
   give(kAda, Status::Actor);
   EXPECT_FALSE(table.release(kAda, stale, Commands::None));
   EXPECT_TRUE(holds(kAda));
@@ -268,18 +300,37 @@ TEST_F(LeaseTableTest, ALostHolderIsGoneAtOnce) {
 
 TEST_F(LeaseTableTest, StopEndsEveryLeaseAndNothingOfThemStarts) {
   const Epoch epoch = give(kAda, Status::Actor).epoch;
-  const auto ended = table.stop(kBob);
+  const auto ended = table.stop(kBob, "stopped by eve");
   ASSERT_EQ(ended.size(), 1U);
   EXPECT_EQ(ended[0].session, kAda);
   EXPECT_FALSE(table.may_start(kAda, epoch, Status::Actor, now));
   EXPECT_TRUE(table.acquire(kBob, bob, Status::Actor, kNoPassword, now)) << "there is no reset";
 }
 
+TEST_F(LeaseTableTest, WhatArrivesAfterTheStopThatEndedItsStatusIsStopped) {
+  const Epoch epoch = give(kAda, Status::Actor).epoch;
+  table.stop(kBob, "stopped by bob on lab2");
+  const auto denied = table.may_queue(kAda, epoch, Status::Actor, now);
+  ASSERT_FALSE(denied);
+  EXPECT_EQ(denied.error().reason, Denial::Reason::Stopped);
+  EXPECT_EQ(denied.error().text,
+            "was issued under a status that has ended: stopped by bob on lab2; take it with "
+            "actor(object) of gecos again");
+  const Epoch later = give(kAda, Status::Actor).epoch;
+  EXPECT_EQ(table.may_queue(kAda, epoch, Status::Actor, now).error().reason,
+            Denial::Reason::Stopped)
+      << "it does not start under the next status either";
+  table.expire(now + 500ms);
+  EXPECT_EQ(table.may_queue(kAda, later, Status::Actor, now).error().reason,
+            Denial::Reason::LeaseEnded)
+      << "what silence ended no stop ended";
+}
+
 TEST_F(LeaseTableTest, StopByAMemberKeepsItsOwnUnderTheNewEpoch) {
   const Proof password = plain_proof("sesame");
   const Epoch epoch = give(kAda, Status::Actor, password).epoch;
   ASSERT_TRUE(table.acquire(kBob, bob, Status::Actor, password, now));
-  EXPECT_EQ(table.stop(kAda).size(), 1U);
+  EXPECT_EQ(table.stop(kAda, "stopped by eve").size(), 1U);
   EXPECT_GT(number(table.epoch()), number(epoch));
   EXPECT_FALSE(table.may_start(kAda, epoch, Status::Actor, now)) << "issued before the stop";
   EXPECT_TRUE(holds(kAda));
@@ -289,13 +340,13 @@ TEST_F(LeaseTableTest, StopByAMemberKeepsItsOwnUnderTheNewEpoch) {
 TEST_F(LeaseTableTest, StopEndsDrainingToo) {
   const Epoch epoch = give(kAda, Status::Actor).epoch;
   table.release(kAda, epoch, Commands::Pending);
-  EXPECT_EQ(table.stop(kAda).size(), 1U);
+  EXPECT_EQ(table.stop(kAda, "stopped by eve").size(), 1U);
   EXPECT_FALSE(table.may_start(kAda, epoch, Status::Actor, now));
 }
 
 TEST_F(LeaseTableTest, StopOfAFreeObjectStillFencesWhatWasIssuedBefore) {
   const Epoch epoch = table.epoch();
-  EXPECT_TRUE(table.stop(kBob).empty());
+  EXPECT_TRUE(table.stop(kBob, "stopped by eve").empty());
   EXPECT_NE(table.epoch(), epoch);
 }
 

@@ -249,6 +249,21 @@ TEST_F(OverALossyLine, WhatIsTooFarAheadHasNotArrivedAndIsNotAnswered) {
   EXPECT_EQ(servant_.calls, 3);
 }
 
+TEST_F(OverALossyLine, WhatWasOnItsWayWhenTheDeviceWasStoppedIsStopped) {
+  acquire(1);
+  const Epoch epoch = granted();
+  call(3, probe::set_code, {}, epoch);  // before the one that was issued before it
+  const auto mover = connect();
+  TestLink& line = static_cast<TestLink&>(mover->link());
+  call(1, FunctionCode{static_cast<std::uint32_t>(Reserved::Stop)});
+  ASSERT_EQ(reply_to(1), Detail::Done);
+  session_ = mover, link_ = &line;
+  call(2, probe::set_code, {}, epoch);
+  EXPECT_EQ(reply_to(2), Detail::Stopped);
+  EXPECT_EQ(reply_to(3), Detail::Stopped);
+  EXPECT_EQ(servant_.calls, 0);
+}
+
 TEST_F(OverALossyLine, AReadingWaitsForNothing) {
   call(2, probe::read_code);
   EXPECT_EQ(reply_to(2), Detail::Done);

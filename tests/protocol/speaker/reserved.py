@@ -103,7 +103,7 @@ def _acquire(session: Session, body: Reader) -> Packet:
         return failed(Detail.FAULT, reason, "gecos::StatusRefused", value)
     session.status = wanted
     session.epoch = next(session.served.epochs)
-    session.epochs.add(session.epoch)
+    session.epochs[session.epoch] = Detail.LEASE_LOST
     return done(block(u32(wanted) + u64(session.epoch)))
 
 

@@ -29,7 +29,7 @@ class Session:
         self.hello: Hello | None = None
         self.status = Status.SENSOR
         self.epoch = 0
-        self.epochs: set[int] = set()
+        self.epochs: dict[int, Detail] = {}  # of each status that it had: what later calls end as
         """All that its status ever had."""
         self.arrivals = Arrivals()
         self.replies = Replies()
@@ -222,6 +222,7 @@ class Session:
         return task
 
     def lose_status(self, detail: Detail, why: str) -> None:
+        self.epochs[self.epoch] = detail
         self.status, self.epoch = Status.SENSOR, 0
         for task in reversed(list(self.tasks.values())):  # so that none starts
             if task.operation.queued and not task.over:

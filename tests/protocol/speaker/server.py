@@ -121,8 +121,9 @@ class Served:
         if operation.status == Status.SENSOR:
             return None
         if session.status < operation.status or call.epoch != session.epoch:
-            known = call.epoch != session.epoch and call.epoch in session.epochs
-            return Detail.LEASE_LOST if known else Detail.DENIED
+            if call.epoch in (0, session.epoch):
+                return Detail.DENIED
+            return session.epochs.get(call.epoch, Detail.DENIED)
         return None
 
     def _before(self, task: Task) -> int:
@@ -145,8 +146,9 @@ class Served:
             task.fail(Detail.STOPPED, "stopped")
         for session in self.holders():
             if session is by:
+                session.epochs[session.epoch] = Detail.STOPPED
                 session.epoch = next(self.epochs)
-                session.epochs.add(session.epoch)
+                session.epochs[session.epoch] = Detail.LEASE_LOST
             else:
                 session.lose_status(Detail.STOPPED, "stopped")
 

@@ -148,14 +148,19 @@ std::vector<Holder> LeaseTable::expire(TimePoint now) {
   for (const auto& [session, member] : members_) {
     if (!member.holder.releasing && member.holder.expires <= now) silent.push_back(member.holder);
   }
-  for (const Holder& holder : silent) remove(members_.find(holder.session));
+  for (const Holder& holder : silent) {
+    losses_[holder.session] = {epoch(), Denial::Reason::LeaseEnded,
+                               "its holder was silent for " + seconds(ttl_)};
+    remove(members_.find(holder.session));
+  }
   return silent;
 }
 
-std::vector<Holder> LeaseTable::stop(SessionId by) {
+std::vector<Holder> LeaseTable::stop(SessionId by, const std::string& why) {
   std::vector<Holder> ended;
   std::erase_if(members_, [&](const auto& entry) {
     const Holder& holder = entry.second.holder;
+    losses_[holder.session] = {epoch(), Denial::Reason::Stopped, why};
     if (holder.session == by && !holder.releasing) return false;
     ended.push_back(holder);
     return true;
@@ -165,19 +170,29 @@ std::vector<Holder> LeaseTable::stop(SessionId by) {
   return ended;
 }
 
+void LeaseTable::forget(SessionId session) { losses_.erase(session); }
+
 tl::expected<void, Denial> LeaseTable::authorise(const Member* member, SessionId session,
                                                  Epoch epoch, Status needed, TimePoint now) const {
   using Reason = Denial::Reason;
+  const auto lost = losses_.find(session);
+  const bool was_lost = lost != losses_.end() && lost->second.epoch == epoch &&
+                        (member == nullptr || epoch != this->epoch());
+  if (needed != Status::Sensor && (was_lost || (epoch != Epoch{} && epoch != this->epoch()))) {
+    Denial denial{Reason::LeaseEnded, "was issued under a status that has ended"};
+    if (was_lost) denial = {lost->second.reason, denial.text + ": " + lost->second.why};
+    for (const Holder& other : roster()) {
+      if (other.session != session) denial.text += "; " + describe(other, now);
+    }
+    if (member == nullptr) denial.text += "; " + how_to_get(needed) + " again";
+    return tl::unexpected(std::move(denial));
+  }
   if (member == nullptr && !members_.empty() &&
       members_.begin()->second.holder.status == Status::Master) {
     return tl::unexpected(Denial{
         Reason::OthersMaster, "is refused to everybody else: " + describe(roster().front(), now)});
   }
   if (needed == Status::Sensor) return {};
-  if (epoch != Epoch{} && epoch != this->epoch()) {
-    return tl::unexpected(Denial{Reason::LeaseEnded, "was issued under a status that has ended; " +
-                                                         how_to_get(needed) + " again"});
-  }
   if (member != nullptr && member->holder.status >= needed && epoch != Epoch{}) return {};
   Denial denial{Reason::NeedsStatus, needs(needed)};
   for (const Holder& other : roster()) {

@@ -54,6 +54,7 @@ struct Denial {
     NeedsStatus,   ///< the session does not hold what the operation asks for
     OthersMaster,  ///< somebody else is master, and refuses everybody
     LeaseEnded,    ///< it was issued under a status that has ended since
+    Stopped,       ///< likewise, and a stop ended that status
   };
   Reason reason = Reason::NeedsStatus;
   std::string text;  ///< goes on after what was refused: "needs actor status; …"
@@ -94,8 +95,10 @@ class LeaseTable {
   /// Ends the share of everybody silent for the TTL and names them, in no order.
   std::vector<Holder> expire(TimePoint now);
   /// Ends every lease but that of `by`, which goes on under the new epoch. Names those who lost
-  /// theirs.
-  std::vector<Holder> stop(SessionId by);
+  /// theirs. What was issued before and arrives later is denied as Stopped, with `why`.
+  std::vector<Holder> stop(SessionId by, const std::string& why);
+  /// Nothing of `session` arrives any more.
+  void forget(SessionId session);
 
   /// May `session` have a command queued that needs `needed` and was issued under `epoch`?
   tl::expected<void, Denial> may_queue(SessionId session, Epoch epoch, Status needed,
@@ -116,6 +119,12 @@ class LeaseTable {
     std::uint32_t claims = 1;  ///< how often it acquired and did not release
   };
   using Members = std::unordered_map<SessionId, Member>;
+  /// How a session lost what it held last, while others held on or a stop came.
+  struct Loss {
+    Epoch epoch;
+    Denial::Reason reason = Denial::Reason::LeaseEnded;
+    std::string why;
+  };
   const Member* find(SessionId session) const;
   void remove(Members::iterator member);
   LeaseRefusal refuse(LeaseRefusal::Reason reason, std::string_view why, TimePoint now) const;
@@ -126,6 +135,7 @@ class LeaseTable {
   const Duration ttl_;
   std::uint32_t changes_ = 1;
   Members members_;  ///< all of one status
+  std::unordered_map<SessionId, Loss> losses_;
   Proof password_;
 };
 

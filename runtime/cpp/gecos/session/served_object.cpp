@@ -26,6 +26,17 @@ void run_for_user(const std::string& object, const std::function<void()>& what) 
 
 }  // namespace
 
+Detail detail_of(access::Denial::Reason reason) {
+  switch (reason) {
+    case access::Denial::Reason::LeaseEnded:
+      return Detail::LeaseLost;
+    case access::Denial::Reason::Stopped:
+      return Detail::Stopped;
+    default:
+      return Detail::Denied;
+  }
+}
+
 ServedObject::ServedObject(std::shared_ptr<Runtime> runtime, std::string name, Servant& servant,
                            ObjectOptions options)
     : runtime_(std::move(runtime)),
@@ -165,9 +176,8 @@ bool ServedObject::may_start(ServerCall& call) {
   const auto may =
       leases_.may_start(call.client, call.epoch, call.operation().status, watched_.now());
   if (may) return true;
-  const bool lost = may.error().reason == access::Denial::Reason::LeaseEnded;
   end(call,
-      Failure{lost ? Detail::LeaseLost : Detail::Denied,
+      Failure{detail_of(may.error().reason),
               "'" + std::string(call.operation().name) + "' of " + name_ + " " + may.error().text,
               {},
               {}});
@@ -429,6 +439,7 @@ void ServedObject::depart(const std::shared_ptr<ServerSession>& session, Departu
     if (std::exchange(session->departed, true)) return;
     session->parted_in_order = how == Departure::InOrder || session->left;
     no_more_awaited(*session);
+    leases_.forget(session->id());
     if (how == Departure::InOrder || session->left) {
       give_back_all(*session);
     } else if (leases_.lose(session->id())) {

@@ -29,6 +29,9 @@ enum class Starter : std::uint8_t {
   Other,   ///< runs none: a thread of the user, housekeeping, or a standby that polls
 };
 
+/// How a command ends that may not be queued or started.
+Detail detail_of(access::Denial::Reason reason);
+
 /// One object of a server: admits calls, keeps its leases, queues commands, runs handlers, answers.
 /// Every call that was taken is answered exactly once, by its handler or by what ended it.
 class ServedObject final : public Publisher, public std::enable_shared_from_this<ServedObject> {

@@ -315,10 +315,7 @@ void ServedObject::admit(const std::shared_ptr<ServerSession>& session,
   if (!operation.safety) {
     const auto may =
         leases_.may_queue(session->id(), packet.header.epoch, operation.status, watched_.now());
-    if (!may) {
-      const bool lost = may.error().reason == access::Denial::Reason::LeaseEnded;
-      return refuse(lost ? Detail::LeaseLost : Detail::Denied, may.error().text);
-    }
+    if (!may) return refuse(detail_of(may.error().reason), may.error().text);
   }
   if (operation.on_new == OnNew::Reject && !queue_.running().empty()) {
     return refuse(Detail::Rejected, "was not started: '" +

@@ -158,10 +158,10 @@ void ServedObject::release(ServerSession& session, std::uint64_t counter, wire::
 
 /// Acted on here, whatever a handler is doing: status, queue and interruption are the session's.
 void ServedObject::stop(ServerSession& by, std::uint64_t counter) {
-  leases_.stop(by.id());
+  const std::string why = "stopped by " + who(by.caller());
+  leases_.stop(by.id(), why);
   const bool still_holds = leases_.status_of(by.id()) != access::Status::Sensor;
-  end_commands([](const ServerCall&) { return true; },
-               Failure{Detail::Stopped, "stopped by " + who(by.caller()), {}, {}});
+  end_commands([](const ServerCall&) { return true; }, Failure{Detail::Stopped, why, {}, {}});
   if (options_.on_stop) tell_user(options_.on_stop);
   by.reply(counter, ByteView{}, still_holds ? leases_.epoch() : Epoch{});
 }
