@@ -105,10 +105,15 @@ TEST_F(KeyDirectoryTest, APublicFileThatIsNotWhatItSaysAdmitsNobody) {
   const std::string right = content(keys / (own.to_string() + ".public"));
   const PublicKey other = KeyPair::draw().public_key;
   const fs::path others = keys / (other.to_string() + ".public");
+  const auto why = [&] { return directory.admission(other).error().text; };
+  const std::string refused = "its key " + other.short_name() + " is not admitted here: ";
+  EXPECT_EQ(why(), refused + "if it is to be, copy the file " + others.filename().string() +
+                       " from its key directory into " + keys.string());
   write(others, right);
-  EXPECT_FALSE(directory.is_admitted(other)) << "another's key under this name";
+  EXPECT_EQ(why(), refused + others.string() +
+                       ": holds another key than its name says: copy it again, or remove it");
   write(others, "");
-  EXPECT_FALSE(directory.is_admitted(other));
+  EXPECT_EQ(why(), refused + others.string() + ": is empty: copy it again, or remove it");
   write(keys / (own.to_string() + ".public"), right);
   EXPECT_TRUE(directory.is_admitted(own));
   ::chmod((keys / (own.to_string() + ".public")).c_str(), 0666);

@@ -60,6 +60,33 @@ TEST_F(LcmUsers, AClientWhoseKeyIsNotAdmittedIsNotMetAndToldWhatToDo) {
   EXPECT_NE(wait_for_client(*door, *client), nullptr) << "from now on, with the same link";
 }
 
+TEST_F(LcmUsers, AKeyFileThatIsDamagedIsNamedToWhoAdmitsByIt) {
+  admit("ada", "bob");
+  const auto door = ada_->listen("RX90", false).value();
+  const auto key = LcmAddress::parse(door->address())->key.value();
+  const std::string file = options("bob").key_directory + "/" + key.to_string() + ".public";
+  std::filesystem::resize_file(file, 40);
+  const auto refused = bob_->connect(door->address());
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().text.find("is not admitted here: " + file +
+                                      ": is cut short: copy it again, or remove it"),
+            std::string::npos)
+      << refused.error().text;
+}
+
+TEST_F(LcmUsers, WhoMeetsNobodyIsToldHowFarItsPacketsGo) {
+  const auto said = [&](int ttl) {
+    LcmOptions options = this->options("bob");
+    options.ttl = ttl;
+    const auto medium = make_lcm(options);
+    return (*medium->connect(medium->well_known_address("NOBODY")))->loss_text();
+  };
+  EXPECT_NE(said(0).find("GECOS_LCM_TTL is 0, so our packets stay on this host"), std::string::npos)
+      << said(0);
+  EXPECT_NE(said(1).find("only where its own GECOS_LCM_TTL is 1 or more"), std::string::npos)
+      << said(1);
+}
+
 TEST_F(LcmUsers, AnImpostorAtAWellKnownPlaceIsRefused) {
   const auto impostor = ada_->listen("BROKER", true).value();
   auto client = std::move(*bob_->connect(bob_->well_known_address("BROKER")));

@@ -189,17 +189,21 @@ tl::expected<Identity, KeyError> KeyDirectory::identity() const {
   return Identity(pair);
 }
 
-bool KeyDirectory::is_admitted(const PublicKey& key) const {
-  const std::string path = path_ + "/" + key.to_string() + ".public";
-  const auto found = read_file(path, KeyFileKind::PublicKey);
-  if (!found) {
-    log_warning("crypto", "not admitted: " + found.error().text);
-    return false;
+tl::expected<void, KeyError> KeyDirectory::admission(const PublicKey& key) const {
+  const std::string name = key.to_string() + ".public";
+  const auto refused = [&](const std::string& why) {
+    return tl::unexpected(
+        KeyError{"its key " + key.short_name() + " is not admitted here: " + why});
+  };
+  const auto found = read_file(path_ + "/" + name, KeyFileKind::PublicKey);
+  if (!found) return refused(found.error().text);
+  if (!*found) {
+    return refused("if it is to be, copy the file " + name + " from its key directory into " +
+                   path_);
   }
-  if (!*found) return false;
-  if (PublicKey::of((*found)->bytes()) == key) return true;
-  log_warning("crypto", "not admitted: " + path + ": holds another key than its name says");
-  return false;
+  if (PublicKey::of((*found)->bytes()) == key) return {};
+  return refused(path_ + "/" + name +
+                 ": holds another key than its name says: copy it again, or remove it");
 }
 
 }  // namespace gecos::crypto

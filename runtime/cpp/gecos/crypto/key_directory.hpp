@@ -35,8 +35,10 @@ class KeyDirectory {
   /// one is never replaced, since others may have admitted its key.
   tl::expected<Identity, KeyError> identity() const;
 
-  /// Whether a file of that key lies here, now. What is wrong with one that does is logged.
-  bool is_admitted(const PublicKey& key) const;
+  /// Fails when no file of that key lies here now, or what lies here is damaged, holds another key
+  /// or is open to others.
+  tl::expected<void, KeyError> admission(const PublicKey& key) const;
+  bool is_admitted(const PublicKey& key) const { return admission(key).has_value(); }
 
  private:
   explicit KeyDirectory(std::string path) : path_(std::move(path)) {}

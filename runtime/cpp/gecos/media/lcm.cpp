@@ -2,6 +2,7 @@
 #include <fcntl.h>
 #include <lcm/lcm.h>
 #include <netinet/in.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include <array>
@@ -43,6 +44,22 @@ std::optional<MediumError> no_group(const std::string& group) {
                      LcmOptions{}.group};
 }
 
+/// Nothing where packets can be sent to `port` of the group; else what is wrong. LCM looks too, and
+/// writes fifteen lines of its own to stderr each time.
+std::optional<MediumError> no_route(const LcmOptions& options, std::uint16_t port) {
+  sockaddr_in place{};
+  place.sin_family = AF_INET;
+  place.sin_port = htons(port);
+  ::inet_pton(AF_INET, options.group.c_str(), &place.sin_addr);
+  const Descriptor probe(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+  if (probe &&
+      ::connect(probe.get(), reinterpret_cast<const sockaddr*>(&place), sizeof place) == 0) {
+    return std::nullopt;
+  }
+  return MediumError{"lcm: no way to " + options.group + ": " + system_text(errno) +
+                     multicast_advice(options)};
+}
+
 }  // namespace
 
 tl::expected<std::unique_ptr<LcmPort>, MediumError> LcmPort::open(const LcmOptions& options,
@@ -51,6 +68,7 @@ tl::expected<std::unique_ptr<LcmPort>, MediumError> LcmPort::open(const LcmOptio
   const std::string provider = "udpm://" + options.group + ":" + std::to_string(port) +
                                "?ttl=" + std::to_string(options.ttl);
   if (auto wrong = short_of_descriptors()) return tl::unexpected(std::move(*wrong));
+  if (auto wrong = no_route(options, port)) return tl::unexpected(std::move(*wrong));
   lcm_t* const lcm = ::lcm_create(provider.c_str());
   if (lcm == nullptr) {
     return tl::unexpected(MediumError{"lcm: cannot open " + provider + multicast_advice(options)});

@@ -60,8 +60,9 @@ void LcmDoor::take_first(const DatagramHeader& header, ByteView datagram, TimePo
   if (!answered) {
     const auto& refused = answered.error();
     if (refused.why == crypto::Refusal::NotAdmitted && refused.who && warnings_.take(now)) {
-      log_warning("lcm",
-                  address_.place() + " refused a client: " + keys_->not_admitted(*refused.who));
+      const auto admitted = keys_->directory.admission(*refused.who);
+      log_warning("lcm", address_.place() + " refused a client: " +
+                             (admitted ? "its key was admitted just now" : admitted.error().text));
     }
     return;
   }

@@ -16,9 +16,4 @@ tl::expected<std::shared_ptr<const LcmKeys>, MediumError> LcmKeys::open(const st
   return std::make_shared<const LcmKeys>(LcmKeys{std::move(*directory), std::move(*own)});
 }
 
-std::string LcmKeys::not_admitted(const crypto::PublicKey& key) const {
-  return "its key " + key.short_name() + " is not admitted here: if it is to be, copy the file " +
-         key.to_string() + ".public from its key directory into " + directory.path();
-}
-
 }  // namespace gecos::media

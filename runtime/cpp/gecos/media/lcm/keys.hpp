@@ -19,8 +19,6 @@ struct LcmKeys {
   static tl::expected<std::shared_ptr<const LcmKeys>, MediumError> open(const std::string& path);
 
   bool admits(const crypto::PublicKey& key) const { return directory.is_admitted(key); }
-  /// "its key 3fa9c1d2 is not admitted here: …", with what to do about it.
-  std::string not_admitted(const crypto::PublicKey& key) const;
 };
 
 }  // namespace gecos::media

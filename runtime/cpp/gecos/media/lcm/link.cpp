@@ -93,9 +93,11 @@ std::string LcmLink::loss_text() const {
 
 tl::expected<std::unique_ptr<Link>, MediumError> LcmClientLink::connect(
     const LcmOptions& options, std::shared_ptr<const LcmKeys> keys, const LcmAddress& address) {
-  if (address.key && !keys->admits(*address.key)) {
-    return tl::unexpected(
-        MediumError{"lcm: refused " + address.place() + ": " + keys->not_admitted(*address.key)});
+  if (address.key) {
+    if (const auto admitted = keys->directory.admission(*address.key); !admitted) {
+      return tl::unexpected(
+          MediumError{"lcm: refused " + address.place() + ": " + admitted.error().text});
+    }
   }
   LcmOptions here = options;
   here.group = address.group;

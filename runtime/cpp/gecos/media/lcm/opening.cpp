@@ -74,9 +74,9 @@ void LcmOpening::take(const DatagramHeader& header, ByteView frame) {
 void LcmOpening::take_key(ByteView frame, TimePoint now) {
   if (address_.key || handshake_ || frame.size() != crypto::key_bytes) return;
   const auto key = crypto::PublicKey::of(frame);
-  if (key == not_admitted_) return;
-  if (!keys_->admits(key)) {  // another server may answer yet
-    not_admitted_ = key;
+  if (not_admitted_ && key == not_admitted_->key) return;
+  if (auto admitted = keys_->directory.admission(key); !admitted) {
+    not_admitted_ = {key, std::move(admitted.error().text)};  // another server may answer yet
     return;
   }
   begin_with(key);
@@ -99,11 +99,15 @@ void LcmOpening::take_second(ByteView frame, TimePoint now) {
 std::string LcmOpening::trouble() const {
   const std::lock_guard lock(mutex_);
   if (open_) return inbox_->heard() ? "" : "the server has let us in and was not heard since";
-  if (!handshake_ && not_admitted_)
-    return "who answered there was refused: " + keys_->not_admitted(*not_admitted_);
+  if (!handshake_ && not_admitted_) return "who answered there was refused: " + not_admitted_->why;
+  const char* const how_far =
+      options_.ttl == 0 ? "; GECOS_LCM_TTL is 0, so our packets stay on this host: programs of "
+                          "several hosts need 1 or more, each of them"
+                        : "; from another host it is heard only where its own GECOS_LCM_TTL is 1 "
+                          "or more";
   return "nobody is there, or our key " + keys_->own.public_key().short_name() +
          " is not admitted there: then its user needs a copy of " + keys_->directory.path() + "/" +
-         keys_->own.public_key().to_string() + ".public";
+         keys_->own.public_key().to_string() + ".public" + how_far;
 }
 
 }  // namespace gecos::media

@@ -32,6 +32,10 @@ class LcmOpening {
   std::string trouble() const;
 
  private:
+  struct Refused {
+    crypto::PublicKey key;
+    std::string why;
+  };
   void begin(TimePoint now);
   void begin_with(const crypto::PublicKey& key);
   void take_key(ByteView frame, TimePoint now);
@@ -46,7 +50,7 @@ class LcmOpening {
   std::atomic<bool> over_{false};  // tells advance() that nothing is left to do
   mutable std::mutex mutex_;       // guards what follows
   std::optional<crypto::Opening> handshake_;
-  std::optional<crypto::PublicKey> not_admitted_;
+  std::optional<Refused> not_admitted_;
   bool open_ = false;
   int said_ = 0;
   TimePoint began_;
