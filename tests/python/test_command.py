@@ -191,6 +191,34 @@ def test_dropping_a_running_command_unobserved_warns_once(
     servant.finish.set()
 
 
+def test_a_command_that_failed_and_was_never_asked_warns_at_the_line_that_dropped_it(
+    lamp: Lamp, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("gecos.command._warned", set())
+    command = lamp.dim(1.0)
+    gecos.ping(lamp).result()  # so the refusal has come
+    with pytest.warns(gecos.UnobservedCommandWarning) as warned:
+        del command
+    assert str(warned[0].message).startswith(
+        "LAMP.dim failed, and nobody has asked: DENIED: 'dim' of LAMP needs actor status"
+    )
+    assert warned[0].filename == __file__
+
+
+def test_a_command_that_fails_after_it_was_dropped_is_told_in_the_log(
+    lamp: Lamp, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("gecos.command._warned", {"dim"})  # it has been warned of
+    lamp.dim(1.0).detach()
+    lamp.dim(1.0)
+    gecos.ping(lamp).result()
+    lamp.dim(1.0)
+    gecos.ping(lamp).result()
+    said = capfd.readouterr().err
+    assert said.count("\n") == 1
+    assert said.startswith("gecos warning command: LAMP.dim failed, and nobody has asked: COMMAND_")
+
+
 @pytest.mark.parametrize("observe", ["state", "cancel", "detach", "wait"])
 def test_a_command_that_was_looked_at_may_be_dropped(
     held: Lamp, servant: PlainLamp, observe: str, monkeypatch: pytest.MonkeyPatch

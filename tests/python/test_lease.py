@@ -114,3 +114,28 @@ def test_every_object_can_be_pinged_and_described(held: Lamp) -> None:
     assert described.name == "LAMP"
     assert described.interface_name == "test::Lamp"
     assert described.simulated
+
+
+def test_a_lease_that_is_dropped_at_once_says_what_to_write(
+    lamp: Lamp, capfd: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.warns(gecos.DroppedLeaseWarning) as warned:
+        gecos.actor(lamp)
+    assert str(warned[0].message) == (
+        "actor status of LAMP was given back at once, before anything was issued under it; "
+        "write `with gecos.actor(…):`"
+    )
+    assert warned[0].filename == __file__
+    assert capfd.readouterr().err == ""
+
+
+def test_a_lease_that_was_used_released_or_entered_is_dropped_in_silence(
+    lamp: Lamp, capfd: pytest.CaptureFixture[str]
+) -> None:
+    lease = gecos.actor(lamp)
+    lamp.dim(1.0).result()
+    del lease
+    gecos.master(lamp).release()
+    with gecos.actor(lamp):
+        pass
+    assert capfd.readouterr().err == ""

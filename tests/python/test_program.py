@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -63,6 +64,17 @@ def test_a_name_that_is_no_text_can_be_sent_all_the_same(monkeypatch: pytest.Mon
     monkeypatch.setattr(sys.modules["__main__"], "__spec__", None)
     monkeypatch.setattr(sys, "argv", ["/opt/\udcff.py"])
     assert program_name() == "?.py"
+
+
+def test_a_log_level_that_there_is_not_is_refused_by_name(place: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "gecos.cli", "ls"],
+        env={**os.environ, "GECOS_LOG": "loud"},
+        capture_output=True,
+        text=True,
+    )
+    said = 'gecos: GECOS_LOG is "loud", which is no level; write error, warning, info or debug\n'
+    assert (done.returncode, done.stderr) == (1, said)
 
 
 @pytest.mark.parametrize("medium", ["inproc", "shm", "lcm"])

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from gecos.errors import CreateError as CreateError
     from gecos.errors import DeclaredError as DeclaredError
     from gecos.errors import Detail as Detail
+    from gecos.errors import DroppedLeaseWarning as DroppedLeaseWarning
     from gecos.errors import Interrupted as Interrupted
     from gecos.errors import LeaseRefused as LeaseRefused
     from gecos.errors import Rejected as Rejected
@@ -56,8 +57,9 @@ if TYPE_CHECKING:
 _NAMES = {
     "broker": "Broker",
     "command": "Command Progress",
-    "errors": "Attempt CommandFailed ConnectionFailed CreateError DeclaredError Detail Interrupted "
-    "LeaseRefused Rejected ServeError State StreamLost UnobservedCommandWarning",
+    "errors": "Attempt CommandFailed ConnectionFailed CreateError DeclaredError Detail "
+    "DroppedLeaseWarning Interrupted LeaseRefused Rejected ServeError State StreamLost "
+    "UnobservedCommandWarning",
     "execution": "Caller Execution",
     "lab": "Lab",
     "lease": "Lease actor master",

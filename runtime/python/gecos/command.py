@@ -47,8 +47,9 @@ class Progress:
 class Command(Generic[T, F]):
     """A call that is on its way. T is its result, F what it reports while it runs.
 
-    Nothing waits until you ask. Dropping it lets it run; dropping it while it runs without ever
-    having looked at it warns, once per operation, because its failure would go unseen.
+    Nothing waits until you ask. Dropping it lets it run; dropping it without ever having looked at
+    it warns, once per operation, when it has failed, or still runs and its failure would go unseen.
+    One that fails after that is told in the log.
     """
 
     __slots__ = ("__weakref__", "_core", "_method")
@@ -128,8 +129,9 @@ class Command(Generic[T, F]):
         self._core.cancel()
 
     def detach(self) -> None:
-        """Says that nobody will look: it runs on, and dropping it does not warn."""
+        """Says that nobody will look: it runs on, and neither dropping it nor its failure warns."""
         self._observe()
+        self._core.observe()
 
     def fileno(self) -> int:
         """A descriptor that is readable once it is terminal, for `select` and its like.
@@ -173,7 +175,7 @@ class Command(Generic[T, F]):
         return self._method.operation.name
 
     def __repr__(self) -> str:
-        detail, position, fraction = self._core.progress()
+        detail, position, fraction = self._core.peek()
         more = f", {position} before it" if detail == Detail.QUEUED else ""
         more += f", {fraction:.0%}" if detail == Detail.EXECUTING else ""
         return f"<Command {self._name}: {Detail(detail).name}{more}>"
@@ -193,15 +195,21 @@ class _Unobserved(Command[T, F]):
 
     def __del__(self) -> None:
         if self._name in _warned:
+            return  # should it fail, the log tells
+        detail = Detail(self._core.peek()[0])
+        if detail is Detail.DONE:
             return
-        if Detail(self._core.progress()[0]).state is State.RUNNING:
-            _warned.add(self._name)
-            warnings.warn(
-                f"{self._name}: dropped while it was running, so its failure would go unseen; "
-                "keep the command and wait() for it, or detach() it",
-                UnobservedCommandWarning,
-                stacklevel=2,
-            )
+        _warned.add(self._name)
+        if detail.state is State.RUNNING:
+            what = f"{self._name}: dropped while it was running, so its failure would go unseen"
+        else:
+            about = self._core.about() or self._name
+            what = f"{about} failed, and nobody has asked: {self._failure()}"
+        warnings.warn(
+            f"{what}; keep the command and wait() for it, or detach() it",
+            UnobservedCommandWarning,
+            stacklevel=2,  # the line that drops it, as a rule the one that issued it
+        )
 
 
 _STATES = tuple(detail.state for detail in Detail)  # by the number of the detail

@@ -214,4 +214,8 @@ class ServeError(RuntimeError):
 
 
 class UnobservedCommandWarning(RuntimeWarning):
-    """A command was dropped while it ran, and nobody had looked at it."""
+    """A command was dropped while it ran or after it had failed, and nobody had looked at it."""
+
+
+class DroppedLeaseWarning(RuntimeWarning):
+    """A lease was dropped at once, so the status is gone before anything was issued under it."""

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import warnings
 from types import TracebackType
 from typing import Self
 
 from gecos import _core, farewell
-from gecos.errors import ConnectionFailed, Detail, LeaseRefused, State
+from gecos.errors import ConnectionFailed, Detail, DroppedLeaseWarning, LeaseRefused, State
 from gecos.interface import Access
 from gecos.proxy import Object
 from gecos.wire import DecodeError, from_bytes
@@ -19,8 +20,10 @@ class Lease:
     has returned the server knows of it; what is issued afterwards is DENIED.
     """
 
-    def __init__(self, core: _core.Lease) -> None:
+    def __init__(self, core: _core.Lease, object_name: str) -> None:
         self._core = core
+        self._object_name = object_name
+        self.__class__ = _Untouched
         farewell.at_exit(self, farewell.Turn.LEASES)
 
     @property
@@ -30,15 +33,18 @@ class Lease:
 
     def release(self) -> None:
         """Gives it back; queued and running commands still finish. Again does nothing."""
+        self.__class__ = Lease
         self._core.release()
 
     close = release
 
     def release_now(self) -> None:
         """Gives it back and stops what is queued and running under it."""
+        self.__class__ = Lease
         self._core.release_now()
 
     def __enter__(self) -> Self:
+        self.__class__ = Lease  # type: ignore[assignment]
         return self
 
     def __exit__(
@@ -51,6 +57,20 @@ class Lease:
 
     def __repr__(self) -> str:
         return f"<Lease {Access(self._core.status).name} epoch {self.epoch:#x}>"
+
+
+class _Untouched(Lease):
+    """Only what was neither entered nor released has a `__del__`, in which Ctrl-C would be lost."""
+
+    def __del__(self) -> None:
+        if self._core.fresh():
+            function = Access(self._core.status).name.lower()
+            warnings.warn(
+                f"{function} status of {self._object_name} was given back at once, before anything "
+                f"was issued under it; write `with gecos.{function}(…):`",
+                DroppedLeaseWarning,
+                stacklevel=2,
+            )
 
 
 def actor(robot: Object, password: str = "") -> Lease:
@@ -70,7 +90,7 @@ def _acquire(robot: Object, access: Access, password: str) -> Lease:
     session = robot._gecos_session
     got = session.acquire(access, password)
     if isinstance(got, _core.Lease):
-        return Lease(got)
+        return Lease(got, session.object_name)
     number, text, exception, evidence = got
     detail = Detail(number)
     where = f"{access.name.lower()} status of {session.object_name}"

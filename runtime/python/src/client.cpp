@@ -144,9 +144,15 @@ nb::object acquire(SessionHandle& self, int status, const std::string& password)
 
 // Command and stream -----------------------------------------------------------------------------
 
-nb::tuple progress(const CommandHandle& self) {
+/// Where it stands, for who only tells of it: that is not asking.
+nb::tuple peek(const CommandHandle& self) {
   const Progress progress = self.core().progress();
   return nb::make_tuple(static_cast<int>(progress.detail), progress.position, progress.fraction);
+}
+
+nb::tuple progress(const CommandHandle& self) {
+  self.core().observe();
+  return peek(self);
 }
 
 bool wait(const CommandHandle& self, std::optional<double> timeout) {
@@ -228,12 +234,19 @@ void bind_client(nb::module_& module) {
 
   nb::class_<CommandHandle>(module, "Command")
       .def("id", [](const CommandHandle& c) { return to_string(c.core().id()); })
+      .def("about", [](const CommandHandle& c) { return c.core().about(); })
+      .def("observe", [](const CommandHandle& c) { c.core().observe(); })
+      .def("peek", &peek)
       .def("progress", &progress)
       .def("feedback", [](const CommandHandle& c) { return to_python(c.core().feedback()); })
       .def("wait", &wait, nb::arg("timeout").none())
       .def("cancel", [](const CommandHandle& c) { c.core().cancel(); })
       .def("answer", &answer, nb::arg("timeout").none())
-      .def("failure", [](const CommandHandle& c) { return as_tuple(c.core().failure()); })
+      .def("failure",
+           [](const CommandHandle& c) {
+             c.core().observe();
+             return as_tuple(c.core().failure());
+           })
       .def("descriptor", [](const CommandHandle& c) { return c.core().descriptor(); });
 
   nb::class_<StreamHandle>(module, "Stream")
@@ -244,6 +257,7 @@ void bind_client(nb::module_& module) {
   nb::class_<LeaseHandle>(module, "Lease")
       .def_prop_ro("status", &LeaseHandle::status)
       .def_prop_ro("epoch", &LeaseHandle::epoch)
+      .def("fresh", &LeaseHandle::fresh)
       .def("release", &LeaseHandle::release)
       .def("release_now", &LeaseHandle::release_now);
 }

@@ -165,8 +165,13 @@ class LeaseHandle {
 
   int status() const { return status_; }
   std::uint64_t epoch() const { return epoch_; }
+  /// Nothing was issued since it was acquired a moment ago.
+  bool fresh() const { return lease_ != nullptr && !owner_.inherited() && lease_->fresh(); }
   /// Again does nothing.
-  void release() { let_go(lease_, owner_); }
+  void release() {
+    if (owner_.inherited()) return let_go(lease_, owner_);
+    if (lease_) without_gil([lease = std::exchange(lease_, nullptr)] { lease->release(); });
+  }
   void release_now() {
     if (owner_.inherited()) return;
     if (lease_) without_gil([lease = std::exchange(lease_, nullptr)] { lease->release_now(); });

@@ -83,6 +83,7 @@ class Direct final : public gecos::session::ClientSession {
   const gecos::media::Offer& offer() const override { return offer_; }
   std::uint64_t hold(std::uint64_t) override { return 0; }
   void let_go(std::uint64_t) override {}
+  std::uint64_t issued() override { return 0; }
 
   int sent = 0;
 

@@ -291,6 +291,7 @@ class Line final : public gecos::session::ClientSession {
   gecos::ObjectRef reference() const override { return {}; }
   std::uint64_t hold(std::uint64_t) override { return 0; }
   void let_go(std::uint64_t) override {}
+  std::uint64_t issued() override { return 0; }
 
   std::optional<gecos::Bytes> request;
 

@@ -6,7 +6,6 @@
 #include <unistd.h>
 
 #include <array>
-#include <atomic>
 #include <cstddef>
 #include <cstdlib>
 #include <mutex>
@@ -73,30 +72,43 @@ void write_line(LogLevel level, std::string_view component, std::string_view mes
   Stderr::instance().write_line(std::move(line));
 }
 
-LogLevel level_from_environment() {
-  const char* asked = std::getenv("GECOS_LOG");
-  if (asked == nullptr || *asked == '\0') return LogLevel::Warning;
-  if (const auto level = parse_log_level(asked)) return *level;
-  write_line(LogLevel::Warning, "log",
-             std::string("GECOS_LOG is \"") + asked +
-                 "\"; it takes error, warning, info or debug. Using warning.");
-  return LogLevel::Warning;
+/// What GECOS_LOG said when it was read.
+struct Asked {
+  LogLevel level = LogLevel::Warning;
+  std::optional<std::string> problem;
+};
+
+Asked ask_environment() {
+  const char* const asked = std::getenv("GECOS_LOG");
+  if (asked == nullptr || *asked == '\0') return {};
+  if (const auto level = parse_log_level(asked)) return {*level, {}};
+  return {LogLevel::Warning, "GECOS_LOG is \"" + std::string(asked) +
+                                 "\", which is no level; write error, warning, info or debug"};
 }
 
-std::atomic<LogLevel>& chosen_level() {
-  static std::atomic<LogLevel> level{level_from_environment()};  // publishes nothing but itself
-  return level;
+const Asked& environment() {
+  static const Asked& asked = *new Asked(ask_environment());  // outlives every static that may log
+  return asked;
 }
 
 }  // namespace
 
-bool log_enabled(LogLevel level) { return level <= chosen_level().load(std::memory_order_relaxed); }
+const std::optional<std::string>& log_level_problem() { return environment().problem; }
+
+bool detail::read_log_level(LogLevel level) {
+  std::uint8_t unread = log_level_unread;  // unless a program chose another meanwhile
+  log_level.compare_exchange_strong(unread, static_cast<std::uint8_t>(environment().level),
+                                    std::memory_order_relaxed);
+  return log_enabled(level);
+}
 
 void log(LogLevel level, std::string_view component, std::string_view message) {
   if (log_enabled(level)) write_line(level, component, message);
 }
 
-void set_log_level(LogLevel level) { chosen_level().store(level, std::memory_order_relaxed); }
+void set_log_level(LogLevel level) {
+  detail::log_level.store(static_cast<std::uint8_t>(level), std::memory_order_relaxed);
+}
 
 std::optional<LogLevel> parse_log_level(std::string_view name) {
   for (std::size_t i = 0; i < level_names.size(); ++i) {

@@ -5,15 +5,33 @@
 // reads: what a full pipe does not take is lost, and counted.
 #pragma once
 
+#include <atomic>
+#include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 
 namespace gecos {
 
-enum class LogLevel { Error, Warning, Info, Debug };
+enum class LogLevel : std::uint8_t { Error, Warning, Info, Debug };
 
-/// For skipping costly texts: `if (log_enabled(LogLevel::Debug)) …`.
-bool log_enabled(LogLevel level);
+/// Why GECOS_LOG names no level; nothing where it does, or is unset. Read once.
+const std::optional<std::string>& log_level_problem();
+
+namespace detail {
+inline constexpr std::uint8_t log_level_unread = 255;
+/// The chosen level. Publishes nothing but itself.
+inline constinit std::atomic<std::uint8_t> log_level{log_level_unread};
+bool read_log_level(LogLevel level);
+}  // namespace detail
+
+/// For skipping costly texts: `if (log_enabled(LogLevel::Debug)) …`. One relaxed load where nothing
+/// is to be written.
+inline bool log_enabled(LogLevel level) {
+  const std::uint8_t chosen = detail::log_level.load(std::memory_order_relaxed);
+  if (static_cast<std::uint8_t>(level) > chosen) return false;
+  return chosen != detail::log_level_unread || detail::read_log_level(level);
+}
 
 /// `component` is the room or program that speaks: "session", "rx90".
 void log(LogLevel level, std::string_view component, std::string_view message);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <coroutine>
 #include <cstdint>
 #include <functional>
@@ -128,6 +129,15 @@ class CommandCore {
   /// callbacks; also when the command was dropped. What `then` throws is logged and goes no
   /// further.
   virtual void when_ended(std::function<void()> then) = 0;
+  /// What was called, "RX90.move". Valid once it has failed, where nobody had asked before.
+  virtual std::string about() const { return {}; }
+
+  /// Its caller has asked how it goes, or says that nobody will: that it fails is not logged.
+  void observe() { observed_.store(true, std::memory_order_relaxed); }
+  bool observed() const { return observed_.load(std::memory_order_relaxed); }
+
+ private:
+  std::atomic<bool> observed_{false};  // publishes nothing but itself
 };
 
 /// `co_await command`: resumes on the lab's thread of callbacks with what `get()` gives.
@@ -139,6 +149,7 @@ class CommandAwaiter {
   void await_suspend(std::coroutine_handle<> waits) const {
     // The awaiter may be gone before this returns: the coroutine owns it.
     const auto core = command_.core();
+    core->observe();
     core->when_ended([waits] { waits.resume(); });
   }
   auto await_resume() const { return command_.get(); }
@@ -153,13 +164,17 @@ class AnyCommand {
  public:
   /// For `gecos::outcome`, when the connection was lost.
   CommandId id() const { return core_->id(); }
-  State state() const& { return project(core_->progress().detail); }
+  State state() const& { return project(progress().detail); }
   State state() && = delete;
-  Progress progress() const& { return core_->progress(); }
+  Progress progress() const& {
+    core_->observe();
+    return core_->progress();
+  }
   Progress progress() && = delete;
 
   /// Latest feedback, when some has come.
   std::optional<Feedback> feedback() const requires(!std::is_void_v<Feedback>) {
+    core_->observe();
     const Bytes bytes = core_->feedback();
     if (bytes.empty()) return std::nullopt;
     auto decoded = wire::from_bytes<Feedback>(bytes);
@@ -171,10 +186,18 @@ class AnyCommand {
   /// Waits at most `patience`; Running when that was not enough.
   State wait_for(Duration patience) const { return wait_until(deadline_after(patience)); }
   /// Asks the server to stop it. The state tells whether that came in time.
-  void cancel() const { core_->cancel(); }
+  void cancel() const {
+    core_->observe();
+    core_->cancel();
+  }
+  /// Says that nobody will ask: that it fails is not logged.
+  void detach() const { core_->observe(); }
 
   /// Readable once the command is terminal, for poll and its like. The command owns it.
-  int descriptor() const { return core_->descriptor(); }
+  int descriptor() const {
+    core_->observe();
+    return core_->descriptor();
+  }
   const std::shared_ptr<CommandCore>& core() const { return core_; }
 
  protected:
@@ -186,6 +209,7 @@ class AnyCommand {
   }
   template <class Command, class Callback>
   static void call_once_ended(const Command& command, Callback callback) {
+    command.core()->observe();
     command.core()->when_ended(
         [command, callback = std::move(callback)]() mutable { callback(command.get()); });
   }
@@ -203,9 +227,11 @@ class AnyCommand {
 
 /// A call that was issued. T is its result, Feedback what it reports while it runs.
 ///
-/// The call is on its way when you have this; nothing waits until you ask. Dropping it lets it run.
-/// `while (robot.move(x).state() == State::Running)` does not compile: each turn would issue a new
-/// command. Keep the command: `auto move = robot.move(x); while (move.state() == State::Running)`.
+/// The call is on its way when you have this; nothing waits until you ask. Dropping it lets it run;
+/// one that fails although nobody has ever asked how it goes is logged, once for each operation of
+/// an object and way to fail. `while (robot.move(x).state() == State::Running)` does not compile:
+/// each turn would issue a new command. Keep the command: `auto move = robot.move(x); while
+/// (move.state() == State::Running)`.
 template <class T, class Feedback = void>
 class [[nodiscard]] Command : public session::AnyCommand<Feedback> {
  public:

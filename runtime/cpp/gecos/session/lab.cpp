@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <ostream>
+#include <stdexcept>
 
+#include "gecos/base/log.hpp"
 #include "gecos/session/lab_core.hpp"
 #include "gecos/session/linked_session.hpp"
 #include "gecos/session/packets.hpp"
@@ -24,9 +26,19 @@ std::ostream& operator<<(std::ostream& out, const CreateError& error) {
   return out << error.to_string();
 }
 
+namespace {
+
+/// Throws where the environment asks for what there is none of.
+LabOptions checked(LabOptions options) {
+  if (const auto& problem = log_level_problem()) throw std::runtime_error(*problem);
+  return options;
+}
+
+}  // namespace
+
 Lab::Lab(LabOptions options)
     : core_(std::make_shared<session::LabCore>(
-          session::Runtime::make(std::move(options), session::system_clock()))) {}
+          session::Runtime::make(checked(std::move(options)), session::system_clock()))) {}
 
 Lab::~Lab() = default;
 

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "gecos/base/checked_result.hpp"
 #include "gecos/media/medium.hpp"
 #include "gecos/session/object.hpp"
 
@@ -66,6 +67,7 @@ tl::expected<Created, CreateError> create(LabCore& lab, const InterfaceDescripti
 /// A process may have several; each has its own connection to a broker.
 class Lab {
  public:
+  /// Throws std::runtime_error where GECOS_LOG names no level.
   explicit Lab(LabOptions options = {});
   ~Lab();
   Lab(const Lab&) = delete;
@@ -81,10 +83,11 @@ class Lab {
   /// it.
   void close();
 
-  /// The first of `names` that is online and of the right type.
+  /// The first of `names` that is online and of the right type. A result that is used unchecked
+  /// ends the program with the text of its CreateError.
   template <class Proxy>
-  tl::expected<Proxy, CreateError> create(const std::vector<std::string>& names,
-                                          CreateOptions options = {}) {
+  Checked<Proxy, CreateError> create(const std::vector<std::string>& names,
+                                     CreateOptions options = {}) {
     auto created = session::create(*core_, Proxy::gecos_description(), names, options);
     if (!created) return tl::unexpected(std::move(created.error()));
     return Proxy(std::move(created->session));
@@ -92,18 +95,18 @@ class Lab {
   /// Names written in place, `create<Manipulator>({"RX90", "SIM"})`: two literals in braces would
   /// also make one std::string.
   template <class Proxy>
-  tl::expected<Proxy, CreateError> create(std::initializer_list<const char*> names,
-                                          CreateOptions options = {}) {
+  Checked<Proxy, CreateError> create(std::initializer_list<const char*> names,
+                                     CreateOptions options = {}) {
     return create<Proxy>(std::vector<std::string>(names.begin(), names.end()), std::move(options));
   }
   template <class Proxy>
-  tl::expected<Proxy, CreateError> create(std::string name, CreateOptions options = {}) {
+  Checked<Proxy, CreateError> create(std::string name, CreateOptions options = {}) {
     return create<Proxy>(std::vector<std::string>{std::move(name)}, options);
   }
   /// The object that is meant, as long as it is served by the process that the reference speaks of:
   /// one that was started since may have another state. A nil reference is refused.
   template <class Proxy>
-  tl::expected<Proxy, CreateError> create(const ObjectRef& reference, CreateOptions options = {}) {
+  Checked<Proxy, CreateError> create(const ObjectRef& reference, CreateOptions options = {}) {
     if (reference.boot != 0) options.boot = reference.boot;
     return create<Proxy>(std::vector<std::string>{reference.name}, std::move(options));
   }

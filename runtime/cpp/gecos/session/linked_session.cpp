@@ -52,7 +52,7 @@ std::shared_ptr<CommandCore> LinkedSession::call(const OperationDescription& ope
   if (renewal_ && operation.idempotent && operation.status == access::Status::Sensor) {
     return call_repeatable(operation, size, encode, options);
   }
-  auto command = make_recycled<PendingCommand>(shared_from_this());
+  auto command = make_recycled<PendingCommand>(shared_from_this(), operation);
   command->marked_words = marked_words(operation);
   wire::PacketHeader header;
   header.kind = wire::PacketKind::Call;
@@ -209,6 +209,11 @@ void LinkedSession::let_go(std::uint64_t held) {
   epoch_.store(0, std::memory_order_relaxed);
 }
 
+std::uint64_t LinkedSession::issued() {
+  const std::lock_guard lock(mutex_);
+  return next_counter_ - 1;
+}
+
 std::uint64_t LinkedSession::finished_up_to() const {
   const auto open = calls_.lowest();
   return open != 0 ? open - 1 : next_counter_ - 1;
@@ -219,6 +224,7 @@ std::uint64_t LinkedSession::finished_up_to() const {
 void LinkedSession::lose(Ending how, const std::string& text) {
   std::vector<std::pair<std::uint64_t, std::shared_ptr<PendingCommand>>> open;
   std::vector<Adrift> adrift;
+  bool goes_on = false;
   {
     const std::lock_guard lock(mutex_);
     if (lost_.load(std::memory_order_relaxed)) return;
@@ -228,6 +234,7 @@ void LinkedSession::lose(Ending how, const std::string& text) {
     // that nobody waited for: a proxy was dropped, and its commands are meant to go on.
     const bool drains =
         how == Ending::ByUs && (goodbye_heard_.load(std::memory_order_relaxed) || !awaits_goodbye_);
+    goes_on = drains;
     if (link_->offer().shared_words && !drains) {
       link_->write_word(withdrawn_word, next_counter_ - 1);
       withdrawn_ = true;  // before any of them is reported: none of them starts any more
@@ -241,7 +248,10 @@ void LinkedSession::lose(Ending how, const std::string& text) {
     if (how == Ending::Died || how == Ending::Closed) adrift = cast_off(how, text);
     open = calls_.take_all();
   }
-  for (const auto& [counter, command] : open) command->fail(failure_of(*command, how, text));
+  for (const auto& [counter, command] : open) {
+    if (goes_on) command->observe();  // whoever closed the session meant it to
+    command->fail(failure_of(*command, how, text));
+  }
   baton_.poke_all();
   leader_wakeup_.ring();
   if (!adrift.empty()) renewal_->take(shared_from_this(), std::move(adrift));

@@ -59,6 +59,7 @@ class LinkedSession final : public ClientSession,
   ObjectRef reference() const override;
   std::uint64_t hold(std::uint64_t epoch) override;
   void let_go(std::uint64_t held) override;
+  std::uint64_t issued() override;
 
   Runtime& runtime() { return *runtime_; }
   const Welcome& welcome() const { return welcome_; }

@@ -30,6 +30,7 @@ class NilSession final : public ClientSession {
   ObjectRef reference() const override { return reference_; }
   std::uint64_t hold(std::uint64_t /*epoch*/) override { return 0; }
   void let_go(std::uint64_t /*held*/) override {}
+  std::uint64_t issued() override { return 0; }
 
  private:
   std::string of_object() const { return object_name_.empty() ? "" : " of " + object_name_; }

@@ -48,6 +48,8 @@ class ClientSession {
   virtual std::uint64_t hold(std::uint64_t epoch) = 0;
   /// That lease is given back. After the last one of a status, commands are issued under none.
   virtual void let_go(std::uint64_t held) = 0;
+  /// Calls that were sent so far.
+  virtual std::uint64_t issued() = 0;
 };
 
 /// Stands in for a proxy that was never created: every call is CONNECTION_FAILED/NO_SERVER.

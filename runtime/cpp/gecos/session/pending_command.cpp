@@ -2,16 +2,45 @@
 
 #include <algorithm>
 #include <mutex>
+#include <set>
+#include <sstream>
 #include <utility>
 
+#include "gecos/base/log.hpp"
 #include "gecos/session/callbacks.hpp"
 #include "gecos/session/linked_session.hpp"
 #include "gecos/session/runtime.hpp"
 
 namespace gecos::session {
+namespace {
+
+/// Once for each operation of an object and way to fail: what fails in a loop fills no disk.
+bool first_of_its_kind(const std::string& about, Detail detail) {
+  static std::mutex& mutex = *new std::mutex;  // commands may be dropped after the last static
+  static auto& told = *new std::set<std::pair<std::string, Detail>>;
+  const std::lock_guard lock(mutex);
+  return told.emplace(about, detail).second;
+}
+
+void tell_unasked(const std::string& about, const Failure& failure) {
+  if (!first_of_its_kind(about, failure.detail)) return;
+  std::ostringstream line;
+  line << (about.empty() ? "a command" : about) << " failed, and nobody has asked: " << failure
+       << ". Keep the command and ask it (get(), then()), or detach() it; more of the same are not "
+          "reported";
+  log_warning("command", std::move(line).str());
+}
+
+}  // namespace
 
 PendingCommand::PendingCommand(Failure failure)
     : detail_(failure.detail), failure_(std::move(failure)) {}
+
+PendingCommand::~PendingCommand() {
+  const Detail detail = detail_.load(std::memory_order_relaxed);
+  if (observed() || project(detail) == State::Running || detail == Detail::Done) return;
+  tell_unasked(about_, failure_);
+}
 
 std::shared_ptr<LinkedSession> PendingCommand::session() const {
   const std::lock_guard lock(mutex_);
@@ -44,6 +73,7 @@ Bytes PendingCommand::feedback() const {
 }
 
 bool PendingCommand::wait_until(TimePoint deadline) {
+  observe();
   if (terminal()) return true;
   if (again) return wait_in_any_session(deadline);
   const auto session = this->session();
@@ -123,7 +153,12 @@ void PendingCommand::fail(Failure failure) {
     failure.detail = Detail::OutcomeUnknown;
   }
   const Detail detail = failure.detail;
-  end(detail, [&] { failure_ = std::move(failure); });
+  end(detail, [&] {
+    if (!operation_.empty() && !observed()) {
+      about_ = session_->object_name() + "." + std::string(operation_);
+    }
+    failure_ = std::move(failure);
+  });
 }
 
 }  // namespace gecos::session

@@ -8,6 +8,7 @@
 #include "gecos/base/mutex.hpp"
 #include "gecos/base/short_bytes.hpp"
 #include "gecos/session/command.hpp"
+#include "gecos/session/description.hpp"
 #include "gecos/session/handshake.hpp"
 #include "gecos/session/wakeup.hpp"
 
@@ -19,10 +20,17 @@ class LinkedSession;
 /// ending cuts both ties, so a dropped command still runs and nothing is kept afterwards.
 class PendingCommand final : public CommandCore {
  public:
-  explicit PendingCommand(std::shared_ptr<LinkedSession> session)
-      : home_(session.get()), session_(std::move(session)) {}
+  PendingCommand(std::shared_ptr<LinkedSession> session, const OperationDescription& operation)
+      : operation_(operation.name),
+        actor_(operation.status != access::Status::Sensor),
+        home_(session.get()),
+        session_(std::move(session)) {}
   /// One that ended before it was sent.
   explicit PendingCommand(Failure failure);
+  /// Logs a failure that nobody has asked for.
+  ~PendingCommand() override;
+  PendingCommand(const PendingCommand&) = delete;
+  PendingCommand& operator=(const PendingCommand&) = delete;
 
   CommandId id() const override;
   Progress progress() const override;
@@ -33,6 +41,7 @@ class PendingCommand final : public CommandCore {
   const Failure& failure() const override { return failure_; }
   int descriptor() override;
   void when_ended(std::function<void()> then) override;
+  std::string about() const override { return about_; }
 
   /// Asked by who has just said that he follows the baton, so in one order with that (Baton::poke).
   bool terminal() const {
@@ -89,6 +98,8 @@ class PendingCommand final : public CommandCore {
   template <class Publish>
   void end(Detail detail, Publish publish);
 
+  const std::string_view operation_;  ///< empty: it was never sent
+  const bool actor_ = false;          ///< it needs a status
   mutable Mutex mutex_;
   std::atomic<Detail> detail_{Detail::Sent};  // terminal: publishes result_ and failure_ to all
   std::uint32_t position_ = 0;
@@ -96,6 +107,7 @@ class PendingCommand final : public CommandCore {
   Bytes feedback_;
   ShortBytes result_;
   Failure failure_;
+  std::string about_;      ///< "RX90.move"; written before it is terminal, where nobody has asked
   bool attended_ = false;  ///< by housekeeping of session_, for who sleeps elsewhere
   std::unique_ptr<Wakeup> exported_;
   std::vector<std::function<void()>> callbacks_;

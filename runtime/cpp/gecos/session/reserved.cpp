@@ -2,6 +2,7 @@
 
 #include <ostream>
 
+#include "gecos/base/log.hpp"
 #include "gecos/session/function_code.hpp"
 #include "gecos/session/packets.hpp"
 #include "gecos/session/reserved_codec.hpp"
@@ -46,7 +47,11 @@ tl::expected<Lease, LeaseRefusal> acquire(const Object& object, Status wanted,
 }  // namespace
 
 Lease::Lease(std::shared_ptr<session::ClientSession> session, Grant grant)
-    : session_(std::move(session)), grant_(grant), held_(session_->hold(grant.epoch)) {}
+    : session_(std::move(session)),
+      grant_(grant),
+      held_(session_->hold(grant.epoch)),
+      issued_(session_->issued()),
+      since_(session::system_clock().now()) {}
 
 Lease& Lease::operator=(Lease&& other) noexcept {
   if (this != &other) {
@@ -54,11 +59,27 @@ Lease& Lease::operator=(Lease&& other) noexcept {
     session_ = std::move(other.session_);
     grant_ = other.grant_;
     held_ = other.held_;
+    issued_ = other.issued_;
+    since_ = other.since_;
   }
   return *this;
 }
 
-Lease::~Lease() { release(); }
+Lease::~Lease() {
+  if (session_ != nullptr && fresh()) {
+    log_warning("lease", std::string(to_string(grant_.status)) + " status of " +
+                             session_->object_name() +
+                             " was given back at once, before anything was issued under it; keep "
+                             "the lease: `const auto lease = gecos::actor(*robot);`");
+  }
+  release();
+}
+
+bool Lease::fresh() const {
+  constexpr Duration at_once = std::chrono::milliseconds(100);
+  return session_ != nullptr && session_->issued() == issued_ &&
+         session::system_clock().now() - since_ < at_once;
+}
 
 void Lease::release() { give_back(false); }
 
@@ -82,11 +103,11 @@ std::ostream& operator<<(std::ostream& out, const LeaseRefusal& refusal) {
   return out << refusal.failure;
 }
 
-tl::expected<Lease, LeaseRefusal> actor(const Object& object, std::string password) {
+Checked<Lease, LeaseRefusal> actor(const Object& object, std::string password) {
   return acquire(object, Status::ACTOR, password);
 }
 
-tl::expected<Lease, LeaseRefusal> master(const Object& object, std::string password) {
+Checked<Lease, LeaseRefusal> master(const Object& object, std::string password) {
   return acquire(object, Status::MASTER, password);
 }
 

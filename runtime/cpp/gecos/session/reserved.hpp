@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "gecos/base/checked_result.hpp"
 #include "gecos/object_types.hpp"  // generated from idl/gecos/object.gidl
 #include "gecos/session/object.hpp"
 
@@ -15,11 +16,12 @@ namespace gecos {
 ///
 /// Once a release has returned the server knows of it: others may have the status, as soon as what
 /// was issued under it has ended. It waits for the server's word, at most a second. What is issued
-/// afterwards without another lease is DENIED.
-class Lease {
+/// afterwards without another lease is DENIED: one that is destroyed at once, before anything was
+/// issued under it, says so in the log.
+class [[nodiscard("keep the lease: the status is given back when it is destroyed")]] Lease {
  public:
   Lease(std::shared_ptr<session::ClientSession> session, Grant grant);
-  Lease(Lease&&) noexcept = default;
+  Lease(Lease &&) noexcept = default;
   Lease& operator=(Lease&&) noexcept;
   ~Lease();
 
@@ -29,13 +31,17 @@ class Lease {
   void release();
   /// Gives it back and stops what is queued and running under it.
   void release_now();
+  /// Nothing was issued since it was acquired, which was less than 100 ms ago.
+  bool fresh() const;
 
  private:
   void give_back(bool now);
 
   std::shared_ptr<session::ClientSession> session_;
   Grant grant_;
-  std::uint64_t held_;  ///< what the session calls it
+  std::uint64_t held_;    ///< what the session calls it
+  std::uint64_t issued_;  ///< calls of the session until then
+  TimePoint since_;
 };
 
 /// Why status was not given.
@@ -46,9 +52,13 @@ struct LeaseRefusal {
 std::ostream& operator<<(std::ostream& out, const LeaseRefusal& refusal);
 
 /// Actor status: commands that move or change the device. `password` lets others who know it join.
-tl::expected<Lease, LeaseRefusal> actor(const Object& object, std::string password = {});
+[[nodiscard(
+    "keep the lease: the status is given back when it is destroyed")]] Checked<Lease, LeaseRefusal>
+actor(const Object& object, std::string password = {});
 /// Master status: as actor, and other clients' calls are refused.
-tl::expected<Lease, LeaseRefusal> master(const Object& object, std::string password = {});
+[[nodiscard(
+    "keep the lease: the status is given back when it is destroyed")]] Checked<Lease, LeaseRefusal>
+master(const Object& object, std::string password = {});
 
 /// Stops the device, whoever moves it: ends every lease, drops the queue, interrupts what runs.
 Command<void> stop(const Object& object);

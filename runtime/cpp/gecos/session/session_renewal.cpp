@@ -42,7 +42,7 @@ std::shared_ptr<CommandCore> LinkedSession::call_repeatable(
   if (lost()) {
     if (const auto next = follower()) return next->call(operation, size, encode, options);
   }
-  auto command = make_recycled<PendingCommand>(shared_from_this());
+  auto command = make_recycled<PendingCommand>(shared_from_this(), operation);
   command->again = std::make_unique<PendingCommand::Again>();
   auto& again = *command->again;
   command->marked_words = marked_words(operation);

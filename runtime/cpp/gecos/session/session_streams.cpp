@@ -62,7 +62,8 @@ void LinkedSession::unsubscribe(FunctionCode stream) {
   if (lost()) return;
   const auto code = number(stream);
   call(reserved_operation(Reserved::Unsubscribe), sizeof code,
-       [&](wire::Encoder& to) { to.put(code); }, {});
+       [&](wire::Encoder& to) { to.put(code); }, {})
+      ->observe();
 }
 
 }  // namespace gecos::session

@@ -1,0 +1,41 @@
+// What an operation gives, or why it gives nothing; used unchecked it says why.
+#pragma once
+
+#include <sstream>
+#include <string>
+#include <utility>
+
+#include "gecos/base/result.hpp"
+
+namespace gecos {
+
+/// Ends the program: it used a result that is none. Prints `why`.
+[[noreturn]] void used_unchecked(const std::string& why);
+
+/// A `tl::expected` for what programs are tempted to use unchecked. Where it holds an error,
+/// `*result` and `result->…` end the program with the text of that error, also with NDEBUG, where
+/// `tl::expected` reads memory that holds no value.
+template <class T, class E>
+class [[nodiscard]] Checked : public tl::expected<T, E> {
+ public:
+  using Base = tl::expected<T, E>;
+  using Base::Base;
+  Checked(Base base) : Base(std::move(base)) {}  // NOLINT(google-explicit-constructor)
+
+  const T* operator->() const { return &**this; }
+  T* operator->() { return &**this; }
+  const T& operator*() const& { return demand(), Base::operator*(); }
+  T& operator*() & { return demand(), Base::operator*(); }
+  T&& operator*() && { return demand(), std::move(*this).Base::operator*(); }
+
+ private:
+  void demand() const {
+    if (this->has_value()) [[likely]]
+      return;
+    std::ostringstream why;
+    why << this->error();
+    used_unchecked(std::move(why).str());
+  }
+};
+
+}  // namespace gecos
