@@ -1,7 +1,7 @@
 """Judges what programs noted while they were killed: did every command end, once, as answered?
 
-A record is a text file, a line per event, written by one program. Each begins with a time, ns of a
-clock that all programs share. Of a client:
+A record is a text file, a line per event, written by one program. Each begins with a time, ns of
+CLOCK_BOOTTIME, which all programs share. Of a client:
 
     issue <command> <operation> <session> <wanted>   before it is sent; `wanted` is the right answer
     open <session> <pid>                             a session with the server of that pid
@@ -12,14 +12,16 @@ clock that all programs share. Of a client:
 Of a server:
 
     serve <pid>
-    start <command> <operation>                      its handler begins; in the order of lines
+    start <command> <operation> <marked>             its handler begins; in the order of lines.
+                                                     `marked`: when the server marked its start
     finish <command> <operation> <result>            it returns; "-": it was interrupted
     done
 
-And of who kills: `kill <pid>`, once the process is gone, and `cut <end>`, when the line between all
-clients and all servers was cut, and until when. And of a watcher of the machine: `late <woken>`,
-when it was to wake, and when it woke. A command is named by the number of its client (upper half)
-and its own (lower half); both rise.
+And of who kills: `kill <pid>`, once the process is gone; `cut <end>`, when the line between all
+clients and all servers was cut, and until when; `freeze <pid> <end>`, once the process stood still,
+and when it was told to go on. And of a watcher of the machine: `late <woken>`, when it was to wake,
+and when it woke. A command is named by the number of its client (upper half) and its own (lower
+half); both rise.
 """
 
 from __future__ import annotations
@@ -28,6 +30,7 @@ from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NamedTuple
 
 BOUND_S = 1.5
 """grace + 0.5 s: when commands of a killed server have ended at the latest."""
@@ -65,6 +68,10 @@ class Call:
     def detail(self) -> str:
         return next((detail for _, state, detail in self.seen if state != "RUNNING"), "")
 
+    def told(self) -> int | None:
+        """When its client knew its end at the latest."""
+        return next((time for time, state, _ in self.seen if state != "RUNNING"), None)
+
 
 @dataclass(slots=True)
 class Client:
@@ -72,6 +79,23 @@ class Client:
     calls: dict[int, Call] = field(default_factory=dict)
     servers: dict[int, int] = field(default_factory=dict)
     done: bool = False
+
+
+class Start(NamedTuple):
+    """Of a handler."""
+
+    command: int
+    operation: str
+    marked: int
+    began: int
+
+
+class Freeze(NamedTuple):
+    """A process that stood still from one time to the other."""
+
+    pid: int
+    begin: int
+    end: int
 
 
 @dataclass(slots=True)
@@ -82,6 +106,7 @@ class Server:
     pid: int = 0
     events: list[tuple[str, int, str, str]] = field(default_factory=list)
     """Event, command, operation and result, in the order in which they happened."""
+    starts: list[Start] = field(default_factory=list)
 
 
 @dataclass(slots=True)
@@ -91,6 +116,7 @@ class History:
     kills: dict[int, int] = field(default_factory=dict)
     """When the process of that pid was gone."""
     cuts: list[tuple[int, int]] = field(default_factory=list)
+    freezes: list[Freeze] = field(default_factory=list)
     late: list[tuple[int, int]] = field(default_factory=list)
     """From when until when somebody who only wanted to wake was not let run."""
 
@@ -103,10 +129,44 @@ class History:
         outcomes = Counter(call.detail() or "client killed" for call in calls)
         told = ", ".join(f"{count} {what}" for what, count in outcomes.most_common())
         again = f", {self.sent_again()} of them by another server" if self.sent_again() else ""
-        kills, cuts = len(self.kills), len(self.cuts)
+        done = f"{len(self.kills)} kills, {len(self.cuts)} cuts"
+        if self.freezes:
+            longest = max(freeze.end - freeze.begin for freeze in self.freezes) * 1e-9
+            done += f", {len(self.freezes)} freezes of up to {longest:.1f} s"
         worst = max((woken - due for due, woken in self.late), default=0) * 1e-9
         late = f", machine up to {worst:.2f} s late" if worst else ""
-        return f"{kills} kills, {cuts} cuts, {len(calls)} commands ({told}{again}){late}"
+        between = sum(1 for _ in self.frozen_before_they_began())
+        apart = f", {between} frozen between mark and handler" if between else ""
+        return f"{done}, {len(calls)} commands ({told}{again}){apart}{late}"
+
+    def begun_in_vain(self) -> Iterator[tuple[Server, Start, Call]]:
+        """Handlers that began after their client had been told an end."""
+        calls = {number: call for client in self.clients for number, call in client.calls.items()}
+        for server in self.servers:
+            for start in server.starts:
+                call = calls.get(start.command)
+                if call is not None and start.began > (call.told() or start.began):
+                    yield server, start, call
+
+    def frozen_before_they_began(self) -> Iterator[tuple[Freeze, Start]]:
+        """Those whose client heard nothing because the freeze fell between mark and handler."""
+        for server, start, call in self.begun_in_vain():
+            freeze = self.freeze_between(server, start)
+            if freeze is not None and call.detail() in LOST:
+                yield freeze, start
+
+    def freeze_between(self, server: Server, start: Start) -> Freeze | None:
+        """The one that kept the handler from beginning though it was marked."""
+        return next(
+            (
+                freeze
+                for freeze in self.freezes
+                if freeze.pid == server.pid
+                and start.marked <= freeze.begin
+                and freeze.end <= start.began
+            ),
+            None,
+        )
 
     def sent_again(self) -> int:
         """How many commands were carried out by another server than that of their session."""
@@ -157,10 +217,11 @@ def read_client(name: str, lines: Iterable[list[str]]) -> Client:
 
 def read_server(name: str, lines: Iterable[list[str]]) -> Server:
     server = Server(name)
-    for _, event, *rest in lines:
+    for time, event, *rest in lines:
         match event, rest:
-            case "start", [command, operation]:
+            case "start", [command, operation, marked]:
                 server.events.append(("start", int(command), operation, ""))
+                server.starts.append(Start(int(command), operation, int(marked), int(time)))
             case "finish", [command, operation, result]:
                 server.events.append(("finish", int(command), operation, result))
             case "serve", [pid]:
@@ -180,11 +241,16 @@ def read(directory: Path) -> History:
     for path in sorted(directory.glob("server.*.log")):
         history.servers.append(read_server(path.name, lines_of(path)))
     kills = directory / "kills.log"
-    for time, event, what in lines_of(kills) if kills.exists() else ():
-        if event == "kill":
-            history.kills[int(what)] = int(time)
-        else:
-            history.cuts.append((int(time), int(what)))
+    for time, event, *rest in lines_of(kills) if kills.exists() else ():
+        match event, rest:
+            case "kill", [pid]:
+                history.kills[int(pid)] = int(time)
+            case "cut", [end]:
+                history.cuts.append((int(time), int(end)))
+            case "freeze", [pid, end]:
+                history.freezes.append(Freeze(int(pid), int(time), int(end)))
+            case _:
+                raise ValueError(f"kills.log: no line of who kills: {event} {rest}")
     machine = directory / "machine.log"
     for due, _, woken in lines_of(machine) if machine.exists() else ():
         history.late.append((int(due), int(woken)))
@@ -201,6 +267,7 @@ def check(history: History, bound_s: float = BOUND_S) -> list[str]:
         *nothing_invented(history, calls),
         *in_order(history, calls),
         *one_at_a_time(history),
+        *begun_for_a_live_caller(history),
     ]
 
 
@@ -339,3 +406,29 @@ def one_at_a_time(history: History) -> Iterator[str]:
                 running = command
             elif running == command:
                 running = None
+
+
+def begun_for_a_live_caller(history: History) -> Iterator[str]:
+    """Nothing is marked as started once its client was told an end.
+
+    A mark cannot be taken back: where a freeze falls between it and the handler, the handler begins
+    for a client that has heard nothing and given up. That is one command of what runs one at a
+    time, and of what runs beside it only what was marked already.
+    """
+    for server, start, call in history.begun_in_vain():
+        told = call.told() or 0
+        what = f"{server.name}: command {start.command} ({call.state()}/{call.detail()})"
+        if start.marked > told:
+            yield f"{what} was marked {(start.marked - told) * 1e-9:.6f} s after its end was told"
+        elif call.detail() in LOST and history.freeze_between(server, start) is None:
+            yield (
+                f"{what} began {(start.began - told) * 1e-9:.6f} s after its end was told, and no"
+                " freeze fell between its mark and its handler"
+            )
+    of_one: dict[Freeze, list[int]] = defaultdict(list)
+    for freeze, start in history.frozen_before_they_began():
+        if start.operation in ACTOR:
+            of_one[freeze].append(start.command)
+    for freeze, commands in of_one.items():
+        if len(commands) > 1:
+            yield f"process {freeze.pid}: commands {commands} began in vain after one freeze"

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import os
 import subprocess
-import time
 from types import TracebackType
+
+from lateness import now_ns
 
 NEEDED = (
     "two network namespaces are needed, with a bridge between them: run as root, or let users make"
@@ -56,10 +57,10 @@ class Hosts:
     def cut(self) -> int:
         """Gives the time in ns. Neither host sees its own line go down."""
         self._ip(self._between, "link set end0 nomaster")
-        return time.monotonic_ns()
+        return now_ns()
 
     def mend(self) -> int:
-        now = time.monotonic_ns()
+        now = now_ns()
         self._ip(self._between, "link set end0 master line")
         return now
 

@@ -14,17 +14,22 @@ import tempfile
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import history
 from hosts import Hosts
-from lateness import Lateness
+from lateness import Lateness, now_ns
 
 HERE = Path(__file__).resolve().parent
 sys.path.append(str(HERE.parent / "system"))  # processes.py
 
-from processes import Program, await_ends  # noqa: E402
+from processes import Program, await_ends, until  # noqa: E402
+
+SHORTEST_FREEZE_S = 0.05
+ROLES_FROZEN = {"server": 4, "client": 2, "server client": 3, "broker": 1}
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,9 +42,13 @@ class Plan:
     victims: Mapping[str, int] = field(default_factory=dict)
     """Role to weight, of those that are killed; all others live to the end."""
     pause_s: float = 0.05
-    """Between two kills, on average."""
+    """Between two kills, or freezes, on average."""
+    rest_ms: int = 10
+    """A client's longest rest between the calls that it issues."""
     freezes: int = 0
-    """How often a program is stopped for a while and continued, SIGSTOP and SIGCONT."""
+    """How often programs stand still for a while, by SIGSTOP and SIGCONT."""
+    frozen: Mapping[str, int] = field(default_factory=dict)
+    """Roles that stand still together, "server client", to weight."""
     longest_freeze_s: float = 2.0
     clients: int = 3
     waiters: int = 0
@@ -111,8 +120,9 @@ class Rampage:
         self._broker = build / "runtime" / "cpp" / "gecos" / "broker" / "gecos-broker"
         # Its name in the kernel is at most 107 characters long, so not below `records`.
         self.place = Path(tempfile.mkdtemp(prefix="gecos-"))
-        self._env = {**os.environ, **env, "GECOS_RUNTIME_DIR": str(self.place)}
-        self._env.pop("GECOS_BROKER", None)
+        # Its own broker only, however long that stands still: others run beside it.
+        here = {"GECOS_RUNTIME_DIR": str(self.place), "GECOS_BROKER": "shm"}
+        self._env = {**os.environ, **env, **here}
         if plan.preload is not None:
             self._env["LD_PRELOAD"] = str(plan.preload)
         self._orphaned: list[int] = []
@@ -130,8 +140,17 @@ class Rampage:
             f"record={self.records / f'client.{self._clients}.log'}",
             f"medium={self.plan.medium}",
             f"faults={self.plan.faults}",
+            f"rest_ms={self.plan.rest_ms}",
             f"seed={self._random.randrange(1 << 30)}",
         ]
+
+    def _whole(self) -> list[str]:
+        """A client that serves, too."""
+        self._servers += 1
+        program = [sys.executable, str(HERE / "programs" / "client.py")]
+        if not self.plan.python_server:
+            program = [str(self._programs / "stress_client")]
+        return [*self._client(program), f"serve={self.records / f'server.{self._servers}.log'}"]
 
     def _server(self) -> list[str]:
         self._servers += 1
@@ -166,6 +185,9 @@ class Rampage:
         cpp = [str(self._programs / "stress_client")]
         python = [sys.executable, str(HERE / "programs" / "client.py")]
         self.add_broker()
+        if self.plan.medium == "inproc":
+            self.add("whole", self._whole).wait_ready()
+            return
         self.add("server", self._server).wait_ready()
         if not self.plan.waiters:
             self.add("witness", lambda: self._client(cpp)).wait_ready()
@@ -220,13 +242,34 @@ class Rampage:
                 role.wait_ready()
 
     def freeze(self) -> None:
-        """Each stands still for a random while."""
-        for _ in range(self.plan.freezes):
+        """At random instants, for as long as the plan says."""
+        sets = list(self.plan.frozen)
+        for length in self._lengths():
             self._pause()
-            victim = self._victim()
+            roles = self._random.choices(sets, list(self.plan.frozen.values()))[0].split()
+            self._freeze([self._random.choice(self._filling(name)) for name in roles], length)
+
+    def _lengths(self) -> list[float]:
+        """Of the freezes, in s: as many of .05 to .1 as of 1 to 2, and one close to the longest."""
+        steps = [
+            (step + self._random.random()) / self.plan.freezes for step in range(self.plan.freezes)
+        ]
+        self._random.shuffle(steps)
+        ratio = self.plan.longest_freeze_s / SHORTEST_FREEZE_S
+        return [SHORTEST_FREEZE_S * ratio**step for step in steps]
+
+    def _freeze(self, victims: Sequence[Role], length: float) -> None:
+        pids = [victim.program.pid for victim in victims]
+        for victim in victims:
             victim.program.signal(signal.SIGSTOP)
-            time.sleep(self._random.uniform(0.0, self.plan.longest_freeze_s))
+        until(lambda: all(stands_still(pid) for pid in pids), f"{pids} stand still")
+        began = now_ns()
+        time.sleep(length)
+        ends = now_ns()
+        for victim in self._random.sample(victims, len(victims)):
             victim.program.signal(signal.SIGCONT)
+        with (self.records / "kills.log").open("a") as freezes:
+            freezes.writelines(f"{began} freeze {pid} {ends}\n" for pid in pids)
 
     def cut(self) -> None:
         """Each for a random while."""
@@ -244,7 +287,7 @@ class Rampage:
         """All programs, in order; nothing may be left of them or in them."""
         self._end_children()
         self._end_waiters()
-        for name in "client", "witness", "server", "broker":
+        for name in "client", "witness", "whole", "server", "broker":
             self._await_ready(name)
             for role in self.roles:
                 if role.name == name:
@@ -258,14 +301,14 @@ class Rampage:
         if not self.plan.children:
             return
         self.plan = dataclasses.replace(self.plan, children=False)
-        for server in self._servers_now():
+        for server in self._filling("server"):
             self._kill(server)  # the last one with a child
         self._kill_orphaned()
-        for server in self._servers_now():
+        for server in self._filling("server"):
             self._kill(server)
 
-    def _servers_now(self) -> list[Role]:
-        return [role for role in self.roles if role.name == "server"]
+    def _filling(self, name: str) -> list[Role]:
+        return [role for role in self.roles if role.name == name]
 
     def _kill_orphaned(self) -> None:
         """Until they are gone: who dies still holds all it held."""
@@ -281,7 +324,7 @@ class Rampage:
         waiters = [role for role in self.roles if role.name == "waiter"]
         for role in waiters:
             role.program.signal(signal.SIGTERM)
-        for server in self._servers_now() if waiters else ():
+        for server in self._filling("server") if waiters else ():
             server.wait_ready()
             self._kill(server)
         for role in waiters:
@@ -308,6 +351,12 @@ def members(group: int) -> list[int]:
             if int(of) == group:
                 found.append(int(stat.parent.name))
     return found
+
+
+def stands_still(pid: int) -> bool:
+    """No thread of it runs any more."""
+    stats = [stat.read_text() for stat in Path(f"/proc/{pid}/task").glob("[0-9]*/stat")]
+    return all(stat.rpartition(")")[2].split()[0] == "T" for stat in stats)
 
 
 def leftover(role: Role) -> None:
@@ -349,6 +398,45 @@ def run(plan: Plan, build: Path, records: Path, env: Mapping[str, str]) -> histo
     kinds = Counter(call.state() for client in told.clients for call in client.calls.values())
     assert plan.waiters or kinds["FINISHED"] > 0, f"nothing was carried out: {told.summary()}"
     return told
+
+
+def run_beside_each_other(
+    plans: Sequence[Plan], build: Path, records: Path, env: Mapping[str, str]
+) -> list[history.History]:
+    """Each in a laboratory of its own."""
+    with ThreadPoolExecutor(len(plans)) as pool:
+        running = []
+        for number, plan in enumerate(plans):
+            here = records / str(number)
+            here.mkdir()
+            running.append(pool.submit(run, plan, build, here, env))
+        return [told.result() for told in running]
+
+
+def freezing(freezes: int, longest_s: float, seeds: random.Random) -> list[Plan]:
+    """Laboratories of all kinds in which programs stand still, alone and together."""
+
+    def plan(medium: str, **more: Any) -> Plan:
+        return Plan(
+            medium,
+            seeds.randrange(1 << 30),
+            freezes=freezes,
+            frozen={"whole": 1} if medium == "inproc" else ROLES_FROZEN,
+            longest_freeze_s=longest_s,
+            pause_s=0.3,
+            rest_ms=50,
+            **more,
+        )
+
+    in_python: dict[str, Any] = {"clients": 0, "python_clients": 1, "python_server": True}
+    return [
+        plan("shm", clients=2),
+        plan("lcm", clients=2),
+        plan("inproc"),
+        plan("shm", **in_python),
+        plan("lcm", **in_python),
+        plan("inproc", **in_python),
+    ]
 
 
 def generate_python(out: Path) -> None:

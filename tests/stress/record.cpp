@@ -4,7 +4,6 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -12,6 +11,7 @@
 #include <system_error>
 
 #include "../cpp/settles.hpp"
+#include "gecos/base/clock.hpp"
 
 namespace stress {
 namespace {
@@ -45,10 +45,8 @@ Record::Record(const std::string& path)
 Record::~Record() { ::close(file_); }
 
 void Record::note(const std::string& what) const {
-  const auto now = std::chrono::steady_clock::now().time_since_epoch();
-  const std::string line =
-      std::to_string(std::chrono::duration_cast<std::chrono::nanoseconds>(now).count()) + " " +
-      what + "\n";
+  const auto now = gecos::SystemClock().since_boot().time_since_epoch();
+  const std::string line = std::to_string(now.count()) + " " + what + "\n";
   if (::write(file_, line.data(), line.size()) != static_cast<ssize_t>(line.size())) {
     throw std::system_error(errno, std::generic_category(), "the record of this program");
   }

@@ -9,7 +9,7 @@
 namespace stress {
 
 /// Each line is one write to the end of the file: it is there as soon as `note` returns, and whole.
-/// It begins with CLOCK_MONOTONIC in ns, the same for all programs of a host. Thread-safe.
+/// It begins with CLOCK_BOOTTIME in ns, the same for all programs of a host. Thread-safe.
 class Record {
  public:
   explicit Record(const std::string& path);

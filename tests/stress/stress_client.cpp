@@ -1,5 +1,6 @@
 // Commands a Workbench without pause, whatever dies, and notes each command's issue, its states and
-// its end. SIGTERM: issues no more, waits for what is open, looks at all again, ends.
+// its end. SIGTERM: issues no more, waits for what is open, looks at all again, ends. Told where to
+// note that, it serves the Workbench itself, for a client in the same process.
 
 #include <unistd.h>
 
@@ -10,7 +11,9 @@
 #include <deque>
 #include <functional>
 #include <mutex>
+#include <optional>
 #include <random>
+#include <stdexcept>
 #include <thread>
 
 #include "another_try.hpp"
@@ -18,6 +21,7 @@
 #include "record.hpp"
 #include "setting.hpp"
 #include "stress/workbench_client.hpp"
+#include "workbench.hpp"
 
 namespace {
 
@@ -224,7 +228,10 @@ class Client {
       std::unique_lock lock(mutex_);
       room_.wait(lock, [this] { return open_ < 48; });
     }
-    if (happens(0.5)) std::this_thread::sleep_for(std::chrono::microseconds(random_() % 10'000));
+    if (happens(0.5)) {
+      std::uniform_real_distribution<> rest_ms(0, setting_.number("rest_ms"));
+      std::this_thread::sleep_for(std::chrono::duration<double, std::milli>(rest_ms(random_)));
+    }
     if (happens(0.1)) look_again();
   }
 
@@ -250,17 +257,40 @@ class Client {
   std::vector<std::thread> waiters_;
 };
 
+/// The server of this process.
+class ServedHere {
+ public:
+  explicit ServedHere(const stress::Setting& setting) : record_(setting.text("serve")) {
+    const auto added = server_.add("BENCH", workbench_, stress::over(setting.medium()));
+    if (!added) throw std::runtime_error(added.error().text);
+    record_.note("serve " + std::to_string(getpid()));
+  }
+
+ private:
+  const stress::Record record_;
+  gecos::Lab lab_;
+  stress::RecordedBench workbench_{record_};
+  gecos::Server server_{lab_};
+};
+
 }  // namespace
 
 int main(int count, char** words) {
-  const stress::Setting setting(
-      count, words,
-      {{"number", "1"}, {"record", ""}, {"medium", "shm"}, {"faults", ""}, {"seed", "1"}});
+  const stress::Setting setting(count, words,
+                                {{"number", "1"},
+                                 {"record", ""},
+                                 {"serve", ""},
+                                 {"medium", "shm"},
+                                 {"faults", ""},
+                                 {"rest_ms", "10"},
+                                 {"seed", "1"}});
   std::signal(SIGTERM, [](int) { told_to_end = true; });
   const stress::Balance balance;
-  std::puts("ready");
-  std::fflush(stdout);
   {
+    std::optional<ServedHere> server;
+    if (!setting.text("serve").empty()) server.emplace(setting);
+    std::puts("ready");
+    std::fflush(stdout);
     Client client(setting);
     client.run();
     client.end();

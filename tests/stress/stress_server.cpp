@@ -4,7 +4,6 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-#include <chrono>
 #include <csignal>
 #include <cstdio>
 
@@ -12,57 +11,9 @@
 #include "gecos/session/termination.hpp"
 #include "record.hpp"
 #include "setting.hpp"
-#include "stress/workbench_server.hpp"
+#include "workbench.hpp"
 
 namespace {
-
-class Workbench : public stress::WorkbenchServant {
- public:
-  explicit Workbench(const stress::Record& record) : record_(record) {}
-
- private:
-  gecos::Result<std::int64_t> tap(std::uint64_t command, std::int64_t salt) override {
-    start(command, "tap");
-    return finish(command, "tap", stress::answer(command, salt));
-  }
-  gecos::Result<std::int64_t> file(std::uint64_t command, std::int64_t salt, double seconds,
-                                   gecos::Execution<>& run) override {
-    start(command, "file");
-    run.progress(0.5);
-    if (run.wait_interrupted(
-            std::chrono::duration_cast<gecos::Duration>(std::chrono::duration<double>(seconds)))) {
-      record_.note("finish " + std::to_string(command) + " file -");
-      return tl::unexpected(gecos::Fault::interrupted());
-    }
-    return finish(command, "file", stress::answer(command, salt));
-  }
-  gecos::Result<std::vector<std::uint8_t>> weigh(std::uint64_t command,
-                                                 const std::vector<std::uint8_t>& load) override {
-    start(command, "weigh");
-    finish(command, "weigh", stress::answer(command, load));
-    return load;
-  }
-  gecos::Result<std::int64_t> gauge(std::uint64_t command, std::int64_t salt) override {
-    start(command, "gauge");
-    return finish(command, "gauge", stress::answer(command, salt));
-  }
-
-  gecos::Result<std::int64_t> look(std::uint64_t command, std::int64_t salt) override {
-    start(command, "look");
-    return finish(command, "look", stress::answer(command, salt));
-  }
-
-  void start(std::uint64_t command, const char* operation) const {
-    record_.note("start " + std::to_string(command) + " " + operation);
-  }
-  std::int64_t finish(std::uint64_t command, const char* operation, std::int64_t result) const {
-    record_.note("finish " + std::to_string(command) + " " + operation + " " +
-                 std::to_string(result));
-    return result;
-  }
-
-  const stress::Record& record_;
-};
 
 /// What the first server of a process makes for all that follow: how SIGTERM reaches them.
 void make_what_stays() {
@@ -96,13 +47,9 @@ int main(int count, char** words) {
   const stress::Balance balance;
   {
     gecos::Lab lab(setting.lab());
-    Workbench workbench(record);
+    stress::RecordedBench workbench(record);
     gecos::Server server(lab);
-    gecos::ObjectOptions options;
-    options.simulated = true;
-    options.thread_safe = true;
-    options.media = {setting.medium()};
-    const auto added = server.add(setting.text("name"), workbench, options);
+    const auto added = server.add(setting.text("name"), workbench, stress::over(setting.medium()));
     if (!added) {
       std::fprintf(stderr, "%s\n", added.error().text.c_str());
       return 1;

@@ -42,9 +42,13 @@ bool wait_once(gecos::Lab& lab, const stress::Setting& setting, const stress::Re
 }  // namespace
 
 int main(int count, char** words) {
-  const stress::Setting setting(
-      count, words,
-      {{"number", "1"}, {"record", ""}, {"medium", "shm"}, {"faults", ""}, {"seed", "1"}});
+  const stress::Setting setting(count, words,
+                                {{"number", "1"},
+                                 {"record", ""},
+                                 {"medium", "shm"},
+                                 {"faults", ""},
+                                 {"rest_ms", "10"},
+                                 {"seed", "1"}});
   std::signal(SIGTERM, [](int) { told_to_end = true; });
   const stress::Record record(setting.text("record"));
   const stress::Balance balance;

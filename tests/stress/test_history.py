@@ -23,9 +23,9 @@ CLIENT = f"""
 """
 SERVER = f"""
 0 serve 4711
-5 start {ONE} tap
+5 start {ONE} tap 5
 6 finish {ONE} tap 77
-7 start {TWO} file
+7 start {TWO} file 7
 """
 KILLS = """
 8 kill 4711
@@ -125,38 +125,38 @@ def test_rejected_of_clients_is(kind: str, tmp_path: Path) -> None:
 
 WRONG_SERVERS = {
     "a command that ran twice": (
-        f"7 start {TWO} file",
-        f"7 start {TWO} file\n8 finish {TWO} file -\n9 start {TWO} file",
+        f"7 start {TWO} file 7",
+        f"7 start {TWO} file 7\n8 finish {TWO} file -\n9 start {TWO} file 9",
         f"command {TWO}: 2 times 'start'",
     ),
     "a command of nobody": (
-        f"7 start {TWO} file",
-        f"7 start {TWO + 1} file",
+        f"7 start {TWO} file 7",
+        f"7 start {TWO + 1} file 7",
         f"server.0.log: command {TWO + 1} was never issued",
     ),
     "another operation than was called": (
-        f"7 start {TWO} file",
-        f"7 start {TWO} tap",
+        f"7 start {TWO} file 7",
+        f"7 start {TWO} tap 7",
         f"server.0.log: command {TWO} was file, not tap",
     ),
     "an end without a beginning": (
-        f"7 start {TWO} file",
+        f"7 start {TWO} file 7",
         f"7 finish {TWO} file 88",
         f"server.0.log: command {TWO} finished and had not started",
     ),
     "other arguments than were sent": (
-        f"7 start {TWO} file",
-        f"7 start {TWO} file\n8 finish {TWO} file 99",
+        f"7 start {TWO} file 7",
+        f"7 start {TWO} file 7\n8 finish {TWO} file 99",
         f"command {TWO} reached its handler with other arguments",
     ),
     "a command beside another": (
-        f"6 finish {ONE} tap 77\n7 start {TWO} file",
-        f"6 start {TWO} file\n7 finish {ONE} tap 77",
+        f"6 finish {ONE} tap 77\n7 start {TWO} file 7",
+        f"6 start {TWO} file 6\n7 finish {ONE} tap 77",
         f"server.0.log: command {TWO} started while {ONE} ran",
     ),
     "a command before the one that was issued before it": (
-        f"5 start {ONE} tap\n6 finish {ONE} tap 77\n7 start {TWO} file",
-        f"4 start {TWO} file\n5 finish {TWO} file -\n6 start {ONE} tap\n7 finish {ONE} tap 77",
+        f"5 start {ONE} tap 5\n6 finish {ONE} tap 77\n7 start {TWO} file 7",
+        f"4 start {TWO} file 4\n5 finish {TWO} file -\n6 start {ONE} tap 6\n7 finish {ONE} tap 77",
         f"server.0.log: command {ONE} started after {TWO}",
     ),
 }
@@ -183,13 +183,14 @@ def test_rejected_is_an_end_long_after_the_line_was_cut(tmp_path: Path) -> None:
 def test_rejected_is_a_reading_that_did_not_keep_its_place(tmp_path: Path) -> None:
     client = CLIENT.replace(f"issue {TWO} file", f"issue {TWO} gauge")
     server = (
-        f"3 start {TWO} gauge\n4 finish {TWO} gauge 88\n5 start {ONE} tap\n6 finish {ONE} tap 77\n"
+        f"3 start {TWO} gauge 3\n4 finish {TWO} gauge 88\n"
+        f"5 start {ONE} tap 5\n6 finish {ONE} tap 77\n"
     )
     assert judged(tmp_path, client, server) == [f"server.0.log: command {ONE} started after {TWO}"]
 
 
 def test_rejected_is_a_command_that_ran_on_two_servers(tmp_path: Path) -> None:
-    second = f"8 start {TWO} file\n"
+    second = f"8 start {TWO} file 8\n"
     assert judged(tmp_path, CLIENT, SERVER, second) == [f"command {TWO}: 2 times 'start'"]
 
 
@@ -199,10 +200,10 @@ LOOKS = SERVER.replace("file", "look")
 
 def test_an_idempotent_command_may_run_in_each_life_of_its_server(tmp_path: Path) -> None:
     client = LOOKED.replace("COMMAND_FAILED SERVER_CRASHED -", "FINISHED DONE 88")
-    second = f"8 serve 4712\n9 start {TWO} look\n9 finish {TWO} look 88\n"
+    second = f"8 serve 4712\n9 start {TWO} look 9\n9 finish {TWO} look 88\n"
     assert judged(tmp_path, client, LOOKS, second) == []
     assert history.read(tmp_path).sent_again() == 1
-    twice = second + f"9 start {TWO} look\n9 finish {TWO} look 88\n"
+    twice = second + f"9 start {TWO} look 9\n9 finish {TWO} look 88\n"
     assert judged(tmp_path, client, LOOKS, twice) == [
         f"command {TWO}: 2 times 'start' in server.1.log",
         f"command {TWO}: 2 times 'finish' in server.1.log",
@@ -233,3 +234,65 @@ def test_rejected_is_an_idempotent_command_that_nobody_answers_for_too_long(tmp_
 def test_a_line_that_nobody_writes_is_no_history(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"client\.1\.log: no line of a client: sleep"):
         judged(tmp_path, CLIENT.replace("1 open 1 4711", "1 sleep 1"))
+
+
+TOLD = CLIENT.replace(f"10 end {TWO} COMMAND_FAILED SERVER_CRASHED", f"10 end {TWO} {{end}}")
+UNKNOWN = TOLD.format(end="COMMAND_FAILED OUTCOME_UNKNOWN")
+
+
+def started_late(marked: int, *more: str) -> str:
+    return SERVER.replace(f"7 start {TWO} file 7", f"{SECOND} start {TWO} file {marked}") + "".join(
+        f"{line}\n" for line in more
+    )
+
+
+def test_rejected_is_a_mark_after_a_reported_end(tmp_path: Path) -> None:
+    for end in "COMMAND_FAILED OUTCOME_UNKNOWN", "COMMAND_FAILED STOPPED":
+        client = TOLD.format(end=end)
+        freeze = f"9 freeze 4711 {SECOND - 1}\n"
+        assert judged(tmp_path, client, started_late(SECOND // 2 + 10), kills=freeze) == [
+            f"server.0.log: command {TWO} ({end.replace(' ', '/')}) was marked 0.500000 s after its"
+            " end was told"
+        ]
+
+
+def test_a_freeze_between_mark_and_handler_is_counted_apart(tmp_path: Path) -> None:
+    freeze = f"9 freeze 4711 {SECOND - 1}\n"
+    assert judged(tmp_path, UNKNOWN, started_late(8), kills=freeze) == []
+    assert "1 frozen between mark and handler" in history.read(tmp_path).summary()
+    elsewhere = freeze.replace("4711", "4712")
+    assert judged(tmp_path, UNKNOWN, started_late(8), kills=elsewhere) == [
+        f"server.0.log: command {TWO} (COMMAND_FAILED/OUTCOME_UNKNOWN) began 1.000000 s after its"
+        " end was told, and no freeze fell between its mark and its handler"
+    ]
+
+
+def test_what_the_server_itself_ended_between_mark_and_handler_began_by_then(
+    tmp_path: Path,
+) -> None:
+    stopped = TOLD.format(end="COMMAND_FAILED STOPPED")
+    assert judged(tmp_path, stopped, started_late(8), kills="") == []
+
+
+def test_rejected_are_two_commands_in_vain_after_one_freeze_of_what_runs_one_at_a_time(
+    tmp_path: Path,
+) -> None:
+    three = TWO + 1
+    client = UNKNOWN.replace(
+        "12 done",
+        f"3 issue {three} tap 1 99\n11 end {three} COMMAND_FAILED OUTCOME_UNKNOWN -\n12 done",
+    )
+    ended = f"{SECOND} finish {TWO} file -"
+    freeze = f"9 freeze 4711 {SECOND - 1}\n"
+    second = started_late(8, ended, f"{SECOND} start {three} tap 9")
+    assert judged(tmp_path, client, second, kills=freeze) == [
+        f"process 4711: commands [{TWO}, {three}] began in vain after one freeze"
+    ]
+    tap, weigh = f"{three} tap", f"{three} weigh"
+    client, beside = client.replace(tap, weigh), second.replace(tap, weigh)
+    assert judged(tmp_path, client, beside, kills=freeze) == []
+
+
+def test_a_freeze_is_summed_up(tmp_path: Path) -> None:
+    judged(tmp_path, kills=f"{SECOND} freeze 4711 {3 * SECOND}\n")
+    assert history.read(tmp_path).summary().startswith("0 kills, 0 cuts, 1 freezes of up to 2.0 s,")

@@ -113,10 +113,10 @@ class Program:
             self._process.send_signal(number)
 
     def kill(self) -> int:
-        """Gives the time in ns, by time.monotonic_ns(), when it was gone."""
+        """Gives the time in ns, of CLOCK_BOOTTIME, when it was gone."""
         self.signal(signal.SIGKILL)
         self._process.wait()  # with a time-out it looks only now and then
-        gone = time.monotonic_ns()
+        gone = time.clock_gettime_ns(time.CLOCK_BOOTTIME)
         self.finish()
         return gone
 

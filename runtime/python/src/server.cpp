@@ -245,6 +245,11 @@ void bind_server(nb::module_& module) {
       .def_prop_ro("code", &CallHandle::code)
       .def_prop_ro("arguments", [](CallHandle& self) { return to_python(self.call().arguments()); })
       .def("caller", &caller)
+      .def_prop_ro("marked_ns",
+                   [](CallHandle& self) {
+                     const auto at = self.call().marked_at().value_or(TimePoint{});
+                     return static_cast<std::int64_t>(at.time_since_epoch().count());
+                   })
       .def("interrupted", [](CallHandle& self) { return self.call().interrupted(); })
       .def("wait_interrupted", &wait_interrupted, nb::arg("seconds"))
       .def(

@@ -155,6 +155,27 @@ TEST_P(ServerStandsStill, AndWhatItsClientClosedMeanwhileIsNotCarriedOutLater) {
   EXPECT_EQ(level_in_the_end(), 7);
 }
 
+TEST_P(ServerStandsStill, AndWhatAClientHadQueuedThatGaveUpAndLeftIsNotCarriedOutLater) {
+  {
+    gecos::Lab leaves;
+    auto robot = leaves.create<probe::Probe>("PROBE");
+    ASSERT_TRUE(robot) << robot.error();
+    const auto lease = gecos::actor(*robot);
+    ASSERT_TRUE(lease) << lease.error();
+    const auto move = robot->move(1);
+    ASSERT_EQ(child_.line().hear(), "moving");
+    const auto behind = robot->set(100);
+    await_detail(behind, Detail::Queued);
+    child_.signal(SIGSTOP);
+    static_cast<void>(behind.wait());
+    const bool proved = GetParam() == Kind::Shm;
+    EXPECT_EQ(behind.progress().detail, proved ? Detail::NotStarted : Detail::OutcomeUnknown);
+    EXPECT_EQ(move.wait(), State::CommandFailed);
+  }
+  child_.signal(SIGCONT);
+  EXPECT_EQ(level_in_the_end(), 7);
+}
+
 TEST_P(ServerStandsStill, AndWhatWasIssuedMeanwhileIsProvedNotToHaveStarted) {
   auto robot = connect();
   const auto lease = gecos::actor(robot);

@@ -55,16 +55,20 @@ class Servant final : public probe::ProbeServant {
  public:
   void gecos_dispatch(IncomingCall call) override {
     ++calls;
+    marked_at = call.marked_at();
     if (keep) {
       kept.push_back(std::move(call));
     } else {
       call.finish(result);
     }
   }
+  bool gecos_begins_calls() const override { return queues; }
   void gecos_session_ended(std::uint64_t) override { ++sessions_ended; }
 
   std::atomic<int> calls = 0;  ///< that were carried out, or begun
   bool keep = false;
+  bool queues = false;                 ///< calls, and begins them later
+  std::optional<TimePoint> marked_at;  ///< the last of them
   Bytes result;
   std::vector<IncomingCall> kept;
   int sessions_ended = 0;

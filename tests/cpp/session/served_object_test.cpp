@@ -16,6 +16,23 @@ TEST_F(ServedObjects, TakesNothingMoreOfASessionThatHasEnded) {
   EXPECT_EQ(reply_to(3), std::nullopt);
 }
 
+TEST_F(ServedObjects, TellAHandlerWhenItsStartWasMarked) {
+  const TimePoint before = system_clock().since_boot();
+  call(1, probe::read_code);
+  ASSERT_TRUE(servant_.marked_at);
+  EXPECT_GE(*servant_.marked_at, before);
+  EXPECT_LE(*servant_.marked_at, system_clock().since_boot());
+}
+
+TEST_F(ServedObjects, MarkWhatAServantQueuesWhenItBeginsIt) {
+  servant_.queues = servant_.keep = true;
+  call(1, probe::read_code);
+  EXPECT_FALSE(servant_.marked_at);
+  const TimePoint later = system_clock().since_boot();
+  ASSERT_TRUE(servant_.kept.at(0).begin());
+  EXPECT_GE(servant_.kept[0].marked_at(), later);
+}
+
 TEST_F(ServedObjects, SayThatASessionEndedOnceNoCallOfItIsUnderWay) {
   servant_.keep = true;
   call(1, probe::read_code);

@@ -5,11 +5,13 @@ from __future__ import annotations
 import contextlib
 import random
 import signal
+import time
 from collections import deque
 from collections.abc import Callable
 
 import gecos
 from record import Balance, Record, answer, answer_salt, rest_before_another_try, settings
+from server import serve
 from stress.workbench import Workbench
 
 MOST_OPEN = 16
@@ -22,6 +24,7 @@ class Client:
         self._medium = setting["medium"]
         self._record = Record(setting["record"])
         self._random = random.Random(int(setting["seed"]))
+        self._longest_rest_s = float(setting["rest_ms"]) * 1e-3
         self._number = int(setting["number"]) << 32
         self._session = 0
         self._lease: gecos.Lease | None = None
@@ -63,6 +66,8 @@ class Client:
             self._issue(bench)
         if self._random.random() < 0.05:
             self._random.choice(self._open)[1].cancel()
+        if self._random.random() < 0.1:
+            time.sleep(self._random.random() * self._longest_rest_s)
         return self._finish()
 
     def _issue(self, bench: Workbench) -> None:
@@ -106,11 +111,16 @@ def end(_number: int, _frame: object) -> None:
 
 def main() -> None:
     signal.signal(signal.SIGTERM, end)
-    client = Client(settings())
+    setting = settings()
+    client = Client(setting)
+    serves = Record(setting["serve"]) if "serve" in setting else None
     balance = Balance()
-    print("ready", flush=True)
-    with gecos.Lab() as lab:
-        client.run(lab)
+    with contextlib.ExitStack() as stack:
+        if serves is not None:
+            here = stack.enter_context(gecos.Lab())
+            serve(stack.enter_context(gecos.Server(here)), setting["medium"], serves)
+        print("ready", flush=True)
+        client.run(stack.enter_context(gecos.Lab()))
     balance.close()
 
 

@@ -15,7 +15,7 @@ class Record:
         self._file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, 0o600)
 
     def note(self, what: str) -> None:
-        os.write(self._file, f"{time.monotonic_ns()} {what}\n".encode())
+        os.write(self._file, f"{time.clock_gettime_ns(time.CLOCK_BOOTTIME)} {what}\n".encode())
 
 
 def answer(command: int, load: bytes) -> int:

@@ -262,12 +262,11 @@ void IoLoop::watch(const std::shared_ptr<ServerSession>& session) {
 
 void IoLoop::part_if_lost(const std::shared_ptr<ServerSession>& session) {
   if (session->gone.load()) return;
-  const media::Loss loss = session->link().loss();
-  if (loss == media::Loss::None) return;
+  if (session->link().loss() == media::Loss::None) return;
   while (const auto packet = session->link().receive()) session->object()->take(session, *packet);
   session->gone = true;
-  session->object()->depart(session, loss == media::Loss::Closed ? ServedObject::Departure::InOrder
-                                                                 : ServedObject::Departure::Lost);
+  // In order where it said goodbye. Who closes a link without that has given up what it issued.
+  session->object()->depart(session, ServedObject::Departure::Lost);
   if (session->object()->ready())
     session->object()->run_ready(Starter::Other);  // what it sent last
 }

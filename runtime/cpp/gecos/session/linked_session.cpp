@@ -237,8 +237,9 @@ void LinkedSession::lose(Ending how, const std::string& text) {
     goes_on = drains;
     if (link_->offer().shared_words && !drains) {
       link_->write_word(withdrawn_word, next_counter_ - 1);
-      withdrawn_ = true;  // before any of them is reported: none of them starts any more
-    } else if (how == Ending::ByUs && !drains) {
+      withdrawn_ = true;   // before any of them is reported: none of them starts any more
+    } else if (!drains) {  // it may never arrive; a server that stands still reads it when it goes
+                           // on
       wire::PacketHeader header;
       header.kind = wire::PacketKind::Goodbye;
       header.flags = withdraws;

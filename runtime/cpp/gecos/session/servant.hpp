@@ -3,6 +3,7 @@
 #include <concepts>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <string_view>
@@ -94,6 +95,8 @@ class CallCore {
   virtual bool wait_interrupted_until(TimePoint deadline) = 0;
   /// False: its handler must not begin any more.
   virtual bool begin() { return true; }
+  /// When its start was marked; nothing before.
+  virtual std::optional<TimePoint> marked_at() const { return std::nullopt; }
   virtual void progress(double fraction, ByteView feedback) = 0;
   /// The first of finish and fail counts; a later one is ignored.
   virtual void finish(ByteView result) = 0;
@@ -122,6 +125,9 @@ class IncomingCall {
   /// For servants that queue calls: directly before the handler runs. False: the call ended while
   /// it was queued, or its caller gave it up; drop it unanswered.
   [[nodiscard]] bool begin() { return core_->begin(); }
+  /// When the server marked it as started, directly before its handler begins; by CLOCK_BOOTTIME
+  /// (Clock::since_boot). Nothing before begin(), where the servant calls that.
+  std::optional<TimePoint> marked_at() const { return core_->marked_at(); }
 
   void finish(ByteView result) { std::exchange(core_, nullptr)->finish(result); }
   void fail(Failure failure) { std::exchange(core_, nullptr)->fail(std::move(failure)); }

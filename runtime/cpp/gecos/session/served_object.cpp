@@ -96,9 +96,9 @@ std::shared_ptr<ServerCall> ServedObject::execute(const std::shared_ptr<ServerCa
 /// False for one that was ended before a thread came to it, or may not start any more: its caller
 /// was told, so it does not begin.
 bool ServedObject::begins(ServerCall& call) {
-  runtime_->housekeeping().pauses().await_judgement(runtime_->clock());
-  const Lock lock(mutex_);
-  if (!may_start(call) || (!servant_.gecos_begins_calls() && !marked(call))) {
+  std::unique_lock lock(mutex_);
+  const TimePoint now = await_judgement(lock);
+  if (!may_start(call) || (!servant_.gecos_begins_calls() && !marked(call, now))) {
     never_began(call);
     return false;
   }
@@ -107,9 +107,22 @@ bool ServedObject::begins(ServerCall& call) {
 }
 
 bool ServedObject::begin(ServerCall& call) {
-  runtime_->housekeeping().pauses().await_judgement(runtime_->clock());
-  const Lock lock(mutex_);
-  return may_start(call) && marked(call);
+  std::unique_lock lock(mutex_);
+  const TimePoint now = await_judgement(lock);
+  return may_start(call) && marked(call, now);
+}
+
+/// Gives the time, of CLOCK_BOOTTIME, at which no pause was to be judged: with the mutex, so that
+/// whoever marks a call then has not waited for anything since.
+TimePoint ServedObject::await_judgement(std::unique_lock<Mutex>& lock) {
+  PauseWatch& pauses = runtime_->housekeeping().pauses();
+  for (;;) {
+    const TimePoint now = runtime_->clock().since_boot();
+    if (!pauses.suspected(now)) return now;
+    lock.unlock();
+    pauses.await_judgement(runtime_->clock());
+    lock.lock();
+  }
 }
 
 /// All was ended before, or there is no thread for it.
@@ -133,14 +146,15 @@ void ServedObject::never_began(ServerCall& call) {
 
 std::shared_ptr<ServerCall> ServedObject::start_next(Starter starter) {
   ready_.store(false, std::memory_order_relaxed);
-  if (runtime_->housekeeping().pauses().suspected(runtime_->clock().since_boot())) {
+  const TimePoint now = runtime_->clock().since_boot();
+  if (runtime_->housekeeping().pauses().suspected(now)) {
     note_ready();  // housekeeping starts what may start once it has judged the pause
     return nullptr;
   }
   while (auto ticket = next_ticket()) {
     auto call = std::static_pointer_cast<ServerCall>(std::move(ticket));
     const bool here = starter != Starter::Other && !runs_long(call->operation());
-    if (may_start(*call) && (!here || servant_.gecos_begins_calls() || marked(*call))) {
+    if (may_start(*call) && (!here || servant_.gecos_begins_calls() || marked(*call, now))) {
       if (!here) list(*call);
       return call;
     }
@@ -186,7 +200,8 @@ bool ServedObject::may_start(ServerCall& call) {
 
 /// Marks it as started, directly before its handler begins. False when its caller has withdrawn it,
 /// and so has been told, or will be, that it did not start.
-bool ServedObject::marked(ServerCall& call) {
+bool ServedObject::marked(ServerCall& call, TimePoint now) {
+  call.note_mark(now);
   ServerSession& session = call.listener();
   if (!session.link().offer().shared_words) return true;
   const std::uint64_t counter = call.counter_in(session);

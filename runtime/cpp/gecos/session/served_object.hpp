@@ -131,7 +131,8 @@ class ServedObject final : public Publisher, public std::enable_shared_from_this
   std::shared_ptr<Ticket> next_ticket();
   void no_more_awaited(ServerSession& session);
   bool may_start(ServerCall& call);
-  bool marked(ServerCall& call);
+  TimePoint await_judgement(std::unique_lock<Mutex>& lock);
+  bool marked(ServerCall& call, TimePoint now);
   void not_begun(ServerCall& call);
   void never_began(ServerCall& call);
   void end(ServerCall& call, const Failure& failure);

@@ -24,6 +24,11 @@ bool ServerCall::wait_interrupted_until(TimePoint until) {
 
 bool ServerCall::begin() { return object().begin(*this); }
 
+std::optional<TimePoint> ServerCall::marked_at() const {
+  const TimePoint at = marked_at_.load(std::memory_order_relaxed);
+  return at == TimePoint::max() ? std::nullopt : std::optional(at);
+}
+
 void ServerCall::progress(double its_fraction, ByteView its_feedback) {
   object().progressed(*this, its_fraction, its_feedback);
 }

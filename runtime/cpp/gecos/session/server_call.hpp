@@ -26,9 +26,13 @@ class ServerCall final : public CallCore,
   bool interrupted() const override { return interrupted_.load(std::memory_order_acquire); }
   bool wait_interrupted_until(TimePoint deadline) override;
   bool begin() override;
+  std::optional<TimePoint> marked_at() const override;
   void progress(double fraction, ByteView feedback) override;
   void finish(ByteView result) override;
   void fail(Failure failure) override;
+
+  /// Before its mark is written; with the object's mutex.
+  void note_mark(TimePoint now) { marked_at_.store(now, std::memory_order_relaxed); }
 
   /// Who is told how it goes, and under which number; with the object's mutex.
   ServerSession& listener() const { return heir ? *heir : *session; }
@@ -64,7 +68,8 @@ class ServerCall final : public CallCore,
 
  private:
   const ShortBytes arguments_;
-  std::atomic<bool> interrupted_{false};  // publishes nothing but itself
+  std::atomic<bool> interrupted_{false};                // publishes nothing but itself
+  std::atomic<TimePoint> marked_at_{TimePoint::max()};  // publishes nothing but itself
 };
 
 }  // namespace gecos::session
