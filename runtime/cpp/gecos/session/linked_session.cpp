@@ -23,7 +23,9 @@ LinkedSession::LinkedSession(std::shared_ptr<Runtime> runtime, std::unique_ptr<m
       // All that has arrived is read before it is judged, so a judge who was kept from running for
       // as long as this still judges rightly, and on a busy machine not later than promised.
       watched_(runtime_->clock().now(), runtime_->options().lease_ttl),
-      last_sign_(watched_.now()) {}
+      last_sign_(watched_.now()),
+      answers_(runtime_->options().lease_ttl,
+               2 * (runtime_->options().lease_ttl + runtime_->options().grace), watched_.now()) {}
 
 ObjectRef LinkedSession::reference() const {
   return {welcome_.object, welcome_.interface_hash, welcome_.boot,

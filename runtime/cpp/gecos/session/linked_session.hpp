@@ -9,6 +9,7 @@
 
 #include "gecos/base/mutex.hpp"
 #include "gecos/media/waiting.hpp"
+#include "gecos/session/answer_watch.hpp"
 #include "gecos/session/baton.hpp"
 #include "gecos/session/call_table.hpp"
 #include "gecos/session/handshake.hpp"
@@ -150,6 +151,8 @@ class LinkedSession final : public ClientSession,
   std::vector<Adrift> cast_off(Ending how, const std::string& text);
   bool has_repeatable();
   void judge_silence(TimePoint now);
+  void judge_answers(TimePoint now);
+  void ask_after_calls();
   /// When the next look is due.
   TimePoint repeat(TimePoint now);
   void house_wake();
@@ -175,6 +178,8 @@ class LinkedSession final : public ClientSession,
   std::atomic<int> attended_{0};            // publishes nothing but itself
   std::atomic<bool> loss_look_due_{false};  // of whoever holds the baton next; publishes nothing
   std::atomic<bool> goodbye_heard_{false};  // publishes nothing but itself
+  std::atomic<bool> answer_lost_{false};    // publishes nothing but itself
+  std::atomic<std::uint64_t> heard_{0};     // packets, by who has the baton; publishes nothing
   std::atomic<std::uint64_t> epoch_{0};     // publishes nothing but itself
 
   std::mutex
@@ -199,6 +204,8 @@ class LinkedSession final : public ClientSession,
   WatchedTime watched_;  ///< the server is judged by it
   TimePoint last_sign_;
   TimePoint next_beat_{};
+  AnswerWatch answers_;
+  std::uint64_t open_when_asked_ = 0;  ///< the newest call when it was last asked after calls
 };
 
 /// Closes one after the other within `patience`, and two heartbeats more for each that does not

@@ -126,6 +126,7 @@ void LinkedSession::take_packet(ByteView bytes) {
   const auto packet = wire::decode_packet(bytes);
   if (!packet || packet->header.session != id_) return;
   if (packet->header.version != wire::packet_version) return;
+  heard_.store(heard_.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
   switch (packet->header.kind) {
     case wire::PacketKind::Reply:
     case wire::PacketKind::Progress:
@@ -153,6 +154,8 @@ void LinkedSession::take_reply(const wire::PacketView& packet) {
     }
   }
   const auto detail = detail_from(static_cast<std::uint8_t>(packet.header.flags));
+  // Where nothing is lost, an answer that the server has no more was lost: the medium is broken.
+  if (!repeats_ && detail == Detail::OutcomeUnknown) answer_lost_.store(true);
   if (detail == Detail::Done) {
     command->finish(packet.body);
   } else {

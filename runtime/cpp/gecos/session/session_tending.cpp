@@ -1,5 +1,6 @@
 // What housekeeping does for the client side of a session.
 #include <algorithm>
+#include <cstdio>
 
 #include "gecos/session/linked_session.hpp"
 #include "gecos/session/packets.hpp"
@@ -35,6 +36,7 @@ TimePoint LinkedSession::tend(TimePoint now) {
     if (taken != 0) baton_.poke(nullptr);
   }
   if (!lost()) judge_silence(now);
+  if (!lost() && !unreachable()) judge_answers(watched_.now());
   return lost() ? TimePoint::max() : repeat(now);
 }
 
@@ -60,6 +62,51 @@ void LinkedSession::judge_silence(TimePoint now) {
   const auto milliseconds = std::chrono::duration_cast<std::chrono::milliseconds>(silent).count();
   lose(Ending::Silent, "the server of " + welcome_.object + " (" + link_->peer().description +
                            ") has been silent for " + std::to_string(milliseconds) + " ms");
+}
+
+/// One that beats need not answer: no call waits longer than that for it.
+void LinkedSession::judge_answers(TimePoint now) {
+  const std::string who = welcome_.object + " (" + link_->peer().description + ")";
+  if (answer_lost_.load()) {
+    return lose(Ending::Broken, "an answer of the server of " + who +
+                                    " was lost on its way, over " +
+                                    std::string(media::to_string(link_->offer().kind)) +
+                                    ", which loses nothing unless its memory is damaged");
+  }
+  bool open = false;
+  {
+    const std::lock_guard lock(mutex_);
+    open = calls_.size() != 0;
+  }
+  switch (answers_.judge(open, heard_.load(std::memory_order_relaxed), now)) {
+    case AnswerWatch::Verdict::Fine:
+      return;
+    case AnswerWatch::Verdict::Ask:
+      return ask_after_calls();
+    case AnswerWatch::Verdict::Mute:
+      char seconds[32];
+      std::snprintf(seconds, sizeof seconds, "%.1f s",
+                    std::chrono::duration<double>(answers_.silent_for(now)).count());
+      return lose(Ending::Silent, "the server of " + who +
+                                      " gives signs of life but has answered "
+                                      "nothing for " +
+                                      seconds + "; start it anew if it hangs");
+  }
+}
+
+/// Where nothing is lost a call is not repeated. One that is open for long is asked after all the
+/// same: its answer may have been damaged in shared memory.
+void LinkedSession::ask_after_calls() {
+  if (repeats_) return;
+  const std::lock_guard lock(mutex_);
+  for (const auto& [counter, command] : calls_.all()) {
+    if (counter > open_when_asked_) break;
+    wire::PacketHeader header;
+    header.kind = wire::PacketKind::Query;
+    header.counter = counter;
+    if (!send(header, {})) break;
+  }
+  open_when_asked_ = next_counter_ - 1;
 }
 
 /// Until a call's outcome is known it is asked for again under its own counter: in full while it

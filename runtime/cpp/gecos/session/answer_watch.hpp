@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+
+#include "gecos/base/clock.hpp"
+
+namespace gecos::session {
+
+/// Whether a server that gives signs of life still answers. A process can go on beating while what
+/// it should answer is lost: its thread hangs, or its memory was damaged. Time is passed in.
+class AnswerWatch {
+ public:
+  AnswerWatch(Duration ask_after, Duration give_up_after, TimePoint now)
+      : ask_after_(ask_after), give_up_after_(give_up_after), heard_at_(now), asked_at_(now) {}
+
+  enum class Verdict : std::uint8_t {
+    Fine,
+    Ask,   ///< ask what became of the calls that were open at the last such verdict
+    Mute,  ///< calls are open, and nothing at all has come for `give_up_after`
+  };
+  /// `heard`: a number that rises with each packet of the server.
+  Verdict judge(bool calls_are_open, std::uint64_t heard, TimePoint now) {
+    if (!calls_are_open || heard != heard_) heard_at_ = now;
+    heard_ = heard;
+    if (!calls_are_open) asked_at_ = now;
+    if (now - heard_at_ >= give_up_after_) return Verdict::Mute;
+    if (now - asked_at_ < ask_after_) return Verdict::Fine;
+    asked_at_ = now;
+    return Verdict::Ask;
+  }
+  Duration silent_for(TimePoint now) const { return now - heard_at_; }
+
+ private:
+  const Duration ask_after_;
+  const Duration give_up_after_;
+  std::uint64_t heard_ = 0;
+  TimePoint heard_at_;
+  TimePoint asked_at_;
+};
+
+}  // namespace gecos::session
