@@ -19,12 +19,26 @@ from speaker.frames import Header
 from speaker.frames import Kind as Datagram
 from speaker.lcm import BROKER_PLACE, Loop
 from speaker.noise import Keys, public_of
-from speaker.packets import Detail, Failure, Reader, Status, Welcome, code_of, sequence, string
+from speaker.packets import (
+    ACQUIRE,
+    Detail,
+    Failure,
+    Reader,
+    Status,
+    Welcome,
+    boolean,
+    code_of,
+    f64,
+    sequence,
+    string,
+    u32,
+)
 from speaker.server import Served
 from speaker.tasks import Operation, Task
 from told import LANGUAGES, Client, client_of
 
 MEASURE = code_of("robcl::LaserDistanceSensor::measure")
+TRAVEL = code_of("lab::RailSensor::travel")
 
 
 class Office(Served):
@@ -32,6 +46,10 @@ class Office(Served):
 
     def __init__(self, loop: Loop, keys: Keys) -> None:
         self.entries: dict[str, Entry] = {}
+        self.served_for: list[float] = []
+        """What was said with each enlisting."""
+        self.settles_in: float | None = None
+        self.taken_by = ""
         self.answer = lambda entry: entry.pack()
         what = [("enlist", ENLIST, self._enlist), ("lookup", LOOKUP, self._lookup)]
         about = Welcome("BROKER", "gecos::Broker", [], 0, secrets.randbits(64), 0, {})
@@ -41,9 +59,16 @@ class Office(Served):
         super().__init__(loop, keys, about, operations, BROKER_PLACE)
 
     def _enlist(self, task: Task) -> None:
-        entry = Entry.of(Reader(task.parameters))
+        parameters = Reader(task.parameters)
+        entry = Entry.of(parameters)
+        self.served_for.append(parameters.f64())
+        if self.taken_by:
+            value = string(entry.name) + string(self.taken_by)
+            task.fail(Detail.FAULT, "it is taken", "gecos::NameTaken", value)
+            return
         self.entries[entry.name] = entry
-        task.done()
+        left = self.settles_in
+        task.done(boolean(left is not None) + (b"" if left is None else f64(left)))
 
     def _lookup(self, task: Task) -> None:
         name = Reader(task.parameters).string()
@@ -147,3 +172,43 @@ def test_a_server_enlists_itself_and_serves_who_finds_it(
     assert rail.ready().boot == entry.boot
     reply = rail.call(MEASURE)
     assert reply.detail == Detail.DONE, Failure.of(reply.body)
+
+
+def test_a_server_whose_name_is_not_settled_asks_on_and_does_not_move_until_it_is(
+    office: Office, lab: Laboratory, loop: Loop, keys: Keys
+) -> None:
+    office.settles_in = 0.05
+    rail = rail_of(office, lab, loop, keys)
+    rail.acquire(Status.ACTOR)
+    ride = rail.start(TRAVEL, f64(0.0))
+    assert rail.call(MEASURE).detail == Detail.DONE
+    loop.until(lambda: len(office.served_for) > 3, "it is asked again")
+    assert not ride.over
+    assert office.served_for == sorted(office.served_for) and office.served_for[0] == 0
+    office.settles_in = None
+    assert rail.finish(ride).detail == Detail.DONE
+    rail.end()
+
+
+def test_a_server_that_is_told_that_another_has_the_name_ends_its_leases(
+    office: Office, lab: Laboratory, loop: Loop, keys: Keys
+) -> None:
+    office.settles_in = 0.05
+    rail = rail_of(office, lab, loop, keys)
+    rail.acquire(Status.ACTOR)
+    ride = rail.start(TRAVEL, f64(0.0))
+    office.taken_by = "the other one, pid 4711"
+    ended = rail.finish(ride)
+    assert ended.detail == Detail.STOPPED and office.taken_by in Failure.of(ended.body).text
+    refused = rail.call(ACQUIRE, u32(Status.ACTOR))
+    assert Failure.of(refused.body).exception == "gecos::StatusRefused"
+    assert rail.call(MEASURE).detail == Detail.DONE
+    rail.end()
+
+
+def rail_of(office: Office, lab: Laboratory, loop: Loop, keys: Keys) -> Session:
+    program = lab.start(lab.build / "tests/system/rail/rail_server", listens=True)
+    loop.until(lambda: "RAIL" in office.entries, f"RAIL on the list: {program}")
+    rail = Session(loop, office.entries["RAIL"].lcm_address, keys, "lab::RailSensor")
+    rail.ready()
+    return rail

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from dataclasses import replace
 
 import pytest
+from hall import laboratory_of, start_broker
 from processes import Laboratory
 from speaker import broker, packets
 from speaker.client import Call, Session
@@ -30,10 +32,11 @@ def connect(loop: Loop, keys: Keys) -> Open:
 
 @pytest.fixture
 def rail(lab: Laboratory, connect: Open) -> Session:
-    """A session with RAIL, which stands at the start of its way."""
+    """A session with RAIL, which stands at the start of its way, and whose name is settled."""
     lab.start(lab.build / "tests/system/rail/rail_server", ready="serving RAIL")
     session = connect(address_of_rail(connect), "lab::RailSensor")
     session.ready()
+    session.loop.until(lambda: registration(session) == "confirmed", "the name is settled")
     return session
 
 
@@ -65,6 +68,13 @@ def describe(session: Session) -> tuple[str, str, int, str]:
     return name, interface, r.u32(), r.string()
 
 
+def registration(session: Session) -> str:
+    r = Reader(session.call(packets.DESCRIBE).body).block()
+    r.string(), r.string(), r.string(), r.u64(), r.boolean()
+    r.string(), r.string(), r.u64(), r.u32(), r.string(), r.u32()
+    return r.string()
+
+
 def test_the_broker_welcomes_lists_and_looks_up(connect: Open, lab: Laboratory) -> None:
     office = connect(BROKER_PLACE, "gecos::Broker")
     welcome = office.ready()
@@ -77,6 +87,32 @@ def test_the_broker_welcomes_lists_and_looks_up(connect: Open, lab: Laboratory) 
     assert (reply.detail, failure.exception) == (Detail.FAULT, "gecos::UnknownName")
     assert Reader(failure.value).string() == "NOBODY"
     assert office.end().session == office.id
+
+
+def test_a_young_broker_gives_a_name_to_the_object_that_was_served_first(
+    users: tuple[Keys, Keys], connect: Open
+) -> None:
+    def arm(office: Session) -> broker.Entry:
+        boot = office.hello.boot
+        return broker.Entry("ARM", "Arm", [], 0, boot, 1, "eva", "", f"host {boot}", [], True)
+
+    with laboratory_of(users[1]) as lab:
+        start_broker(lab)
+        began = time.monotonic()
+        fresh, old = (connect(BROKER_PLACE, "gecos::Broker") for _ in range(2))
+        fresh.ready(), old.ready()
+        left = broker.enlist(fresh, arm(fresh))
+        assert left is None or 0 < left <= 1
+        assert left is not None or time.monotonic() > began + 1, "it is not a second old"
+        if left is not None and time.monotonic() < began + 0.9:
+            assert broker.enlist(old, arm(old), served_for=5.0) is not None
+            assert broker.lookup(fresh, "ARM") == arm(old)
+            taken = Failure.of(fresh.call(broker.ENLIST, arm(fresh).pack()).body)
+            assert taken.exception == "gecos::NameTaken"
+            assert f"host {old.hello.boot}" in Reader(taken.value[8:]).string()
+        for office in fresh, old:
+            office.end()
+            office.close()
 
 
 def test_a_large_packet_goes_and_comes_in_pieces(connect: Open, lab: Laboratory) -> None:

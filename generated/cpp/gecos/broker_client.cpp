@@ -72,7 +72,7 @@ const gecos::InterfaceDescription& Broker::gecos_description() {
   static constexpr gecos::InterfaceDescription description{
       .name = "gecos::Broker",
       .version = "1.0",
-      .hash = 0x8235faed6f40eb46U,
+      .hash = 0x7af96f6f9acb0b67U,
       .bases = {},
       .operations = operations,
       .streams = {},
@@ -84,23 +84,36 @@ const gecos::InterfaceDescription& Broker::gecos_description() {
 Broker::Broker(std::shared_ptr<gecos::session::ClientSession> session)
     : gecos::Object(std::move(session)) {}
 
-gecos::Command<void> Broker::enlist(const ::gecos::Entry& what) const {
+gecos::Command<std::optional<double>> Broker::enlist(
+    const ::gecos::Entry& what,
+    double served_for) const {
   const std::string wrong = [&]() -> std::string {
     if (auto why = ::gecos::gecos_violation(what); !why.empty()) return why;
     return {};
   }();
   if (!wrong.empty()) {
-    return gecos::Command<void>(gecos::session::ended(
-        {gecos::Detail::BadParameter, wrong, {}, {}}));
+    return gecos::Command<std::optional<double>>(gecos::session::ended(
+        {gecos::Detail::BadParameter, wrong, {}, {}}),
+        [](gecos::wire::Decoder& from, std::optional<double>& value) {
+          return gecos::wire::get_optional(from, value, "enlist", [&](auto& value_) {
+                   return from.get(value_, "enlist");
+                 });
+        });
   }
-  std::size_t size = 4;
+  std::size_t size = 12;
   size += what.encoded_size();
-  return gecos::Command<void>(gecos_session_->call(
+  return gecos::Command<std::optional<double>>(gecos_session_->call(
       gecos_description().operations[0], size,
       [&](gecos::wire::Encoder& to) {
         to.put_count(what.encoded_size());
         what.encode(to);
-      }, gecos_options_));
+        to.put(served_for);
+      }, gecos_options_),
+        [](gecos::wire::Decoder& from, std::optional<double>& value) {
+          return gecos::wire::get_optional(from, value, "enlist", [&](auto& value_) {
+                   return from.get(value_, "enlist");
+                 });
+        });
 }
 
 gecos::Command<void> Broker::withdraw(const std::string& name) const {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,8 +26,18 @@ class Broker : public virtual gecos::Object {
 
   /// Makes an object findable until the calling session ends. Named enlist because `register`
   /// is a word of C++.
+  /// `served_for` says how long its server has served it: an age, because hosts have clocks
+  /// of their own.
+  /// A broker that has just started may hear of an object that was served before it: within
+  /// `settles_in` the
+  /// name may go to an object that has been served for longer, so ask again. Absent: the name
+  /// is the server's.
+  /// @param served_for [s]
+  /// @param settles_in [s]
   /// May fail with gecos::NameTaken.
-  gecos::Command<void> enlist(const ::gecos::Entry& what) const;
+  gecos::Command<std::optional<double>> enlist(
+      const ::gecos::Entry& what,
+      double served_for = 0.0) const;
 
   /// Takes an object of the calling session off the list.
   /// May fail with gecos::UnknownName.

@@ -42,13 +42,26 @@ void BrokerServant::gecos_dispatch(gecos::IncomingCall call) {
 void BrokerServant::gecos_call_enlist(gecos::IncomingCall& call) {
   gecos::wire::Decoder from(call.arguments());
   ::gecos::Entry what{};
-  const bool read = gecos::wire::get_block(from, what, "enlist.what");
+  double served_for = 0.0;
+  const bool read = gecos::wire::get_block(from, what, "enlist.what") &&
+         (from.at_end() ||
+          from.get(served_for, "enlist.served_for"));
   if (!read) {
     return call.fail({gecos::Detail::BadParameter, from.error().message(), {}, {}});
   }
-  const auto result = this->enlist(what);
+  const auto result = this->enlist(what, served_for);
   if (!result) return call.fail(result.error().failure());
-  call.finish(0, [](gecos::wire::Encoder&) {});
+  const auto& value = *result;
+  std::size_t size = 1;
+  if (value) {
+    size += 8;
+  }
+  call.finish(size, [&](gecos::wire::Encoder& to) {
+    to.put(value.has_value());
+    if (value) {
+      to.put(*value);
+    }
+  });
 }
 
 void BrokerServant::gecos_call_withdraw(gecos::IncomingCall& call) {

@@ -77,10 +77,11 @@ void JsonShape<::gecos::Description>::write(JsonWriter to, const ::gecos::Descri
   to.member("queued", value.queued);
   to.member("executing", value.executing);
   to.member("pid", value.pid);
+  to.member("registration", value.registration);
 }
 
 bool JsonShape<::gecos::Description>::read(const JsonReader& from, ::gecos::Description& value) {
-  static constexpr std::array<std::string_view, 11> names{
+  static constexpr std::array<std::string_view, 12> names{
       "name",
       "interface_name",
       "version",
@@ -92,6 +93,7 @@ bool JsonShape<::gecos::Description>::read(const JsonReader& from, ::gecos::Desc
       "queued",
       "executing",
       "pid",
+      "registration",
   };
   return from.expect_object(names) &&
          from.member("name", value.name) &&
@@ -104,7 +106,8 @@ bool JsonShape<::gecos::Description>::read(const JsonReader& from, ::gecos::Desc
          from.member("epoch", value.epoch) &&
          from.member("queued", value.queued) &&
          from.member("executing", value.executing) &&
-         from.member("pid", value.pid);
+         from.member("pid", value.pid) &&
+         from.member("registration", value.registration);
 }
 
 void JsonShape<::gecos::StatusRefused>::write(JsonWriter to, const ::gecos::StatusRefused& value) {

@@ -110,13 +110,14 @@ std::ostream& operator<<(std::ostream& out, [[maybe_unused]] const Holder& value
 }
 
 std::size_t Description::encoded_size() const {
-  std::size_t size = 55;
+  std::size_t size = 60;
   size += name.size();
   size += interface_name.size();
   size += version.size();
   size += presence.size();
   size += authentication.size();
   size += executing.size();
+  size += registration.size();
   return size;
 }
 
@@ -130,6 +131,7 @@ void Description::encode(gecos::wire::Encoder& to) const {
   to.put(epoch, queued);
   to.put_string(executing);
   to.put(pid);
+  to.put_string(registration);
 }
 
 bool Description::decode([[maybe_unused]] gecos::wire::Decoder& from) {
@@ -144,6 +146,7 @@ bool Description::decode([[maybe_unused]] gecos::wire::Decoder& from) {
          from.get(queued, "Description.queued") &&
          from.get_string(executing, gecos::wire::npos, "Description.executing") &&
          from.get(pid, "Description.pid") &&
+         from.get_string(registration, gecos::wire::npos, "Description.registration") &&
          gecos::wire::skip_rest(from);
 }
 
@@ -165,6 +168,9 @@ std::string gecos_violation(const Description& value) {
   }
   if (!gecos::wire::valid_text(value.executing)) {
     return gecos::wire::bad_text("Description.executing");
+  }
+  if (!gecos::wire::valid_text(value.registration)) {
+    return gecos::wire::bad_text("Description.registration");
   }
   return {};
 }
@@ -193,6 +199,8 @@ std::ostream& operator<<(std::ostream& out, [[maybe_unused]] const Description& 
   gecos::wire::print(out, value.executing);
   out << ", pid=";
   gecos::wire::print(out, value.pid);
+  out << ", registration=";
+  gecos::wire::print(out, value.registration);
   return out << '}';
 }
 

@@ -73,10 +73,12 @@ struct Description {
   /// operation that runs now, empty when none
   std::string executing{};
   std::int32_t pid = 0;
+  /// whether the name is the object's, so that actor commands may start: "confirmed"
+  std::string registration{};
 
   static constexpr std::string_view type_name() { return "gecos::Description"; }
   static constexpr std::int64_t fingerprint() {
-    return static_cast<std::int64_t>(0xb0b1e1f3fcb0cb92U);
+    return static_cast<std::int64_t>(0xfe16cf8474997518U);
   }
   std::size_t encoded_size() const;
   void encode(gecos::wire::Encoder& to) const;

@@ -37,9 +37,27 @@ __all__ = [
 ]
 
 
-def _broker_enlist_arguments(source: _Decoder) -> tuple[Entry]:
+def _broker_enlist_reply(source: _Decoder) -> float | None:
+    value: float | None = (source.number("d", "enlist") if source.number("?", "enlist") else None)
+    return value
+
+
+def _broker_enlist_arguments(source: _Decoder) -> tuple[Entry, float]:
     what: Entry = Entry.decode(source.block("enlist.what"))
-    return (what,)
+    served_for: float = 0.0
+    if source.offset < source.end:
+        served_for = source.number("d", "enlist.served_for")
+    return what, served_for
+
+
+def _broker_enlist_result(value: float | None) -> _Parts:
+    out: _Parts = []
+    if value is None:
+        out.append(b"\0")
+    else:
+        out.append(b"\1")
+        out.append(_wire.number(value, "d", "enlist"))
+    return out
 
 
 def _broker_withdraw_arguments(source: _Decoder) -> tuple[str]:
@@ -78,7 +96,7 @@ def _broker_list_result(value: list[Entry]) -> _Parts:
     return out
 
 
-_BROKER_ENLIST: _Method[None, None] = _Method(
+_BROKER_ENLIST: _Method[float | None, None] = _Method(
     _Operation(
         code=0x17D413CE,
         name="enlist",
@@ -86,7 +104,7 @@ _BROKER_ENLIST: _Method[None, None] = _Method(
         presence=False,
         hash=0xFF7A6020C83EDD81,
     ),
-    _nothing,
+    _broker_enlist_reply,
     raises=(NameTaken,),
 )
 _BROKER_WITHDRAW: _Method[None, None] = _Method(
@@ -127,7 +145,7 @@ _list_ = list
 _BROKER = _Interface(
     name="gecos::Broker",
     version="1.0",
-    hash=0x8235FAED6F40EB46,
+    hash=0x7AF96F6F9ACB0B67,
     bases=(
     ),
     operations=(
@@ -150,15 +168,25 @@ class Broker(_Object):
 
     _gecos_interface = _BROKER
 
-    def enlist(self, what: Entry) -> _Command[None]:
+    def enlist(self, what: Entry, served_for: float = 0.0) -> _Command[float | None]:
         """Makes an object findable until the calling session ends. Named enlist because
         `register`
         is a word of C++.
+        `served_for` says how long its server has served it: an age, because hosts have clocks
+        of their own.
+        A broker that has just started may hear of an object that was served before it: within
+        `settles_in` the
+        name may go to an object that has been served for longer, so ask again. Absent: the
+        name
+        is the server's.
 
+        served_for: [s]
+        settles_in: [s]
         May raise NameTaken.
         """
         out: _Parts = []
         _wire.put_block(what, Entry, out, "enlist.what")
+        out.append(_wire.number(served_for, "d", "enlist.served_for"))
         return self._gecos_call(_BROKER_ENLIST, out)
 
     def withdraw(self, name: str) -> _Command[None]:
@@ -196,7 +224,7 @@ class BrokerServant(_Servant):
             _BROKER_ENLIST.operation,
             "enlist",
             _broker_enlist_arguments,
-            _no_result,
+            _broker_enlist_result,
         ),
         0xC5EBB42F: _Handler(
             _BROKER_WITHDRAW.operation,
@@ -219,11 +247,20 @@ class BrokerServant(_Servant):
     }
 
     @_abstractmethod
-    def enlist(self, what: Entry) -> None:
+    def enlist(self, what: Entry, served_for: float) -> float | None:
         """Makes an object findable until the calling session ends. Named enlist because
         `register`
         is a word of C++.
+        `served_for` says how long its server has served it: an age, because hosts have clocks
+        of their own.
+        A broker that has just started may hear of an object that was served before it: within
+        `settles_in` the
+        name may go to an object that has been served for longer, so ask again. Absent: the
+        name
+        is the server's.
 
+        served_for: [s]
+        settles_in: [s]
         May raise NameTaken.
         """
 

@@ -175,7 +175,7 @@ _GECOS_OBJECT_DESCRIBE: _Method[Description, None] = _Method(
         access=_Access.SENSOR,
         presence=False,
         idempotent=True,
-        hash=0xEDC61146E38F627F,
+        hash=0x724D0DFB5E3E3F57,
     ),
     _gecos_object_describe_reply,
 )
@@ -234,7 +234,7 @@ _GECOS_OBJECT_OUTCOME: _Method[OutcomeRecord, None] = _Method(
 _GECOS_OBJECT = _Interface(
     name="gecos::GecosObject",
     version="1.0",
-    hash=0x51A9DE7D739E3DB8,
+    hash=0x6D44DF07150D6741,
     bases=(
     ),
     operations=(

@@ -147,6 +147,7 @@ _DESCRIPTION_LAYOUT_3 = _wire.Fields(
     "QI",
     _plans.text(_wire.MAX_TEXT),
     "i",
+    _plans.text(_wire.MAX_TEXT),
     open=True,
 )
 @_dataclass(slots=True)
@@ -170,6 +171,8 @@ class Description:
     executing: str = ""
     """operation that runs now, empty when none"""
     pid: int = 0
+    registration: str = ""
+    """whether the name is the object's, so that actor commands may start: "confirmed\""""
 
     def encode(self, out: _wire.Parts, /) -> None:
         out.append(_wire.string(self.name, _wire.MAX_TEXT, "Description.name"))
@@ -181,6 +184,7 @@ class Description:
         out.append(_DESCRIPTION_LAYOUT_2.pack(self.epoch, self.queued))
         out.append(_wire.string(self.executing, _wire.MAX_TEXT, "Description.executing"))
         out.append(_DESCRIPTION_LAYOUT_3.pack(self.pid))
+        out.append(_wire.string(self.registration, _wire.MAX_TEXT, "Description.registration"))
 
     @classmethod
     def decode(cls, source: _wire.Decoder, /) -> _Self:
@@ -193,6 +197,7 @@ class Description:
         epoch, queued = _DESCRIPTION_LAYOUT_2.unpack(source)
         executing = source.string(_wire.MAX_COUNT, "Description.executing")
         (pid,) = _DESCRIPTION_LAYOUT_3.unpack(source)
+        registration = source.string(_wire.MAX_COUNT, "Description.registration")
         source.offset = source.end  # what a newer writer added is skipped
         return cls(
             name,
@@ -206,11 +211,12 @@ class Description:
             queued,
             executing,
             pid,
+            registration,
         )
 
     @staticmethod
     def fingerprint() -> int:
-        return 0xB0B1E1F3FCB0CB92
+        return 0xFE16CF8474997518
 
     @staticmethod
     def _gecos_shape() -> _shapes.Shape:
@@ -228,6 +234,7 @@ class Description:
                 _shapes.Member("queued", _shapes.Number("I")),
                 _shapes.Member("executing", _shapes.Text()),
                 _shapes.Member("pid", _shapes.Number("i")),
+                _shapes.Member("registration", _shapes.Text()),
             ),
         )
 

@@ -5,8 +5,21 @@
 namespace gecos::broker {
 namespace {
 
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
 constexpr std::uint64_t ada = 1;
 constexpr std::uint64_t bob = 2;
+constexpr TimePoint started{std::chrono::hours(1)};
+
+/// Its broker runs for long.
+class OldDirectory : public Directory {
+ public:
+  OldDirectory() : Directory(started) {}
+  auto enlist(std::uint64_t session, std::uint64_t boot, const Entry& entry) {
+    return Directory::enlist({session, boot, Duration::zero()}, entry, started + seconds(60));
+  }
+};
 
 Entry named(const std::string& name) {
   Entry entry;
@@ -20,14 +33,14 @@ Entry named(const std::string& name) {
 }
 
 TEST(Directory, FindsWhatWasEnlisted) {
-  Directory directory;
+  OldDirectory directory;
   ASSERT_TRUE(directory.enlist(ada, 7, named("RX90")));
   EXPECT_EQ(directory.look_up("RX90")->pid, 4711);
   EXPECT_EQ(directory.list().size(), 1u);
 }
 
 TEST(Directory, NamesWhatItKnowsWhenAskedForSomethingElse) {
-  Directory directory;
+  OldDirectory directory;
   ASSERT_TRUE(directory.enlist(ada, 7, named("RX90")));
   ASSERT_TRUE(directory.enlist(bob, 7, named("LASER")));
   const auto missing = directory.look_up("RX91");
@@ -37,7 +50,7 @@ TEST(Directory, NamesWhatItKnowsWhenAskedForSomethingElse) {
 }
 
 TEST(Directory, GivesANameToOneServerAtATime) {
-  Directory directory;
+  OldDirectory directory;
   ASSERT_TRUE(directory.enlist(ada, 7, named("RX90")));
   Entry of_another = named("RX90");
   of_another.boot = 8;
@@ -48,7 +61,7 @@ TEST(Directory, GivesANameToOneServerAtATime) {
 }
 
 TEST(Directory, AServerThatLostItsSessionTakesItsNameIntoTheNextOne) {
-  Directory directory;
+  OldDirectory directory;
   const std::uint64_t lost = 1;
   const std::uint64_t next = 2;
   ASSERT_TRUE(directory.enlist(lost, 7, named("RX90")));
@@ -60,14 +73,14 @@ TEST(Directory, AServerThatLostItsSessionTakesItsNameIntoTheNextOne) {
 }
 
 TEST(Directory, NobodyTakesAServersNameByRepeatingWhatItSaid) {
-  Directory directory;
+  OldDirectory directory;
   ASSERT_TRUE(directory.enlist(ada, 7, named("RX90")));
   EXPECT_FALSE(directory.enlist(bob, 8, *directory.look_up("RX90")));
   EXPECT_TRUE(directory.end_session(bob).empty());
 }
 
 TEST(Directory, RefusesASecondObjectOfTheSameSessionUnderOneName) {
-  Directory directory;
+  OldDirectory directory;
   ASSERT_TRUE(directory.enlist(ada, 7, named("RX90")));
   Entry second = named("RX90");
   second.addresses = {"shm:/run/gecos/other.sock"};
@@ -76,7 +89,7 @@ TEST(Directory, RefusesASecondObjectOfTheSameSessionUnderOneName) {
 }
 
 TEST(Directory, LetsOnlyWhoEnlistedItWithdrawIt) {
-  Directory directory;
+  OldDirectory directory;
   ASSERT_TRUE(directory.enlist(ada, 7, named("RX90")));
   EXPECT_FALSE(directory.withdraw(bob, "RX90"));
   EXPECT_TRUE(directory.withdraw(ada, "RX90"));
@@ -84,13 +97,75 @@ TEST(Directory, LetsOnlyWhoEnlistedItWithdrawIt) {
 }
 
 TEST(Directory, DropsWhatASessionEnlistedWhenItEnds) {
-  Directory directory;
+  OldDirectory directory;
   ASSERT_TRUE(directory.enlist(ada, 7, named("RX90")));
   ASSERT_TRUE(directory.enlist(ada, 7, named("GRIPPER")));
   ASSERT_TRUE(directory.enlist(bob, 7, named("LASER")));
   EXPECT_EQ(directory.end_session(ada), (std::vector<std::string>{"GRIPPER", "RX90"}));
   EXPECT_TRUE(directory.look_up("LASER"));
   EXPECT_TRUE(directory.enlist(bob, 7, named("RX90")));
+}
+
+class YoungDirectory : public ::testing::Test {
+ protected:
+  /// What the server of that life is told which has served RX90 for so long, `after` its start.
+  tl::expected<Duration, NameTaken> enlist(std::uint64_t boot, Duration served_for,
+                                           Duration after) {
+    Entry entry = named("RX90");
+    entry.boot = boot;
+    return directory_.enlist({boot, boot, served_for}, entry, started + after);
+  }
+  std::uint64_t holder() const { return directory_.look_up("RX90")->boot; }
+
+  Directory directory_{started};
+};
+
+TEST_F(YoungDirectory, SaysHowLongItsAnswersAreProvisional) {
+  EXPECT_EQ(enlist(7, seconds(0), milliseconds(300)), milliseconds(700));
+  EXPECT_EQ(enlist(7, milliseconds(699), milliseconds(999)), milliseconds(1));
+  EXPECT_EQ(enlist(7, milliseconds(700), seconds(1)), seconds(0));
+  EXPECT_EQ(enlist(7, seconds(9), seconds(10)), seconds(0));
+}
+
+TEST_F(YoungDirectory, GivesANewObjectsNameToOneThatWasServedBeforeItStarted) {
+  ASSERT_TRUE(enlist(7, seconds(0), milliseconds(100)));
+  EXPECT_EQ(enlist(8, seconds(5), milliseconds(999)), milliseconds(1));
+  EXPECT_EQ(holder(), 8u);
+  EXPECT_FALSE(enlist(7, milliseconds(900), seconds(1)));
+}
+
+TEST_F(YoungDirectory, PrefersTheObjectThatHasBeenServedLongest) {
+  ASSERT_TRUE(enlist(7, seconds(5), milliseconds(100)));
+  EXPECT_FALSE(enlist(8, seconds(3), milliseconds(200)));
+  EXPECT_TRUE(enlist(9, seconds(100), milliseconds(300)));
+  EXPECT_EQ(holder(), 9u);
+  EXPECT_FALSE(enlist(7, milliseconds(5300), milliseconds(400)));
+}
+
+TEST_F(YoungDirectory, OfTwoNewObjectsTheFirstKeepsTheName) {
+  ASSERT_TRUE(enlist(7, seconds(0), milliseconds(200)));
+  EXPECT_FALSE(enlist(8, milliseconds(150), milliseconds(250)))
+      << "served earlier, but not before the broker started";
+}
+
+TEST_F(YoungDirectory, AfterItsFirstSecondANameStaysWhereItIs) {
+  ASSERT_TRUE(enlist(7, seconds(0), milliseconds(100)));
+  EXPECT_FALSE(enlist(8, seconds(100), seconds(1)));
+  EXPECT_EQ(holder(), 7u);
+}
+
+TEST_F(YoungDirectory, AnObjectThatGaveWayDoesNotComeBackWithABetterAge) {
+  ASSERT_TRUE(enlist(7, seconds(5), milliseconds(100)));  // a packet that was long under way
+  ASSERT_TRUE(enlist(8, seconds(6), milliseconds(200)));
+  EXPECT_FALSE(enlist(7, seconds(9), milliseconds(300)));
+  EXPECT_EQ(holder(), 8u);
+}
+
+TEST_F(YoungDirectory, TheEndOfTheSessionThatGaveWayTakesNothingOff) {
+  ASSERT_TRUE(enlist(7, seconds(0), milliseconds(100)));
+  ASSERT_TRUE(enlist(8, seconds(5), milliseconds(200)));
+  EXPECT_TRUE(directory_.end_session(7).empty());
+  EXPECT_EQ(holder(), 8u);
 }
 
 }  // namespace

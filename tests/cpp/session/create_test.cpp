@@ -73,8 +73,8 @@ TEST_F(Create, SaysThatTheServerIsOffline) {
   }();
   auto broker = lab_.core().broker(gecos::deadline_after(std::chrono::seconds(5)));
   ASSERT_TRUE(broker) << broker.error();
-  ASSERT_TRUE(
-      gecos::session::enlist(**broker, entry, gecos::deadline_after(std::chrono::seconds(5))));
+  ASSERT_TRUE(gecos::session::await_enlisted(*gecos::session::enlist(**broker, entry, {}),
+                                             gecos::deadline_after(std::chrono::seconds(5))));
   const auto error = attempts({"DEAD"});
   ASSERT_EQ(error.attempts.size(), 1u);
   EXPECT_EQ(error.attempts[0].detail, Detail::NoServer);
@@ -220,8 +220,9 @@ class SlowBroker : public gecos::BrokerServant {
   int left() const { return left_; }
 
  private:
-  gecos::Result<void> enlist(const gecos::Entry& what) override {
-    if (left_ == 0) return {};
+  gecos::Result<std::optional<double>> enlist(const gecos::Entry& what,
+                                              double /*served_for*/) override {
+    if (left_ == 0) return std::nullopt;
     --left_;
     return tl::unexpected(gecos::Fault(gecos::NameTaken{what.name, "one that is dead"}));
   }

@@ -17,27 +17,37 @@ TEST(PauseWatch, SuspectsNothingBeforeTheFirstTickNorWhileMaintenanceSleepsOnPur
   PauseWatch watch;
   EXPECT_FALSE(watch.suspected(begin));
   EXPECT_FALSE(watch.tick(begin));
-  watch.due(TimePoint::max());
+  ASSERT_TRUE(watch.due(TimePoint::max(), begin));
   EXPECT_FALSE(watch.suspected(begin + std::chrono::hours(1)));
   EXPECT_FALSE(watch.tick(begin + std::chrono::hours(1)));
 }
 
 TEST(PauseWatch, ATickThatIsLateByNoMoreThanTheGapIsNoPause) {
   PauseWatch watch;
-  watch.due(begin);
+  ASSERT_TRUE(watch.due(begin, begin));
   EXPECT_FALSE(watch.suspected(begin + gap));
   EXPECT_FALSE(watch.tick(begin + gap));
 }
 
 TEST(PauseWatch, EveryThreadSuspectsAPauseBeforeMaintenanceHasSeenIt) {
   PauseWatch watch;
-  watch.due(begin);
+  ASSERT_TRUE(watch.due(begin, begin));
   EXPECT_TRUE(watch.suspected(begin + gap + milliseconds(1)));
+}
+
+TEST(PauseWatch, APauseDuringATickIsSeenByTheNextOne) {
+  PauseWatch watch;
+  ASSERT_FALSE(watch.tick(begin));
+  const TimePoint end = begin + seconds(3);
+  EXPECT_TRUE(watch.suspected(end));
+  EXPECT_FALSE(watch.due(end + milliseconds(10), end)) << "maintenance must not sleep over it";
+  EXPECT_FALSE(watch.due(TimePoint::max(), end));
+  EXPECT_EQ(watch.tick(end), seconds(3));
 }
 
 TEST(PauseWatch, NothingMayStartUntilThePauseIsJudged) {
   PauseWatch watch;
-  watch.due(begin);
+  ASSERT_TRUE(watch.due(begin, begin));
   const TimePoint end = begin + seconds(3);
   EXPECT_EQ(watch.tick(end), seconds(3));
   EXPECT_TRUE(watch.suspected(end)) << "it is being judged";
@@ -49,7 +59,7 @@ TEST(PauseWatch, NothingMayStartUntilThePauseIsJudged) {
 TEST(PauseWatch, WhoWaitsForTheJudgementGoesOnAfterIt) {
   FakeClock clock;
   PauseWatch watch;
-  watch.due(clock.since_boot());
+  ASSERT_TRUE(watch.due(clock.since_boot(), clock.since_boot()));
   clock.advance(seconds(3));
   ASSERT_TRUE(watch.tick(clock.since_boot()));
   std::thread waiter([&] { watch.await_judgement(clock); });

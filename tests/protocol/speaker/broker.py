@@ -12,6 +12,7 @@ from .packets import (
     block,
     boolean,
     code_of,
+    f64,
     sequence,
     string,
     u32,
@@ -60,6 +61,12 @@ def lookup(broker: Session, name: str) -> Entry:
     return Entry.of(Reader(reply.body))
 
 
-def enlist(broker: Session, entry: Entry) -> None:
-    reply = broker.call(ENLIST, entry.pack())
+def enlist(broker: Session, entry: Entry, served_for: float = 0.0) -> float | None:
+    """In how many seconds the name is settled; None: it is."""
+    reply = broker.call(ENLIST, entry.pack() + f64(served_for))
     assert reply.detail == Detail.DONE, Failure.of(reply.body)
+    return settles_in(Reader(reply.body))
+
+
+def settles_in(reply: Reader) -> float | None:
+    return reply.f64() if reply.boolean() else None

@@ -60,7 +60,7 @@ class Session:
         self._counter = 0
         self._again = Again()
         who = "speaker", "nowhere", "protocol-speaker", os.getpid(), secrets.randbits(64)
-        self._hello = packets.Hello(*who, interface, 0, OLDEST_NS)
+        self.hello = packets.Hello(*who, interface, 0, OLDEST_NS)
 
     @property
     def acknowledged(self) -> int:
@@ -85,7 +85,7 @@ class Session:
             return
         if not self.welcome:
             if self._again.due(now):
-                self.send(Packet(packets.Kind.HELLO, body=self._hello.pack()))
+                self.send(Packet(packets.Kind.HELLO, body=self.hello.pack()))
             return
         assert self._silence(now) < LOST_S, "the session is lost: the server is silent"
         for call in self.calls.values():

@@ -1,13 +1,30 @@
 #include "gecos/broker/broker.hpp"
 
+#include <algorithm>
+
 #include "gecos/base/log.hpp"
 
 namespace gecos::broker {
+namespace {
+
+/// Of what a server says, which need be no sensible number.
+Duration duration_of(double seconds) {
+  constexpr double century = 3.2e9;
+  if (!(seconds > 0)) return Duration::zero();
+  return std::chrono::duration_cast<Duration>(
+      std::chrono::duration<double>(std::min(seconds, century)));
+}
+
+}  // namespace
 
 tl::expected<void, ServeError> Broker::serve(Server& server, std::vector<media::Kind> media) {
   ObjectOptions options;
   options.simulated = true;  // there is nothing that could hurt anybody
   options.well_known = true;
+  // Nobody but this process was ever here, and it starts now.
+  const bool alone = media == std::vector{media::Kind::Inproc};
+  directory_ =
+      Directory(SystemClock().since_boot(), alone ? Duration::zero() : Directory::first_second);
   options.media = std::move(media);
   return server.add("BROKER", *this, std::move(options));
 }
@@ -17,13 +34,21 @@ void Broker::gecos_dispatch(IncomingCall call) {
   BrokerServant::gecos_dispatch(std::move(call));
 }
 
-Result<void> Broker::enlist(const Entry& what) {
+Result<std::optional<double>> Broker::enlist(const Entry& what, double served_for) {
   const std::lock_guard lock(mutex_);
-  if (auto added = directory_.enlist(calling_.session, calling_.boot, what); !added) {
-    return tl::unexpected(Fault(added.error()));
+  const Claim claim{calling_.session, calling_.boot, duration_of(served_for)};
+  const auto before = directory_.look_up(what.name);
+  const auto provisional = directory_.enlist(claim, what, SystemClock().since_boot());
+  if (!provisional) return tl::unexpected(Fault(provisional.error()));
+  if (!before) {
+    log_info("broker", what.name + " is a " + what.interface_name);
+  } else if (*before != what) {
+    log_warning("broker", what.name + " goes from pid " + std::to_string(before->pid) + " on " +
+                              before->hostname + " to pid " + std::to_string(what.pid) + " on " +
+                              what.hostname + ", which has served it for longer");
   }
-  log_info("broker", what.name + " is a " + what.interface_name);
-  return {};
+  if (*provisional == Duration::zero()) return std::nullopt;
+  return std::chrono::duration<double>(*provisional).count();
 }
 
 Result<void> Broker::withdraw(const std::string& name) {

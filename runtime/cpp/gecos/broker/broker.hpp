@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,7 +13,8 @@
 namespace gecos::broker {
 
 /// The broker as an object: `broker.serve(server)` puts it at this host's well-known place.
-/// What was enlisted is dropped when the session that did it ends.
+/// What was enlisted is dropped when the session that did it ends. In its first second it prefers
+/// what was served before it started (directory.hpp).
 class Broker final : public BrokerServant {
  public:
   /// Serves itself. Fails when this host has a broker already.
@@ -22,7 +24,7 @@ class Broker final : public BrokerServant {
   void gecos_session_ended(std::uint64_t session) override;
 
  protected:
-  Result<void> enlist(const Entry& what) override;
+  Result<std::optional<double>> enlist(const Entry& what, double served_for) override;
   Result<void> withdraw(const std::string& name) override;
   Result<Entry> lookup(const std::string& name) override;
   Result<std::vector<Entry>> list() override;
@@ -33,7 +35,7 @@ class Broker final : public BrokerServant {
     std::uint64_t boot = 0;
   } calling_;         ///< whose call is being answered: handlers run one at a time
   std::mutex mutex_;  ///< sessions end on other threads than calls run on
-  Directory directory_;
+  Directory directory_{SystemClock().since_boot()};
 };
 
 }  // namespace gecos::broker

@@ -1,21 +1,41 @@
 #include "gecos/broker/directory.hpp"
 
+#include <algorithm>
+#include <utility>
+
 namespace gecos::broker {
 
-tl::expected<void, NameTaken> Directory::enlist(std::uint64_t session, std::uint64_t boot,
-                                                const Entry& entry) {
+tl::expected<Duration, NameTaken> Directory::enlist(const Claim& claim, const Entry& entry,
+                                                    TimePoint now) {
+  const TimePoint since = now - claim.served_for;
+  const Duration provisional = std::max(settled_ - now, Duration::zero());
   const auto found = places_.find(entry.name);
-  const auto is_its_own = [&](const Place& place) {
-    return place.entry == entry && (place.session == session || entry.boot == boot);
-  };
-  if (found != places_.end() && !is_its_own(found->second)) {
-    const Entry& other = found->second.entry;
+  if (found == places_.end()) {
+    places_.emplace(entry.name, Place{claim.session, entry, since});
+    return provisional;
+  }
+  Place& place = found->second;
+  if (place.entry == entry && (place.session == claim.session || entry.boot == claim.boot)) {
+    place.session = claim.session;
+    place.since = std::min(place.since, since);  // nearer to the truth the less it was under way
+    return provisional;
+  }
+  if (!gives_way(place, entry, since, now)) {
+    const Entry& other = place.entry;
     return tl::unexpected(NameTaken{entry.name, "a " + other.interface_name + " of " + other.user +
                                                     " on " + other.hostname + ", pid " +
                                                     std::to_string(other.pid)});
   }
-  places_.insert_or_assign(entry.name, Place{session, entry});
-  return {};
+  auto displaced = std::move(place.displaced);
+  displaced.push_back(std::move(place.entry));
+  place = {claim.session, entry, since, std::move(displaced)};
+  return provisional;
+}
+
+bool Directory::gives_way(const Place& place, const Entry& entry, TimePoint since,
+                          TimePoint now) const {
+  return now < settled_ && since < started_ && since < place.since &&
+         std::ranges::find(place.displaced, entry) == place.displaced.end();
 }
 
 tl::expected<void, UnknownName> Directory::withdraw(std::uint64_t session,

@@ -71,13 +71,15 @@ void Housekeeping::Shared::run() {
     TimePoint next = TimePoint::max();
     for (const auto& one : alive) next = std::min(next, one->tend(now));
 
+    const bool idle = next == TimePoint::max();
+    const auto rest = std::chrono::ceil<std::chrono::milliseconds>(std::max(next - now, tick));
+    const TimePoint looked = clock.since_boot();
+    if (!pauses.due(idle ? TimePoint::max() : looked + rest, looked)) continue;
+
     descriptors.assign(1, {wakeup.descriptor(), POLLIN, 0});
     for (const auto& one : alive) one->watch(descriptors);
     std::vector<std::weak_ptr<Tended>> watched(alive.begin(), alive.end());
     alive.clear();  // whoever is dropped meanwhile ends at once, not after this sleep
-    const bool idle = next == TimePoint::max();
-    const auto rest = std::chrono::ceil<std::chrono::milliseconds>(std::max(next - now, tick));
-    pauses.due(idle ? TimePoint::max() : clock.since_boot() + rest);
     poll(descriptors.data(), descriptors.size(), idle ? -1 : static_cast<int>(rest.count()));
     for (const auto& one : watched) {
       if (const auto still = one.lock()) still->unwatch();

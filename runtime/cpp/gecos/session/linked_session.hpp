@@ -63,6 +63,9 @@ class LinkedSession final : public ClientSession,
   std::uint64_t issued() override;
 
   Runtime& runtime() { return *runtime_; }
+  /// The address that it was opened at; said before it is shared.
+  void found_at(std::string address) { place_ = std::move(address); }
+  const std::string& place() const { return place_; }
   const Welcome& welcome() const { return welcome_; }
   bool lost() const { return lost_.load(std::memory_order_acquire); }
   /// This program has closed it, or is about to.
@@ -162,6 +165,7 @@ class LinkedSession final : public ClientSession,
   const std::unique_ptr<media::Link> link_;
   const SessionId id_;
   const Welcome welcome_;
+  std::string place_;
   const std::vector<FunctionCode> differing_;
   const bool repeats_;                    ///< the medium may lose packets
   std::shared_ptr<Renewal> renewal_;      ///< null: nothing is sent again

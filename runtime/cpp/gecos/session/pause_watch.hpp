@@ -27,7 +27,10 @@ class PauseWatch {
   /// nothing starts until judged().
   std::optional<Duration> tick(TimePoint now) {
     const TimePoint due = due_.load(std::memory_order_relaxed);
-    if (due == TimePoint::max() || now - due <= longest_gap) return std::nullopt;
+    if (due == TimePoint::max() || now - due <= longest_gap) {
+      due_.store(now, std::memory_order_relaxed);  // its work may be where a pause falls
+      return std::nullopt;
+    }
     judging_.store(true, std::memory_order_relaxed);
     return now - due;
   }
@@ -40,8 +43,13 @@ class PauseWatch {
     }
     judged_.notify_all();
   }
-  /// Maintenance, where there was no pause. TimePoint::max(): it sleeps until it is woken.
-  void due(TimePoint next) { due_.store(next, std::memory_order_relaxed); }
+  /// Maintenance, before it sleeps. TimePoint::max(): it sleeps until it is woken. False: there was
+  /// a pause since its tick, and the next tick is due now.
+  [[nodiscard]] bool due(TimePoint next, TimePoint now) {
+    if (suspected(now)) return false;
+    due_.store(next, std::memory_order_relaxed);
+    return true;
+  }
 
   /// Any thread, before it starts a handler: a pause has ended and is not judged yet.
   bool suspected(TimePoint now) const {
@@ -53,7 +61,8 @@ class PauseWatch {
   void await_judgement(const Clock& clock) {
     if (!suspected(clock.since_boot())) return;
     std::unique_lock lock(mutex_);
-    judged_.wait(lock, [&] { return !suspected(clock.since_boot()); });
+    // A tick that came as late as is just no pause tells nobody.
+    while (suspected(clock.since_boot())) judged_.wait_for(lock, longest_gap / 50);
   }
 
  private:

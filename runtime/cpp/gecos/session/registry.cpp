@@ -1,6 +1,7 @@
 #include "gecos/session/registry.hpp"
 
-#include <array>
+#include <algorithm>
+#include <optional>
 
 #include "gecos/session/function_code.hpp"
 #include "gecos/session/linked_session.hpp"
@@ -27,6 +28,12 @@ std::string listed(const std::vector<std::string>& names) {
   std::string text;
   for (const auto& name : names) text += (text.empty() ? "" : ", ") + name;
   return text.empty() ? "nothing is registered" : "known are " + text;
+}
+
+/// Of what a broker says; more than a minute is nonsense.
+Duration longest_provisional(double seconds) {
+  return std::chrono::duration_cast<Duration>(
+      std::chrono::duration<double>(seconds > 0 ? std::min(seconds, 60.0) : 0.0));
 }
 
 }  // namespace
@@ -60,21 +67,38 @@ tl::expected<Entry, std::string> look_up(LabCore& lab, const std::string& name,
   return tl::unexpected("the broker did not answer: " + failure.text);
 }
 
-tl::expected<void, NotEnlisted> enlist(LinkedSession& broker, const Entry& entry,
-                                       TimePoint deadline) {
-  const auto command = broker.call(broker_operation("enlist"), block_size(entry),
-                                   [&](wire::Encoder& to) { put_block(to, entry); }, {});
-  if (!command->wait_until(deadline)) {
-    return tl::unexpected(NotEnlisted{false, false, "the broker did not answer in time"});
+std::shared_ptr<CommandCore> enlist(LinkedSession& broker, const Entry& entry,
+                                    Duration served_for) {
+  const double seconds = std::chrono::duration<double>(served_for).count();
+  return broker.call(broker_operation("enlist"), block_size(entry) + sizeof seconds,
+                     [&](wire::Encoder& to) {
+                       put_block(to, entry);
+                       to.put(seconds);
+                     },
+                     {});
+}
+
+tl::expected<Duration, NotEnlisted> await_enlisted(CommandCore& asked, TimePoint deadline) {
+  if (!asked.wait_until(deadline)) {
+    return tl::unexpected(NotEnlisted{false, {}, false, "the broker did not answer in time"});
   }
-  if (command->progress().detail == Detail::Done) return {};
-  const Failure& failure = command->failure();
+  if (asked.progress().detail == Detail::Done) {
+    wire::Decoder from(asked.result());
+    std::optional<double> seconds;
+    const bool said = wire::get_optional(
+        from, seconds, "settles_in", [&](double& value) { return from.get(value, "settles_in"); });
+    if (!said || !seconds) return Duration::zero();  // or a broker that does not know of it
+    return longest_provisional(*seconds);
+  }
+  const Failure& failure = asked.failure();
   if (const auto taken = failure.as<NameTaken>()) {
-    return tl::unexpected(NotEnlisted{true, false,
+    return tl::unexpected(NotEnlisted{true, taken->by, false,
                                       "the name " + taken->name + " is taken by " + taken->by +
                                           "; end that one, or serve this under another name"});
   }
-  return tl::unexpected(NotEnlisted{false, failure.state() == State::ConnectionFailed,
+  return tl::unexpected(NotEnlisted{false,
+                                    {},
+                                    failure.state() == State::ConnectionFailed,
                                     "the broker did not take it: " + failure.text});
 }
 

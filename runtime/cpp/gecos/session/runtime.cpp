@@ -165,6 +165,7 @@ tl::expected<std::shared_ptr<LinkedSession>, std::string> Runtime::connect(
     if (why != nullptr) *why = session.error().detail;
     return tl::unexpected(session.error().reason);
   }
+  (*session)->found_at(address);
   prepare(**session);
   housekeeping_.tend(*session);
   const std::lock_guard lock(mutex_);

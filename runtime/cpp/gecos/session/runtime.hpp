@@ -35,6 +35,8 @@ class Runtime : public std::enable_shared_from_this<Runtime> {
   const Clock& clock() const { return clock_; }
   Housekeeping& housekeeping() { return housekeeping_; }
   Callbacks& callbacks() { return callbacks_; }
+  /// Silence after which a session ends, and with it what a server enlisted with a broker.
+  Duration registration_ttl() const { return options_.lease_ttl + options_.grace; }
 
   /// The medium of this kind, opened at first use, or why it cannot be had here now.
   tl::expected<media::Medium*, media::MediumError> medium(media::Kind kind);

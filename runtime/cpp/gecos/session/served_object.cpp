@@ -164,9 +164,10 @@ std::shared_ptr<ServerCall> ServedObject::start_next(Starter starter) {
 }
 
 std::shared_ptr<Ticket> ServedObject::next_ticket() {
-  if (awaited_ == 0) return queue_.next();
-  return queue_.next([](const Ticket& ticket) {
-    return !static_cast<const ServerCall&>(ticket).listener().awaited;
+  if (awaited_ == 0 && !claim_.waits()) return queue_.next();
+  return queue_.next([this](const Ticket& ticket) {
+    return !static_cast<const ServerCall&>(ticket).listener().awaited &&
+           !needs_name(ticket.operation);
   });
 }
 
@@ -221,6 +222,7 @@ bool ServedObject::marked(ServerCall& call, TimePoint now) {
 
 void ServedObject::answered(ServerCall& call, ByteView result) {
   bool freed = false;
+  let_pause_be_judged(call);
   {
     const Lock lock(mutex_);
     if (std::exchange(call.answered, true)) return;
@@ -233,6 +235,7 @@ void ServedObject::answered(ServerCall& call, ByteView result) {
 
 void ServedObject::answered(ServerCall& call, Failure failure) {
   bool freed = false;
+  let_pause_be_judged(call);
   {
     const Lock lock(mutex_);
     if (std::exchange(call.answered, true)) return;
@@ -247,6 +250,13 @@ void ServedObject::answered(ServerCall& call, Failure failure) {
     if (freed) finished(call);
   }
   if (freed) run_ready(Starter::Other);
+}
+
+/// What ran through a pause ends as the judgement says, however quick its handler is afterwards.
+void ServedObject::let_pause_be_judged(const ServerCall& call) {
+  if (!runs_long(call.operation()) || call.lane != Ticket::Place::Actor) return;
+  Housekeeping& housekeeping = runtime_->housekeeping();
+  if (!housekeeping.on_this_thread()) housekeeping.pauses().await_judgement(runtime_->clock());
 }
 
 void ServedObject::end(ServerCall& call, ByteView result) {
@@ -313,11 +323,17 @@ void ServedObject::interrupt(ServerCall& call) {
 }
 
 bool ServedObject::wait_interrupted(const ServerCall& call, TimePoint deadline) {
-  std::unique_lock lock(mutex_);
   const auto wanted = [&] { return call.interrupted(); };
-  if (deadline != TimePoint::max()) return interrupted_.wait_until(lock, deadline, wanted);
-  interrupted_.wait(lock, wanted);
-  return true;
+  {
+    std::unique_lock lock(mutex_);
+    if (deadline != TimePoint::max()) {
+      interrupted_.wait_until(lock, deadline, wanted);
+    } else {
+      interrupted_.wait(lock, wanted);
+    }
+  }
+  let_pause_be_judged(call);
+  return wanted();
 }
 
 void ServedObject::end_commands(const std::function<bool(const ServerCall&)>& which,
@@ -430,6 +446,8 @@ void ServedObject::after_pause(Duration stood_still) {
                        "the server " + stood_still_for(stood_still) + " while it was running",
                        {},
                        {}});
+  if (claim_.standing() == NameClaim::Standing::Unregistered) return;
+  if (stood_still > runtime_->registration_ttl()) claim_.ask();
 }
 
 bool ServedObject::judge_silence(const std::shared_ptr<ServerSession>& session) {
@@ -444,7 +462,7 @@ bool ServedObject::judge_silence(const std::shared_ptr<ServerSession>& session) 
     leases_.renew(session->id(), now);
     return false;
   }
-  return now - session->last_sign >= runtime_->options().lease_ttl + runtime_->options().grace;
+  return now - session->last_sign >= runtime_->registration_ttl();
 }
 
 void ServedObject::depart(const std::shared_ptr<ServerSession>& session, Departure how) {

@@ -12,6 +12,7 @@
 #include "gecos/object_types.hpp"  // generated from idl/gecos/object.gidl
 #include "gecos/session/handshake.hpp"
 #include "gecos/session/history.hpp"
+#include "gecos/session/name_claim.hpp"
 #include "gecos/session/object_queue.hpp"
 #include "gecos/session/object_streams.hpp"
 #include "gecos/session/runtime.hpp"
@@ -60,13 +61,23 @@ class ServedObject final : public Publisher, public std::enable_shared_from_this
   void depart(const std::shared_ptr<ServerSession>& session, Departure how);
   /// This process stood still: nothing of `session` starts before its next heartbeat.
   void await_sign_of_life(ServerSession& session);
-  /// Ends the actor commands that ran meanwhile.
+  /// Ends the actor commands that ran meanwhile; after a long pause the name has to be confirmed.
   void after_pause(Duration stood_still);
   /// Heartbeat seen from it, or not, judged every tick. True: it ends, silent for so long or deaf.
   bool judge_silence(const std::shared_ptr<ServerSession>& session);
   /// Deadlines, leases, progress that waits to be told, and what may start and nobody looks at. On
   /// the housekeeping thread.
   void tend(TimePoint now);
+
+  // The name, as the broker answers for it (name_claim.hpp).
+  /// It will be enlisted where others find it: from now on a broker has to confirm the name.
+  void claim_name();
+  std::uint64_t name_question();
+  void name_held(std::uint64_t question);
+  void name_provisional();
+  void name_unanswered(std::uint64_t question, const std::string& why);
+  /// Ends the leases and stops the object.
+  void name_taken(const std::string& by);
 
   /// Directly before the handler of a call begins, where that is not in gecos_dispatch: marks it
   /// as started. False: it has ended meanwhile or may not start; drop it.
@@ -129,6 +140,8 @@ class ServedObject final : public Publisher, public std::enable_shared_from_this
   std::shared_ptr<ServerCall> start_next(Starter starter);
   std::vector<std::shared_ptr<ServerCall>> actor_commands() const;
   std::shared_ptr<Ticket> next_ticket();
+  /// It must not start as the name stands.
+  bool needs_name(const OperationDescription& operation) const;
   void no_more_awaited(ServerSession& session);
   bool may_start(ServerCall& call);
   TimePoint await_judgement(std::unique_lock<Mutex>& lock);
@@ -154,6 +167,7 @@ class ServedObject final : public Publisher, public std::enable_shared_from_this
   /// Gives what may start after it.
   std::shared_ptr<ServerCall> execute(const std::shared_ptr<ServerCall>& call, Starter starter);
   void interrupt(ServerCall& call);
+  void let_pause_be_judged(const ServerCall& call);
   /// Runs what the user gave soon, on housekeeping, unless the server has ended by then.
   void tell_user(std::function<void()> what);
   bool runs_long(const OperationDescription& operation) const {
@@ -168,6 +182,7 @@ class ServedObject final : public Publisher, public std::enable_shared_from_this
 
   Mutex mutex_;
   access::LeaseTable leases_;
+  NameClaim claim_;
   ObjectQueue queue_;
   History history_;
   std::condition_variable_any interrupted_;

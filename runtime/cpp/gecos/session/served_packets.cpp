@@ -317,6 +317,9 @@ void ServedObject::admit(const std::shared_ptr<ServerSession>& session,
         leases_.may_queue(session->id(), packet.header.epoch, operation.status, watched_.now());
     if (!may) return refuse(detail_of(may.error().reason), may.error().text);
   }
+  if (claim_.refuses() && needs_name(operation)) {
+    return refuse(Detail::NotStarted, "was not started: " + claim_.text());
+  }
   if (operation.on_new == OnNew::Reject && !queue_.running().empty()) {
     return refuse(Detail::Rejected, "was not started: '" +
                                         std::string(queue_.running().front()->operation.name) +

@@ -102,6 +102,7 @@ void ServedObject::describe(ServerSession& session, std::uint64_t counter) {
   about.queued = static_cast<std::uint32_t>(queue_.waiting().size());
   if (!queue_.running().empty()) about.executing = queue_.running().front()->operation.name;
   about.pid = getpid();
+  about.registration = claim_.text();
   session.reply(counter, block_bytes(about));
 }
 
@@ -119,6 +120,12 @@ void ServedObject::acquire(ServerSession& session, std::uint64_t counter, wire::
         counter,
         Failure{
             Detail::BadParameter, "sensor status is everybody's: acquire actor or master", {}, {}});
+  }
+  if (claim_.standing() == NameClaim::Standing::Taken) {
+    const StatusRefused refused{name_ + ": " + claim_.text(), {}};
+    return session.reply(
+        counter, Failure{Detail::Fault, refused.reason, std::string(StatusRefused::type_name()),
+                         wire::to_bytes(refused)});
   }
   const TimePoint now = watched_.now();
   const bool held_before = leases_.status_of(session.id()) != access::Status::Sensor;

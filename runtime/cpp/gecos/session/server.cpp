@@ -79,6 +79,7 @@ void Server::Core::Upkeep::after_pause(Duration stood_still) {
   core->io_.await_signs_of_life();
   const std::lock_guard objects(core->mutex_);
   for (const auto& object : core->objects_) object->after_pause(stood_still);
+  core->registrar_.ask_again();
 }
 
 Server::Core::~Core() {
@@ -157,7 +158,7 @@ tl::expected<void, ServeError> Server::Core::add(std::string name, Servant& serv
     objects_.push_back(object);
   }
   if (well_known) return {};
-  if (auto enlisted = registrar_.add(*object, std::move(opened->addresses)); !enlisted) {
+  if (auto enlisted = registrar_.add(object, std::move(opened->addresses)); !enlisted) {
     {
       const std::lock_guard lock(mutex_);
       objects_.erase(std::find(objects_.begin(), objects_.end(), object));

@@ -44,6 +44,7 @@ def description(of: Description) -> None:
         ("queued", str(of.queued)),
         ("epoch", f"{of.epoch:#x}"),
         ("pid", str(of.pid)),
+        ("name", of.registration),
     )
     print(of.name)
     for name, value in facts:

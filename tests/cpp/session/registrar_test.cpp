@@ -1,0 +1,118 @@
+// What a server does with what a broker says of its object's name.
+#include "../settles.hpp"
+#include "bench.hpp"
+#include "gecos/broker_server.hpp"
+
+namespace {
+
+using gecos::Detail;
+using gecos::State;
+
+/// Answers as the test says, and counts how often it is asked.
+class TellingBroker : public gecos::BrokerServant {
+ public:
+  enum class Answer { Settled, Provisional, Taken };
+  void say(Answer answer) { answer_ = answer; }
+  int asked() const { return asked_; }
+  double served_for() const { return served_for_; }
+
+ private:
+  gecos::Result<std::optional<double>> enlist(const gecos::Entry& what,
+                                              double served_for) override {
+    const std::lock_guard lock(mutex_);
+    ++asked_;
+    served_for_ = served_for;
+    entry_ = what;
+    if (answer_ == Answer::Settled) return std::nullopt;
+    if (answer_ == Answer::Provisional) return std::optional(0.01);
+    return tl::unexpected(gecos::Fault(gecos::NameTaken{what.name, "the other one, pid 4711"}));
+  }
+  gecos::Result<void> withdraw(const std::string&) override { return {}; }
+  gecos::Result<gecos::Entry> lookup(const std::string&) override {
+    const std::lock_guard lock(mutex_);
+    return entry_;
+  }
+  gecos::Result<std::vector<gecos::Entry>> list() override { return {}; }
+
+  std::atomic<Answer> answer_{Answer::Settled};  // publishes nothing but itself
+  std::atomic<int> asked_{0};                    // publishes nothing but itself
+  std::atomic<double> served_for_{0};            // publishes nothing but itself
+  std::mutex mutex_;
+  gecos::Entry entry_;
+};
+
+class Named : public probe::NothingLeftOpen {
+ protected:
+  using Answer = TellingBroker::Answer;
+
+  void serve(Answer first) {
+    broker_.say(first);
+    gecos::ObjectOptions well_known;
+    well_known.well_known = true;
+    well_known.media = {gecos::media::Kind::Inproc};
+    ASSERT_TRUE(broker_server_.add("BROKER", broker_, well_known));
+    gecos::ObjectOptions options;
+    options.simulated = options.thread_safe = true;
+    options.media = {gecos::media::Kind::Inproc};
+    options.on_stop = [this] { stopped_ = true; };
+    ASSERT_TRUE(server_.add("PROBE", servant_, options));
+  }
+  probe::Probe connect() {
+    auto created = lab_.create<probe::Probe>("PROBE");
+    EXPECT_TRUE(created) << created.error();
+    return created ? *created : probe::Probe();
+  }
+
+  TellingBroker broker_;
+  gecos::Lab broker_lab_;
+  gecos::Server broker_server_{broker_lab_};
+  probe::ProbeServant servant_;
+  std::atomic<bool> stopped_{false};  // publishes nothing but itself
+  gecos::Lab server_lab_{probe::patient()};
+  gecos::Server server_{server_lab_};
+  gecos::Lab lab_{probe::patient()};
+};
+
+TEST_F(Named, ABrokerThatMayStillGiveTheNameAwayIsAskedAgainAndToldTheAge) {
+  serve(Answer::Provisional);
+  EXPECT_TRUE(settles([this] { return broker_.asked() >= 3; }));
+  EXPECT_GT(broker_.served_for(), 0.0);
+}
+
+TEST_F(Named, AnObjectWhoseNameGoesToAnotherIsStoppedAndSaysWhichOne) {
+  serve(Answer::Provisional);
+  const auto probe = connect();
+  auto lease = gecos::actor(probe);
+  ASSERT_TRUE(lease) << lease.error();
+  auto runs = probe.finish(1);
+  auto waits = probe.move(2);
+  servant_.await_moves(1);
+  broker_.say(Answer::Taken);
+  ASSERT_EQ(runs.wait(), State::CommandFailed);
+  EXPECT_EQ(runs.progress().detail, Detail::Stopped) << "it would go on after the loss of a lease";
+  const auto text = runs.get().error().text;
+  EXPECT_NE(text.find("the other one, pid 4711"), std::string::npos) << text;
+  servant_.await_event("interrupted 1");
+  ASSERT_EQ(waits.wait(), State::CommandFailed);
+  EXPECT_EQ(waits.progress().detail, Detail::Stopped);
+  EXPECT_TRUE(settles([this] { return stopped_.load(); }));
+  EXPECT_EQ(probe.read().get().value(), 7) << "readings go on";
+
+  const auto refused = gecos::actor(probe);
+  ASSERT_FALSE(refused);
+  const auto described = gecos::describe(probe).get();
+  ASSERT_TRUE(described);
+  EXPECT_NE(described->registration.find("another server has the name"), std::string::npos);
+}
+
+TEST_F(Named, AnObjectThatHasItsNameAgainMovesAgain) {
+  serve(Answer::Provisional);
+  const auto probe = connect();
+  broker_.say(Answer::Taken);
+  ASSERT_TRUE(settles([&] { return !gecos::actor(probe).has_value(); }));
+  broker_.say(Answer::Settled);
+  ASSERT_TRUE(settles([&] { return gecos::actor(probe).has_value(); }));
+  EXPECT_EQ(gecos::describe(probe).get()->registration, "confirmed");
+}
+
+}  // namespace
