@@ -33,6 +33,35 @@ TEST_F(ServedObjects, MarkWhatAServantQueuesWhenItBeginsIt) {
   EXPECT_GE(servant_.kept[0].marked_at(), later);
 }
 
+TEST_F(ServedObjects, BeginNothingThatWaitedForItsThreadDuringAPauseUnlessItsCallerWasHeardSince) {
+  servant_.queues = servant_.keep = true;
+  call(1, probe::read_code);
+  call(2, probe::read_code);
+  object_->await_sign_of_life(*session_);
+  EXPECT_FALSE(servant_.kept.at(0).begin());
+  EXPECT_EQ(reply_to(1), Detail::NotStarted);
+  ASSERT_FALSE(object_->judge_silence(session_));
+  EXPECT_TRUE(servant_.kept.at(1).begin());
+}
+
+TEST_F(ServedObjects, BeginNothingThatWaitsForItsThreadAndWasWithdrawn) {
+  servant_.queues = servant_.keep = true;
+  call(1, probe::read_code);
+  packet(wire::PacketKind::Goodbye, 0, {}, {}, {}, withdraws);
+  EXPECT_FALSE(servant_.kept.at(0).begin());
+  EXPECT_EQ(reply_to(1), Detail::NotStarted);
+}
+
+TEST_F(ServedObjects, TakeAGoodbyeThatWasSentDuringAPauseForOneThatWithdraws) {
+  servant_.queues = servant_.keep = true;
+  call(1, probe::read_code);
+  object_->await_sign_of_life(*session_);
+  packet(wire::PacketKind::Goodbye, 0);
+  EXPECT_FALSE(servant_.kept.at(0).begin());
+  EXPECT_EQ(reply_to(1), Detail::NotStarted);
+  object_->depart(session_, ServedObject::Departure::Lost);
+}
+
 TEST_F(ServedObjects, SayThatASessionEndedOnceNoCallOfItIsUnderWay) {
   servant_.keep = true;
   call(1, probe::read_code);

@@ -179,6 +179,19 @@ bool ServedObject::may_start(ServerCall& call) {
     end(call, Failure{Detail::NotStarted, "its caller was gone before it started", {}, {}});
     return false;
   }
+  if (caller.withdrawn) {
+    end(call,
+        Failure{Detail::NotStarted, "it was not started: its caller had given it up", {}, {}});
+    return false;
+  }
+  if (caller.awaited) {  // it waited for its thread during the pause, and the thread came first
+    end(call, Failure{Detail::NotStarted,
+                      "it was not started: the server stood still, and has not heard of its caller "
+                      "since",
+                      {},
+                      {}});
+    return false;
+  }
   if (call.deadline != TimePoint::max() && runtime_->clock().now() >= call.deadline) {
     end(call, Failure{Detail::Expired,
                       "the deadline of '" + std::string(call.operation().name) +

@@ -120,6 +120,7 @@ class ServedObject final : public Publisher, public std::enable_shared_from_this
   void end_early(ServerSession& session, std::uint64_t counter, Detail how, const std::string& why);
   void answer_again(ServerSession& session, std::uint64_t counter);
   void cancel(ServerSession& session, std::uint64_t counter);
+  bool unheard_since_a_pause(const ServerSession& session) const;
   void withdraw(ServerSession& session);
   void say_goodbye(ServerSession& session, SessionId to, const std::string& why);
 

@@ -88,7 +88,8 @@ void ServedObject::take_packet(const std::shared_ptr<ServerSession>& session, By
   if (header.kind == wire::PacketKind::Goodbye) {
     if (theirs) {
       session->left = true;
-      if (header.flags == withdraws) withdraw(*session);
+      // One that was sent while this process stood still may be of somebody who is dead by now.
+      if (header.flags == withdraws || unheard_since_a_pause(*session)) withdraw(*session);
       give_back_all(*session);
     }
     return say_goodbye(*session, header.session, "as you asked");
@@ -172,8 +173,15 @@ void ServedObject::greet(const std::shared_ptr<ServerSession>& session,
   session->send(header, wire::to_bytes(welcome));
 }
 
+/// Whatever was read of it may be older than the pause.
+bool ServedObject::unheard_since_a_pause(const ServerSession& session) const {
+  return session.awaited ||
+         runtime_->housekeeping().pauses().suspected(runtime_->clock().since_boot());
+}
+
 /// Its client has given up what has not started.
 void ServedObject::withdraw(ServerSession& session) {
+  session.withdrawn = true;  // also for what waits for its thread
   while (!session.early.empty()) {
     end_early(session, session.early.begin()->first, Detail::NotStarted, given_up);
   }

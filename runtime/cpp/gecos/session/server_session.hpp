@@ -87,9 +87,10 @@ class ServerSession {
   std::size_t commands = 0;    ///< actor commands that have not reached their end
   std::size_t unreturned = 0;  ///< calls that wait, or whose handler has not answered and returned
   Duration accept_within{
-      0};                 ///< as its client asked: what is older is not taken up; 0: however old
-  bool left = false;      ///< said goodbye
-  bool departed = false;  ///< its link is gone
+      0};                  ///< as its client asked: what is older is not taken up; 0: however old
+  bool left = false;       ///< said goodbye
+  bool withdrawn = false;  ///< and nothing of it starts any more
+  bool departed = false;   ///< its link is gone
   bool parted_in_order = false;  ///< and what it had issued still runs
   std::uint64_t beats_judged = 0;
   TimePoint last_sign{};
