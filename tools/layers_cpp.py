@@ -12,7 +12,7 @@ SUFFIXES = (".hpp", ".cpp", ".h", ".cc")
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
 # What media's users see: the contract, how to wait, and the door that opens what is here.
-CONTRACT = re.compile(r"^gecos/media/(?:(?:medium|waiting)\.[hc]pp|open\.hpp)$")
+CONTRACT = re.compile(r"^gecos/media/(?:(?:core|medium|waiting)\.[hc]pp|open\.hpp)$")
 HAND_WRITTEN = re.compile(
     r"^(?:gecos/(base|wire|qos|access|crypto|media|session|broker)|robcl/(frames|arm|motion))/"
 )
@@ -46,7 +46,7 @@ ROOMS: dict[str, Room] = {
     ),
     "session": _room(
         _BELOW_SESSION,
-        "session knows media by contract alone (medium.hpp, waiting.hpp, open.hpp), "
+        "session knows media by contract alone (core, medium, waiting and open.hpp), "
         "and generated types, never clients",
     ),
     "umbrella": _room("base session", "gecos.hpp gathers what programs use: base and session"),

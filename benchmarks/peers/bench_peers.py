@@ -107,10 +107,10 @@ def main() -> int:
     with own_laboratory(given.build.resolve()) as env:
         for setting in wanted:
             there = there_of(setting, without | missing)
-            measured = run(setting, there, pace, env)
-            missing |= {line.candidate.peer for line in there if line.label not in measured}
-            print("\n" + report.table(setting, measured), flush=True)
-            judged += [(setting, judge(setting, bar, measured)) for bar in setting.bars]
+            done = run(setting, there, pace, env)
+            missing |= {line.candidate.peer for line in there if line.label not in done.rounds}
+            print("\n" + report.table(setting, done), flush=True)
+            judged += [(setting, judge(bar, done.rounds)) for bar in setting.bars]
     print("\n" + report.bars(judged), flush=True)
     if missing:
         complain(missing)

@@ -33,6 +33,12 @@ T must(tl::expected<T, E> result) {
 
 class Echo final : public bench::ExchangeServant {
   gecos::Result<bench::Sample> echo(const bench::Sample& given) override { return given; }
+  gecos::Result<bench::Sample> echo_late(const bench::Sample& given, double seconds,
+                                         gecos::Execution<>& run) override {
+    const auto later = std::chrono::duration_cast<gecos::Duration>(Seconds(seconds));
+    if (run.wait_interrupted(later)) return tl::unexpected(gecos::Fault::interrupted());
+    return given;
+  }
 };
 
 void serve(const std::string& how) {
@@ -54,6 +60,9 @@ class GecosClient final : public PipeliningClient {
         lease_(must(gecos::actor(object_, password))) {}
 
   Sample call(const Sample& sample) override { return answer(object_.echo(typed(sample))); }
+  Sample call_late(const Sample& sample, Seconds late) override {
+    return answer(object_.echo_late(typed(sample), late.count()));
+  }
 
  protected:
   void issue(const Sample& sample) override { issued_.push_back(object_.echo(typed(sample))); }

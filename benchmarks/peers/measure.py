@@ -5,11 +5,13 @@ from __future__ import annotations
 import contextlib
 import os
 import statistics
-import subprocess
 import sys
-from collections.abc import Iterator
-from dataclasses import dataclass
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import partial
 
+from busy_loops import BusyLoops
 from pair import Broken, Pair, Process
 from settings import Bar, Figure, Line, Setting
 
@@ -25,14 +27,22 @@ class Pace:
 
 @dataclass(frozen=True, slots=True)
 class Measured:
-    """One line in one round: µs, or calls a second."""
+    """One line in one round: µs, calls a second, parts of a core."""
 
     p50: float = 0.0
     p99: float = 0.0
     rate: float = 0.0
+    loops: float = 0.0
+    share: float = 0.0
 
     def figure(self, of: Figure) -> float:
-        return {Figure.P50: self.p50, Figure.P99: self.p99, Figure.RATE: self.rate}[of]
+        return {
+            Figure.P50: self.p50,
+            Figure.P99: self.p99,
+            Figure.RATE: self.rate,
+            Figure.LOOPS: self.loops,
+            Figure.SHARE: 100 * self.share,
+        }[of]
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,31 +55,63 @@ class Verdict:
 Rounds = dict[str, list[Measured]]
 
 
-def run(setting: Setting, there: tuple[Line, ...], pace: Pace, env: dict[str, str]) -> Rounds:
+@dataclass(slots=True)
+class Run:
+    """What was measured of one setting."""
+
+    rounds: Rounds
+    repeated: dict[str, int] = field(default_factory=dict)  # by line: how often it failed
+
+
+TRIES = 3
+"""So often a line is measured in a round before it counts as broken."""
+
+
+def run(setting: Setting, there: tuple[Line, ...], pace: Pace, env: dict[str, str]) -> Run:
     """Measures those lines of `setting` that are there, round by round.
 
-    A peer that breaks is left out from then on, and of what is given; ours that does ends the run.
+    What fails is repeated and counted. A peer that fails three times in a round is left out from
+    then on, and of what is given; ours that does ends the run.
     """
-    measured: Rounds = {line.label: [] for line in there}
+    done = Run({line.label: [] for line in there})
     cores = sorted(os.sched_getaffinity(0))
-    with _busy_loops(cores[:2] if setting.busy else []):
+    with BusyLoops(setting.loops, cores[: 1 if setting.one_core else 2]) as loops:
         for number in range(1, pace.rounds + 1):
             print(f"bench-peers: {setting.title}, round {number}", file=sys.stderr, flush=True)
             for line in there:
-                if line.label not in measured:
+                if line.label not in done.rounds:
                     continue
                 try:
-                    measured[line.label].append(_once(setting, line, pace, cores, env))
-                except Broken as why:
+                    once = partial(_once, setting, line, pace, cores, env, loops)
+                    measured = _repeatedly(done, line, once)
+                except Broken:
                     if not line.candidate.peer:
                         raise
-                    print(f"bench-peers: {line.label} BROKE: {why}", file=sys.stderr, flush=True)
-                    del measured[line.label]
-    return measured
+                    del done.rounds[line.label]
+                else:
+                    done.rounds[line.label].append(measured)
+    return done
+
+
+def _repeatedly(done: Run, line: Line, measure: Callable[[], Measured]) -> Measured:
+    for left in reversed(range(TRIES)):
+        try:
+            return measure()
+        except Broken as why:
+            done.repeated[line.label] = done.repeated.get(line.label, 0) + 1
+            print(f"bench-peers: {line.label} BROKE: {why}", file=sys.stderr, flush=True)
+            if not left:
+                raise
+    raise AssertionError
 
 
 def _once(
-    setting: Setting, line: Line, pace: Pace, cores: list[int], env: dict[str, str]
+    setting: Setting,
+    line: Line,
+    pace: Pace,
+    cores: list[int],
+    env: dict[str, str],
+    loops: BusyLoops,
 ) -> Measured:
     mine, servers = cores[0], cores[0 if setting.one_core else 1]
     with contextlib.closing(Pair(line.candidate, servers, env)) as pair:
@@ -77,14 +119,18 @@ def _once(
             pair.client(cores)
         client = pair.client([mine])
         _ask(client, "trips 0.1")  # warm
+        if setting.figure is Figure.SHARE:
+            return _share(client, pair.server, line.late, pace.seconds)
         if setting.outstanding:
             _ask(client, f"outstanding {setting.outstanding} {pace.seconds / 4}")
             (rate,) = _ask(client, f"outstanding {setting.outstanding} {pace.seconds}")
             return Measured(rate=rate)
         if setting.silent:
             return _trips(_ask(client, f"silent 1.0 {pace.rests}"))
+        loops.begin()
         if not line.flooded:
-            return _trips(_ask(client, f"trips {pace.seconds}"))
+            measured = _trips(_ask(client, f"trips {pace.seconds}"), pace.seconds)
+            return replace(measured, loops=loops.share())
         flooder = pair.client(cores[:2])
         flooder.say(f"outstanding 64 {pace.seconds + 0.2}")  # begins before, ends after
         _ask(client, "trips 0.1")
@@ -93,42 +139,47 @@ def _once(
         return measured
 
 
+def _share(client: Process, server: Process, late: float, seconds: float) -> Measured:
+    """What a client takes whose answers come `late`, or a server whose client says nothing."""
+    if late:
+        _ask(client, f"late {late} {seconds}")  # it learns how long it waits
+    else:
+        time.sleep(seconds)
+    watched = client if late else server
+    before, began = watched.ran_for(), time.monotonic()
+    if late:
+        _ask(client, f"late {late} {4 * seconds}")
+    else:
+        time.sleep(4 * seconds)
+    return Measured(share=(watched.ran_for() - before) / (time.monotonic() - began))
+
+
 def _ask(client: Process, question: str) -> list[float]:
     client.say(question)
     return [float(word) for word in client.line().split()]
 
 
-def _trips(answer: list[float]) -> Measured:
-    _, p50, p99 = answer
-    return Measured(p50=p50 * 1e-3, p99=p99 * 1e-3)
+def _trips(answer: list[float], seconds: float = 0.0) -> Measured:
+    count, p50, p99 = answer
+    return Measured(p50=p50 * 1e-3, p99=p99 * 1e-3, rate=count / seconds if seconds else 0.0)
 
 
-@contextlib.contextmanager
-def _busy_loops(cores: list[int]) -> Iterator[None]:
-    loops = [
-        subprocess.Popen(
-            ["taskset", "--cpu-list", str(core), sys.executable, "-c", "while True: pass"]
-        )
-        for core in cores
-    ]
-    try:
-        yield
-    finally:
-        for loop in loops:
-            loop.kill()
-            loop.wait()
-
-
-def judge(setting: Setting, bar: Bar, measured: Rounds) -> Verdict:
-    """Of every round ours beside the best of the others in it; their median counts."""
+def judge(bar: Bar, measured: Rounds) -> Verdict:
+    """Of every round ours beside the best of the others in it."""
     others = [measured[label] for label in bar.others if label in measured]
-    if not others:
+    if bar.others and not others:
         return Verdict(bar, [], False)
-    rates = setting.figure is Figure.RATE
-    best = max if rates else min
+    best = max if bar.figure.more_is_better else min
     ratios = [
-        ours.figure(setting.figure) / best(other.figure(setting.figure) for other in beside)
+        ours.figure(bar.figure)
+        / (best(other.figure(bar.figure) for other in beside) if beside else 1.0)
         for ours, *beside in zip(measured[bar.ours], *others, strict=True)
     ]
-    median = statistics.median(ratios)
-    return Verdict(bar, ratios, median >= bar.limit if rates else median <= bar.limit)
+    if not bar.rounds:
+        return Verdict(bar, ratios, _holds(bar, statistics.median(ratios)))
+    held = sum(_holds(bar, ratio) for ratio in ratios)
+    return Verdict(bar, ratios, held >= bar.rounds * len(ratios))
+
+
+def _holds(bar: Bar, ratio: float) -> bool:
+    return ratio >= bar.limit if bar.figure.more_is_better else ratio <= bar.limit

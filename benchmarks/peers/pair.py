@@ -36,6 +36,11 @@ class Candidate:
         return [part for part in (*self.server, *self.client) if isinstance(part, Path)]
 
 
+def ran_for(task: Path) -> float:
+    """Seconds that a thread, given by its folder in /proc, has had a core."""
+    return int((task / "schedstat").read_text().split()[0]) * 1e-9
+
+
 class Process:
     """One program, on the given cores; says that it is ready before the constructor returns."""
 
@@ -81,6 +86,11 @@ class Process:
             self._process.stdin.write(question.encode() + b"\n")
             self._process.stdin.flush()
 
+    def ran_for(self) -> float:
+        """Seconds that its threads have had a core."""
+        threads = Path(f"/proc/{self._process.pid}/task").iterdir()
+        return sum(ran_for(thread) for thread in threads)
+
     def _said_of_errors(self) -> str:
         self._errors.seek(0)
         return self._errors.read()[-2000:]
@@ -117,10 +127,10 @@ class Pair:
         self._candidate = candidate
         self._env = env
         self._clients: list[Process] = []
-        self._server = Process(candidate.server, [core], env)
+        self.server = Process(candidate.server, [core], env)
 
     def client(self, cores: Sequence[int]) -> Process:
-        client = Process((*self._candidate.client, self._server.address), cores, self._env)
+        client = Process((*self._candidate.client, self.server.address), cores, self._env)
         self._clients.append(client)
         return client
 
@@ -129,4 +139,4 @@ class Pair:
             client.close_input()
         for client in reversed(self._clients):
             client.wait()
-        self._server.end()
+        self.server.end()

@@ -5,11 +5,11 @@ from __future__ import annotations
 import os
 import platform
 import statistics
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from measure import Measured, Pace, Rounds, Verdict
-from settings import Figure, Setting
+from measure import Measured, Pace, Run, Verdict
+from settings import Bar, Figure, Setting
 
 
 def machine(pace: Pace) -> str:
@@ -27,36 +27,78 @@ def bars(judged: Sequence[tuple[Setting, Verdict]]) -> str:
     rows = ["| setting | ratio | bar | measured | in the rounds | |", "|---|---|--:|--:|--:|---|"]
     for setting, verdict in judged:
         bar = verdict.bar
-        other = bar.others[0] if len(bar.others) == 1 else "the best peer"
-        sign = "≥" if setting.figure is Figure.RATE else "≤"
-        what = f"| {setting.title} | {bar.ours} / {other} | {sign} {bar.limit:g} "
+        sign = "≥" if bar.figure.more_is_better else "≤"
+        row = f"| {setting.title} | {_what(bar)} | {sign} {bar.limit:g}{_unit(bar)} "
         if not verdict.ratios:
-            rows.append(what + "| | | **not measured** |")
+            rows.append(row + "| | | **not measured** |")
             continue
         median = statistics.median(verdict.ratios)
         word = "met" if verdict.met else "**missed**"
         spread = f"{min(verdict.ratios):.2f} to {max(verdict.ratios):.2f}"
-        rows.append(f"{what}| {median:.2f} | {spread} | {word} |")
+        rows.append(f"{row}| {median:.2f} | {spread} | {word} |")
     return "\n".join(rows)
 
 
-def table(setting: Setting, measured: Rounds) -> str:
-    if setting.figure is Figure.RATE:
-        rows = [f"| {setting.title} | calls/s | in the rounds |", "|---|--:|--:|"]
-        rows += [_rate_row(label, rounds) for label, rounds in measured.items()]
-    else:
-        rows = [f"| {setting.title} | p50 µs | p99 µs | p50 in the rounds |", "|---|--:|--:|--:|"]
-        rows += [_trips_row(label, rounds) for label, rounds in measured.items()]
+def _what(bar: Bar) -> str:
+    if not bar.others:
+        return f"{bar.ours}: {bar.figure.value}"
+    other = bar.others[0] if len(bar.others) == 1 else "the best peer"
+    figure = "" if bar.figure is Figure.P50 else f", {bar.figure.value}"
+    return f"{bar.ours} / {other}{figure}"
+
+
+def _unit(bar: Bar) -> str:
+    if bar.others:
+        return " in 8 of 9" if bar.rounds else ""
+    return {Figure.SHARE: " %", Figure.RATE: "/s"}.get(bar.figure, " µs")
+
+
+def table(setting: Setting, done: Run) -> str:
+    columns = {Figure.RATE: RATES, Figure.SHARE: SHARES}.get(setting.figure, TRIPS)
+    if setting.loops is not None:
+        columns = BESIDE_LOOPS
+    rows = [
+        f"| {setting.title} | {' | '.join(columns)} |",
+        "|---|" + "--:|" * len(columns),
+    ]
+    for label, rounds in done.rounds.items():
+        cells = [column(rounds) for column in columns.values()]
+        rows.append(f"| {label} | {' | '.join(cells)} |")
+    for label, times in done.repeated.items():
+        rows.append(f"\nMeasured again because it failed: {label}, {times} times.")
     return "\n".join(rows)
 
 
-def _rate_row(label: str, rounds: list[Measured]) -> str:
-    rates = [one.rate for one in rounds]
-    return f"| {label} | {statistics.median(rates):,.0f} | {min(rates):,.0f} to {max(rates):,.0f} |"
+Column = Callable[[list[Measured]], str]
 
 
-def _trips_row(label: str, rounds: list[Measured]) -> str:
-    p50s = [one.p50 for one in rounds]
-    p99 = statistics.median(one.p99 for one in rounds)
-    spread = f"{min(p50s):.2f} to {max(p50s):.2f}"
-    return f"| {label} | {statistics.median(p50s):.2f} | {p99:.2f} | {spread} |"
+def _median(figure: Figure, form: str) -> Column:
+    return lambda rounds: format(statistics.median(one.figure(figure) for one in rounds), form)
+
+
+def _spread(figure: Figure, form: str) -> Column:
+    def column(rounds: list[Measured]) -> str:
+        figures = [one.figure(figure) for one in rounds]
+        return f"{min(figures):{form}} to {max(figures):{form}}"
+
+    return column
+
+
+TRIPS: dict[str, Column] = {
+    "p50 µs": _median(Figure.P50, ".2f"),
+    "p99 µs": _median(Figure.P99, ".2f"),
+    "p50 in the rounds": _spread(Figure.P50, ".2f"),
+}
+RATES: dict[str, Column] = {
+    "calls/s": _median(Figure.RATE, ",.0f"),
+    "in the rounds": _spread(Figure.RATE, ",.0f"),
+}
+SHARES: dict[str, Column] = {
+    "% of a core": _median(Figure.SHARE, ".3f"),
+    "in the rounds": _spread(Figure.SHARE, ".3f"),
+}
+BESIDE_LOOPS: dict[str, Column] = {
+    **TRIPS,
+    "calls/s": _median(Figure.RATE, ",.0f"),
+    "left to a loop": _median(Figure.LOOPS, ".2f"),
+}

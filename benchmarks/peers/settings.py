@@ -13,6 +13,16 @@ class Figure(enum.Enum):
     P50 = "p50"
     P99 = "p99"
     RATE = "calls/s"
+    LOOPS = "share of the loops"
+    SHARE = "% of a core"
+
+    @property
+    def more_is_better(self) -> bool:
+        return self in (Figure.RATE, Figure.LOOPS)
+
+
+MOST_ROUNDS = 8 / 9
+"""In so large a part of the rounds a bar holds that is judged round by round."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,6 +33,7 @@ class Line:
     suffix: str = ""
     idle_clients: int = 0
     flooded: bool = False  # one more client keeps 64 calls outstanding
+    late: float = 0.0  # its calls are answered after so many seconds
 
     @property
     def label(self) -> str:
@@ -31,12 +42,22 @@ class Line:
 
 @dataclass(frozen=True, slots=True)
 class Bar:
-    """What is promised of `ours` beside the best of `others`: their quotient is at most `limit`, of
-    rates at least."""
+    """What is promised of `ours` beside the best of `others`: their quotient is at most `limit`, or
+    at least where more is better. Without others it is the figure itself."""
 
     ours: str
     others: tuple[str, ...]
     limit: float
+    figure: Figure = Figure.P50
+    rounds: float = 0.0  # it holds in such a part of the rounds; 0: for their median
+
+
+@dataclass(frozen=True, slots=True)
+class Loops:
+    """A program that never sleeps, on each core in use."""
+
+    nice: int = 0
+    slice_ms: float = 0.0  # 0: as long as the scheduler likes
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,14 +66,14 @@ class Setting:
     lines: tuple[Line, ...]
     bars: tuple[Bar, ...]
     one_core: bool = False
-    busy: bool = False  # a loop that never sleeps on each core
-    figure: Figure = Figure.P50
+    loops: Loops | None = None
+    figure: Figure = Figure.P50  # of its table
     silent: bool = False  # a second of rest before each call
     outstanding: int = 0
 
 
-def bar(ours: Line, limit: float, *others: Line) -> Bar:
-    return Bar(ours.label, tuple(line.label for line in others), limit)
+def bar(ours: Line, limit: float, *others: Line, figure: Figure = Figure.P50) -> Bar:
+    return Bar(ours.label, tuple(line.label for line in others), limit, figure)
 
 
 def lines(*several: Candidate) -> tuple[Line, ...]:
@@ -68,6 +89,8 @@ def settings(of: Candidates) -> list[Setting]:
     raw_lcm, lcm = lines(of.raw_lcm, of.ours_lcm)
     busy_lab = Line(of.ours_lcm, ", 16 idle processes", idle_clients=16)
     flooded = Line(of.ours, ", another client floods", flooded=True)
+    idle_server = Line(of.ours, ", a server whose client is silent")
+    late = Line(of.ours, ", a client whose answers take 11 ms", late=0.011)
     python, iceoryx2_python = lines(of.ours_python, of.iceoryx2_python)
     all_peers = (iceoryx_polled, iceoryx2_polled, *blocking)
     return [
@@ -85,7 +108,7 @@ def settings(of: Candidates) -> list[Setting]:
             "a busy loop on each of two cores",
             (socket, raw_lcm, *all_peers, ours),
             (bar(ours, 1.0, *all_peers, raw_lcm),),
-            busy=True,
+            loops=Loops(),
         ),
         Setting(
             "one core",
@@ -109,7 +132,7 @@ def settings(of: Candidates) -> list[Setting]:
         Setting(
             "64 outstanding, two cores",
             (spin, socket, *all_peers, ours),
-            (bar(ours, 1.5, *all_peers),),
+            (bar(ours, 1.5, *all_peers, figure=Figure.RATE),),
             figure=Figure.RATE,
             outstanding=64,
         ),
@@ -121,12 +144,46 @@ def settings(of: Candidates) -> list[Setting]:
         Setting(
             "one client floods, two cores",
             (ours, flooded),
-            (bar(flooded, 3.0, ours),),
-            figure=Figure.P99,
+            (
+                bar(flooded, 3.0, ours, figure=Figure.P99),
+                bar(flooded, 8.0, figure=Figure.P99),
+            ),
         ),
         Setting(
             "from Python, two cores",
             (iceoryx2_python, python),
             (bar(python, 0.7, iceoryx2_python),),
         ),
+        Setting(
+            "nothing to do, or waits of 11 ms",
+            (idle_server, late),
+            (
+                bar(idle_server, 0.2, figure=Figure.SHARE),
+                bar(late, 0.2, figure=Figure.SHARE),
+            ),
+            figure=Figure.SHARE,
+        ),
+        *beside_loops(ours, iceoryx_polled, iceoryx2_polled),
     ]
+
+
+def beside_loops(ours: Line, *polled: Line) -> list[Setting]:
+    """Ours is not worse than who polls, makes no fewer calls and takes no more from the loops."""
+    several = []
+    for priority, nice in (("equal", 0), ("lower", 19)):
+        for length, slice_ms in (("long", 100.0), ("short", 0.1)):
+            for cores in ("two cores", "one core"):
+                several.append(
+                    Setting(
+                        f"loops of {priority} priority, {length} slices, {cores}",
+                        (*polled, ours),
+                        tuple(
+                            Bar(ours.label, tuple(each.label for each in polled), 1.0, figure,
+                                MOST_ROUNDS)
+                            for figure in (Figure.P50, Figure.RATE, Figure.LOOPS)
+                        ),
+                        one_core=cores == "one core",
+                        loops=Loops(nice, slice_ms),
+                    )
+                )  # fmt: skip
+    return several

@@ -73,6 +73,15 @@ void silent(Client& client, Seconds rest, std::size_t count) {
   say(times);
 }
 
+void late(Client& client, Seconds each, Seconds how_long) {
+  Sample sample;
+  std::size_t count = 0;
+  for (const auto end = Clock::now() + how_long; Clock::now() < end; ++count) {
+    client.call_late(sample, each);
+  }
+  std::printf("%zu\n", count);
+}
+
 void outstanding(Client& client, unsigned number, Seconds how_long) {
   const auto begin = Clock::now();
   const auto calls =
@@ -90,6 +99,8 @@ void answer(Client& client, const std::string& line) {
     trips(client, Seconds(first));
   } else if (word == "silent" && second >= 1) {
     silent(client, Seconds(first), static_cast<std::size_t>(second));
+  } else if (word == "late" && second > 0) {
+    late(client, Seconds(first), Seconds(second));
   } else if (word == "outstanding" && first >= 1 && second > 0) {
     outstanding(client, static_cast<unsigned>(first), Seconds(second));
   } else {
@@ -99,6 +110,10 @@ void answer(Client& client, const std::string& line) {
 }
 
 }  // namespace
+
+Sample Client::call_late(const Sample& /*sample*/, Seconds /*late*/) {
+  throw std::logic_error("this peer has no call that is answered late");
+}
 
 std::uint64_t PipeliningClient::calls_until(Clock::time_point end, unsigned outstanding) {
   Sample sample;

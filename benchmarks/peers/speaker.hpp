@@ -5,6 +5,7 @@
 //     trips SECONDS                one call after the other      -> COUNT P50 P99, the last two in
 //     ns silent SECONDS COUNT         each after that long a rest   -> COUNT P50 P99 outstanding
 //     NUMBER SECONDS   so many calls at a time       -> CALLS_PER_SECOND
+//     late EACH SECONDS            each answered so late        -> COUNT
 // What reading the clock takes is taken off P50 and P99. Needs nothing but the standard library,
 // since the peers are built without ours.
 #pragma once
@@ -33,6 +34,8 @@ class Client {
  public:
   virtual ~Client() = default;
   virtual Sample call(const Sample& sample) = 0;
+  /// A call that the server answers `late`; not every peer has one.
+  virtual Sample call_late(const Sample& sample, Seconds late);
   /// Keeps `outstanding` calls on their way until `end`; how many were answered.
   virtual std::uint64_t calls_until(Clock::time_point end, unsigned outstanding) = 0;
 };

@@ -171,7 +171,7 @@ def test_the_report_says_where_what_why_and_what_to_do(tmp_path: Path) -> None:
     assert check_layers.report(*check_layers.check(tmp_path)) == (
         "runtime/cpp/gecos/session/select.cpp:1: error: "
         'session includes "gecos/media/lcm.hpp" of media\n'
-        "    = rule: session knows media by contract alone (medium.hpp, waiting.hpp, open.hpp), "
+        "    = rule: session knows media by contract alone (core, medium, waiting and open.hpp), "
         "and generated types, never clients\n"
         "    = help: it may include access, base, crypto, generated-types, medium, qos, wire: "
         "pass in what it needs, or move the code to a room that may\n"

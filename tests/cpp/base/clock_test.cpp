@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "gecos/base/ids.hpp"
+#include "gecos/base/moment.hpp"
 
 namespace gecos {
 namespace {
@@ -34,6 +35,16 @@ TEST(SystemClock, NeverGoesBack) {
     ASSERT_GE(now, before);
     before = now;
   }
+}
+
+TEST(Moment, IsNotJustAfterOneThatIsLongOver) {
+  EXPECT_FALSE(Moment::now().just_after(Moment{})) << "there was none before";
+  const Moment last = Moment::now();
+  const SystemClock clock;
+  const TimePoint begin = clock.now();
+  while (clock.now() - begin < milliseconds(6)) {
+  }
+  EXPECT_FALSE(Moment::now().just_after(last));
 }
 
 TEST(SystemClock, KnowsTheTimeOfDay) {

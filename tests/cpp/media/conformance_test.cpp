@@ -1,6 +1,7 @@
 // What every medium promises, run on every medium.
 
 #include <gtest/gtest.h>
+#include <sched.h>
 #include <sys/wait.h>
 
 #include <algorithm>
@@ -23,6 +24,26 @@ struct Candidate {
 };
 
 void PrintTo(const Candidate& candidate, std::ostream* out) { *out << candidate.name; }
+
+/// Keeps the test on the core that it is on.
+class OnOneCore {
+ public:
+  OnOneCore() {
+    ::sched_getaffinity(0, sizeof before_, &before_);
+    cpu_set_t one;
+    CPU_ZERO(&one);
+    CPU_SET(static_cast<std::size_t>(core_), &one);
+    ::sched_setaffinity(0, sizeof one, &one);
+  }
+  ~OnOneCore() { ::sched_setaffinity(0, sizeof before_, &before_); }
+  OnOneCore(const OnOneCore&) = delete;
+  OnOneCore& operator=(const OnOneCore&) = delete;
+  std::int32_t core() const { return core_; }
+
+ private:
+  const std::int32_t core_ = ::sched_getcpu();
+  cpu_set_t before_{};
+};
 
 class Conformance : public testing::TestWithParam<Candidate> {
  protected:
@@ -206,6 +227,35 @@ TEST_P(Conformance, WordsAreReadByThePeerWithoutAPacket) {
     EXPECT_EQ(server_.link->peer_word(word), 10 + word);
     EXPECT_EQ(client_.link->peer_word(word), 20 + word);
   }
+}
+
+TEST_P(Conformance, AnEndSaysWhereItLooksWhetherItSleepsAndWhenItRang) {
+  if (!client_.link->offer().shared_words) {
+    EXPECT_EQ(client_.link->peer_whereabouts().core, unknown_core);
+    GTEST_SKIP() << "it shares no memory";
+  }
+  ASSERT_TRUE(client_.send("both ends know each other"));
+  ASSERT_EQ(server_.receive(), "both ends know each other");
+  ASSERT_TRUE(server_.send("now"));
+  ASSERT_EQ(client_.receive(), "now");
+
+  const OnOneCore pinned;
+  EXPECT_FALSE(server_.link->receive());
+  EXPECT_EQ(client_.link->peer_whereabouts().core, pinned.core());
+  EXPECT_FALSE(client_.link->peer_whereabouts().asleep);
+
+  ASSERT_TRUE(server_.link->arm());
+  EXPECT_TRUE(client_.link->peer_whereabouts().asleep);
+  const TimePoint before = std::chrono::steady_clock::now();
+  ASSERT_TRUE(client_.send("wake up"));
+  EXPECT_GE(server_.link->peer_whereabouts().rang_at, before);
+  EXPECT_LE(server_.link->peer_whereabouts().rang_at, std::chrono::steady_clock::now());
+  server_.link->disarm();
+  EXPECT_FALSE(client_.link->peer_whereabouts().asleep);
+
+  const TimePoint rang_at = server_.link->peer_whereabouts().rang_at;
+  ASSERT_TRUE(client_.send("it is awake"));
+  EXPECT_EQ(server_.link->peer_whereabouts().rang_at, rang_at) << "nobody had to be woken";
 }
 
 TEST_P(Conformance, ArmFindsWhatIsThereAlready) {

@@ -2,11 +2,14 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sched.h>
 #include <signal.h>
 #include <sys/time.h>
 
 #include <array>
 #include <atomic>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "gecos/media/bell.hpp"
@@ -16,186 +19,346 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// A clock on which every reading takes `step`: what one look and one yield cost.
-class SteppingClock final : public Clock {
+/// A core and a clock that a test moves: each reading and each yield takes its time.
+class FakeCore final : public Clock, public Core {
  public:
   TimePoint now() const override {
-    at_ += step;
+    at += reading;
     ++readings;
-    return at_;
+    return at;
   }
   double unix_seconds() const override { return 0; }
-  Duration step = 100ns;
-  mutable int readings = 0;
-
- private:
-  mutable TimePoint at_{1h};
-};
-
-int looks_of_one_wait(SpinPolicy& spin) {
-  int looks = 0;
-  spin.begin();
-  while (spin.again()) ++looks;
-  return looks;
-}
-
-/// It has given its core away, and every reading of the clock takes a microsecond.
-class BesideABusyProgram : public ::testing::Test {
- protected:
-  BesideABusyProgram() {
-    clock_.step = 300us;
-    looks_of_one_wait(spin_);
-    clock_.step = 1us;
+  std::int32_t number() const override { return core; }
+  void yield() const override {
+    ++yields;
+    at += yield_takes;
   }
-  SteppingClock clock_;
-  SpinPolicy spin_{clock_, {.longest = 10us, .vain_in_row = 3, .looks_alone = 7}};
+
+  std::int32_t core = 0;
+  Duration reading{};
+  Duration yield_takes = 500ns;
+  mutable TimePoint at{1h};
+  mutable int readings = 0;
+  mutable int yields = 0;
 };
 
-TEST(SpinPolicy, SpinsForItsBudgetThenSleeps) {
-  SteppingClock clock;
-  SpinPolicy spin(clock, {.longest = 10us, .looks_alone = 0});
-  // 100 yields of 100 ns fill 10 µs, and after the last of them there is no look.
-  EXPECT_EQ(looks_of_one_wait(spin), 99);
-  EXPECT_FALSE(spin.again()) << "a wait that is over must not spin again";
+class Waiting : public ::testing::Test {
+ protected:
+  /// Looks until the policy gives up; each look takes `look`. How many there were.
+  int looks_in_vain(Peers peers, Duration look = 10ns) {
+    int looks = 0;
+    spin_.begin();
+    while (spin_.again([&] { return peers; })) {
+      ++looks;
+      core_.at += look;
+    }
+    return looks;
+  }
+  /// One wait that ends with a sleep: the peer rings after `wait`, this thread wakes `cost` later.
+  void sleeps(Duration wait, Duration cost, Peers peers = Peers::Elsewhere) {
+    const TimePoint began = core_.at;
+    looks_in_vain(peers);
+    const TimePoint rang_at = std::max(began + wait, core_.at);
+    core_.at = rang_at + cost;
+    spin_.woke(rang_at, Woken::ByAnswer);
+  }
+  void lose_a_slice() {
+    core_.yield_takes = 4ms;
+    spin_.begin();
+    while (spin_.again([] { return Peers::Here; })) {
+    }
+    core_.yield_takes = 500ns;
+  }
+
+  FakeCore core_;
+  SpinPolicy spin_{core_, {}, core_};
+};
+
+TEST_F(Waiting, ForAPeerElsewhereItLooksForItsBudgetWithoutYields) {
+  const TimePoint began = core_.at;
+  looks_in_vain(Peers::Elsewhere);
+  EXPECT_EQ(core_.yields, 0);
+  EXPECT_GE(core_.at - began, 50us);
+  EXPECT_LE(core_.at - began, 50us + 2 * 256 * 10ns);
+  EXPECT_FALSE(spin_.again([] { return Peers::Elsewhere; })) << "a wait that is over looks again";
 }
 
-TEST(SpinPolicy, LooksManyTimesBetweenYieldsOnACoreOfItsOwn) {
-  SteppingClock clock;
-  SpinPolicy spin(clock, {.longest = 10us, .looks_alone = 7});
-  // A round is eight looks, and two readings of the clock around its yield. Time counts from the
-  // first.
-  EXPECT_EQ(looks_of_one_wait(spin), 51 * 8);
+TEST_F(Waiting, AQuickAnswerFromElsewhereNeedsNoReadingOfTheClock) {
+  for (int wait = 0; wait < 100; ++wait) {
+    spin_.begin();
+    for (int look = 0; look < 200; ++look) {
+      ASSERT_TRUE(spin_.again([] { return Peers::Elsewhere; }));
+    }
+  }
+  EXPECT_EQ(core_.readings, 0);
 }
 
-TEST(SpinPolicy, SlowYieldsToNobodyAreNotTakenForSomebody) {
-  SteppingClock clock;
-  clock.step = 900ns;  // what they take in some virtual machines
-  SpinPolicy spin(clock, {.longest = 18us, .looks_alone = 7});
-  EXPECT_EQ(looks_of_one_wait(spin), 11 * 8);
+TEST_F(Waiting, APeerHereGetsTheCoreAfterEveryLook) {
+  const int looks = looks_in_vain(Peers::Here);
+  EXPECT_EQ(core_.yields, looks);
+  EXPECT_NEAR(looks, 50us / (500ns + 10ns), 5);
 }
 
-TEST(SpinPolicy, LearnsWhatAYieldToNobodyTakesHere) {
-  SteppingClock clock;
-  clock.step = 200ns;
-  SpinPolicy spin(clock, {.longest = 8us, .looks_alone = 7});
-  EXPECT_EQ(looks_of_one_wait(spin), 21 * 8);
-  clock.step = 400ns;  // now twice as long: somebody else runs
-  EXPECT_EQ(looks_of_one_wait(spin), 8 + 19);
+TEST_F(Waiting, APeerThatMovesHereGetsTheCoreWithinSomeLooks) {
+  Peers peers = Peers::Elsewhere;
+  spin_.begin();
+  ASSERT_TRUE(spin_.again([&] { return peers; }));
+  peers = Peers::Here;
+  for (int look = 0; look < 256; ++look) ASSERT_TRUE(spin_.again([&] { return peers; }));
+  EXPECT_EQ(core_.yields, 0);
+  ASSERT_TRUE(spin_.again([&] { return peers; }));
+  EXPECT_EQ(core_.yields, 1);
 }
 
-TEST(SpinPolicy, YieldsAfterEveryLookWhereSomebodyElseRuns) {
-  SteppingClock clock;
-  clock.step = 2us;
-  SpinPolicy spin(clock, {.longest = 100us, .looks_alone = 7});
-  // The first round of 7 looks still hopes for a core of its own.
-  EXPECT_EQ(looks_of_one_wait(spin), 8 + 49);
+TEST_F(Waiting, WithPeersOnBothSidesYieldsAreFarApart) {
+  for (int wait = 0; wait < 2000; ++wait) {  // of a microsecond each
+    spin_.begin();
+    ASSERT_TRUE(spin_.again([] { return Peers::Both; }));
+    core_.at += 1us;
+  }
+  EXPECT_GE(core_.yields, 4);
+  EXPECT_LE(core_.yields, 6);
 }
 
-TEST(SpinPolicy, ALostCoreStopsYieldsForAWhileThatDoubles) {
-  SteppingClock clock;
-  SpinPolicy spin(clock, {.looks_alone = 0});
+TEST_F(Waiting, ALostSliceStopsYieldsForAWhileThatDoubles) {
   Duration expected = 20ms;
   for (int time = 0; time < 8; ++time) {
-    clock.step = 300us;
-    EXPECT_LE(looks_of_one_wait(spin), 1);
-    const TimePoint now = clock.now() - clock.step;
-    EXPECT_EQ(spin.crowded_until() - now, expected);
+    lose_a_slice();
+    EXPECT_EQ(spin_.crowded_until() - core_.at, expected);
+    EXPECT_EQ(looks_in_vain(Peers::Here), 0) << "it sleeps at once";
+    EXPECT_TRUE(spin_.gave_way());
     expected = std::min<Duration>(2 * expected, 1s);
-
-    clock.step = spin.crowded_until() - now;
-    clock.now();
+    core_.at = spin_.crowded_until();
   }
 }
 
-TEST_F(BesideABusyProgram, ItLooksForItsBudgetAndDoesNotYield) {
-  const int before = clock_.readings;
-  // Eight looks, then the clock is read once; a yield would be timed by a second reading.
-  EXPECT_EQ(looks_of_one_wait(spin_), 10 * 8);
-  EXPECT_EQ(clock_.readings - before, 11);
+TEST_F(Waiting, ASpinInWhichTheCoreStayedOursForgetsLostSlices) {
+  lose_a_slice();
+  core_.at = spin_.crowded_until();
+  lose_a_slice();
+  core_.at = spin_.crowded_until();
+  EXPECT_GT(looks_in_vain(Peers::Here), 10);
+  lose_a_slice();
+  EXPECT_EQ(spin_.crowded_until() - core_.at, 20ms);
 }
 
-TEST_F(BesideABusyProgram, LooksThatAreAlwaysInVainAreGivenUpUntilYieldsAreTriedAgain) {
-  for (int wait = 0; wait < 3; ++wait) {
-    EXPECT_FALSE(spin_.in_vain());
-    EXPECT_GT(looks_of_one_wait(spin_), 0);
-  }
-  EXPECT_TRUE(spin_.in_vain());
-  EXPECT_EQ(looks_of_one_wait(spin_), 0);
-  clock_.step = 20ms;
-  clock_.now();
-  clock_.step = 100ns;
-  EXPECT_GT(looks_of_one_wait(spin_), 0);
-  EXPECT_FALSE(spin_.in_vain());
+TEST_F(Waiting, ALostSliceSaysNothingOfAnotherCore) {
+  lose_a_slice();
+  core_.core = 1;
+  EXPECT_GT(looks_in_vain(Peers::Here), 10);
 }
 
-TEST_F(BesideABusyProgram, WhatComesWhileItLooksIsWhyItGoesOnLooking) {
+TEST_F(Waiting, OnACrowdedCoreItLooksForPeersElsewhere) {
+  lose_a_slice();
+  core_.yields = 0;
+  EXPECT_GT(looks_in_vain(Peers::Elsewhere), 1000);
+  EXPECT_GT(looks_in_vain(Peers::Both), 1000);
+  EXPECT_EQ(core_.yields, 0);
+}
+
+TEST_F(Waiting, OnACrowdedCoreLooksForAPeerAnywhereAreGivenUpAfterEightInVain) {
+  lose_a_slice();
+  for (int wait = 0; wait < 8; ++wait) EXPECT_GT(looks_in_vain(Peers::Unknown), 1000);
+  EXPECT_EQ(looks_in_vain(Peers::Unknown), 0);
+}
+
+TEST_F(Waiting, OnACrowdedCoreALookThatFindsSomethingIsAReasonForMore) {
+  lose_a_slice();
   for (int wait = 0; wait < 30; ++wait) {
     if (wait % 3 != 0) {
-      EXPECT_GT(looks_of_one_wait(spin_), 0);
+      EXPECT_GT(looks_in_vain(Peers::Unknown), 0);
       continue;
     }
     spin_.begin();
-    EXPECT_TRUE(spin_.again());  // and then it came
+    EXPECT_TRUE(spin_.again([] { return Peers::Unknown; }));  // and then it came
   }
-  EXPECT_FALSE(spin_.in_vain());
 }
 
-TEST(SpinPolicy, AQuietSpinForgetsTheLostCores) {
-  SteppingClock clock;
-  SpinPolicy spin(clock, {.looks_alone = 0});
-  clock.step = 300us;
-  looks_of_one_wait(spin);
-  clock.step = 1s;
-  clock.now();
-  clock.step = 100ns;
-  EXPECT_GT(looks_of_one_wait(spin), 1);
-  clock.step = 300us;
-  looks_of_one_wait(spin);
-  EXPECT_EQ(spin.crowded_until() - (clock.now() - clock.step), 20ms);
-}
-
-TEST(SpinPolicy, WhereTheCoreIsSharedAWaitOfOneYieldReadsTheClockOnce) {
-  SteppingClock clock;
-  SpinPolicy spin(clock, {.looks_alone = 0});
-  constexpr int waits = 640;
-  for (int wait = 0; wait < waits; ++wait) {
-    spin.begin();
-    EXPECT_TRUE(spin.again());
+TEST_F(Waiting, AWaitOfOneYieldReadsTheClockOnce) {
+  for (int wait = 0; wait < 100; ++wait) {
+    spin_.begin();
+    EXPECT_TRUE(spin_.again([] { return Peers::Here; }));
   }
-  EXPECT_GE(clock.readings, waits);
-  EXPECT_LE(clock.readings, waits + waits / 64 + 1) << "now and then a yield is timed by itself";
+  EXPECT_LE(core_.readings, 101 + 64) << "the very first is doubtful";
 }
 
-TEST(SpinPolicy, ALongTimeBetweenTwoWaitsIsNoLostCore) {
-  SteppingClock clock;
-  SpinPolicy spin(clock, {.looks_alone = 0});
+TEST_F(Waiting, ALongTimeBetweenTwoWaitsIsNoLostSlice) {
   for (int wait = 0; wait < 8; ++wait) {
-    spin.begin();
-    EXPECT_TRUE(spin.again());
-    clock.step = 5ms;  // a handler, say
-    clock.now();
-    clock.step = 100ns;
+    spin_.begin();
+    EXPECT_TRUE(spin_.again([] { return Peers::Here; }));
+    core_.at += 5ms;  // a handler, say
   }
-  EXPECT_EQ(spin.crowded_until(), TimePoint{});
+  EXPECT_EQ(spin_.crowded_until(), TimePoint{});
 }
 
-TEST(SpinPolicy, ALostCoreInWaitsOfOneYieldIsNoticedByTheSecond) {
-  SteppingClock clock;
-  SpinPolicy spin(clock, {.looks_alone = 0});
-  spin.begin();
-  EXPECT_TRUE(spin.again());
-  clock.step = 4ms;
-  spin.begin();
-  EXPECT_TRUE(spin.again()) << "it might have been what went before";
-  spin.begin();
-  EXPECT_FALSE(spin.again());
-  EXPECT_NE(spin.crowded_until(), TimePoint{});
+TEST_F(Waiting, ALostSliceInWaitsOfOneYieldIsNoticedByOneOfTheNext) {
+  int waits = 0;
+  for (; spin_.crowded_until() == TimePoint{} && waits < 40; ++waits) {
+    core_.yield_takes = waits % 4 == 0 ? 4ms : 500ns;  // every fourth goes to a stranger
+    spin_.begin();
+    spin_.again([] { return Peers::Here; });
+  }
+  EXPECT_LE(waits, 6);
 }
 
-TEST(SpinPolicy, ABudgetOfZeroNeverSpins) {
-  SteppingClock clock;
-  SpinPolicy spin(clock, {.longest = 0ns});
-  EXPECT_EQ(looks_of_one_wait(spin), 0);
+// The budget
+
+TEST_F(Waiting, ItLooksForAsLongAsAWakeUpCostsOnAverage) {
+  EXPECT_EQ(spin_.budget(), 50us);
+  sleeps(100us, 850us);
+  EXPECT_EQ(spin_.budget(), 150us) << "one of eight";
+  for (int wait = 0; wait < 60; ++wait) sleeps(1ms, wait % 2 == 0 ? 100us : 3900us);
+  EXPECT_NEAR(static_cast<double>(spin_.budget() / 1us), 2000, 400);
+}
+
+TEST_F(Waiting, TheBudgetIsBounded) {
+  for (int wait = 0; wait < 100; ++wait) sleeps(6ms, 3s);
+  EXPECT_LE(spin_.budget(), 5ms);
+  EXPECT_GE(spin_.budget(), 4900us);
+  for (int wait = 0; wait < 100; ++wait) sleeps(6ms, 1us);
+  EXPECT_GE(spin_.budget(), 50us);
+  EXPECT_LT(spin_.budget(), 60us);
+}
+
+TEST_F(Waiting, ARingOfAnotherWaitOrOfTheFutureTeachesNothing) {
+  looks_in_vain(Peers::Elsewhere);
+  spin_.woke(core_.at - 1s, Woken::ByAnswer);
+  looks_in_vain(Peers::Elsewhere);
+  spin_.woke(core_.at + 1s, Woken::ByAnswer);
+  looks_in_vain(Peers::Elsewhere);
+  spin_.woke(TimePoint{}, Woken::ByAnswer);
+  EXPECT_EQ(spin_.budget(), 50us);
+}
+
+TEST_F(Waiting, LongWaitsHalveTheBudgetAndAShortOneRestoresIt) {
+  for (int wait = 0; wait < 20; ++wait) sleeps(100us, 4ms);
+  for (int wait = 0; wait < 12; ++wait) sleeps(11ms, 4ms);
+  EXPECT_EQ(spin_.budget(), 5us);
+  sleeps(30us, 20us);
+  EXPECT_EQ(spin_.budget(), 50us);
+}
+
+TEST_F(Waiting, AReportInAdvanceTeachesNothing) {
+  for (int wait = 0; wait < 20; ++wait) {
+    looks_in_vain(Peers::Elsewhere);
+    core_.at += 60us;
+    spin_.woke(core_.at - 40us, Woken::Early);
+    sleeps(11ms, 40us);
+  }
+  EXPECT_EQ(spin_.budget(), 5us) << "every second wait is short, and each answer comes late";
+}
+
+TEST_F(Waiting, ASliceLostWhileItLooksCountsAsAShortTime) {
+  for (int wait = 0; wait < 40; ++wait) sleeps(6ms, 5ms);
+  int slices = 0;
+  spin_.begin();
+  for (int look = 1; spin_.again([] { return Peers::Elsewhere; }); ++look) {
+    const bool lost = look % 1000 == 0;
+    core_.at += lost ? 4ms : 100ns;
+    slices += lost ? 1 : 0;
+  }
+  EXPECT_GT(slices, 5) << "with 5 ms of its own it looks through some slices of a stranger";
+}
+
+TEST_F(Waiting, ACostThatFellIsNoticedThoughNoWaitSleeps) {
+  for (int wait = 0; wait < 40; ++wait) sleeps(6ms, 5ms);
+  int waits = 0;
+  for (; spin_.budget() > 500us && waits < 10'000; ++waits) {
+    const TimePoint began = core_.at;
+    const TimePoint answer = began + 1ms;
+    spin_.begin();
+    while (core_.at < answer && spin_.again([] { return Peers::Elsewhere; })) core_.at += 100ns;
+    if (core_.at >= answer) continue;
+    core_.at = answer + 60us;
+    spin_.woke(answer, Woken::ByAnswer);
+  }
+  EXPECT_LE(waits, 16 * 25);
+}
+
+TEST_F(Waiting, ABudgetOfZeroNeverLooks) {
+  SpinPolicy never(core_, {.longest = 0ns}, core_);
+  never.begin();
+  EXPECT_FALSE(never.again([] { return Peers::Elsewhere; }));
+  never.woke(core_.at, Woken::ByAnswer);
+  EXPECT_EQ(never.budget(), 0ns);
+}
+
+// Whole conditions: what a wait takes beside the best of looking for ever and sleeping at once.
+
+struct Condition {
+  const char* name;
+  Duration answer;   ///< what an answer takes while its server has a core
+  Duration slice;    ///< how long strangers keep a core that they got
+  int lost_every;    ///< one in so many answers waits for a core that a stranger has
+  Duration wake_up;  ///< what a wake-up costs at most; on average the half
+};
+
+class InCondition : public ::testing::TestWithParam<Condition> {};
+
+/// Calls in a row to a server elsewhere; what one takes on average when it waits by `policy`.
+template <class Wait>
+Duration mean_of(const Condition& condition, Wait wait) {
+  FakeCore core;
+  constexpr int calls = 2000;
+  const TimePoint began = core.at;
+  unsigned random = 1;
+  for (int call = 0; call < calls; ++call) {
+    random = random * 1664525U + 1013904223U;
+    const bool lost = condition.lost_every != 0 && call % condition.lost_every == 0;
+    const Duration part = condition.slice * (random >> 16) / 65536;
+    wait(core, core.at + condition.answer + (lost ? part : Duration{}),
+         condition.wake_up / 4 + condition.wake_up * (random >> 20) / 8192);
+  }
+  return (core.at - began) / calls;
+}
+
+TEST_P(InCondition, AWaitTakesAtMostTwiceTheBestChoice) {
+  const Duration looking = mean_of(GetParam(), [](FakeCore& core, TimePoint answer, Duration) {
+    core.at = std::max(core.at, answer);
+  });
+  const Duration sleeping =
+      mean_of(GetParam(), [](FakeCore& core, TimePoint answer, Duration wake_up) {
+        core.at = std::max(core.at, answer) + wake_up;
+      });
+  std::optional<SpinPolicy> spin;
+  const Duration ours = mean_of(GetParam(), [&](FakeCore& core, TimePoint answer, Duration cost) {
+    if (!spin) spin.emplace(core, SpinOptions{}, core);
+    spin->begin();
+    while (core.at < answer && spin->again([] { return Peers::Elsewhere; })) core.at += 200ns;
+    if (core.at >= answer) return;
+    core.at = answer + cost;
+    spin->woke(answer, Woken::ByAnswer);
+  });
+  EXPECT_LE(ours, 2 * std::min(looking, sleeping) + 100ns)
+      << "looking " << looking.count() << " ns, sleeping " << sleeping.count() << " ns";
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Machines, InCondition,
+    ::testing::Values(Condition{"quiet", 1us, 0ns, 0, 40us},
+                      Condition{"quiet_slow_handler", 300us, 0ns, 0, 40us},
+                      Condition{"wake_up_at_once_beside_loops", 1us, 3ms, 1000, 60us},
+                      Condition{"wake_up_costs_a_slice", 1us, 4ms, 1000, 4ms},
+                      Condition{"short_slices", 1us, 100us, 50, 200us},
+                      Condition{"long_slices", 1us, 100ms, 1000, 20ms},
+                      Condition{"slow_handler_and_costly_wake_up", 2ms, 4ms, 10, 4ms}),
+    [](const auto& one) { return std::string(one.param.name); });
+
+TEST(RunningCore, IsTheOneThatThisThreadWasMovedTo) {
+  cpu_set_t before;
+  ASSERT_EQ(::sched_getaffinity(0, sizeof before, &before), 0);
+  for (int core = 0; core < CPU_SETSIZE; ++core) {
+    if (!CPU_ISSET(static_cast<std::size_t>(core), &before)) continue;
+    cpu_set_t one;
+    CPU_ZERO(&one);
+    CPU_SET(static_cast<std::size_t>(core), &one);
+    ASSERT_EQ(::sched_setaffinity(0, sizeof one, &one), 0);
+    EXPECT_EQ(running_core(), core);
+    EXPECT_EQ(place_of({.core = core}), Peers::Here);
+    EXPECT_EQ(place_of({.core = core + 1}), Peers::Elsewhere);
+    EXPECT_EQ(place_of({}), Peers::Unknown);
+  }
+  ::sched_setaffinity(0, sizeof before, &before);
 }
 
 TEST(SleepOn, AReadableDescriptorWakes) {

@@ -45,6 +45,70 @@ TEST(PauseWatch, APauseDuringATickIsSeenByTheNextOne) {
   EXPECT_EQ(watch.tick(end), seconds(3));
 }
 
+/// A clock of this world that stands where a test puts it.
+class RealClock final : public Clock {
+ public:
+  TimePoint now() const override {
+    ++readings;
+    return at;
+  }
+  bool real() const override { return true; }
+  double unix_seconds() const override { return 0; }
+  TimePoint at = begin;
+  mutable int readings = 0;
+};
+
+TEST(PauseWatch, AThreadThatAsksOftenReadsTheClockNowAndThen) {
+  PauseWatch watch;
+  RealClock clock;
+  PauseWatch::Checked checked;
+  ASSERT_TRUE(watch.due(begin, begin));
+  for (std::uint64_t question = 1; question <= 500; ++question) {
+    EXPECT_FALSE(watch.suspected(clock, checked, {question * 1000, 0}));
+  }
+  EXPECT_EQ(clock.readings, 5);
+}
+
+TEST(PauseWatch, AThreadThatAskedBeforeAPauseSuspectsItAfterwardsUntilItIsJudged) {
+  PauseWatch watch;
+  RealClock clock;
+  PauseWatch::Checked checked;
+  ASSERT_TRUE(watch.due(begin, begin));
+  ASSERT_FALSE(watch.suspected(clock, checked, {1000, 0}));
+  clock.at += seconds(3);
+  const Moment later{1'000'001'000, 0};
+  EXPECT_TRUE(watch.suspected(clock, checked, later));
+  EXPECT_TRUE(watch.suspected(clock, checked, later)) << "the question before was answered: yes";
+  watch.tick(clock.at);
+  EXPECT_TRUE(watch.suspected(clock, checked, later)) << "it is being judged";
+  watch.judged(clock.at + milliseconds(10));
+  EXPECT_FALSE(watch.suspected(clock, checked, later));
+}
+
+TEST(PauseWatch, ACounterOfAnotherCoreOrOneThatBeganAnewProvesNothing) {
+  PauseWatch watch;
+  RealClock clock;
+  PauseWatch::Checked checked;
+  ASSERT_TRUE(watch.due(begin, begin));
+  ASSERT_FALSE(watch.suspected(clock, checked, {1'000'000, 0}));
+  clock.at += seconds(3);
+  EXPECT_TRUE(watch.suspected(clock, checked, {1'000'001, 1})) << "of another core";
+  clock.at = begin;
+  ASSERT_FALSE(watch.suspected(clock, checked, {1'000'000, 0}));
+  clock.at += seconds(3);
+  EXPECT_TRUE(watch.suspected(clock, checked, {500, 0})) << "it began anew";
+}
+
+TEST(PauseWatch, AClockThatATestMovesIsReadEachTime) {
+  PauseWatch watch;
+  FakeClock clock;
+  PauseWatch::Checked checked;
+  ASSERT_TRUE(watch.due(clock.since_boot(), clock.since_boot()));
+  ASSERT_FALSE(watch.suspected(clock, checked));
+  clock.advance(seconds(3));
+  EXPECT_TRUE(watch.suspected(clock, checked));
+}
+
 TEST(PauseWatch, NothingMayStartUntilThePauseIsJudged) {
   PauseWatch watch;
   ASSERT_TRUE(watch.due(begin, begin));

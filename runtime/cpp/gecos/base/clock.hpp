@@ -21,6 +21,9 @@ class Clock {
   /// other readings of it mean something.
   virtual TimePoint since_boot() const { return now(); }
 
+  /// It goes with the time of this world, so that other counters of time tell of it, too.
+  virtual bool real() const { return false; }
+
   /// Seconds since 1970 UTC, for stamps that leave the process. May be set back by an operator.
   virtual double unix_seconds() const = 0;
 };
@@ -29,6 +32,7 @@ class SystemClock final : public Clock {
  public:
   TimePoint now() const override;
   TimePoint since_boot() const override;
+  bool real() const override { return true; }
   double unix_seconds() const override;
 };
 

@@ -125,10 +125,16 @@ class InprocLink final : public Link {
     if (loss() != Loss::None) return tl::unexpected(SendProblem::Lost);
     const bool large = head.size() + body.size() > largest_ring_packet;
     auto number = large ? bulk_.write(head, body) : writer_.write(head, body);
-    if (number && writer_.reader_sleeps()) ring_bell(other_.bell.descriptor());
+    if (number && writer_.reader_sleeps()) {
+      note_ring(*own_.ring.control);
+      ring_bell(other_.bell.descriptor());
+    }
     return number;
   }
-  std::optional<ByteView> receive() override { return reader_.read(); }
+  std::optional<ByteView> receive() override {
+    note_core(*own_.ring.control);
+    return reader_.read();
+  }
   Duration age() override { return reader_.age(); }
   std::optional<std::uint64_t> taken_by_peer() override { return writer_.taken(); }
 
@@ -152,6 +158,7 @@ class InprocLink final : public Link {
     return other_.ring.control->words.at(index).load(std::memory_order_seq_cst);
   }
 
+  Whereabouts peer_whereabouts() override { return whereabouts(*other_.ring.control); }
   void beat() override {
     own_.ring.control->beats.fetch_add(1, std::memory_order_relaxed);
     if (loss() == Loss::None) bulk_.beat();

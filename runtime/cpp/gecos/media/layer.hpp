@@ -28,6 +28,7 @@ class LinkLayer : public Link {
     inner_->write_word(index, value);
   }
   std::uint64_t peer_word(std::size_t index) override { return inner_->peer_word(index); }
+  Whereabouts peer_whereabouts() override { return inner_->peer_whereabouts(); }
   void beat() override { inner_->beat(); }
   std::uint64_t beats_seen() override { return inner_->beats_seen(); }
   Loss loss() override { return inner_->loss(); }

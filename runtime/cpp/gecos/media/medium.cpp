@@ -18,6 +18,8 @@ void Link::write_word(std::size_t /*index*/, std::uint64_t /*value*/) {}
 
 std::uint64_t Link::peer_word(std::size_t /*index*/) { return 0; }
 
+Whereabouts Link::peer_whereabouts() { return {}; }
+
 std::optional<Kind> kind_from(std::string_view name) {
   for (const Kind kind : {Kind::Inproc, Kind::Shm, Kind::Lcm}) {
     if (to_string(kind) == name) return kind;

@@ -11,6 +11,7 @@
 #include "gecos/base/bytes.hpp"
 #include "gecos/base/clock.hpp"
 #include "gecos/base/result.hpp"
+#include "gecos/media/core.hpp"
 
 /// The contract of a medium: opaque packets between two endpoints, and what can be promised of
 /// them.
@@ -138,6 +139,9 @@ class Link {
   virtual void write_word(std::size_t index, std::uint64_t value);
   /// A word of the peer's, whatever it wrote: believed only as far as it harms the peer itself.
   virtual std::uint64_t peer_word(std::size_t index);
+
+  /// Where the peer runs, read in place. Nothing known where no memory is shared. Any thread.
+  virtual Whereabouts peer_whereabouts();
 
   /// A sign of life, every 100 ms by housekeeping. Wakes nobody on shm and inproc.
   virtual void beat() = 0;

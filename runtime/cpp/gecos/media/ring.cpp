@@ -46,6 +46,17 @@ std::uint32_t coarse_milliseconds() {
 
 }  // namespace
 
+void note_ring(RingControl& own) {
+  own.rang_at.store(std::chrono::steady_clock::now().time_since_epoch().count(),
+                    std::memory_order_relaxed);
+}
+
+Whereabouts whereabouts(const RingControl& control) {
+  const auto core = static_cast<std::int32_t>(control.core.load(std::memory_order_relaxed)) - 1;
+  const Duration rang_at{control.rang_at.load(std::memory_order_relaxed)};
+  return {core, control.asleep.load(std::memory_order_relaxed) != 0, TimePoint{rang_at}};
+}
+
 std::uint64_t RingWriter::publish(std::size_t size, std::size_t slots) {
   RingSlot& first = own_.slots[position_ & mask_];
   first.size.store(static_cast<std::uint32_t>(size), std::memory_order_relaxed);

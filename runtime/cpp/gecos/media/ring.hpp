@@ -26,11 +26,28 @@ struct RingControl {
   std::atomic<std::uint64_t> packets_taken{0};
   /// Tells the writer to ring after publishing. On a line of its own: it is read with every packet.
   alignas(64) std::atomic<std::uint32_t> asleep{0};
+  /// Tells the other side's waiting where this side ran last: the core plus one, 0 where unknown.
+  std::atomic<std::uint32_t> core{0};
+  /// Tells whom this side rang when that was: nanoseconds of the steady clock.
+  std::atomic<std::int64_t> rang_at{0};
   /// Tells the other side's housekeeping that this one lives.
   alignas(64) std::atomic<std::uint64_t> beats{0};
   /// Tell the other side what its session needs to know without a packet (Link::write_word).
   alignas(64) std::array<std::atomic<std::uint64_t>, shared_word_count> words{};
 };
+
+/// Says in `own` where the calling thread runs.
+inline void note_core(RingControl& own) {
+  const auto core = static_cast<std::uint32_t>(running_core() + 1);
+  // A line that the other side reads with every packet is written only where it changes.
+  if (own.core.load(std::memory_order_relaxed) != core) {
+    own.core.store(core, std::memory_order_relaxed);
+  }
+}
+/// Says in `own` that the other side is rung now.
+void note_ring(RingControl& own);
+/// What the side of `control` says of itself.
+Whereabouts whereabouts(const RingControl& control);
 
 inline constexpr std::size_t slot_payload = 240;
 

@@ -1,7 +1,6 @@
 #include "gecos/media/waiting.hpp"
 
 #include <poll.h>
-#include <sched.h>
 
 #include <algorithm>
 #include <array>
@@ -11,81 +10,121 @@
 
 namespace gecos::media {
 
-SpinPolicy::SpinPolicy(const Clock& clock, SpinOptions options)
-    : clock_(clock),
-      options_(options),
-      looks_between_yields_(options.looks_alone),
-      quickest_yield_(options.quick_yield),
-      next_crowded_(options.crowded_first) {}
-
-bool SpinPolicy::over() {
-  state_ = State::Over;
-  return false;
+Peers place_of(const Whereabouts& peer) {
+  if (peer.core == unknown_core) return Peers::Unknown;
+  return peer.core == running_core() ? Peers::Here : Peers::Elsewhere;
 }
 
-bool SpinPolicy::go_on() {
+SpinPolicy::SpinPolicy(const Clock& clock, SpinOptions options, const Core& core)
+    : clock_(clock),
+      options_(options),
+      core_(core),
+      budget_(std::min(options.shortest, options.longest)),
+      next_crowded_(options.crowded_first) {}
+
+bool SpinPolicy::go_on(Peers peers) {
   if (state_ == State::Fresh) {
-    begin_spinning();
-    if (looks_ != 0) return true;
+    looked_ = Duration::zero();
+    limit_ = budget_;
+    late_ = gave_way_ = false;
+    began_ = TimePoint{};
   }
-  if (state_ == State::Spinning) return yield();
-  if (state_ == State::Over) return false;
-  if (clock_.now() - began_ >= options_.longest) {
-    ++vain_;
-    return over();
+  if (budget_ <= Duration::zero()) return over();
+  if (peers == Peers::Elsewhere) return look(State::Looking);
+  if (crowded()) {
+    gave_way_ = peers == Peers::Here;
+    const bool vain = peers == Peers::Unknown && vain_ >= options_.vain_in_row;
+    return gave_way_ || vain ? over() : look(State::Crowded);
+  }
+  if (peers == Peers::Both && clock_.now() - last_yield_ < options_.between_yields) {
+    return look(State::Looking);
+  }
+  return yield();
+}
+
+bool SpinPolicy::crowded() const {
+  return crowded_until_ != TimePoint{} && core_.number() == crowded_core_ &&
+         clock_.now() < crowded_until_;
+}
+
+/// Some looks come first: a quick answer needs no reading of the clock.
+bool SpinPolicy::look(State as) {
+  if (std::exchange(state_, as) == as) {
+    const TimePoint now = clock_.now();
+    if (began_ == TimePoint{}) began_ = last_ = now;
+    looked_ += std::min(now - last_, options_.lost_core);
+    last_ = now;
+    if (spent()) {
+      if (as == State::Crowded) ++vain_;
+      return over();
+    }
   }
   looks_ = options_.looks_alone;
   return true;
 }
 
-void SpinPolicy::begin_spinning() {
-  state_ = State::Over;
-  if (options_.longest <= Duration::zero()) return;
-  const TimePoint now = crowded_until_ == TimePoint{} ? TimePoint{} : clock_.now();
-  if (now < crowded_until_) {
-    if (vain_ >= options_.vain_in_row) return;
-    state_ = State::Crowded;
-    began_ = now;
-    looks_ = options_.looks_alone;
-    return;
-  }
-  state_ = State::Spinning;
-  vain_ = 0;
-  first_ = true;
-  looks_ = looks_between_yields_;
-}
-
-/// Else it took at most what passed since the clock was read last.
-bool SpinPolicy::timed_by_itself() {
-  return !first_ || looks_between_yields_ != 0 || doubtful_ || ++waits_ % waits_between_exact == 0;
-}
-
+/// A yield that began right after the one before, or is timed by itself, took what passed between
+/// two readings. Of another that is an upper bound: only where it is long the next ones are timed
+/// by themselves, so that a wait of one yield reads the clock once.
 bool SpinPolicy::yield() {
-  const bool exact = timed_by_itself();
-  const bool just_read = !first_ && looks_between_yields_ == 0;
-  const TimePoint before = exact && !just_read ? clock_.now() : last_;
-  ::sched_yield();
-  const TimePoint now = last_ = clock_.now();
-  const Duration took = now - before;
-  if (std::exchange(first_, false)) began_ = exact ? before : now;
-  doubtful_ = !exact && took >= options_.lost_core;
-  if (exact) {
-    if (took >= options_.lost_core) {
-      crowded_until_ = now + next_crowded_;
-      next_crowded_ = std::min(2 * next_crowded_, options_.crowded_longest);
-      vain_ = 0;
-      return over();
-    }
-    // Somebody else ran here, perhaps the peer: every look before the next yield would delay it.
-    quickest_yield_ = std::min(quickest_yield_, took);
-    looks_between_yields_ = took >= 2 * quickest_yield_ ? 0 : options_.looks_alone;
-  }
-  if (now - began_ >= options_.longest) {
+  const bool next_in_row = std::exchange(state_, State::Yielding) == State::Yielding;
+  if (next_in_row && spent()) {
     next_crowded_ = options_.crowded_first;  // a whole spin in which the core stayed ours
     return over();
   }
-  looks_ = looks_between_yields_;
+  const bool exact = next_in_row || doubtful_ > 0;
+  if (exact && !next_in_row) last_ = clock_.now();
+  core_.yield();
+  const TimePoint now = clock_.now();
+  const Duration took = now - std::exchange(last_, now);
+  last_yield_ = now;
+  if (began_ == TimePoint{}) began_ = exact ? now - took : now;
+  if (exact) {
+    if (took >= options_.lost_core) return lost_slice();
+    looked_ += took;
+    if (doubtful_ > 0) --doubtful_;
+  } else if (took >= options_.lost_core) {
+    doubtful_ = options_.exact_yields;
+  }
   return true;
+}
+
+/// A late wait may end before it sleeps every time, and then a cost that fell would not be noticed.
+bool SpinPolicy::spent() {
+  if (looked_ >= options_.shortest && !std::exchange(late_, true) &&
+      ++late_waits_ % options_.waits_between_probes == 0) {
+    limit_ = std::min(limit_, options_.shortest);
+  }
+  return looked_ >= limit_;
+}
+
+bool SpinPolicy::lost_slice() {
+  crowded_core_ = core_.number();
+  crowded_until_ = last_ + next_crowded_;
+  next_crowded_ = std::min(2 * next_crowded_, options_.crowded_longest);
+  vain_ = 0;
+  return over();
+}
+
+bool SpinPolicy::over() {
+  if (began_ == TimePoint{}) began_ = clock_.now();
+  state_ = State::Over;
+  return false;
+}
+
+void SpinPolicy::woke(TimePoint rang_at, Woken woken) {
+  if (state_ != State::Over || budget_ <= Duration::zero()) return;
+  const TimePoint now = clock_.now();
+  const bool told = rang_at >= began_ && rang_at <= now;
+  if ((told ? rang_at : now) - began_ > options_.long_wait) {
+    budget_ = std::max(budget_ / 2, options_.least);
+    return;
+  }
+  if (woken == Woken::Early) return;
+  budget_ = std::max(budget_, options_.shortest);
+  if (!told) return;
+  const Duration cost = std::clamp(now - rang_at, options_.shortest, options_.longest);
+  budget_ += (cost - budget_) / options_.wake_ups_averaged;
 }
 
 namespace {

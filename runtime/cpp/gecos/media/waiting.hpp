@@ -4,91 +4,136 @@
 #include <span>
 
 #include "gecos/base/clock.hpp"
+#include "gecos/media/core.hpp"
 
-/// How to wait: spin with timed yields while that is cheap, then sleep on descriptors.
+/// How to wait: look while that is cheaper than being woken, then sleep on descriptors.
 namespace gecos::media {
 
+/// Where those peers run that may send what a thread waits for.
+enum class Peers : std::uint8_t {
+  Unknown,    ///< the medium cannot tell
+  Here,       ///< on this core: they need it to send anything
+  Elsewhere,  ///< on other cores: a yield of this core helps none of them
+  Both,
+};
+
+/// Where one peer runs.
+Peers place_of(const Whereabouts& peer);
+
+/// What a sleep ended with.
+enum class Woken : std::uint8_t {
+  ByAnswer,  ///< with what the thread waits for
+  Early,     ///< with something else, which may come late
+};
+
 struct SpinOptions {
-  Duration longest =
-      std::chrono::microseconds(50);  ///< of one wait, before sleeping; 0: never spin
-  Duration lost_core = std::chrono::microseconds(200);     ///< a yield this long gave the core away
-  Duration crowded_first = std::chrono::milliseconds(20);  ///< no yield after a lost core …
+  Duration shortest = std::chrono::microseconds(50);  ///< a wake-up is taken to cost at least this
+  Duration longest = std::chrono::milliseconds(5);    ///< and at most this; 0: never look
+  Duration least = std::chrono::microseconds(5);      ///< budget of looks where waits last long
+  Duration long_wait = std::chrono::milliseconds(8);  ///< no look pays for such a wait
+  Duration lost_core = std::chrono::microseconds(200);     ///< a yield this long lost a time slice
+  Duration crowded_first = std::chrono::milliseconds(20);  ///< no yield after a lost slice …
   Duration crowded_longest = std::chrono::seconds(1);  ///< … doubling up to this while it recurs
-  unsigned vain_in_row = 8;  ///< looks in vain of so many waits in a row: then sleep at once
-  Duration quick_yield =
-      std::chrono::microseconds(1);  ///< the longest that a yield to nobody takes
-  std::uint32_t looks_alone = 256;   ///< looks between yields on a core of our own
+  Duration between_yields = std::chrono::microseconds(400);  ///< while peers run on both sides
+  int wake_ups_averaged = 8;                                 ///< about so many make the cost of one
+  unsigned exact_yields = 64;  ///< so many are timed exactly after a doubtful one
+  unsigned vain_in_row = 8;    ///< looks in vain on a crowded core before waits sleep at once
+  unsigned waits_between_probes = 16;  ///< one of so many late waits sleeps and measures a wake-up
+  std::uint32_t looks_alone = 256;     ///< looks between two readings of the clock
 };
 
 /// Decides, look by look, whether to look again or to sleep.
 ///
 ///     for (;;) {
 ///       if (auto packet = link.receive()) return packet;
-///       if (spin.again()) continue;
+///       if (spin.again([&] { return place_of(link.peer_whereabouts()); })) continue;
 ///       … arm, sleep_on, disarm …
+///       spin.woke(link.peer_whereabouts().rang_at, Woken::ByAnswer);
 ///       spin.begin();
 ///     }
 ///
-/// What a yield to nobody takes differs tenfold between machines, so it is learned: one that takes
-/// twice as long as the quickest has let somebody run, and then every look is followed by a yield,
-/// because it may be the peer who waits for the core. There the clock is read after the yield
-/// alone: since it was read last no core was lost for longer than that, and only where it was long
-/// a yield is timed by itself.
+/// Two facts decide, and neither is guessed from the time that a yield takes.
 ///
-/// Beside a busy program a yield gives the core away for a whole time slice. It is noticed by its
-/// time, and then there are no yields for a while: what comes soon comes while we look, and what
-/// does not costs a wake-up, not what the neighbour likes. Where the peer needs this very core,
-/// looking without yields is always in vain; that is noticed too, and then a wait sleeps at once,
-/// until yields are tried again.
+/// *Where the peers run.* A peer on this core needs the core to answer: every look is followed by a
+/// yield. Peers on other cores gain nothing from a yield; it could only give the core to a stranger
+/// for a whole time slice.
+///
+/// *What a wake-up costs here and now*: the mean time from the ring of the peer to the end of the
+/// sleep.
+/// A wait looks for as long as a wake-up costs and then sleeps, so it is never worse than twice the
+/// better of the two. Time in which another program had the core does not count. A wait that lasts
+/// long halves the budget, so that long waits cost next to nothing.
+///
+/// A yield that takes `lost_core` went to a stranger. For a while afterwards a wait for a peer on
+/// this core sleeps at once: a wake-up takes the core back, a yield does not.
 ///
 /// One thread at a time; keep one per waiting thread, for what it has learned.
 class SpinPolicy {
  public:
-  explicit SpinPolicy(const Clock& clock, SpinOptions options = {});
+  explicit SpinPolicy(const Clock& clock, SpinOptions options = {},
+                      const Core& core = Core::real());
+
   /// A new wait begins. Costs nothing until the first look was in vain.
   void begin() {
     if (state_ == State::Crowded) vain_ = 0;
     state_ = State::Fresh;
     looks_ = 0;
   }
-  /// After a look in vain. True: look again. False: sleep; false again until begin().
-  bool again() {
+  /// After a look in vain. True: look again. False: sleep; false again until begin(). `ask_peers`
+  /// gives Peers; it is called before the second look of a wait and now and then later.
+  template <class AskPeers>
+  bool again(AskPeers ask_peers) {
     if (looks_ > 0) {
       --looks_;
       return true;
     }
-    return go_on();
+    return state_ != State::Over && go_on(ask_peers());
   }
-  /// The core is shared, and nothing came while it was ours: whoever sends needs it.
-  bool in_vain() const { return vain_ >= options_.vain_in_row; }
-  /// Until when there are no yields; in the past when there are.
+  /// After the sleep of a wait, and before the next begin(). `rang_at`: when the peer rang, as the
+  /// peer says.
+  void woke(TimePoint rang_at, Woken woken);
+
+  /// How long a wait looks before it sleeps.
+  Duration budget() const { return budget_; }
+  /// The wait sleeps at once because its peer and a stranger need this core.
+  bool gave_way() const { return gave_way_; }
+  /// Until when there are no yields on the core that lost a slice; in the past when there are.
   TimePoint crowded_until() const { return crowded_until_; }
 
  private:
-  enum class State : std::uint8_t { Fresh, Spinning, Crowded, Over };
-  static constexpr unsigned waits_between_exact = 64;
+  enum class State : std::uint8_t { Fresh, Looking, Crowded, Yielding, Over };
 
-  bool go_on();
-  void begin_spinning();
+  bool go_on(Peers peers);
+  bool crowded() const;
+  bool look(State as);
   bool yield();
+  bool spent();
+  bool lost_slice();
   bool over();
-  bool timed_by_itself();
 
   const Clock& clock_;
   const SpinOptions options_;
+  const Core& core_;
   State state_ = State::Fresh;
   std::uint32_t looks_ = 0;  ///< before the clock is read, or the core given away
-  std::uint32_t looks_between_yields_;
-  Duration quickest_yield_;
-  bool first_ = true;  ///< no yield yet in this wait
-  bool doubtful_ =
-      true;  ///< it was long since the clock was read last: a yield, or what came before?
-  unsigned waits_ = 0;
-  TimePoint began_{};
+  bool gave_way_ = false;
+
+  Duration budget_;
+  // Of one wait.
+  Duration limit_{};   ///< its budget
+  Duration looked_{};  ///< time in which the thread had its core
+  bool late_ = false;  ///< it has looked for longer than `shortest`
+  TimePoint began_{};  ///< about; none before the clock is read
+  unsigned late_waits_ = 0;
+
   TimePoint last_{};  ///< when the clock was read last
+  TimePoint last_yield_{};
+  unsigned doubtful_ = 0;  ///< so many yields are timed by themselves
+
+  std::int32_t crowded_core_ = unknown_core;
   TimePoint crowded_until_{};
   Duration next_crowded_;
-  unsigned vain_ = 0;  ///< spins without yields, one after the other, that ended with sleep
+  unsigned vain_ = 0;  ///< spins on a crowded core, one after the other, that ended with sleep
 };
 
 enum class Wake : std::uint8_t {

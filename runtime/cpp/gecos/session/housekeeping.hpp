@@ -30,6 +30,8 @@ class Tended {
 class Housekeeping {
  public:
   static constexpr Duration tick = std::chrono::milliseconds(10);
+  /// Between looks at what has nothing on its way.
+  static constexpr Duration calm_tick = std::chrono::milliseconds(25);
 
   explicit Housekeeping(const Clock& clock);
   /// Ends the thread and waits for it, unless it is this very thread.

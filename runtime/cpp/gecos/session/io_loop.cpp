@@ -131,10 +131,37 @@ void IoLoop::turn(Polling& polling) {
     take_events(0, polling);
   }
   if (busy) spin_.begin();
-  if (busy || (!hot_.empty() && spin_.again())) return;
+  if (busy || (!hot_.empty() && spin_.again([this] { return peers(); }))) return;
   // The ring that came with the end may have been taken above.
-  if (arm_all() && !ended_.load()) take_events(-1, polling);
+  if (arm_all() && !ended_.load()) {
+    woken_ = media::Woken::Early;
+    rang_at_ = TimePoint{};
+    take_events(-1, polling);
+    spin_.woke(rang_at_, woken_);
+  }
   spin_.begin();
+}
+
+/// A client elsewhere that sleeps sends nothing soon. One here may have been woken a moment ago by
+/// our answer and wait for this core.
+media::Peers IoLoop::peers() const {
+  const std::int32_t mine = running_core();
+  bool here = false;
+  bool elsewhere = false;
+  bool unknown = false;
+  for (const auto& session : hot_) {
+    const media::Whereabouts client = session->link().peer_whereabouts();
+    if (client.core == unknown_core) {
+      unknown = true;
+    } else if (client.core == mine) {
+      here = true;
+    } else if (!client.asleep) {
+      elsewhere = true;
+    }
+  }
+  if (elsewhere) return here || unknown ? media::Peers::Both : media::Peers::Elsewhere;
+  if (here) return media::Peers::Here;
+  return unknown ? media::Peers::Unknown : media::Peers::Elsewhere;
 }
 
 bool IoLoop::look_at_hot(Polling& polling) {
@@ -200,6 +227,8 @@ void IoLoop::heat(const std::shared_ptr<ServerSession>& session) {
     return;
   }
   session->link().disarm();
+  woken_ = media::Woken::ByAnswer;
+  rang_at_ = std::max(rang_at_, session->link().peer_whereabouts().rang_at);
   session->hot = true;
   session->quiet_looks = 0;
   hot_.push_back(session);
@@ -299,7 +328,7 @@ void IoLoop::await_signs_of_life() {
   for (const auto& [key, session] : sessions_) session->object()->await_sign_of_life(*session);
 }
 
-void IoLoop::tend(TimePoint now) {
+TimePoint IoLoop::tend(TimePoint now) {
   const std::uint64_t handler = handler_turn_.load();
   if (handler % 2 == 1 && handler == handler_seen_) {
     const std::lock_guard called(standby_mutex_);
@@ -329,6 +358,7 @@ void IoLoop::tend(TimePoint now) {
   }
   if (suspects) suspects_.store(true);
   if (suspects || (beat && somebody_waits_.load())) wakeup_.ring();
+  return now + (handler % 2 == 1 ? Housekeeping::tick : Housekeeping::calm_tick);
 }
 
 void IoLoop::withdraw(const ServedObject& object) {

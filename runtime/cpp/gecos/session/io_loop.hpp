@@ -34,8 +34,9 @@ class IoLoop {
   /// After a pause of this process: each session's calls wait for a heartbeat that comes from now
   /// on. On the housekeeping thread.
   void await_signs_of_life();
-  /// Heartbeats, silence and lost links; wakes the standby. On the housekeeping thread.
-  void tend(TimePoint now);
+  /// Heartbeats, silence and lost links; wakes the standby. On the housekeeping thread. Gives when
+  /// the next look is due.
+  TimePoint tend(TimePoint now);
   /// Waits until the threads have ended, a running handler included; then parts from the clients.
   void end();
 
@@ -55,6 +56,8 @@ class IoLoop {
   /// One look at everything hot; sleeps when nothing is.
   void turn(Polling& polling);
   bool look_at_hot(Polling& polling);
+  /// Where the clients are that may send next.
+  media::Peers peers() const;
   bool arm_all();
   void cool_down(TimePoint now);
   void heat(const std::shared_ptr<ServerSession>& session);
@@ -80,6 +83,8 @@ class IoLoop {
   std::vector<std::shared_ptr<ServerSession>> hot_;
   std::vector<std::shared_ptr<ServerSession>>
       still_hot_;  ///< of arm_all: kept, so that a wake-up needs no memory
+  media::Woken woken_ = media::Woken::Early;  ///< by whom the last sleep ended …
+  TimePoint rang_at_{};                       ///< … and when the client rang
   std::uint64_t next_key_ = 1;
   unsigned turns_ = 0;
   std::thread::id main_id_;

@@ -62,6 +62,10 @@ bool ObjectQueue::keeps_place(const Ticket& ticket) const {
          std::any_of(running_.begin(), running_.end(), same_client);
 }
 
+bool ObjectQueue::idle() const {
+  return actor_.empty() && sensor_.empty() && safety_.empty() && running_.empty() && inside_ == 0;
+}
+
 ObjectQueue::Lane& ObjectQueue::lane_of(const Ticket& ticket) {
   switch (ticket.lane) {
     case Ticket::Place::Safety:

@@ -71,6 +71,8 @@ class ObjectQueue {
   const std::deque<std::shared_ptr<Ticket>>& waiting() const { return actor_; }
   /// Actor commands that started and have not ended.
   const std::vector<Ticket*>& running() const { return running_; }
+  /// Nothing waits and no handler is inside.
+  bool idle() const;
   std::optional<std::size_t> position(const Ticket& ticket) const;
 
  private:

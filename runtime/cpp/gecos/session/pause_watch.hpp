@@ -7,6 +7,7 @@
 #include <string>
 
 #include "gecos/base/clock.hpp"
+#include "gecos/base/moment.hpp"
 
 namespace gecos::session {
 
@@ -56,6 +57,20 @@ class PauseWatch {
     const TimePoint due = due_.load(std::memory_order_relaxed);
     return judging_.load(std::memory_order_acquire) ||
            (due != TimePoint::max() && now - due > longest_gap);
+  }
+  /// When a thread that asks often found no pause.
+  struct Checked {
+    Moment moment;
+    TimePoint at{};  ///< less than 5 ms ago
+  };
+  /// Likewise, and reads the clock only now and then.
+  bool suspected(const Clock& clock, Checked& checked, Moment now = Moment::now()) const {
+    if (judging_.load(std::memory_order_acquire)) return true;
+    if (now.just_after(checked.moment)) return false;
+    checked.at = clock.since_boot();
+    const bool suspicious = suspected(checked.at);
+    checked.moment = suspicious || !clock.real() ? Moment{} : now;
+    return suspicious;
   }
   /// Waits until it is judged. Never on the maintenance thread.
   void await_judgement(const Clock& clock) {

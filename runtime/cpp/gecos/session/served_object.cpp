@@ -146,15 +146,14 @@ void ServedObject::never_began(ServerCall& call) {
 
 std::shared_ptr<ServerCall> ServedObject::start_next(Starter starter) {
   ready_.store(false, std::memory_order_relaxed);
-  const TimePoint now = runtime_->clock().since_boot();
-  if (runtime_->housekeeping().pauses().suspected(now)) {
+  if (runtime_->housekeeping().pauses().suspected(runtime_->clock(), pause_)) {
     note_ready();  // housekeeping starts what may start once it has judged the pause
     return nullptr;
   }
   while (auto ticket = next_ticket()) {
     auto call = std::static_pointer_cast<ServerCall>(std::move(ticket));
     const bool here = starter != Starter::Other && !runs_long(call->operation());
-    if (may_start(*call) && (!here || servant_.gecos_begins_calls() || marked(*call, now))) {
+    if (may_start(*call) && (!here || servant_.gecos_begins_calls() || marked(*call, pause_.at))) {
       if (!here) list(*call);
       return call;
     }
@@ -397,10 +396,13 @@ void ServedObject::tell_positions() {
 
 // Time and losses
 
-void ServedObject::tend(TimePoint now) {
+TimePoint ServedObject::tend(TimePoint now) {
   look_at_time(now);
   // What has become free, and what nobody else looks at: its client is gone, its poller sleeps.
   if (ready()) run_ready(Starter::Other);
+  const Lock lock(mutex_);
+  const bool calm = queue_.idle() && open_.empty();
+  return now + (calm ? Housekeeping::calm_tick : Housekeeping::tick);
 }
 
 void ServedObject::look_at_time(TimePoint now) {

@@ -66,8 +66,8 @@ class ServedObject final : public Publisher, public std::enable_shared_from_this
   /// Heartbeat seen from it, or not, judged every tick. True: it ends, silent for so long or deaf.
   bool judge_silence(const std::shared_ptr<ServerSession>& session);
   /// Deadlines, leases, progress that waits to be told, and what may start and nobody looks at. On
-  /// the housekeeping thread.
-  void tend(TimePoint now);
+  /// the housekeeping thread. Gives when the next look is due.
+  TimePoint tend(TimePoint now);
 
   // The name, as the broker answers for it (name_claim.hpp).
   /// It will be enlisted where others find it: from now on a broker has to confirm the name.
@@ -189,6 +189,7 @@ class ServedObject final : public Publisher, public std::enable_shared_from_this
   std::condition_variable_any interrupted_;
   std::vector<std::shared_ptr<ServerCall>> open_;  ///< what has a deadline, and what may take long
   WatchedTime watched_;                            ///< leases and silence are judged by it
+  PauseWatch::Checked pause_;                      ///< by whoever starts calls
   std::size_t awaited_ = 0;                        ///< sessions whose calls wait for a heartbeat
   bool closed_ = false;
   std::atomic<bool> ready_{

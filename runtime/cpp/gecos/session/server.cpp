@@ -66,11 +66,11 @@ class Server::Core {
 TimePoint Server::Core::Upkeep::tend(TimePoint now) {
   const std::lock_guard lock(mutex);
   if (core == nullptr) return TimePoint::max();
-  core->io_.tend(now);
+  TimePoint next = core->io_.tend(now);
   core->registrar_.look();
   const std::lock_guard objects(core->mutex_);
-  for (const auto& object : core->objects_) object->tend(now);
-  return now + session::Housekeeping::tick;
+  for (const auto& object : core->objects_) next = std::min(next, object->tend(now));
+  return next;
 }
 
 void Server::Core::Upkeep::after_pause(Duration stood_still) {

@@ -1,6 +1,7 @@
 // How a client's session waits and what it does with what arrives: of whoever holds the baton.
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "gecos/media/waiting.hpp"
 #include "gecos/session/linked_session.hpp"
@@ -49,10 +50,17 @@ bool LinkedSession::wait(const void* subject, FunctionRef<bool()> done, TimePoin
 
 bool LinkedSession::lead(FunctionRef<bool()> done, TimePoint deadline) {
   bool rested = false;
+  bool slept = false;
   spin_.begin();
   for (;;) {
     const std::size_t taken = read_all();
-    if (done()) return true;
+    const bool finished = done();
+    if (std::exchange(slept, false)) {
+      spin_.woke(link_->peer_whereabouts().rang_at,
+                 finished ? media::Woken::ByAnswer : media::Woken::Early);
+      spin_.begin();
+    }
+    if (finished) return true;
     if (taken != 0) {
       baton_.poke(nullptr);
       // Others' answers may go on coming for as long as they call.
@@ -60,12 +68,16 @@ bool LinkedSession::lead(FunctionRef<bool()> done, TimePoint deadline) {
         return false;
       rested = false;
       spin_.begin();
-    } else if (!spin_.again()) {
+    } else if (!spin_.again([this] { return media::place_of(link_->peer_whereabouts()); })) {
       if (std::chrono::steady_clock::now() >= deadline) return false;
       rested = !rested && rest(done, deadline);
-      if (!rested) sleep(done, deadline);
+      if (rested) {
+        spin_.begin();
+      } else {
+        sleep(done, deadline);
+        slept = true;
+      }
       baton_.poke(nullptr);
-      spin_.begin();
     }
   }
 }
@@ -74,7 +86,7 @@ bool LinkedSession::lead(FunctionRef<bool()> done, TimePoint deadline) {
 /// by each answer, it would take the core from the server for one call, and from all its other
 /// clients.
 bool LinkedSession::rest(FunctionRef<bool()> done, TimePoint deadline) {
-  if (!spin_.in_vain()) return false;
+  if (!spin_.gave_way()) return false;
   {
     const std::lock_guard lock(mutex_);
     if (calls_.size() < calls_of_a_flood) return false;

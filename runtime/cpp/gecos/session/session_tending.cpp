@@ -116,8 +116,8 @@ TimePoint LinkedSession::repeat(TimePoint now) {
   // With nothing open the next sign of life is all that is due: many idle clients shall cost
   // nothing.
   if (!repeats_ && calls_.size() == 0) return next_beat_;
+  if (!repeats_ && !cancels_waiting_) return std::min(next_beat_, now + Housekeeping::calm_tick);
   const TimePoint soon = now + Housekeeping::tick;
-  if (!repeats_ && !cancels_waiting_) return soon;
   cancels_waiting_ = false;
   for (const auto& [counter, command] : calls_.all()) {
     auto& retry = command->retry;

@@ -151,11 +151,15 @@ tl::expected<std::uint64_t, SendProblem> ShmLink::send(ByteView head, ByteView b
   if (!number) return number;
   // A server that is not known yet may sleep already: it cannot tell us, so it is woken in any
   // case.
-  if (!other_->known() || writer_.reader_sleeps()) other_->wake();
+  if (!other_->known() || writer_.reader_sleeps()) {
+    note_ring(*own_.control);
+    other_->wake();
+  }
   return number;
 }
 
 std::optional<ByteView> ShmLink::receive() {
+  note_core(*own_.control);
   if (!other_->known()) {
     read_control();
     if (!other_->known()) return std::nullopt;
@@ -198,6 +202,11 @@ void ShmLink::write_word(std::size_t index, std::uint64_t value) {
 std::uint64_t ShmLink::peer_word(std::size_t index) {
   if (!other_->known()) return 0;  // it has not answered, so it has written nothing yet
   return other_->ring().control->words.at(index).load(std::memory_order_seq_cst);
+}
+
+Whereabouts ShmLink::peer_whereabouts() {
+  if (!other_->known()) return {};
+  return whereabouts(*other_->ring().control);
 }
 
 void ShmLink::beat() {

@@ -71,6 +71,7 @@ class ShmLink final : public Link {
   std::span<const int> descriptors() const override { return descriptors_; }
   void write_word(std::size_t index, std::uint64_t value) override;
   std::uint64_t peer_word(std::size_t index) override;
+  Whereabouts peer_whereabouts() override;
   void beat() override;
   std::uint64_t beats_seen() override;
   Loss loss() override;

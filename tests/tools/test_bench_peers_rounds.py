@@ -1,0 +1,92 @@
+"""How the rounds of `make bench-peers` are repeated, counted and judged, without any program."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import pytest
+
+TREE = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(TREE / "benchmarks" / "peers"))
+
+import measure  # noqa: E402
+import report  # noqa: E402
+from measure import Measured, Pace, Run  # noqa: E402
+from pair import Broken, Candidate  # noqa: E402
+from settings import MOST_ROUNDS, Bar, Figure, Line, Setting  # noqa: E402
+
+OURS = Line(Candidate("ours", "", (), ()))
+THEIRS = Line(Candidate("theirs", "peer", (), ()))
+PACE = Pace(rounds=3, seconds=0.1, rests=1)
+SETTING = Setting("a setting", (OURS, THEIRS), ())
+
+
+def run(monkeypatch: pytest.MonkeyPatch, failing: dict[str, list[int]]) -> Run:
+    """Runs with measurements that fail where `failing` names their number, from 1 for each line."""
+    asked: dict[str, int] = {}
+
+    def once(setting: Setting, line: Line, *_: object) -> Measured:
+        asked[line.label] = asked.get(line.label, 0) + 1
+        if asked[line.label] in failing.get(line.label, []):
+            raise Broken("the lease was lost")
+        return Measured(p50=1.0)
+
+    monkeypatch.setattr(measure, "_once", once)
+    return measure.run(SETTING, SETTING.lines, PACE, {})
+
+
+def test_a_measurement_that_fails_is_repeated_and_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    done = run(monkeypatch, {"ours": [2, 3]})
+    assert len(done.rounds["ours"]) == len(done.rounds["theirs"]) == 3
+    assert done.repeated == {"ours": 2}
+    assert "failed: ours, 2 times" in report.table(SETTING, done)
+
+
+def test_a_peer_that_fails_three_times_in_a_round_is_left_out(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    done = run(monkeypatch, {"theirs": [2, 3, 4]})
+    assert list(done.rounds) == ["ours"]
+    assert len(done.rounds["ours"]) == 3
+
+
+def test_ours_that_fails_three_times_in_a_round_ends_the_run(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    with pytest.raises(Broken, match="the lease was lost"):
+        run(monkeypatch, {"ours": [1, 2, 3]})
+
+
+def rounds(**figures: list[float]) -> dict[str, list[Measured]]:
+    return {
+        label: [Measured(p50=one, rate=one) for one in several]
+        for label, several in figures.items()
+    }
+
+
+@pytest.mark.parametrize(("worse", "met"), [(1, True), (2, False)])
+def test_a_bar_of_most_rounds_holds_when_one_of_nine_is_worse(worse: int, met: bool) -> None:
+    bar = Bar("ours", ("theirs", "others"), 1.0, Figure.P50, MOST_ROUNDS)
+    ours = [5.0] * worse + [1.0] * (9 - worse)
+    verdict = measure.judge(bar, rounds(ours=ours, theirs=[2.0] * 9, others=[4.0] * 9))
+    assert verdict.met is met
+
+
+def test_fewer_calls_than_the_best_peer_miss_the_bar() -> None:
+    bar = Bar("ours", ("theirs", "others"), 1.0, Figure.RATE, MOST_ROUNDS)
+    assert not measure.judge(bar, rounds(ours=[3.0], theirs=[2.0], others=[4.0])).met
+    assert measure.judge(bar, rounds(ours=[4.0], theirs=[2.0], others=[4.0])).met
+
+
+def test_a_bar_without_others_is_the_figure_itself() -> None:
+    bar = Bar("ours", (), 8.0, Figure.P50)
+    assert measure.judge(bar, rounds(ours=[7.0, 8.0, 30.0])).met
+    assert not measure.judge(bar, rounds(ours=[7.0, 9.0, 30.0])).met
+
+
+def test_a_bar_whose_peers_were_not_measured_is_not_met() -> None:
+    bar = Bar("ours", ("theirs",), 1.0)
+    verdict = measure.judge(bar, rounds(ours=[1.0]))
+    assert not verdict.met
+    assert not verdict.ratios
