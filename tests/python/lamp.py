@@ -143,11 +143,11 @@ class Heater(gecos.Object):
 class LampServant(gecos.Servant):
     _gecos_interface = LAMP
     _gecos_handlers: ClassVar[dict[int, Handler]] = {
-        0x1001: Handler(SHINE.operation, "shine", _double_argument, no_result),
+        0x1001: Handler(SHINE.operation, "shine", _double_argument, no_result, SHINE.raises),
         0x1002: Handler(LEVEL.operation, "level", no_arguments, _double_result),
         0x1003: Handler(DIM.operation, "dim", _double_argument, _double_result),
         0x1004: Handler(BURN_IN.operation, "burn_in", no_arguments, no_result),
-        0x1005: Handler(LABEL.operation, "label", no_arguments, _string_result),
+        0x1005: Handler(LABEL.operation, "label", no_arguments, _string_result, LABEL.raises),
         0x1006: Handler(WATCH.operation, "watch", no_arguments, no_result),
     }
 

@@ -61,11 +61,15 @@ def test_a_declared_exception_is_a_failed_command(held: Lamp) -> None:
 def test_any_other_exception_is_a_fault_with_its_text(
     held: Lamp, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    with pytest.raises(gecos.CommandFailed, match="ZeroDivisionError: dimmed by nothing") as caught:
+    with pytest.raises(gecos.CommandFailed, match="raised ZeroDivisionError, which") as caught:
         held.dim(0.0).result()
     assert caught.value.detail is Detail.FAULT
     assert not isinstance(caught.value, gecos.DeclaredError)
     written = capfd.readouterr().err.splitlines()
+    assert (
+        "gecos error server: LAMP: the handler of 'dim' raised ZeroDivisionError, which it does "
+        "not declare: dimmed by nothing"
+    ) in written
     assert "gecos error server: Traceback (most recent call last):" in written
     assert "gecos error server: ZeroDivisionError: dimmed by nothing" in written
 

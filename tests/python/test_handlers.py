@@ -5,12 +5,14 @@ from __future__ import annotations
 import asyncio
 import os
 import re
+import sys
 import threading
 from typing import NoReturn
 
 import gecos
 import pytest
 from gecos import Detail, State
+from gecos.cli import main
 from lamp import Burnt, Lamp, PlainLamp
 
 
@@ -111,16 +113,31 @@ class Unquotable(Exception):
 @pytest.mark.parametrize(
     ("raised", "said"),
     [
-        (SystemExit(3), "label: SystemExit: 3"),
-        (KeyboardInterrupt(), "label: KeyboardInterrupt"),
-        (asyncio.CancelledError(), "label: CancelledError"),
-        (Unspeakable(ValueError()), "label: Unspeakable: its text cannot be had: ValueError"),
-        (Unspeakable(SystemExit()), "label: Unspeakable: its text cannot be had: SystemExit"),
-        (Unquotable("burnt"), "label: Unquotable: burnt"),
-        (RuntimeError("\ud800\0"), r"label: RuntimeError: \ud800\0"),
-        (RuntimeError("x" * 1_000_000), "label: RuntimeError: xxx"),
-        (Burnt(hours="many"), "label: EncodeError: hours: 'many' is not"),  # type: ignore[arg-type]
-        (gecos.CommandFailed(Detail.SERVER_CRASHED, "another one"), "SERVER_CRASHED: another one"),
+        (SystemExit(3), "the handler of 'label' raised SystemExit, which it does not declare: 3"),
+        (KeyboardInterrupt(), "'label' raised KeyboardInterrupt, which it does not declare"),
+        (asyncio.CancelledError(), "'label' raised CancelledError, which it does not declare"),
+        (
+            Unspeakable(ValueError()),
+            "raised Unspeakable, which it does not declare: its text cannot be had: ValueError",
+        ),
+        (
+            Unspeakable(SystemExit()),
+            "raised Unspeakable, which it does not declare: its text cannot be had: SystemExit",
+        ),
+        (Unquotable("burnt"), "'label' raised Unquotable, which it does not declare: burnt"),
+        (RuntimeError("\ud800\0"), r"raised RuntimeError, which it does not declare: \ud800\0"),
+        (
+            RuntimeError("x" * 1_000_000),
+            "'label' raised RuntimeError, which it does not declare: xxx",
+        ),
+        (
+            Burnt(hours="many"),
+            "'label' raised Burnt, which it does not declare: test::Burnt(hours='many')",
+        ),  # type: ignore[arg-type]
+        (
+            gecos.CommandFailed(Detail.SERVER_CRASHED, "another one"),
+            "raised CommandFailed, which it does not declare: SERVER_CRASHED: another",
+        ),
     ],
     ids=lambda value: type(value).__name__ if isinstance(value, BaseException) else "",
 )
@@ -226,3 +243,100 @@ def test_handlers_may_close_their_server_both_at_once(
     for command in running:
         assert command.wait(30) is not State.RUNNING
     server.close()
+
+
+def test_an_exception_that_only_other_operations_declare_is_named_as_undeclared(
+    lamp: Lamp, servant: PlainLamp
+) -> None:
+    def fail() -> None:
+        raise Burnt(hours=9)
+
+    servant.before_label = fail
+    with pytest.raises(gecos.CommandFailed) as caught:
+        lamp.label().result()
+    assert not isinstance(caught.value, Burnt)
+    assert caught.value.text == (
+        "the handler of 'label' raised Burnt, which it does not declare: test::Burnt(hours=9)"
+    )
+
+
+@pytest.mark.parametrize("medium", ["inproc", "shm", "lcm"])
+def test_a_handler_that_waits_for_its_own_thread_is_told_so(
+    lab: gecos.Lab, server: gecos.Server, servant: PlainLamp, medium: str
+) -> None:
+    lamp = lab.create(Lamp, "LAMP", medium=medium)
+    servant.before_label = lambda: lamp.label().result()
+    with pytest.raises(gecos.CommandFailed, match="raised CommandFailed, which") as caught:
+        lamp.label().result()
+    assert (
+        "REJECTED: 'label' of LAMP was not started: the handler of 'label' of LAMP waits for"
+        in (caught.value.text)
+    )
+    servant.before_label = lambda: None
+    assert lamp.label().result() == "a lamp"
+
+
+def test_two_handlers_that_wait_for_each_other_are_told_so(
+    lab: gecos.Lab, server: gecos.Server, lamp: Lamp, servant: PlainLamp
+) -> None:
+    other = PlainLamp()
+    server.add("OTHER", other)
+    far = lab.create(Lamp, "OTHER")
+    told: list[BaseException] = []
+
+    def ask_back() -> None:
+        try:
+            lamp.label().result()
+        except gecos.CommandFailed as error:
+            told.append(error)
+
+    servant.before_label = lambda: far.label().result()
+    other.before_label = ask_back
+    assert lamp.label().result() == "a lamp"
+    assert len(told) == 1
+    assert "the handler of 'label' of OTHER waits for it, and it cannot start before" in str(
+        told[0]
+    )
+
+
+def test_a_handler_that_waits_in_its_objects_queue_is_told_so(
+    held: Lamp, servant: PlainLamp
+) -> None:
+    """What it waits for is an actor command, which has not come to the thread of the handlers."""
+    outcomes: list[State] = []
+
+    def shine(goal: float, run: gecos.Execution[object]) -> None:
+        outcomes.append(held.dim(1.0).wait())
+
+    servant.shine = shine  # type: ignore[method-assign,assignment]
+    held.shine(1.0).result()
+    assert outcomes == [State.COMMAND_FAILED]
+
+
+def test_describe_shows_a_handler_that_runs_and_what_it_waits_for(
+    lab: gecos.Lab,
+    server: gecos.Server,
+    lamp: Lamp,
+    servant: PlainLamp,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    other = PlainLamp()
+    server.add("OTHER", other)
+    far = lab.create(Lamp, "OTHER")
+    go_on = threading.Event()
+    other.before_label = go_on.wait
+    servant.before_label = lambda: far.label().result()
+    label = lamp.label()
+    while not [h for h in gecos.describe(lamp).result().handlers if h.waits_for]:
+        assert label.state is State.RUNNING
+    monkeypatch.setattr(sys, "argv", ["gecos", "describe", "LAMP"])
+    assert main() == 0
+    go_on.set()
+    assert label.result() == "a lamp"
+    line = capsys.readouterr().out.splitlines()[-1]
+    assert re.fullmatch(
+        rf" *handler +label for \d+\.\d s, called by .+ on .+ \(.+, pid {os.getpid()}\), "
+        r"waits for OTHER.label",
+        line,
+    )

@@ -77,6 +77,27 @@ def test_a_log_level_that_there_is_not_is_refused_by_name(place: Path) -> None:
     assert (done.returncode, done.stderr) == (1, said)
 
 
+def test_at_info_a_program_tells_what_it_connects_to_and_how_its_calls_end(
+    server: gecos.Server, place: Path
+) -> None:
+    program = (
+        "import gecos; from lamp import Lamp\n"
+        "lamp = gecos.Lab().create(Lamp, 'LAMP', medium='shm')\n"
+        "with gecos.actor(lamp): lamp.dim(2.0).result(); lamp.label().result()"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        env={**os.environ, "GECOS_LOG": "info"},
+        cwd=Path(__file__).parent,
+        capture_output=True,
+        text=True,
+    )
+    lines = done.stderr.splitlines()
+    assert any(line.startswith("gecos info client: connected to LAMP (test::") for line in lines)
+    assert "gecos info client: LAMP.dim ended FINISHED/DONE" in lines
+    assert "LAMP.label" not in done.stderr
+
+
 @pytest.mark.parametrize("medium", ["inproc", "shm", "lcm"])
 def test_the_holder_of_a_robot_is_named_so(
     lab: gecos.Lab, server: gecos.Server, medium: str

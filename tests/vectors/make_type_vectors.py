@@ -29,15 +29,21 @@ GROWN = {"first": -7, "second": 1.25, "third": "\u00e4", "fourth": ""}
 CASES: list[tuple[str, str, Any]] = [
     ("gecos::Grant", "as made", {}),
     ("gecos::Grant", "master", {"status": "MASTER", "epoch": 2**63 + 5}),
+    ("gecos::OutcomeRecord", "as made", {}),
+    ("gecos::OutcomeRecord", "stopped", {"detail": 16, "text": "stopped by ann"}),
     ("gecos::Holder", "somebody", {
         "status": "ACTOR", "user": "ada", "host": "lab", "program": "02_grip_block", "pid": 4711,
         "held_for": 12.5, "expires_in": 0.25, "releasing": True}),
+    ("gecos::RunningHandler", "one that waits", {
+        "operation": "label", "running_for": 0.5, "user": "ada", "host": "lab",
+        "program": "lift.py", "pid": 4711, "waits_for": "RX90.move"}),
     ("gecos::StatusRefused", "two holders", {
         "reason": "held", "holders": [{"user": "ada"}, {"status": "MASTER", "pid": -1}]}),
     ("gecos::Description", "an arm", {
         "name": "RX90", "interface_name": "robcl::Rx90", "version": "1.0",
         "interface_hash": 2**64 - 1, "simulated": True, "presence": "not required (simulated)",
-        "epoch": 3, "queued": 2**32 - 1, "executing": "move", "pid": 1}),
+        "epoch": 3, "queued": 2**32 - 1, "executing": "move", "pid": 1,
+        "handlers": [{"operation": "move", "running_for": 2.5, "user": "ada", "waits_for": ""}]}),
     ("gecos::Entry", "with places", {
         "name": "RX90", "bases": ["robcl::SixAxis", "robcl::Device"], "boot": 2**63,
         "addresses": ["shm:/run/gecos/1f3a.sock", "lcm:239.255.76.67:20017/RX90"]}),

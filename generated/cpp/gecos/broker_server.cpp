@@ -32,10 +32,8 @@ void BrokerServant::gecos_dispatch(gecos::IncomingCall call) {
         return call.fail(
             {gecos::Detail::UnknownOperation, "gecos::Broker has no such operation", {}, {}});
     }
-  } catch (const std::exception& error) {
-    call.fail({gecos::Detail::Fault, std::string("the handler threw: ") + error.what(), {}, {}});
   } catch (...) {
-    call.fail({gecos::Detail::Fault, "the handler threw something that is no std::exception", {}, {}});
+    call.fail_as_thrown();
   }
 }
 
@@ -50,7 +48,7 @@ void BrokerServant::gecos_call_enlist(gecos::IncomingCall& call) {
     return call.fail({gecos::Detail::BadParameter, from.error().message(), {}, {}});
   }
   const auto result = this->enlist(what, served_for);
-  if (!result) return call.fail(result.error().failure());
+  if (!result) return call.fail(result.error(), {"gecos::NameTaken"});
   const auto& value = *result;
   std::size_t size = 1;
   if (value) {
@@ -72,7 +70,7 @@ void BrokerServant::gecos_call_withdraw(gecos::IncomingCall& call) {
     return call.fail({gecos::Detail::BadParameter, from.error().message(), {}, {}});
   }
   const auto result = this->withdraw(name);
-  if (!result) return call.fail(result.error().failure());
+  if (!result) return call.fail(result.error(), {"gecos::UnknownName"});
   call.finish(0, [](gecos::wire::Encoder&) {});
 }
 
@@ -84,7 +82,7 @@ void BrokerServant::gecos_call_lookup(gecos::IncomingCall& call) {
     return call.fail({gecos::Detail::BadParameter, from.error().message(), {}, {}});
   }
   const auto result = this->lookup(name);
-  if (!result) return call.fail(result.error().failure());
+  if (!result) return call.fail(result.error(), {"gecos::UnknownName"});
   const auto& value = *result;
   const std::string wrong = [&]() -> std::string {
     if (auto why = ::gecos::gecos_violation(value); !why.empty()) return why;
@@ -104,7 +102,7 @@ void BrokerServant::gecos_call_lookup(gecos::IncomingCall& call) {
 
 void BrokerServant::gecos_call_list(gecos::IncomingCall& call) {
   const auto result = this->list();
-  if (!result) return call.fail(result.error().failure());
+  if (!result) return call.fail(result.error(), {});
   const auto& value = *result;
   const std::string wrong = [&]() -> std::string {
     for (const auto& item : value) {

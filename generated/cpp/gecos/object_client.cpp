@@ -67,7 +67,7 @@ const gecos::InterfaceDescription& GecosObject::gecos_description() {
        .on_new = gecos::OnNew::Queue,
        .on_loss = gecos::OnLoss::Stop,
        .quality = {},
-       .hash = 0x724d0dfb5e3e3f57U},
+       .hash = 0x340a23dd95a29a96U},
       {.code = gecos::FunctionCode{0x00000005},
        .name = "acquire",
        .kind = gecos::OperationKind::Operation,
@@ -142,7 +142,7 @@ const gecos::InterfaceDescription& GecosObject::gecos_description() {
   static constexpr gecos::InterfaceDescription description{
       .name = "gecos::GecosObject",
       .version = "1.0",
-      .hash = 0x6d44df07150d6741U,
+      .hash = 0x80a2bdb69dcdcc1eU,
       .bases = {},
       .operations = operations,
       .streams = {},

@@ -64,6 +64,41 @@ bool JsonShape<::gecos::Holder>::read(const JsonReader& from, ::gecos::Holder& v
          from.member("releasing", value.releasing);
 }
 
+void JsonShape<::gecos::RunningHandler>::write(
+    JsonWriter to,
+    const ::gecos::RunningHandler& value) {
+  to.open_object();
+  to.member("operation", value.operation);
+  to.member("running_for", value.running_for);
+  to.member("user", value.user);
+  to.member("host", value.host);
+  to.member("program", value.program);
+  to.member("pid", value.pid);
+  to.member("waits_for", value.waits_for);
+}
+
+bool JsonShape<::gecos::RunningHandler>::read(
+    const JsonReader& from,
+    ::gecos::RunningHandler& value) {
+  static constexpr std::array<std::string_view, 7> names{
+      "operation",
+      "running_for",
+      "user",
+      "host",
+      "program",
+      "pid",
+      "waits_for",
+  };
+  return from.expect_object(names) &&
+         from.member("operation", value.operation) &&
+         from.member("running_for", value.running_for) &&
+         from.member("user", value.user) &&
+         from.member("host", value.host) &&
+         from.member("program", value.program) &&
+         from.member("pid", value.pid) &&
+         from.member("waits_for", value.waits_for);
+}
+
 void JsonShape<::gecos::Description>::write(JsonWriter to, const ::gecos::Description& value) {
   to.open_object();
   to.member("name", value.name);
@@ -78,10 +113,11 @@ void JsonShape<::gecos::Description>::write(JsonWriter to, const ::gecos::Descri
   to.member("executing", value.executing);
   to.member("pid", value.pid);
   to.member("registration", value.registration);
+  to.member("handlers", value.handlers);
 }
 
 bool JsonShape<::gecos::Description>::read(const JsonReader& from, ::gecos::Description& value) {
-  static constexpr std::array<std::string_view, 12> names{
+  static constexpr std::array<std::string_view, 13> names{
       "name",
       "interface_name",
       "version",
@@ -94,6 +130,7 @@ bool JsonShape<::gecos::Description>::read(const JsonReader& from, ::gecos::Desc
       "executing",
       "pid",
       "registration",
+      "handlers",
   };
   return from.expect_object(names) &&
          from.member("name", value.name) &&
@@ -107,7 +144,8 @@ bool JsonShape<::gecos::Description>::read(const JsonReader& from, ::gecos::Desc
          from.member("queued", value.queued) &&
          from.member("executing", value.executing) &&
          from.member("pid", value.pid) &&
-         from.member("registration", value.registration);
+         from.member("registration", value.registration) &&
+         from.member("handlers", value.handlers);
 }
 
 void JsonShape<::gecos::StatusRefused>::write(JsonWriter to, const ::gecos::StatusRefused& value) {

@@ -21,6 +21,12 @@ struct JsonShape<::gecos::Holder> {
 };
 
 template <>
+struct JsonShape<::gecos::RunningHandler> {
+  static void write(JsonWriter to, const ::gecos::RunningHandler& value);
+  static bool read(const JsonReader& from, ::gecos::RunningHandler& value);
+};
+
+template <>
 struct JsonShape<::gecos::Description> {
   static void write(JsonWriter to, const ::gecos::Description& value);
   static bool read(const JsonReader& from, ::gecos::Description& value);

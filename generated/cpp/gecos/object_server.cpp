@@ -42,16 +42,14 @@ void GecosObjectServant::gecos_dispatch(gecos::IncomingCall call) {
         return call.fail(
             {gecos::Detail::UnknownOperation, "gecos::GecosObject has no such operation", {}, {}});
     }
-  } catch (const std::exception& error) {
-    call.fail({gecos::Detail::Fault, std::string("the handler threw: ") + error.what(), {}, {}});
   } catch (...) {
-    call.fail({gecos::Detail::Fault, "the handler threw something that is no std::exception", {}, {}});
+    call.fail_as_thrown();
   }
 }
 
 void GecosObjectServant::gecos_call_holders(gecos::IncomingCall& call) {
   const auto result = this->holders();
-  if (!result) return call.fail(result.error().failure());
+  if (!result) return call.fail(result.error(), {});
   const auto& value = *result;
   const std::string wrong = [&]() -> std::string {
     for (const auto& item : value) {
@@ -79,19 +77,19 @@ void GecosObjectServant::gecos_call_holders(gecos::IncomingCall& call) {
 
 void GecosObjectServant::gecos_call_stop(gecos::IncomingCall& call) {
   const auto result = this->stop();
-  if (!result) return call.fail(result.error().failure());
+  if (!result) return call.fail(result.error(), {});
   call.finish(0, [](gecos::wire::Encoder&) {});
 }
 
 void GecosObjectServant::gecos_call_ping(gecos::IncomingCall& call) {
   const auto result = this->ping();
-  if (!result) return call.fail(result.error().failure());
+  if (!result) return call.fail(result.error(), {});
   call.finish(0, [](gecos::wire::Encoder&) {});
 }
 
 void GecosObjectServant::gecos_call_describe(gecos::IncomingCall& call) {
   const auto result = this->describe();
-  if (!result) return call.fail(result.error().failure());
+  if (!result) return call.fail(result.error(), {});
   const auto& value = *result;
   const std::string wrong = [&]() -> std::string {
     if (auto why = ::gecos::gecos_violation(value); !why.empty()) return why;
@@ -126,7 +124,7 @@ void GecosObjectServant::gecos_call_acquire(gecos::IncomingCall& call) {
     return call.fail({gecos::Detail::BadParameter, from.error().message(), {}, {}});
   }
   const auto result = this->acquire(wanted, password);
-  if (!result) return call.fail(result.error().failure());
+  if (!result) return call.fail(result.error(), {"gecos::StatusRefused"});
   const auto& value = *result;
   std::size_t size = 4;
   size += value.encoded_size();
@@ -146,7 +144,7 @@ void GecosObjectServant::gecos_call_release(gecos::IncomingCall& call) {
     return call.fail({gecos::Detail::BadParameter, from.error().message(), {}, {}});
   }
   const auto result = this->release(epoch, now);
-  if (!result) return call.fail(result.error().failure());
+  if (!result) return call.fail(result.error(), {});
   call.finish(0, [](gecos::wire::Encoder&) {});
 }
 
@@ -158,7 +156,7 @@ void GecosObjectServant::gecos_call_subscribe(gecos::IncomingCall& call) {
     return call.fail({gecos::Detail::BadParameter, from.error().message(), {}, {}});
   }
   const auto result = this->subscribe(code);
-  if (!result) return call.fail(result.error().failure());
+  if (!result) return call.fail(result.error(), {});
   const auto& value = *result;
   call.finish(4, [&](gecos::wire::Encoder& to) { to.put(value); });
 }
@@ -171,7 +169,7 @@ void GecosObjectServant::gecos_call_unsubscribe(gecos::IncomingCall& call) {
     return call.fail({gecos::Detail::BadParameter, from.error().message(), {}, {}});
   }
   const auto result = this->unsubscribe(code);
-  if (!result) return call.fail(result.error().failure());
+  if (!result) return call.fail(result.error(), {});
   call.finish(0, [](gecos::wire::Encoder&) {});
 }
 
@@ -187,7 +185,7 @@ void GecosObjectServant::gecos_call_outcome(gecos::IncomingCall& call) {
     return call.fail({gecos::Detail::BadParameter, from.error().message(), {}, {}});
   }
   const auto result = this->outcome(boot, session, counter);
-  if (!result) return call.fail(result.error().failure());
+  if (!result) return call.fail(result.error(), {});
   const auto& value = *result;
   const std::string wrong = [&]() -> std::string {
     if (auto why = ::gecos::gecos_violation(value); !why.empty()) return why;

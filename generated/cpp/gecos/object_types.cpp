@@ -109,8 +109,78 @@ std::ostream& operator<<(std::ostream& out, [[maybe_unused]] const Holder& value
   return out << '}';
 }
 
+std::size_t RunningHandler::encoded_size() const {
+  std::size_t size = 37;
+  size += operation.size();
+  size += user.size();
+  size += host.size();
+  size += program.size();
+  size += waits_for.size();
+  return size;
+}
+
+void RunningHandler::encode(gecos::wire::Encoder& to) const {
+  to.put_string(operation);
+  to.put(running_for);
+  to.put_string(user);
+  to.put_string(host);
+  to.put_string(program);
+  to.put(pid);
+  to.put_string(waits_for);
+}
+
+bool RunningHandler::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  return from.get_string(operation, gecos::wire::npos, "RunningHandler.operation") &&
+         from.get(running_for, "RunningHandler.running_for") &&
+         from.get_string(user, gecos::wire::npos, "RunningHandler.user") &&
+         from.get_string(host, gecos::wire::npos, "RunningHandler.host") &&
+         from.get_string(program, gecos::wire::npos, "RunningHandler.program") &&
+         from.get(pid, "RunningHandler.pid") &&
+         from.get_string(waits_for, gecos::wire::npos, "RunningHandler.waits_for") &&
+         gecos::wire::skip_rest(from);
+}
+
+std::string gecos_violation(const RunningHandler& value) {
+  if (!gecos::wire::valid_text(value.operation)) {
+    return gecos::wire::bad_text("RunningHandler.operation");
+  }
+  if (!gecos::wire::valid_text(value.user)) {
+    return gecos::wire::bad_text("RunningHandler.user");
+  }
+  if (!gecos::wire::valid_text(value.host)) {
+    return gecos::wire::bad_text("RunningHandler.host");
+  }
+  if (!gecos::wire::valid_text(value.program)) {
+    return gecos::wire::bad_text("RunningHandler.program");
+  }
+  if (!gecos::wire::valid_text(value.waits_for)) {
+    return gecos::wire::bad_text("RunningHandler.waits_for");
+  }
+  return {};
+}
+
+std::ostream& operator<<(std::ostream& out, [[maybe_unused]] const RunningHandler& value) {
+  out << "RunningHandler{";
+  out << "operation=";
+  gecos::wire::print(out, value.operation);
+  out << ", running_for=";
+  gecos::wire::print(out, value.running_for);
+  out << " s";
+  out << ", user=";
+  gecos::wire::print(out, value.user);
+  out << ", host=";
+  gecos::wire::print(out, value.host);
+  out << ", program=";
+  gecos::wire::print(out, value.program);
+  out << ", pid=";
+  gecos::wire::print(out, value.pid);
+  out << ", waits_for=";
+  gecos::wire::print(out, value.waits_for);
+  return out << '}';
+}
+
 std::size_t Description::encoded_size() const {
-  std::size_t size = 60;
+  std::size_t size = 64;
   size += name.size();
   size += interface_name.size();
   size += version.size();
@@ -118,6 +188,10 @@ std::size_t Description::encoded_size() const {
   size += authentication.size();
   size += executing.size();
   size += registration.size();
+  size += 4 * handlers.size();
+  for (const auto& item : handlers) {
+    size += item.encoded_size();
+  }
   return size;
 }
 
@@ -132,6 +206,11 @@ void Description::encode(gecos::wire::Encoder& to) const {
   to.put_string(executing);
   to.put(pid);
   to.put_string(registration);
+  to.put_count(handlers.size());
+  for (const auto& item : handlers) {
+    to.put_count(item.encoded_size());
+    item.encode(to);
+  }
 }
 
 bool Description::decode([[maybe_unused]] gecos::wire::Decoder& from) {
@@ -147,6 +226,10 @@ bool Description::decode([[maybe_unused]] gecos::wire::Decoder& from) {
          from.get_string(executing, gecos::wire::npos, "Description.executing") &&
          from.get(pid, "Description.pid") &&
          from.get_string(registration, gecos::wire::npos, "Description.registration") &&
+         gecos::wire::get_sequence(from, handlers, 4, gecos::wire::npos, "Description.handlers",
+             [&](auto& item) {
+               return gecos::wire::get_block(from, item, "Description.handlers");
+             }) &&
          gecos::wire::skip_rest(from);
 }
 
@@ -171,6 +254,9 @@ std::string gecos_violation(const Description& value) {
   }
   if (!gecos::wire::valid_text(value.registration)) {
     return gecos::wire::bad_text("Description.registration");
+  }
+  for (const auto& item : value.handlers) {
+    if (auto why = ::gecos::gecos_violation(item); !why.empty()) return why;
   }
   return {};
 }
@@ -201,6 +287,8 @@ std::ostream& operator<<(std::ostream& out, [[maybe_unused]] const Description& 
   gecos::wire::print(out, value.pid);
   out << ", registration=";
   gecos::wire::print(out, value.registration);
+  out << ", handlers=";
+  gecos::wire::print(out, value.handlers);
   return out << '}';
 }
 

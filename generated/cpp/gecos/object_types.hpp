@@ -54,6 +54,33 @@ std::ostream& operator<<(std::ostream& out, const Holder& value);
 /// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
 std::string gecos_violation(const Holder& value);
 
+/// A handler of an object that has begun and has not ended.
+struct RunningHandler {
+  std::string operation{};
+  /// [s]
+  double running_for = 0;
+  /// who called it
+  std::string user{};
+  std::string host{};
+  std::string program{};
+  std::int32_t pid = 0;
+  /// the call that its thread waits for without a bound, `RX90.move`; empty when none
+  std::string waits_for{};
+
+  static constexpr std::string_view type_name() { return "gecos::RunningHandler"; }
+  static constexpr std::int64_t fingerprint() {
+    return static_cast<std::int64_t>(0x70d7283d0f4193b5U);
+  }
+  std::size_t encoded_size() const;
+  void encode(gecos::wire::Encoder& to) const;
+  [[nodiscard]] bool decode(gecos::wire::Decoder& from);
+
+  friend bool operator==(const RunningHandler&, const RunningHandler&) = default;
+};
+std::ostream& operator<<(std::ostream& out, const RunningHandler& value);
+/// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
+std::string gecos_violation(const RunningHandler& value);
+
 /// What an object is and what state it is in.
 struct Description {
   std::string name{};
@@ -75,10 +102,12 @@ struct Description {
   std::int32_t pid = 0;
   /// whether the name is the object's, so that actor commands may start: "confirmed"
   std::string registration{};
+  /// that have begun and have not ended, the oldest first
+  std::vector<::gecos::RunningHandler> handlers{};
 
   static constexpr std::string_view type_name() { return "gecos::Description"; }
   static constexpr std::int64_t fingerprint() {
-    return static_cast<std::int64_t>(0xfe16cf8474997518U);
+    return static_cast<std::int64_t>(0x156cc33d6b1efe30U);
   }
   std::size_t encoded_size() const;
   void encode(gecos::wire::Encoder& to) const;

@@ -30,23 +30,21 @@ void DeviceServant::gecos_dispatch(gecos::IncomingCall call) {
         return call.fail(
             {gecos::Detail::UnknownOperation, "robcl::Device has no such operation", {}, {}});
     }
-  } catch (const std::exception& error) {
-    call.fail({gecos::Detail::Fault, std::string("the handler threw: ") + error.what(), {}, {}});
   } catch (...) {
-    call.fail({gecos::Detail::Fault, "the handler threw something that is no std::exception", {}, {}});
+    call.fail_as_thrown();
   }
 }
 
 void DeviceServant::gecos_call_base(gecos::IncomingCall& call) {
   const auto result = this->base();
-  if (!result) return call.fail(result.error().failure());
+  if (!result) return call.fail(result.error(), {});
   const auto& value = *result;
   call.finish(56, [&](gecos::wire::Encoder& to) { value.encode(to); });
 }
 
 void DeviceServant::gecos_call_parent(gecos::IncomingCall& call) {
   const auto result = this->parent();
-  if (!result) return call.fail(result.error().failure());
+  if (!result) return call.fail(result.error(), {});
   const auto& value = *result;
   const std::string wrong = [&]() -> std::string {
     if (!gecos::wire::valid_text(value)) return gecos::wire::bad_text("parent");
@@ -71,7 +69,7 @@ void DeviceServant::gecos_call_mount(gecos::IncomingCall& call) {
     return call.fail({gecos::Detail::BadParameter, from.error().message(), {}, {}});
   }
   const auto result = this->mount(carrier, offset);
-  if (!result) return call.fail(result.error().failure());
+  if (!result) return call.fail(result.error(), {"robcl::MountRefused"});
   call.finish(0, [](gecos::wire::Encoder&) {});
 }
 

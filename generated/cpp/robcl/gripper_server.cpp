@@ -42,16 +42,14 @@ void GripperServant::gecos_dispatch(gecos::IncomingCall call) {
         return call.fail(
             {gecos::Detail::UnknownOperation, "robcl::Gripper has no such operation", {}, {}});
     }
-  } catch (const std::exception& error) {
-    call.fail({gecos::Detail::Fault, std::string("the handler threw: ") + error.what(), {}, {}});
   } catch (...) {
-    call.fail({gecos::Detail::Fault, "the handler threw something that is no std::exception", {}, {}});
+    call.fail_as_thrown();
   }
 }
 
 void GripperServant::gecos_call_jaws(gecos::IncomingCall& call) {
   const auto result = this->jaws();
-  if (!result) return call.fail(result.error().failure());
+  if (!result) return call.fail(result.error(), {});
   const auto& value = *result;
   const std::string wrong = [&]() -> std::string {
     if (auto why = ::robcl::gecos_violation(value); !why.empty()) return why;
@@ -71,21 +69,21 @@ void GripperServant::gecos_call_jaws(gecos::IncomingCall& call) {
 
 void GripperServant::gecos_call_grip_point(gecos::IncomingCall& call) {
   const auto result = this->grip_point();
-  if (!result) return call.fail(result.error().failure());
+  if (!result) return call.fail(result.error(), {});
   const auto& value = *result;
   call.finish(56, [&](gecos::wire::Encoder& to) { value.encode(to); });
 }
 
 void GripperServant::gecos_call_max_width(gecos::IncomingCall& call) {
   const auto result = this->max_width();
-  if (!result) return call.fail(result.error().failure());
+  if (!result) return call.fail(result.error(), {});
   const auto& value = *result;
   call.finish(8, [&](gecos::wire::Encoder& to) { to.put(value); });
 }
 
 void GripperServant::gecos_call_max_force(gecos::IncomingCall& call) {
   const auto result = this->max_force();
-  if (!result) return call.fail(result.error().failure());
+  if (!result) return call.fail(result.error(), {});
   const auto& value = *result;
   call.finish(8, [&](gecos::wire::Encoder& to) { to.put(value); });
 }
@@ -100,7 +98,7 @@ void GripperServant::gecos_call_open(gecos::IncomingCall& call) {
   }
   gecos::Execution<::robcl::GripperState> run(call);
   const auto result = this->open(width, run);
-  if (!result) return call.fail(result.error().failure());
+  if (!result) return call.fail(result.error(), {"robcl::OutOfRange"});
   call.finish(0, [](gecos::wire::Encoder&) {});
 }
 
@@ -114,7 +112,7 @@ void GripperServant::gecos_call_close(gecos::IncomingCall& call) {
   }
   gecos::Execution<::robcl::GripperState> run(call);
   const auto result = this->close(force, run);
-  if (!result) return call.fail(result.error().failure());
+  if (!result) return call.fail(result.error(), {"robcl::OutOfRange"});
   call.finish(0, [](gecos::wire::Encoder&) {});
 }
 

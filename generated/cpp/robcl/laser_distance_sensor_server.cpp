@@ -40,23 +40,21 @@ void LaserDistanceSensorServant::gecos_dispatch(gecos::IncomingCall call) {
                 {},
                 {}});
     }
-  } catch (const std::exception& error) {
-    call.fail({gecos::Detail::Fault, std::string("the handler threw: ") + error.what(), {}, {}});
   } catch (...) {
-    call.fail({gecos::Detail::Fault, "the handler threw something that is no std::exception", {}, {}});
+    call.fail_as_thrown();
   }
 }
 
 void LaserDistanceSensorServant::gecos_call_beam(gecos::IncomingCall& call) {
   const auto result = this->beam();
-  if (!result) return call.fail(result.error().failure());
+  if (!result) return call.fail(result.error(), {});
   const auto& value = *result;
   call.finish(33, [&](gecos::wire::Encoder& to) { value.encode(to); });
 }
 
 void LaserDistanceSensorServant::gecos_call_measure(gecos::IncomingCall& call) {
   const auto result = this->measure();
-  if (!result) return call.fail(result.error().failure());
+  if (!result) return call.fail(result.error(), {"robcl::SensorFault"});
   const auto& value = *result;
   call.finish(33, [&](gecos::wire::Encoder& to) { value.encode(to); });
 }
@@ -69,7 +67,7 @@ void LaserDistanceSensorServant::gecos_call_power(gecos::IncomingCall& call) {
     return call.fail({gecos::Detail::BadParameter, from.error().message(), {}, {}});
   }
   const auto result = this->power(on);
-  if (!result) return call.fail(result.error().failure());
+  if (!result) return call.fail(result.error(), {});
   call.finish(0, [](gecos::wire::Encoder&) {});
 }
 

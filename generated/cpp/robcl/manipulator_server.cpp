@@ -40,30 +40,28 @@ void ManipulatorServant::gecos_dispatch(gecos::IncomingCall call) {
         return call.fail(
             {gecos::Detail::UnknownOperation, "robcl::Manipulator has no such operation", {}, {}});
     }
-  } catch (const std::exception& error) {
-    call.fail({gecos::Detail::Fault, std::string("the handler threw: ") + error.what(), {}, {}});
   } catch (...) {
-    call.fail({gecos::Detail::Fault, "the handler threw something that is no std::exception", {}, {}});
+    call.fail_as_thrown();
   }
 }
 
 void ManipulatorServant::gecos_call_tool(gecos::IncomingCall& call) {
   const auto result = this->tool();
-  if (!result) return call.fail(result.error().failure());
+  if (!result) return call.fail(result.error(), {});
   const auto& value = *result;
   call.finish(56, [&](gecos::wire::Encoder& to) { value.encode(to); });
 }
 
 void ManipulatorServant::gecos_call_flange(gecos::IncomingCall& call) {
   const auto result = this->flange();
-  if (!result) return call.fail(result.error().failure());
+  if (!result) return call.fail(result.error(), {});
   const auto& value = *result;
   call.finish(56, [&](gecos::wire::Encoder& to) { value.encode(to); });
 }
 
 void ManipulatorServant::gecos_call_tool_offset(gecos::IncomingCall& call) {
   const auto result = this->tool_offset();
-  if (!result) return call.fail(result.error().failure());
+  if (!result) return call.fail(result.error(), {});
   const auto& value = *result;
   call.finish(56, [&](gecos::wire::Encoder& to) { value.encode(to); });
 }
@@ -76,7 +74,7 @@ void ManipulatorServant::gecos_set_tool_offset(gecos::IncomingCall& call) {
     return call.fail({gecos::Detail::BadParameter, from.error().message(), {}, {}});
   }
   const auto result = this->set_tool_offset(value);
-  if (!result) return call.fail(result.error().failure());
+  if (!result) return call.fail(result.error(), {});
   call.finish(0, [](gecos::wire::Encoder&) {});
 }
 
@@ -94,7 +92,9 @@ void ManipulatorServant::gecos_call_move(gecos::IncomingCall& call) {
   }
   gecos::Execution<::robcl::MotionProgress> run(call);
   const auto result = this->move(goal, how, run);
-  if (!result) return call.fail(result.error().failure());
+  if (!result) return call.fail(
+      result.error(),
+      {"robcl::OutOfReach", "robcl::JointLimit", "robcl::Singular"});
   call.finish(0, [](gecos::wire::Encoder&) {});
 }
 

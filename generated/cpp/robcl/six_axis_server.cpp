@@ -44,16 +44,14 @@ void SixAxisServant::gecos_dispatch(gecos::IncomingCall call) {
         return call.fail(
             {gecos::Detail::UnknownOperation, "robcl::SixAxis has no such operation", {}, {}});
     }
-  } catch (const std::exception& error) {
-    call.fail({gecos::Detail::Fault, std::string("the handler threw: ") + error.what(), {}, {}});
   } catch (...) {
-    call.fail({gecos::Detail::Fault, "the handler threw something that is no std::exception", {}, {}});
+    call.fail_as_thrown();
   }
 }
 
 void SixAxisServant::gecos_call_joints(gecos::IncomingCall& call) {
   const auto result = this->joints();
-  if (!result) return call.fail(result.error().failure());
+  if (!result) return call.fail(result.error(), {});
   const auto& value = *result;
   call.finish(48, [&](gecos::wire::Encoder& to) { value.encode(to); });
 }
@@ -72,7 +70,7 @@ void SixAxisServant::gecos_call_move_joints(gecos::IncomingCall& call) {
   }
   gecos::Execution<::robcl::MotionProgress> run(call);
   const auto result = this->move_joints(target, how, run);
-  if (!result) return call.fail(result.error().failure());
+  if (!result) return call.fail(result.error(), {"robcl::JointLimit"});
   call.finish(0, [](gecos::wire::Encoder&) {});
 }
 

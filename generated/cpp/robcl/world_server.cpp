@@ -34,16 +34,14 @@ void WorldServant::gecos_dispatch(gecos::IncomingCall call) {
         return call.fail(
             {gecos::Detail::UnknownOperation, "robcl::World has no such operation", {}, {}});
     }
-  } catch (const std::exception& error) {
-    call.fail({gecos::Detail::Fault, std::string("the handler threw: ") + error.what(), {}, {}});
   } catch (...) {
-    call.fail({gecos::Detail::Fault, "the handler threw something that is no std::exception", {}, {}});
+    call.fail_as_thrown();
   }
 }
 
 void WorldServant::gecos_call_bodies(gecos::IncomingCall& call) {
   const auto result = this->bodies();
-  if (!result) return call.fail(result.error().failure());
+  if (!result) return call.fail(result.error(), {});
   const auto& value = *result;
   const std::string wrong = [&]() -> std::string {
     for (const auto& item : value) {
@@ -77,7 +75,7 @@ void WorldServant::gecos_call_find(gecos::IncomingCall& call) {
     return call.fail({gecos::Detail::BadParameter, from.error().message(), {}, {}});
   }
   const auto result = this->find(name);
-  if (!result) return call.fail(result.error().failure());
+  if (!result) return call.fail(result.error(), {"robcl::UnknownBody"});
   const auto& value = *result;
   const std::string wrong = [&]() -> std::string {
     if (auto why = ::robcl::gecos_violation(value); !why.empty()) return why;
@@ -105,7 +103,7 @@ void WorldServant::gecos_call_cast(gecos::IncomingCall& call) {
     return call.fail({gecos::Detail::BadParameter, from.error().message(), {}, {}});
   }
   const auto result = this->cast(origin, reach);
-  if (!result) return call.fail(result.error().failure());
+  if (!result) return call.fail(result.error(), {});
   const auto& value = *result;
   const std::string wrong = [&]() -> std::string {
     if (auto why = ::robcl::gecos_violation(value); !why.empty()) return why;
@@ -133,7 +131,7 @@ void WorldServant::gecos_call_between(gecos::IncomingCall& call) {
     return call.fail({gecos::Detail::BadParameter, from.error().message(), {}, {}});
   }
   const auto result = this->between(jaws, opening);
-  if (!result) return call.fail(result.error().failure());
+  if (!result) return call.fail(result.error(), {});
   const auto& value = *result;
   const std::string wrong = [&]() -> std::string {
     if (auto why = ::robcl::gecos_violation(value); !why.empty()) return why;
@@ -161,7 +159,7 @@ void WorldServant::gecos_call_place(gecos::IncomingCall& call) {
     return call.fail({gecos::Detail::BadParameter, from.error().message(), {}, {}});
   }
   const auto result = this->place(name, pose);
-  if (!result) return call.fail(result.error().failure());
+  if (!result) return call.fail(result.error(), {"robcl::UnknownBody"});
   call.finish(0, [](gecos::wire::Encoder&) {});
 }
 

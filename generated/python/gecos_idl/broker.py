@@ -225,24 +225,28 @@ class BrokerServant(_Servant):
             "enlist",
             _broker_enlist_arguments,
             _broker_enlist_result,
+            _BROKER_ENLIST.raises,
         ),
         0xC5EBB42F: _Handler(
             _BROKER_WITHDRAW.operation,
             "withdraw",
             _broker_withdraw_arguments,
             _no_result,
+            _BROKER_WITHDRAW.raises,
         ),
         0x49E3D3E3: _Handler(
             _BROKER_LOOKUP.operation,
             "lookup",
             _broker_lookup_arguments,
             _broker_lookup_result,
+            _BROKER_LOOKUP.raises,
         ),
         0x8CE83919: _Handler(
             _BROKER_LIST.operation,
             "list",
             _no_arguments,
             _broker_list_result,
+            _BROKER_LIST.raises,
         ),
     }
 

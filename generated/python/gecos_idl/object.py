@@ -23,7 +23,15 @@ from gecos.proxy import Object as _Object
 from gecos.servant import Servant as _Servant
 from gecos.wire import Decoder as _Decoder
 from gecos.wire import Parts as _Parts
-from gecos_idl.object_types import Description, Grant, Holder, OutcomeRecord, Status, StatusRefused
+from gecos_idl.object_types import (
+    Description,
+    Grant,
+    Holder,
+    OutcomeRecord,
+    RunningHandler,
+    Status,
+    StatusRefused,
+)
 
 __all__ = [
     "Description",
@@ -32,6 +40,7 @@ __all__ = [
     "Grant",
     "Holder",
     "OutcomeRecord",
+    "RunningHandler",
     "Status",
     "StatusRefused",
 ]
@@ -175,7 +184,7 @@ _GECOS_OBJECT_DESCRIBE: _Method[Description, None] = _Method(
         access=_Access.SENSOR,
         presence=False,
         idempotent=True,
-        hash=0x724D0DFB5E3E3F57,
+        hash=0x340A23DD95A29A96,
     ),
     _gecos_object_describe_reply,
 )
@@ -234,7 +243,7 @@ _GECOS_OBJECT_OUTCOME: _Method[OutcomeRecord, None] = _Method(
 _GECOS_OBJECT = _Interface(
     name="gecos::GecosObject",
     version="1.0",
-    hash=0x6D44DF07150D6741,
+    hash=0x80A2BDB69DCDCC1E,
     bases=(
     ),
     operations=(
@@ -334,54 +343,63 @@ class GecosObjectServant(_Servant):
             "holders",
             _no_arguments,
             _gecos_object_holders_result,
+            _GECOS_OBJECT_HOLDERS.raises,
         ),
         0x00000002: _Handler(
             _GECOS_OBJECT_STOP.operation,
             "stop",
             _no_arguments,
             _no_result,
+            _GECOS_OBJECT_STOP.raises,
         ),
         0x00000003: _Handler(
             _GECOS_OBJECT_PING.operation,
             "ping",
             _no_arguments,
             _no_result,
+            _GECOS_OBJECT_PING.raises,
         ),
         0x00000004: _Handler(
             _GECOS_OBJECT_DESCRIBE.operation,
             "describe",
             _no_arguments,
             _gecos_object_describe_result,
+            _GECOS_OBJECT_DESCRIBE.raises,
         ),
         0x00000005: _Handler(
             _GECOS_OBJECT_ACQUIRE.operation,
             "acquire",
             _gecos_object_acquire_arguments,
             _gecos_object_acquire_result,
+            _GECOS_OBJECT_ACQUIRE.raises,
         ),
         0x00000006: _Handler(
             _GECOS_OBJECT_RELEASE.operation,
             "release",
             _gecos_object_release_arguments,
             _no_result,
+            _GECOS_OBJECT_RELEASE.raises,
         ),
         0x00000007: _Handler(
             _GECOS_OBJECT_SUBSCRIBE.operation,
             "subscribe",
             _gecos_object_subscribe_arguments,
             _gecos_object_subscribe_result,
+            _GECOS_OBJECT_SUBSCRIBE.raises,
         ),
         0x00000008: _Handler(
             _GECOS_OBJECT_UNSUBSCRIBE.operation,
             "unsubscribe",
             _gecos_object_unsubscribe_arguments,
             _no_result,
+            _GECOS_OBJECT_UNSUBSCRIBE.raises,
         ),
         0x00000009: _Handler(
             _GECOS_OBJECT_OUTCOME.operation,
             "outcome",
             _gecos_object_outcome_arguments,
             _gecos_object_outcome_result,
+            _GECOS_OBJECT_OUTCOME.raises,
         ),
     }
 

@@ -20,6 +20,7 @@ __all__ = [
     "Grant",
     "Holder",
     "OutcomeRecord",
+    "RunningHandler",
     "Status",
     "StatusRefused",
 ]
@@ -115,6 +116,86 @@ class Holder:
         )
 
 
+_RUNNING_HANDLER_LAYOUT_1 = _wire.Fields(
+    "d",
+    (
+        "RunningHandler.running_for",
+    ),
+)
+_RUNNING_HANDLER_LAYOUT_2 = _wire.Fields(
+    "i",
+    (
+        "RunningHandler.pid",
+    ),
+)
+
+
+@_plans.planned(
+    _plans.text(_wire.MAX_TEXT),
+    "d",
+    _plans.text(_wire.MAX_TEXT),
+    _plans.text(_wire.MAX_TEXT),
+    _plans.text(_wire.MAX_TEXT),
+    "i",
+    _plans.text(_wire.MAX_TEXT),
+    open=True,
+)
+@_dataclass(slots=True)
+class RunningHandler:
+    """A handler of an object that has begun and has not ended."""
+
+    operation: str = ""
+    running_for: float = 0.0
+    """[s]"""
+    user: str = ""
+    """who called it"""
+    host: str = ""
+    program: str = ""
+    pid: int = 0
+    waits_for: str = ""
+    """the call that its thread waits for without a bound, `RX90.move`; empty when none"""
+
+    def encode(self, out: _wire.Parts, /) -> None:
+        out.append(_wire.string(self.operation, _wire.MAX_TEXT, "RunningHandler.operation"))
+        out.append(_RUNNING_HANDLER_LAYOUT_1.pack(self.running_for))
+        out.append(_wire.string(self.user, _wire.MAX_TEXT, "RunningHandler.user"))
+        out.append(_wire.string(self.host, _wire.MAX_TEXT, "RunningHandler.host"))
+        out.append(_wire.string(self.program, _wire.MAX_TEXT, "RunningHandler.program"))
+        out.append(_RUNNING_HANDLER_LAYOUT_2.pack(self.pid))
+        out.append(_wire.string(self.waits_for, _wire.MAX_TEXT, "RunningHandler.waits_for"))
+
+    @classmethod
+    def decode(cls, source: _wire.Decoder, /) -> _Self:
+        operation = source.string(_wire.MAX_COUNT, "RunningHandler.operation")
+        (running_for,) = _RUNNING_HANDLER_LAYOUT_1.unpack(source)
+        user = source.string(_wire.MAX_COUNT, "RunningHandler.user")
+        host = source.string(_wire.MAX_COUNT, "RunningHandler.host")
+        program = source.string(_wire.MAX_COUNT, "RunningHandler.program")
+        (pid,) = _RUNNING_HANDLER_LAYOUT_2.unpack(source)
+        waits_for = source.string(_wire.MAX_COUNT, "RunningHandler.waits_for")
+        source.offset = source.end  # what a newer writer added is skipped
+        return cls(operation, running_for, user, host, program, pid, waits_for)
+
+    @staticmethod
+    def fingerprint() -> int:
+        return 0x70D7283D0F4193B5
+
+    @staticmethod
+    def _gecos_shape() -> _shapes.Shape:
+        return _shapes.Members(
+            RunningHandler,
+            (
+                _shapes.Member("operation", _shapes.Text()),
+                _shapes.Member("running_for", _shapes.Number("d")),
+                _shapes.Member("user", _shapes.Text()),
+                _shapes.Member("host", _shapes.Text()),
+                _shapes.Member("program", _shapes.Text()),
+                _shapes.Member("pid", _shapes.Number("i")),
+                _shapes.Member("waits_for", _shapes.Text()),
+            ),
+        )
+
+
 _DESCRIPTION_LAYOUT_1 = _wire.Fields(
     "Q?",
     (
@@ -148,6 +229,7 @@ _DESCRIPTION_LAYOUT_3 = _wire.Fields(
     _plans.text(_wire.MAX_TEXT),
     "i",
     _plans.text(_wire.MAX_TEXT),
+    _plans.items(_plans.block(RunningHandler), 4, _wire.MAX_COUNT),
     open=True,
 )
 @_dataclass(slots=True)
@@ -173,6 +255,8 @@ class Description:
     pid: int = 0
     registration: str = ""
     """whether the name is the object's, so that actor commands may start: "confirmed\""""
+    handlers: list[RunningHandler] = _field(default_factory=list)
+    """that have begun and have not ended, the oldest first"""
 
     def encode(self, out: _wire.Parts, /) -> None:
         out.append(_wire.string(self.name, _wire.MAX_TEXT, "Description.name"))
@@ -185,6 +269,9 @@ class Description:
         out.append(_wire.string(self.executing, _wire.MAX_TEXT, "Description.executing"))
         out.append(_DESCRIPTION_LAYOUT_3.pack(self.pid))
         out.append(_wire.string(self.registration, _wire.MAX_TEXT, "Description.registration"))
+        out.append(_wire.counted(self.handlers, _wire.MAX_COUNT, "Description.handlers"))
+        for item in self.handlers:
+            _wire.put_block(item, RunningHandler, out, "Description.handlers")
 
     @classmethod
     def decode(cls, source: _wire.Decoder, /) -> _Self:
@@ -198,6 +285,10 @@ class Description:
         executing = source.string(_wire.MAX_COUNT, "Description.executing")
         (pid,) = _DESCRIPTION_LAYOUT_3.unpack(source)
         registration = source.string(_wire.MAX_COUNT, "Description.registration")
+        handlers = [
+            RunningHandler.decode(source.block("Description.handlers"))
+            for _ in range(source.count(4, _wire.MAX_COUNT, "Description.handlers"))
+        ]
         source.offset = source.end  # what a newer writer added is skipped
         return cls(
             name,
@@ -212,11 +303,12 @@ class Description:
             executing,
             pid,
             registration,
+            handlers,
         )
 
     @staticmethod
     def fingerprint() -> int:
-        return 0xFE16CF8474997518
+        return 0x156CC33D6B1EFE30
 
     @staticmethod
     def _gecos_shape() -> _shapes.Shape:
@@ -235,6 +327,7 @@ class Description:
                 _shapes.Member("executing", _shapes.Text()),
                 _shapes.Member("pid", _shapes.Number("i")),
                 _shapes.Member("registration", _shapes.Text()),
+                _shapes.Member("handlers", _shapes.Items(_shapes.Value(RunningHandler))),
             ),
         )
 

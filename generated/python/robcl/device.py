@@ -143,18 +143,21 @@ class DeviceServant(_Servant):
             "base",
             _no_arguments,
             _device_base_result,
+            _DEVICE_BASE.raises,
         ),
         0x8FD39271: _Handler(
             _DEVICE_PARENT.operation,
             "parent",
             _no_arguments,
             _device_parent_result,
+            _DEVICE_PARENT.raises,
         ),
         0xEB6DA7E6: _Handler(
             _DEVICE_MOUNT.operation,
             "mount",
             _device_mount_arguments,
             _no_result,
+            _DEVICE_MOUNT.raises,
         ),
     }
 

@@ -246,36 +246,42 @@ class GripperServant(DeviceServant):
             "jaws",
             _no_arguments,
             _gripper_jaws_result,
+            _GRIPPER_JAWS.raises,
         ),
         0x8BB8A207: _Handler(
             _GRIPPER_GRIP_POINT.operation,
             "grip_point",
             _no_arguments,
             _gripper_grip_point_result,
+            _GRIPPER_GRIP_POINT.raises,
         ),
         0x8B02F9AF: _Handler(
             _GRIPPER_MAX_WIDTH.operation,
             "max_width",
             _no_arguments,
             _gripper_max_width_result,
+            _GRIPPER_MAX_WIDTH.raises,
         ),
         0x2BA48834: _Handler(
             _GRIPPER_MAX_FORCE.operation,
             "max_force",
             _no_arguments,
             _gripper_max_force_result,
+            _GRIPPER_MAX_FORCE.raises,
         ),
         0x7BC932D6: _Handler(
             _GRIPPER_OPEN.operation,
             "open",
             _gripper_open_arguments,
             _no_result,
+            _GRIPPER_OPEN.raises,
         ),
         0xD12A65B2: _Handler(
             _GRIPPER_CLOSE.operation,
             "close",
             _gripper_close_arguments,
             _no_result,
+            _GRIPPER_CLOSE.raises,
         ),
     }
 

@@ -152,18 +152,21 @@ class LaserDistanceSensorServant(DeviceServant):
             "beam",
             _no_arguments,
             _laser_distance_sensor_beam_result,
+            _LASER_DISTANCE_SENSOR_BEAM.raises,
         ),
         0x3FF05271: _Handler(
             _LASER_DISTANCE_SENSOR_MEASURE.operation,
             "measure",
             _no_arguments,
             _laser_distance_sensor_measure_result,
+            _LASER_DISTANCE_SENSOR_MEASURE.raises,
         ),
         0x05F38E6C: _Handler(
             _LASER_DISTANCE_SENSOR_POWER.operation,
             "power",
             _laser_distance_sensor_power_arguments,
             _no_result,
+            _LASER_DISTANCE_SENSOR_POWER.raises,
         ),
     }
 

@@ -264,30 +264,35 @@ class ManipulatorServant(DeviceServant):
             "tool",
             _no_arguments,
             _manipulator_tool_result,
+            _MANIPULATOR_TOOL.raises,
         ),
         0xD602ADAC: _Handler(
             _MANIPULATOR_FLANGE.operation,
             "flange",
             _no_arguments,
             _manipulator_flange_result,
+            _MANIPULATOR_FLANGE.raises,
         ),
         0x5DF86BCB: _Handler(
             _MANIPULATOR_TOOL_OFFSET.operation,
             "tool_offset",
             _no_arguments,
             _manipulator_tool_offset_result,
+            _MANIPULATOR_TOOL_OFFSET.raises,
         ),
         0xE411F442: _Handler(
             _MANIPULATOR_SET_TOOL_OFFSET.operation,
             "set_tool_offset",
             _manipulator_set_tool_offset_arguments,
             _no_result,
+            _MANIPULATOR_SET_TOOL_OFFSET.raises,
         ),
         0x3507E304: _Handler(
             _MANIPULATOR_MOVE.operation,
             "move",
             _manipulator_move_arguments,
             _no_result,
+            _MANIPULATOR_MOVE.raises,
         ),
     }
 

@@ -96,6 +96,7 @@ class Rx90Servant(SixAxisServant):
             "posture",
             _no_arguments,
             _rx90_posture_result,
+            _RX90_POSTURE.raises,
         ),
     }
 

@@ -150,12 +150,14 @@ class SixAxisServant(ManipulatorServant):
             "joints",
             _no_arguments,
             _six_axis_joints_result,
+            _SIX_AXIS_JOINTS.raises,
         ),
         0xC46BB1A7: _Handler(
             _SIX_AXIS_MOVE_JOINTS.operation,
             "move_joints",
             _six_axis_move_joints_arguments,
             _no_result,
+            _SIX_AXIS_MOVE_JOINTS.raises,
         ),
     }
 

@@ -245,30 +245,35 @@ class WorldServant(_Servant):
             "bodies",
             _no_arguments,
             _world_bodies_result,
+            _WORLD_BODIES.raises,
         ),
         0x288EDD9E: _Handler(
             _WORLD_FIND.operation,
             "find",
             _world_find_arguments,
             _world_find_result,
+            _WORLD_FIND.raises,
         ),
         0xBFA68292: _Handler(
             _WORLD_CAST.operation,
             "cast",
             _world_cast_arguments,
             _world_cast_result,
+            _WORLD_CAST.raises,
         ),
         0xE92DA823: _Handler(
             _WORLD_BETWEEN.operation,
             "between",
             _world_between_arguments,
             _world_between_result,
+            _WORLD_BETWEEN.raises,
         ),
         0x72EB48A0: _Handler(
             _WORLD_PLACE.operation,
             "place",
             _world_place_arguments,
             _no_result,
+            _WORLD_PLACE.raises,
         ),
     }
 

@@ -30,6 +30,7 @@ class Lane(threading.Thread):
         self._server = server  # which serves as long as its threads run, whoever lets go of it
         self.servant = servant
         self.core = core
+        self._object_name = name
         self._lane = lane
         self._running: _core.IncomingCall | Literal["stopped"] | None = None
 
@@ -37,9 +38,9 @@ class Lane(threading.Thread):
         while (task := self.core.next(self._lane)) is not None:
             self._running = task
             if task == "stopped":
-                _stopped(self.servant)
+                _stopped(self.servant, self._object_name)
             else:
-                _answer(self.servant, task)
+                _answer(self.servant, task, self._object_name)
             self._running = None
 
     def tell_running(self) -> None:
@@ -66,7 +67,7 @@ class Lane(threading.Thread):
         )
 
 
-def _answer(servant: Servant, call: _core.IncomingCall) -> None:
+def _answer(servant: Servant, call: _core.IncomingCall, name: str) -> None:
     """Whatever the handler raises ends its call, not the thread of its lane."""
     handler = servant._gecos_handlers.get(call.code)
     if handler is None:
@@ -78,7 +79,8 @@ def _answer(servant: Servant, call: _core.IncomingCall) -> None:
         call.fail(Detail.BAD_PARAMETER, f"{handler.operation.name}: {error}", "", b"")
         return
     except BaseException as error:  # of a value type that a user wrote
-        _fault(call, handler, error)
+        what = f"the arguments of '{handler.operation.name}' cannot be read: "
+        _fault(call, name, what + _named(error), error)
         return
     if call.interrupted():  # stopped or canceled while another handler had the thread
         call.fail(Detail.CANCELED, f"{handler.operation.name}: ended before it started", "", b"")
@@ -87,17 +89,26 @@ def _answer(servant: Servant, call: _core.IncomingCall) -> None:
         arguments = (*arguments, Execution(call))
     try:
         value = getattr(servant, handler.method)(*arguments)
+    except BaseException as error:
+        _raised(call, handler, name, error)
+        return
+    try:
         result = b"".join(handler.result(value))
     except BaseException as error:
-        _raised(call, handler, error)
+        what = f"the handler of '{handler.operation.name}' gave what cannot be sent: "
+        _fault(call, name, what + _named(error), error)
     else:
         call.finish(result)
 
 
-def _raised(call: _core.IncomingCall, handler: Handler, error: BaseException) -> None:
+def _raised(
+    call: _core.IncomingCall, handler: Handler, object_name: str, error: BaseException
+) -> None:
     """Ends the call with what its handler raised, as far as that can be sent."""
+    raised = f"the handler of '{handler.operation.name}' raised "
     try:
-        if isinstance(error, DeclaredError):
+        declared = (DeclaredError,) if handler.raises is None else handler.raises
+        if isinstance(error, declared):
             call.fail(Detail.FAULT, _sendable(str(error)), error._gecos_name, to_bytes(error))
             return
         if isinstance(error, Rejected | Interrupted):
@@ -105,14 +116,20 @@ def _raised(call: _core.IncomingCall, handler: Handler, error: BaseException) ->
             return
     except BaseException as unsendable:  # a member, or the text, of a type that it must not have
         unsendable.__cause__ = error
-        error = unsendable
-    _fault(call, handler, error)
+        what = f"{raised}{type(error).__name__}, which cannot be sent: {_named(unsendable)}"
+        _fault(call, object_name, what, unsendable)
+        return
+    what = f"{raised}{type(error).__name__}, which it does not declare"
+    _fault(call, object_name, ": ".join(filter(None, (what, _text(error)))), error)
 
 
-def _fault(call: _core.IncomingCall, handler: Handler, error: BaseException) -> None:
-    text = ": ".join(filter(None, (handler.operation.name, type(error).__name__, _text(error))))
-    log.error("server", _sendable(f"{text}\n{_trace(error)}"))
+def _fault(call: _core.IncomingCall, object_name: str, text: str, error: BaseException) -> None:
+    log.error("server", _sendable(f"{object_name}: {text}\n{_trace(error)}"))
     call.fail(Detail.FAULT, _sendable(text), "", b"")
+
+
+def _named(error: BaseException) -> str:
+    return ": ".join(filter(None, (type(error).__name__, _text(error))))
 
 
 def _text(error: BaseException) -> str:
@@ -135,9 +152,9 @@ def _sendable(text: str) -> str:
     return text if len(text) <= _LONGEST_TEXT else f"{text[:_LONGEST_TEXT]} …"
 
 
-def _stopped(servant: Servant) -> None:
+def _stopped(servant: Servant, name: str) -> None:
     try:
         servant.gecos_on_stop()
     except BaseException as error:
-        text = f"{servant._gecos_interface.name}: gecos_on_stop failed\n{_trace(error)}"
+        text = f"{name}: gecos_on_stop failed\n{_trace(error)}"
         log.error("server", _sendable(text))

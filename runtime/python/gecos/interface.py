@@ -141,6 +141,7 @@ class Handler:
     method: str  # of the servant; it takes `run` last when the operation is cancelable
     arguments: Callable[[Decoder], tuple[Any, ...]]
     result: Callable[[Any], Parts]
+    raises: tuple[type[DeclaredError], ...] | None = None  # None: whatever the servant raises
 
 
 def nothing(source: Decoder) -> None:

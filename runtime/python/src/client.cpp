@@ -7,6 +7,7 @@
 #include "bind.hpp"
 #include "bytes.hpp"
 #include "dynamic_description.hpp"
+#include "gecos/session/handler_waits.hpp"
 #include "gecos/session/lab_core.hpp"
 #include "gecos/session/linked_session.hpp"
 #include "handles.hpp"
@@ -156,6 +157,8 @@ nb::tuple progress(const CommandHandle& self) {
 }
 
 bool wait(const CommandHandle& self, std::optional<double> timeout) {
+  std::optional<session::WaitsHere> endless;
+  if (!timeout) endless.emplace(self.awaited());
   return wait_in_slices(timeout, [&](TimePoint until) { return self.awaited().wait_until(until); });
 }
 

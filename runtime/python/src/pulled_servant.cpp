@@ -16,6 +16,12 @@ void refuse(Task& task) {
        {}});
 }
 
+Lane lane_of(const OperationDescription& operation) {
+  const bool is_short =
+      operation.status == access::Status::Sensor && !operation.cancelable && !operation.ordered;
+  return operation.safety ? Lane::Safety : is_short ? Lane::Sensor : Lane::Fifo;
+}
+
 }  // namespace
 
 void TaskQueue::push(Task task) {
@@ -60,11 +66,12 @@ void TaskQueue::close() {
 }
 
 void PulledServant::gecos_dispatch(IncomingCall call) {
-  const OperationDescription& operation = call.operation();
-  const bool is_short =
-      operation.status == access::Status::Sensor && !operation.cancelable && !operation.ordered;
-  const Lane lane = operation.safety ? Lane::Safety : is_short ? Lane::Sensor : Lane::Fifo;
-  queue(lane).push(std::move(call));
+  queue(lane_of(call.operation())).push(std::move(call));
+}
+
+bool PulledServant::gecos_share_thread(const OperationDescription& one,
+                                       const OperationDescription& other) const {
+  return lane_of(one) == lane_of(other);
 }
 
 void PulledServant::close() {

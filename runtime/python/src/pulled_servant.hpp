@@ -52,6 +52,8 @@ class PulledServant final : public Servant {
   const InterfaceDescription& gecos_interface() const override { return interface_; }
   void gecos_dispatch(IncomingCall call) override;
   bool gecos_begins_calls() const override { return true; }
+  bool gecos_share_thread(const OperationDescription& one,
+                          const OperationDescription& other) const override;
   /// Any thread.
   void stopped() { queue(Lane::Safety).push(Stopped{}); }
   /// Any thread; waits for the next task of that lane, nothing once it is closed.

@@ -28,6 +28,7 @@ class Painter final : public DeepServant {
     return what;
   }
   gecos::Result<Stage_measure_result> measure(std::int32_t channel, const Grows& state) override {
+    if (channel == 0) return tl::unexpected(Refused{"no channel", 1.5});
     Stage_measure_result result;
     result.result = channel * 0.5;
     result.note = "channel";
@@ -102,14 +103,26 @@ TEST_F(GeneratedCalls, TurnWhatAHandlerThrowsIntoAFaultWithItsText) {
   const auto painted = stage.paint(Colour::RED, {"boom"}).get();
   ASSERT_FALSE(painted);
   EXPECT_EQ(painted.error().detail, Detail::Fault);
-  EXPECT_NE(painted.error().text.find("the can fell over"), std::string::npos);
+  EXPECT_EQ(painted.error().text,
+            "the handler of 'paint' threw std::runtime_error, which it does not declare: "
+            "the can fell over");
+}
+
+TEST_F(GeneratedCalls, NameAnExceptionThatOnlyAnotherOperationDeclares) {
+  const auto measured = stage.measure(0, {}).get();
+  ASSERT_FALSE(measured);
+  EXPECT_EQ(measured.error().detail, Detail::Fault);
+  EXPECT_FALSE(measured.error().as<Refused>());
+  EXPECT_EQ(measured.error().text.find("the handler of 'measure' raised "), 0u);
+  EXPECT_NE(measured.error().text.find("Refused, which it does not declare: "), std::string::npos)
+      << measured.error();
 }
 
 TEST_F(GeneratedCalls, TurnWhatIsNoExceptionOfTheStandardLibraryIntoAFaultToo) {
   const auto painted = stage.paint(Colour::RED, {"bang"}).get();
   ASSERT_FALSE(painted);
   EXPECT_EQ(painted.error().detail, Detail::Fault);
-  EXPECT_EQ(painted.error().text, "the handler threw something that is no std::exception");
+  EXPECT_EQ(painted.error().text, "the handler of 'paint' threw int, which it does not declare");
   EXPECT_TRUE(stage.paint(Colour::RED, {"a"}).get()) << "and the next call is carried out";
 }
 

@@ -129,7 +129,8 @@ class CommandCore {
   /// callbacks; also when the command was dropped. What `then` throws is logged and goes no
   /// further.
   virtual void when_ended(std::function<void()> then) = 0;
-  /// What was called, "RX90.move". Valid once it has failed, where nobody had asked before.
+  /// What was called, "RX90.move". Valid while it runs, and once it has failed where nobody had
+  /// asked before.
   virtual std::string about() const { return {}; }
 
   /// Its caller has asked how it goes, or says that nobody will: that it fails is not logged.

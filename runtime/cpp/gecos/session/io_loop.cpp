@@ -285,6 +285,9 @@ void IoLoop::watch(const std::shared_ptr<ServerSession>& session) {
     sessions_.emplace(key, session);
   }
   hot_.push_back(session);
+  log_debug("media", session->object()->name() + ": a link over " +
+                         std::string(media::to_string(session->link().offer().kind)) +
+                         " is open: " + session->link().peer().description);
 }
 
 // Losses
@@ -294,6 +297,8 @@ void IoLoop::part_if_lost(const std::shared_ptr<ServerSession>& session) {
   if (session->link().loss() == media::Loss::None) return;
   while (const auto packet = session->link().receive()) session->object()->take(session, *packet);
   session->gone = true;
+  log_debug("media",
+            session->object()->name() + ": a link is lost: " + session->link().loss_text());
   // In order where it said goodbye. Who closes a link without that has given up what it issued.
   session->object()->depart(session, ServedObject::Departure::Lost);
   if (session->object()->ready())

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "gecos/base/log.hpp"
 #include "gecos/base/recycling_allocator.hpp"
 #include "gecos/session/function_code.hpp"
 #include "gecos/session/packets.hpp"
@@ -25,7 +26,12 @@ LinkedSession::LinkedSession(std::shared_ptr<Runtime> runtime, std::unique_ptr<m
       watched_(runtime_->clock().now(), runtime_->options().lease_ttl),
       last_sign_(watched_.now()),
       answers_(runtime_->options().lease_ttl,
-               2 * (runtime_->options().lease_ttl + runtime_->options().grace), watched_.now()) {}
+               2 * (runtime_->options().lease_ttl + runtime_->options().grace), watched_.now()) {
+  if (!log_enabled(LogLevel::Info)) return;
+  log_info("client", "connected to " + welcome_.object + " (" + welcome_.interface_name +
+                         ") over " + std::string(media::to_string(link_->offer().kind)) + ": " +
+                         link_->peer().description);
+}
 
 ObjectRef LinkedSession::reference() const {
   return {welcome_.object, welcome_.interface_hash, welcome_.boot,
@@ -251,6 +257,7 @@ void LinkedSession::lose(Ending how, const std::string& text) {
     if (how == Ending::Died || how == Ending::Closed) adrift = cast_off(how, text);
     open = calls_.take_all();
   }
+  log_info("client", "the session with " + welcome_.object + " ended: " + text);
   for (const auto& [counter, command] : open) {
     if (goes_on) command->observe();  // whoever closed the session meant it to
     command->fail(failure_of(*command, how, text));

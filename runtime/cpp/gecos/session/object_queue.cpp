@@ -8,6 +8,12 @@ namespace {
 /// The commands before it end when it is queued, so their room is its own.
 bool replaces(const Ticket& ticket) { return ticket.operation.on_new == OnNew::Preempt; }
 
+bool beside_each_other(const Ticket& one, const Ticket& other) {
+  const bool both_blend =
+      one.operation.on_new == OnNew::Blend && other.operation.on_new == OnNew::Blend;
+  return one.operation.parallel || other.operation.parallel || both_blend;
+}
+
 }  // namespace
 
 tl::expected<void, ObjectQueue::Full> ObjectQueue::push(std::shared_ptr<Ticket> ticket) {
@@ -78,11 +84,17 @@ ObjectQueue::Lane& ObjectQueue::lane_of(const Ticket& ticket) {
 }
 
 bool ObjectQueue::beside_running(const Ticket& ticket) const {
-  return std::all_of(running_.begin(), running_.end(), [&](const Ticket* other) {
-    const bool both_blend =
-        other->operation.on_new == OnNew::Blend && ticket.operation.on_new == OnNew::Blend;
-    return other->operation.parallel || ticket.operation.parallel || both_blend;
-  });
+  return std::all_of(running_.begin(), running_.end(),
+                     [&](const Ticket* other) { return beside_each_other(*other, ticket); });
+}
+
+std::vector<Ticket*> ObjectQueue::holding_up() const {
+  std::vector<Ticket*> holding;
+  if (actor_.empty()) return holding;
+  for (Ticket* const running : running_) {
+    if (!beside_each_other(*running, *actor_.front())) holding.push_back(running);
+  }
+  return holding;
 }
 
 std::shared_ptr<Ticket> ObjectQueue::next() {

@@ -73,6 +73,8 @@ class ObjectQueue {
   const std::vector<Ticket*>& running() const { return running_; }
   /// Nothing waits and no handler is inside.
   bool idle() const;
+  /// Those of them that the next one waits for.
+  std::vector<Ticket*> holding_up() const;
   std::optional<std::size_t> position(const Ticket& ticket) const;
 
  private:

@@ -8,6 +8,7 @@
 
 #include "gecos/base/log.hpp"
 #include "gecos/session/callbacks.hpp"
+#include "gecos/session/handler_waits.hpp"
 #include "gecos/session/linked_session.hpp"
 #include "gecos/session/runtime.hpp"
 
@@ -34,7 +35,12 @@ void tell_unasked(const std::string& about, const Failure& failure) {
 }  // namespace
 
 PendingCommand::PendingCommand(Failure failure)
-    : detail_(failure.detail), failure_(std::move(failure)) {}
+    : detail_(failure.detail), failure_(std::move(failure)) {
+  if (!log_enabled(LogLevel::Info)) return;
+  std::ostringstream line;
+  line << "a command was not sent: " << failure_;
+  log_info("client", std::move(line).str());
+}
 
 PendingCommand::~PendingCommand() {
   const Detail detail = detail_.load(std::memory_order_relaxed);
@@ -50,6 +56,15 @@ std::shared_ptr<LinkedSession> PendingCommand::session() const {
 CommandId PendingCommand::id() const {
   const std::lock_guard lock(mutex_);
   return {boot, session_id, counter};
+}
+
+std::string PendingCommand::about() const {
+  const std::lock_guard lock(mutex_);
+  return session_ == nullptr ? about_ : name_in(*session_);
+}
+
+std::string PendingCommand::name_in(const LinkedSession& session) const {
+  return session.object_name() + "." + std::string(operation_);
 }
 
 Progress PendingCommand::progress() const {
@@ -75,6 +90,8 @@ Bytes PendingCommand::feedback() const {
 bool PendingCommand::wait_until(TimePoint deadline) {
   observe();
   if (terminal()) return true;
+  std::optional<WaitsHere> endless;
+  if (deadline == TimePoint::max()) endless.emplace(*this);
   if (again) return wait_in_any_session(deadline);
   const auto session = this->session();
   if (!session) return true;
@@ -124,6 +141,17 @@ void PendingCommand::report(Detail detail, const ProgressBody& body) {
 
 /// Publishing the terminal state is the last touch: the waiter may drop the command at once. What
 /// keeps this call alive is its caller's reference.
+void PendingCommand::log_end(const LinkedSession& in, Detail detail) const {
+  std::ostringstream line;
+  line << name_in(in) << " ended ";
+  if (detail == Detail::Done) {
+    line << "FINISHED/DONE";
+  } else {
+    line << failure_;
+  }
+  log(actor_ ? LogLevel::Info : LogLevel::Debug, "client", std::move(line).str());
+}
+
 template <class Publish>
 void PendingCommand::end(Detail detail, Publish publish) {
   std::shared_ptr<LinkedSession> released;
@@ -132,6 +160,7 @@ void PendingCommand::end(Detail detail, Publish publish) {
   publish();
   position_ = 0;
   released = std::move(session_);
+  if (log_enabled(actor_ ? LogLevel::Info : LogLevel::Debug)) log_end(*released, detail);
   if (attended_) released->attended_less();
   if (exported_) exported_->ring();
   if (again) again->moored.notify_all();
@@ -155,7 +184,7 @@ void PendingCommand::fail(Failure failure) {
   const Detail detail = failure.detail;
   end(detail, [&] {
     if (!operation_.empty() && !observed()) {
-      about_ = session_->object_name() + "." + std::string(operation_);
+      about_ = name_in(*session_);
     }
     failure_ = std::move(failure);
   });

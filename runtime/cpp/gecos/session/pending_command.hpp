@@ -41,7 +41,7 @@ class PendingCommand final : public CommandCore {
   const Failure& failure() const override { return failure_; }
   int descriptor() override;
   void when_ended(std::function<void()> then) override;
-  std::string about() const override { return about_; }
+  std::string about() const override;
 
   /// Asked by who has just said that he follows the baton, so in one order with that (Baton::poke).
   bool terminal() const {
@@ -90,6 +90,8 @@ class PendingCommand final : public CommandCore {
  private:
   std::shared_ptr<LinkedSession> session() const;
   void be_attended();  // with the mutex
+  std::string name_in(const LinkedSession& session) const;
+  void log_end(const LinkedSession& in, Detail detail) const;
   bool adrift() const {
     return again != nullptr && home_.load(std::memory_order_acquire) == nullptr;
   }

@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <system_error>
 
+#include "gecos/base/log.hpp"
 #include "gecos/media/open.hpp"
 #include "gecos/session/linked_session.hpp"
 
@@ -106,6 +107,8 @@ tl::expected<media::Medium*, media::MediumError> Runtime::medium(media::Kind kin
   auto found = media_.find(kind);
   if (found == media_.end()) {
     auto opened = media::open(kind, options_.wrap_medium);
+    log_debug("media",
+              opened ? std::string(media::to_string(kind)) + " was opened" : opened.error().text);
     if (!opened) return tl::unexpected(std::move(opened.error()));
     found = media_.emplace(kind, std::move(*opened)).first;
   }
@@ -161,6 +164,7 @@ tl::expected<std::shared_ptr<LinkedSession>, std::string> Runtime::connect(
     }
   };
   auto session = open();
+  log_debug("media", session ? address + ": connected" : session.error().reason);
   if (!session) {
     if (why != nullptr) *why = session.error().detail;
     return tl::unexpected(session.error().reason);

@@ -2,6 +2,7 @@
 
 #include <concepts>
 #include <cstdint>
+#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <sstream>
@@ -132,6 +133,10 @@ class IncomingCall {
 
   void finish(ByteView result) { std::exchange(core_, nullptr)->finish(result); }
   void fail(Failure failure) { std::exchange(core_, nullptr)->fail(std::move(failure)); }
+  /// As `fault` says. An exception that is none of `declared` is named as undeclared.
+  void fail(const Fault& fault, std::initializer_list<std::string_view> declared);
+  /// In a catch block: as what was thrown, which no operation declares.
+  void fail_as_thrown();
 
   /// For generated skeletons: sizes, encodes and sends the result of a handler.
   void finish(std::size_t size, FunctionRef<void(wire::Encoder&)> encode);
@@ -197,6 +202,14 @@ class Servant {
 
   /// True: gecos_dispatch() only queues, and IncomingCall::begin() is called before each handler.
   virtual bool gecos_begins_calls() const { return false; }
+
+  /// Whether the handlers of both run on one thread; for servants that queue calls.
+  virtual bool gecos_share_thread(const OperationDescription& one,
+                                  const OperationDescription& other) const {
+    static_cast<void>(one);
+    static_cast<void>(other);
+    return false;
+  }
 
   /// A session in which calls came (Caller::session) has ended. On a thread of the server, beside
   /// handlers: must not block.

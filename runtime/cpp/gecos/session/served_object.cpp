@@ -4,7 +4,9 @@
 #include <exception>
 
 #include "gecos/base/log.hpp"
+#include "gecos/session/call_log.hpp"
 #include "gecos/session/function_code.hpp"
+#include "gecos/session/handler_waits.hpp"
 #include "gecos/session/packets.hpp"
 #include "gecos/session/start_words.hpp"
 
@@ -75,6 +77,7 @@ void ServedObject::run_ready(Starter starter, std::shared_ptr<ServerCall> starte
 std::shared_ptr<ServerCall> ServedObject::execute(const std::shared_ptr<ServerCall>& call,
                                                   Starter starter) {
   try {
+    const RunsHere here(*call);
     servant_.gecos_dispatch(IncomingCall(call));
   } catch (...) {  // dropped unanswered, the call has ended as FAULT
     log_error("session", name_ + ": the servant threw while it dispatched '" +
@@ -107,6 +110,7 @@ bool ServedObject::begins(ServerCall& call) {
 }
 
 bool ServedObject::begin(ServerCall& call) {
+  runs_here(call.weak_from_this());
   std::unique_lock lock(mutex_);
   const TimePoint now = await_judgement(lock);
   return may_start(call) && marked(call, now);
@@ -215,19 +219,29 @@ bool ServedObject::may_start(ServerCall& call) {
 /// and so has been told, or will be, that it did not start.
 bool ServedObject::marked(ServerCall& call, TimePoint now) {
   call.note_mark(now);
-  ServerSession& session = call.listener();
-  if (!session.link().offer().shared_words) return true;
-  const std::uint64_t counter = call.counter_in(session);
-  const std::size_t word = marked_word(call.lane);
-  session.marked.at(word) = std::max(session.marked.at(word), counter);
-  session.link().write_word(word, session.marked.at(word));
-  if (session.link().peer_word(withdrawn_word) < counter) return true;
+  if (!withdrawn(call)) {
+    call.begun = now;
+    handlers_.push_back(&call);
+    if (log_enabled(LogLevel::Debug)) log_begin(call);
+    return true;
+  }
   end(call, Failure{Detail::NotStarted,
                     "'" + std::string(call.operation().name) + "' of " + name_ +
                         " was not started: its caller had given it up",
                     {},
                     {}});
   return false;
+}
+
+/// Where client and server share memory, what the client has withdrawn is read after the mark.
+bool ServedObject::withdrawn(const ServerCall& call) {
+  ServerSession& session = call.listener();
+  if (!session.link().offer().shared_words) return false;
+  const std::uint64_t counter = call.counter_in(session);
+  const std::size_t word = marked_word(call.lane);
+  session.marked.at(word) = std::max(session.marked.at(word), counter);
+  session.link().write_word(word, session.marked.at(word));
+  return session.link().peer_word(withdrawn_word) >= counter;
 }
 
 // Outcomes
@@ -285,6 +299,7 @@ void ServedObject::end(ServerCall& call, const Failure& failure) {
 /// status free. What the next holder commands still waits for the handler to return.
 void ServedObject::settle(ServerCall& call, Detail detail, const std::string& text) {
   call.terminal = true;
+  if (log_enabled(level_of(call.operation()))) log_end(call, detail, text, runtime_->clock().now());
   call.session->calls.take(call.counter);
   if (call.heir) call.heir->calls.take(call.heir_counter);
   if (call.lane != Ticket::Place::Actor) return;
@@ -299,6 +314,8 @@ void ServedObject::list(ServerCall& call) {
 /// Its handler has returned and answered: the lane is free.
 void ServedObject::finished(ServerCall& call) {
   queue_.ended(call);
+  if (std::exchange(call.begun, TimePoint{}) != TimePoint{}) std::erase(handlers_, &call);
+  if (std::exchange(call.awaited, std::nullopt)) --waiting_handlers_;
   if (std::exchange(call.listed, false)) {
     open_.erase(std::find_if(open_.begin(), open_.end(),
                              [&](const auto& other) { return other.get() == &call; }));
@@ -398,6 +415,7 @@ void ServedObject::tell_positions() {
 
 TimePoint ServedObject::tend(TimePoint now) {
   look_at_time(now);
+  end_endless_waits(now);
   // What has become free, and what nobody else looks at: its client is gone, its poller sleeps.
   if (ready()) run_ready(Starter::Other);
   const Lock lock(mutex_);
@@ -501,6 +519,7 @@ void ServedObject::depart(const std::shared_ptr<ServerSession>& session, Departu
     }
     session->subscriptions.clear();
     if (session->greeted()) {
+      if (log_enabled(LogLevel::Info)) log_departure(name_, *session);
       const bool lost = how == Departure::Lost && !session->left;
       history_.departed(session->id(), session->window, lost ? session : nullptr);
     }
@@ -511,6 +530,7 @@ void ServedObject::depart(const std::shared_ptr<ServerSession>& session, Departu
 }
 
 void ServedObject::lose_status(SessionId session, const std::string& why) {
+  log_info("server", name_ + ": a status ended: " + why);
   const Failure failure{
       Detail::LeaseLost, "the status under which it was issued ended: " + why, {}, {}};
   end_commands(

@@ -90,6 +90,16 @@ class ServedObject final : public Publisher, public std::enable_shared_from_this
   void publish(const StreamDescription& stream, ByteView sample, std::int64_t stamp_ns) override;
   ObjectStreams& streams() { return streams_; }
 
+  // What handlers wait for (handler_waits.hpp); any thread.
+  /// The handler of `call` waits for another call, which is called `name`, without a bound.
+  void waits(ServerCall& call, const CommandId& awaited, std::string name);
+  void goes_on(ServerCall& call);
+  std::optional<CommandId> awaited_by(const ServerCall& call);
+  /// Null when it has not arrived, or has ended.
+  std::shared_ptr<ServerCall> find(const CommandId& call);
+  /// What has to return before `call` can start; nothing where it has, or ends by itself.
+  std::vector<std::shared_ptr<ServerCall>> held_up_by(const ServerCall& call);
+
   /// Ends all calls as STOPPED and takes no more.
   void close();
   bool closed();
@@ -101,6 +111,9 @@ class ServedObject final : public Publisher, public std::enable_shared_from_this
   using Lock = std::lock_guard<Mutex>;
 
   void look_at_time(TimePoint now);
+  void end_endless_waits(TimePoint now);
+  void refuse_endless(const CommandId& call, const std::string& why);
+  std::vector<RunningHandler> running_handlers();  // with the mutex
 
   // Packets; with the mutex.
   void take_packet(const std::shared_ptr<ServerSession>& session, ByteView bytes);
@@ -149,6 +162,7 @@ class ServedObject final : public Publisher, public std::enable_shared_from_this
   bool marked(ServerCall& call, TimePoint now);
   void not_begun(ServerCall& call);
   void never_began(ServerCall& call);
+  bool withdrawn(const ServerCall& call);
   void end(ServerCall& call, const Failure& failure);
   void end(ServerCall& call, ByteView result);
   void settle(ServerCall& call, Detail detail, const std::string& text);
@@ -188,6 +202,8 @@ class ServedObject final : public Publisher, public std::enable_shared_from_this
   History history_;
   std::condition_variable_any interrupted_;
   std::vector<std::shared_ptr<ServerCall>> open_;  ///< what has a deadline, and what may take long
+  std::vector<ServerCall*> handlers_;              ///< that have begun and are not over
+  std::size_t waiting_handlers_ = 0;               ///< of those that wait without a bound
   WatchedTime watched_;                            ///< leases and silence are judged by it
   PauseWatch::Checked pause_;                      ///< by whoever starts calls
   std::size_t awaited_ = 0;                        ///< sessions whose calls wait for a heartbeat

@@ -5,7 +5,9 @@
 #include <algorithm>
 
 #include "gecos/base/recycling_allocator.hpp"
+#include "gecos/session/call_log.hpp"
 #include "gecos/session/function_code.hpp"
+#include "gecos/session/handler_waits.hpp"
 #include "gecos/session/packets.hpp"
 #include "gecos/session/served_object.hpp"
 
@@ -155,6 +157,8 @@ void ServedObject::greet(const std::shared_ptr<ServerSession>& session,
     session->accept_within = hello->accept_within;
     session->last_sign = watched_.now();
     history_.opened(id, session);
+    note_session(id, weak_from_this());
+    if (log_enabled(LogLevel::Info)) log_arrival(name_, *session);
   }
   Welcome welcome{name_,
                   std::string(interface_.name),
@@ -318,6 +322,7 @@ void ServedObject::admit(const std::shared_ptr<ServerSession>& session,
       history_.ended({session->id(), packet.header.counter, detail, failure.text});
     }
     session->reply(packet.header.counter, failure);
+    if (log_enabled(level_of(operation))) log_refused(name_, operation, session->caller(), failure);
   };
   if (closed_) return refuse(Detail::Rejected, "was not started: the server is about to end");
   if (!operation.safety) {
@@ -335,6 +340,7 @@ void ServedObject::admit(const std::shared_ptr<ServerSession>& session,
   }
   auto call = make_recycled<ServerCall>(session, operation, packet.header.counter,
                                         packet.header.epoch, packet.body);
+  if (log_enabled(level_of(operation))) call->arrived = runtime_->clock().now();
   if (packet.header.deadline > Duration{}) {
     const TimePoint now = runtime_->clock().now();  // in centuries: none
     if (packet.header.deadline < TimePoint::max() - now)

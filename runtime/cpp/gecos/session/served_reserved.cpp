@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "gecos/session/call_log.hpp"
 #include "gecos/session/function_code.hpp"
 #include "gecos/session/packets.hpp"
 #include "gecos/session/reserved_codec.hpp"
@@ -44,16 +45,15 @@ Failure undecodable(const wire::Decoder& from) {
 
 std::uint8_t number_of(Detail detail) { return static_cast<std::uint8_t>(detail); }
 
-std::string who(const Caller& caller) {
-  return caller.user + " on " + caller.host + " (" + caller.program + ", pid " +
-         std::to_string(caller.pid) + ")";
-}
-
 }  // namespace
 
 void ServedObject::answer_reserved(const std::shared_ptr<ServerSession>& session,
                                    const wire::PacketView& packet) {
   const std::uint64_t counter = packet.header.counter;
+  if (log_enabled(LogLevel::Debug)) {
+    log_debug("server", name_ + ": " + who(session->caller()) + " calls the reserved operation " +
+                            std::to_string(number(packet.header.code)));
+  }
   wire::Decoder from(packet.body);
   switch (static_cast<Reserved>(number(packet.header.code))) {
     case Reserved::Holders:
@@ -103,6 +103,7 @@ void ServedObject::describe(ServerSession& session, std::uint64_t counter) {
   if (!queue_.running().empty()) about.executing = queue_.running().front()->operation.name;
   about.pid = getpid();
   about.registration = claim_.text();
+  about.handlers = running_handlers();
   session.reply(counter, block_bytes(about));
 }
 
@@ -131,6 +132,11 @@ void ServedObject::acquire(ServerSession& session, std::uint64_t counter, wire::
   const bool held_before = leases_.status_of(session.id()) != access::Status::Sensor;
   auto granted = leases_.acquire(session.id(), session.client(), status_of(wanted),
                                  access::plain_proof(password.value_or("")), now);
+  if (log_enabled(LogLevel::Info)) {
+    log_info("server", name_ + ": " + who(session.caller()) + (granted ? " has " : " is refused ") +
+                           std::string(to_string(wanted)) + " status" +
+                           (granted ? "" : ": " + granted.error().text));
+  }
   if (granted) {
     if (!held_before) session.held_from = number(granted->epoch);
     return session.reply(counter,
@@ -160,12 +166,17 @@ void ServedObject::release(ServerSession& session, std::uint64_t counter, wire::
   }
   leases_.release(session.id(), Epoch{epoch},
                   session.commands != 0 && !now ? Commands::Pending : Commands::None);
+  if (log_enabled(LogLevel::Info)) {
+    log_info("server", name_ + ": " + who(session.caller()) + " gives its status back" +
+                           (now ? ", and stops what was issued under it" : ""));
+  }
   session.reply(counter, ByteView{});
 }
 
 /// Acted on here, whatever a handler is doing: status, queue and interruption are the session's.
 void ServedObject::stop(ServerSession& by, std::uint64_t counter) {
   const std::string why = "stopped by " + who(by.caller());
+  log_info("server", name_ + ": " + why);
   leases_.stop(by.id(), why);
   const bool still_holds = leases_.status_of(by.id()) != access::Status::Sensor;
   end_commands([](const ServerCall&) { return true; }, Failure{Detail::Stopped, why, {}, {}});

@@ -16,6 +16,10 @@ ServerCall::ServerCall(std::shared_ptr<ServerSession> its_session,
 
 ServedObject& ServerCall::object() const { return *session->object(); }
 
+std::string ServerCall::title() const {
+  return "'" + std::string(operation().name) + "' of " + object().name();
+}
+
 const Caller& ServerCall::caller() const { return session->caller(); }
 
 bool ServerCall::wait_interrupted_until(TimePoint until) {

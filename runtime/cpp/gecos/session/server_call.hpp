@@ -2,6 +2,8 @@
 
 #include <atomic>
 #include <memory>
+#include <optional>
+#include <string>
 
 #include "gecos/base/short_bytes.hpp"
 #include "gecos/session/object_queue.hpp"
@@ -40,6 +42,8 @@ class ServerCall final : public CallCore,
     return heir.get() == &teller ? heir_counter : counter;
   }
   ServedObject& object() const;
+  /// "'move' of RX90"
+  std::string title() const;
   /// Who waits for it is woken by its object.
   void interrupt() { interrupted_.store(true, std::memory_order_release); }
   /// Where it stands until it is terminal; with the object's mutex.
@@ -58,6 +62,11 @@ class ServerCall final : public CallCore,
   bool terminal = false;  ///< the caller has its outcome
   bool answered = false;  ///< the handler has given its answer, heard or not
   bool returned = false;  ///< the handler's thread came back
+  TimePoint arrived{};    ///< where that is logged
+  TimePoint begun{};      ///< its handler, since boot; nothing before, and once it is over
+  std::optional<CommandId> awaited;  ///< its handler's thread waits for that without a bound,
+  std::string awaited_name;          ///< which is called so,
+  TimePoint awaited_since{};         ///< since then
   bool canceling = false;
   bool listed = false;  ///< among the object's open calls
   double fraction = 0;

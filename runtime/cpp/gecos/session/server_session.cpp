@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "gecos/session/handler_waits.hpp"
 #include "gecos/session/handshake.hpp"
 #include "gecos/session/packets.hpp"
 #include "gecos/session/served_object.hpp"
@@ -44,6 +45,10 @@ Failure shortened(const Failure& failure, std::size_t takes, std::size_t carried
 ServerSession::ServerSession(std::unique_ptr<media::Link> link,
                              std::shared_ptr<ServedObject> object)
     : link_(std::move(link)), object_(std::move(object)), repeats_(!link_->offer().reliable) {}
+
+ServerSession::~ServerSession() {
+  if (greeted()) forget_session(id_);
+}
 
 void ServerSession::send(wire::PacketHeader header, ByteView body) {
   const std::lock_guard lock(send_mutex_);

@@ -33,6 +33,9 @@ struct EarlyCall {
 class ServerSession {
  public:
   ServerSession(std::unique_ptr<media::Link> link, std::shared_ptr<ServedObject> object);
+  ~ServerSession();
+  ServerSession(const ServerSession&) = delete;
+  ServerSession& operator=(const ServerSession&) = delete;
 
   media::Link& link() { return *link_; }
   const std::shared_ptr<ServedObject>& object() const { return object_; }

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from gecos_idl.broker_types import Entry
-    from gecos_idl.object_types import Description, Holder
+    from gecos_idl.object_types import Description, Holder, RunningHandler
 
 
 def objects(entries: Sequence[Entry]) -> None:
@@ -49,6 +49,16 @@ def description(of: Description) -> None:
     print(of.name)
     for name, value in facts:
         print(f"  {name:<16}{value}")
+    for handler in of.handlers:
+        print(f"  {'handler':<16}{_running(handler)}")
+
+
+def _running(handler: RunningHandler) -> str:
+    waits = f", waits for {handler.waits_for}" if handler.waits_for else ""
+    return (
+        f"{handler.operation} for {handler.running_for:.1f} s, called by {handler.user} on "
+        f"{handler.host} ({handler.program}, pid {handler.pid}){waits}"
+    )
 
 
 def holders(name: str, who: Sequence[Holder]) -> None:

@@ -92,7 +92,9 @@ class ServerSide(CallFacts):
             lines.append(f"{execution} {run}({request});")
             arguments.append(run)
         lines.append(f"const auto {result} = this->{name}({', '.join(arguments)});")
-        lines.append(f"if (!{result}) return {request}.fail({result}.error().failure());")
+        declared = group((quoted(name) for name, _ in call.exceptions), "{", "}")
+        failed = called(f"{request}.fail", f"{result}.error()", declared)
+        lines.append(f"if (!{result}) return {failed};")
         lines += self._answer(call, member, result, request, taken)
         return lines
 
