@@ -102,6 +102,9 @@ class Server:
         """Ends the lanes of what was prepared and is not to be served."""
     def close(self) -> None: ...
 
+def warn_of_other_brokers() -> None:
+    """Looks for brokers of other processes that programs of this host may reach."""
+
 class Broker:
     """A broker in this process, at this host's well-known place."""
 

@@ -15,6 +15,7 @@
 #include "dynamic_description.hpp"
 #include "gecos/base/log.hpp"
 #include "gecos/broker/broker.hpp"
+#include "gecos/broker/others.hpp"
 #include "handles.hpp"
 #include "pulled_servant.hpp"
 
@@ -274,6 +275,7 @@ void bind_server(nb::module_& module) {
   nb::class_<BrokerHandle>(module, "Broker")
       .def(nb::init<const LabHandle&>(), nb::arg("lab"))
       .def("close", &BrokerHandle::close);
+  module.def("warn_of_other_brokers", [] { without_gil(broker::warn_of_other_brokers); });
 
   module.def(
       "log_error",

@@ -7,6 +7,7 @@
 #include <string>
 #include <thread>
 
+#include "gecos/base/suspension.hpp"
 #include "gecos/media/mapping.hpp"
 #include "gecos/media/stream_ring.hpp"
 
@@ -31,6 +32,34 @@ Bytes packet(std::size_t size, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   for (std::byte& byte : bytes) byte = static_cast<std::byte>(random());
   return bytes;
+}
+
+/// Of a machine that has been suspended for `suspended` longer than this one.
+class AfterSuspension final : public Clock {
+ public:
+  explicit AfterSuspension(Duration suspended) : suspended_(suspended) {}
+  TimePoint now() const override { return SystemClock().now(); }
+  TimePoint since_boot() const override { return SystemClock().since_boot() + suspended_; }
+  double unix_seconds() const override { return SystemClock().unix_seconds(); }
+
+ private:
+  const Duration suspended_;
+};
+
+TEST(Ring, APacketAgesWhileTheMachineIsSuspended) {
+  using std::chrono::seconds;
+  TwoSides ring;
+  ASSERT_TRUE(ring.writer.write(packet(10, 1), {}));
+  const auto noted = [](Duration suspended) {
+    const Duration before = noted_suspension();
+    while (noted_suspension() - before < suspended / 2) {
+      note_suspension(AfterSuspension(suspended));  // it may be kept from running, and says nothing
+    }
+  };
+  noted(seconds(5));
+  ASSERT_TRUE(ring.reader.read());
+  EXPECT_GE(ring.reader.age(), seconds(5) - std::chrono::milliseconds(10));
+  note_suspension(SystemClock());
 }
 
 TEST(Ring, GivesBackPacketsOfEverySizeInOrder) {

@@ -51,6 +51,19 @@ class TestLink final : public media::Link {
   std::uint64_t beats_ = 0;
 };
 
+/// The system's clock on a machine that the test suspends.
+class SuspendedMachine final : public Clock {
+ public:
+  TimePoint now() const override { return system_.now(); }
+  TimePoint since_boot() const override { return system_.since_boot() + suspended_.load(); }
+  double unix_seconds() const override { return system_.unix_seconds(); }
+  void suspend(Duration length) { suspended_ = suspended_.load() + length; }
+
+ private:
+  const SystemClock system_;
+  std::atomic<Duration> suspended_{Duration::zero()};  // publishes nothing but itself
+};
+
 class Servant final : public probe::ProbeServant {
  public:
   void gecos_dispatch(IncomingCall call) override {
@@ -171,7 +184,8 @@ class ServedObjects : public ::testing::Test {
 
   const bool reliable_;
   Servant servant_;
-  std::shared_ptr<Runtime> runtime_ = Runtime::make({}, system_clock());
+  SuspendedMachine clock_;
+  std::shared_ptr<Runtime> runtime_ = Runtime::make({}, clock_);
   std::shared_ptr<ServedObject> object_ = make_object();
   std::shared_ptr<ServerSession> session_;
   TestLink* link_ = nullptr;

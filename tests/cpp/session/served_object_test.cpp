@@ -195,6 +195,18 @@ TEST_F(ServedObjects, WhatNobodyLooksAtStartsWithTheNextTick) {
   EXPECT_TRUE(settles([this] { return servant_.calls == 1; }));
 }
 
+TEST_F(ServedObjects, ADeadlinePassesWhileTheMachineIsSuspended) {
+  auto header = header_of(wire::PacketKind::Call, 1, probe::read_code);
+  header.deadline = std::chrono::hours(1);
+  Bytes packet;
+  write_packet(packet, header, {});
+  object_->take(session_, packet);
+  clock_.suspend(std::chrono::hours(2));
+  object_->tend(clock_.now());
+  EXPECT_EQ(reply_to(1), Detail::Expired);
+  EXPECT_EQ(servant_.calls, 0);
+}
+
 TEST_F(ServedObjects, ADeadlineInCenturiesIsNone) {
   auto header = header_of(wire::PacketKind::Call, 1, probe::read_code);
   header.deadline = Duration::max();

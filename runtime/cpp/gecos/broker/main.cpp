@@ -3,7 +3,9 @@
 #include <cstring>
 
 #include "gecos/broker/broker.hpp"
+#include "gecos/broker/others.hpp"
 #include "gecos/gecos.hpp"
+#include "gecos/session/thread.hpp"
 
 namespace {
 
@@ -38,6 +40,9 @@ int main(int count, char** arguments) {
   }
   std::puts("gecos-broker: ready");
   std::fflush(stdout);
+  std::thread others =
+      gecos::session::start_thread("gecos-others", gecos::broker::warn_of_other_brokers);
   server.run();
+  others.join();
   return 0;
 }

@@ -31,8 +31,9 @@ struct LcmOptions {
   /// For retries and rekeying; null: the system's. Must outlive the medium and its links.
   const Clock* clock = nullptr;
 
+  /// By CLOCK_BOOTTIME: what lay in a socket while the machine was suspended is as old as that.
   TimePoint now() const {
-    return clock != nullptr ? clock->now() : std::chrono::steady_clock::now();
+    return clock != nullptr ? clock->since_boot() : SystemClock().since_boot();
   }
   /// The same as it travels in packets.
   std::int64_t now_ns() const { return now().time_since_epoch().count(); }

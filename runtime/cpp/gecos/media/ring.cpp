@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "gecos/base/suspension.hpp"
+
 namespace gecos::media {
 namespace {
 
@@ -37,11 +39,13 @@ class SlotFiller {
   std::size_t filled_ = 0;
 };
 
-/// A clock that costs a few nanoseconds, the same for all processes of a host.
+/// CLOCK_BOOTTIME for a few nanoseconds, the same for all processes of a host that have noted its
+/// last suspension. What a process writes before it has done so looks older than it is.
 std::uint32_t coarse_milliseconds() {
   timespec now{};
   ::clock_gettime(CLOCK_MONOTONIC_COARSE, &now);
-  return static_cast<std::uint32_t>(now.tv_sec * 1000 + now.tv_nsec / 1'000'000);
+  const auto suspended = noted_suspension() / std::chrono::milliseconds(1);
+  return static_cast<std::uint32_t>(now.tv_sec * 1000 + now.tv_nsec / 1'000'000 + suspended);
 }
 
 }  // namespace

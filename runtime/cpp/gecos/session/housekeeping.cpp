@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "gecos/base/log.hpp"
+#include "gecos/base/suspension.hpp"
 #include "gecos/session/thread.hpp"
 #include "gecos/session/wakeup.hpp"
 
@@ -66,6 +67,7 @@ void Housekeeping::Shared::run() {
     if (ended.load()) return;
     for (const auto& job : take_jobs()) job();
     auto alive = look_at();
+    note_suspension(clock);
     judge_pause(alive);
     const TimePoint now = clock.now();
     TimePoint next = TimePoint::max();

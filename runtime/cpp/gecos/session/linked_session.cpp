@@ -113,8 +113,9 @@ tl::expected<void, media::SendProblem> LinkedSession::send_call(
     retry.packet = packet_;
     retry.next = now + retry_after(1);
     retry.on_its_way = sent.has_value();
-    if (header.deadline > Duration{} && header.deadline < TimePoint::max() - now) {
-      retry.deadline = now + header.deadline;
+    const TimePoint since_boot = runtime_->clock().since_boot();
+    if (header.deadline > Duration{} && header.deadline < TimePoint::max() - since_boot) {
+      retry.deadline = since_boot + header.deadline;
     }
   }
   calls_.insert(header.counter, command);

@@ -34,6 +34,11 @@ void end_late(Adrift& adrift) {
                         {}});
 }
 
+bool late(const Adrift& adrift, const Clock& clock) {
+  const TimePoint deadline = adrift.command->again->deadline;
+  return deadline != TimePoint::max() && clock.since_boot() >= deadline;
+}
+
 template <class T>
 void append(std::vector<T>& to, std::vector<T> from) {
   std::move(from.begin(), from.end(), std::back_inserter(to));
@@ -104,6 +109,7 @@ Renewal::Search& Renewal::search_of(const std::shared_ptr<LinkedSession>& from) 
 }
 
 TimePoint Renewal::tend(TimePoint now) {
+  const Clock& clock = lab_.runtime()->clock();
   std::vector<std::pair<Adrift, std::string>> over;
   bool idle = false;
   {
@@ -112,14 +118,14 @@ TimePoint Renewal::tend(TimePoint now) {
     for (Search& search : searches_) {
       std::erase_if(search.commands, [&](Adrift& adrift) {
         if (adrift.command->terminal()) return true;
-        if (now < std::min(adrift.give_up, adrift.command->again->deadline)) return false;
+        if (now < adrift.give_up && !late(adrift, clock)) return false;
         over.emplace_back(std::move(adrift), search.why);
         return true;
       });
     }
   }
   for (auto& [adrift, why] : over) {
-    if (now >= adrift.command->again->deadline) {
+    if (late(adrift, clock)) {
       end_late(adrift);
     } else {
       end_as(adrift, "there was none to send it to again in time: " + why);
@@ -204,7 +210,7 @@ std::vector<Adrift> Renewal::send_to(LinkedSession& found, std::vector<Adrift> c
     if (again.sessions >= most_sessions) {
       end_as(adrift, "it is not sent again, because so it went " + std::to_string(again.sessions) +
                          " times");
-    } else if (lab_.runtime()->clock().now() >= again.deadline) {
+    } else if (late(adrift, lab_.runtime()->clock())) {
       end_late(adrift);
     } else if (const auto sent = found.send_again(adrift.command); !sent) {
       adrift.command->fail(sent.error());

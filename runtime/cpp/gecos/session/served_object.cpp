@@ -195,7 +195,7 @@ bool ServedObject::may_start(ServerCall& call) {
                       {}});
     return false;
   }
-  if (call.deadline != TimePoint::max() && runtime_->clock().now() >= call.deadline) {
+  if (call.deadline != TimePoint::max() && runtime_->clock().since_boot() >= call.deadline) {
     end(call, Failure{Detail::Expired,
                       "the deadline of '" + std::string(call.operation().name) +
                           "' passed before it started; it was not carried out",
@@ -434,8 +434,9 @@ void ServedObject::look_at_time(TimePoint now) {
                     " ms");
   }
   const auto open = open_;
+  const TimePoint by_deadlines = open.empty() ? now : runtime_->clock().since_boot();
   for (const auto& call : open) {
-    if (!call->terminal && now >= call->deadline) {
+    if (!call->terminal && by_deadlines >= call->deadline) {
       if (queue_.remove(*call)) {
         end(*call, Failure{Detail::Expired,
                            "the deadline of '" + std::string(call->operation().name) +

@@ -289,7 +289,7 @@ bool ServedObject::too_early(ServerSession& session, const wire::PacketView& pac
   }
   session.early.emplace(packet.header.counter,
                         EarlyCall{packet.header, Bytes(packet.body.begin(), packet.body.end()),
-                                  runtime_->clock().now()});
+                                  runtime_->clock().since_boot()});
   return true;
 }
 
@@ -306,7 +306,7 @@ void ServedObject::take_early(const std::shared_ptr<ServerSession>& session) {
   while (!early.empty() && early.begin()->first <= session->window.all_up_to()) {
     EarlyCall call = std::move(early.extract(early.begin()).mapped());
     if (call.header.deadline > Duration{}) {
-      const Duration waited = runtime_->clock().now() - call.arrived;
+      const Duration waited = runtime_->clock().since_boot() - call.arrived;
       call.header.deadline = std::max(call.header.deadline - waited, Duration{1});
     }
     take_call(session, {call.header, call.body, {}});
@@ -342,7 +342,7 @@ void ServedObject::admit(const std::shared_ptr<ServerSession>& session,
                                         packet.header.epoch, packet.body);
   if (log_enabled(level_of(operation))) call->arrived = runtime_->clock().now();
   if (packet.header.deadline > Duration{}) {
-    const TimePoint now = runtime_->clock().now();  // in centuries: none
+    const TimePoint now = runtime_->clock().since_boot();  // in centuries: none
     if (packet.header.deadline < TimePoint::max() - now)
       call->deadline = now + packet.header.deadline;
   }

@@ -53,7 +53,7 @@ std::shared_ptr<CommandCore> LinkedSession::call_repeatable(
   encode(to);
   const Duration within = options.deadline.value_or(operation.quality.deadline);
   if (within.count() > 0) {
-    const TimePoint now = runtime_->clock().now();  // in centuries: none
+    const TimePoint now = runtime_->clock().since_boot();  // in centuries: none
     if (within < TimePoint::max() - now) again.deadline = now + within;
   }
 
@@ -82,7 +82,7 @@ tl::expected<void, media::SendProblem> LinkedSession::send_repeatable(
   header.code = again.code;
   header.session = id_;
   if (again.deadline != TimePoint::max()) {
-    header.deadline = std::max(again.deadline - runtime_->clock().now(), Duration{1});
+    header.deadline = std::max(again.deadline - runtime_->clock().since_boot(), Duration{1});
   }
   // To another process it is a new call; the same one may know what became of it.
   const bool known = again.sessions != 0 && command->boot == welcome_.boot;

@@ -134,7 +134,8 @@ TimePoint LinkedSession::repeat(TimePoint now) {
       static_cast<void>(send(header, {}));
     } else if (repeats_ && !unreachable()) {
       if (retry.deadline != TimePoint::max()) {
-        wire::write_deadline(retry.packet, std::max(retry.deadline - now, Duration{1}));
+        const Duration left = retry.deadline - runtime_->clock().since_boot();
+        wire::write_deadline(retry.packet, std::max(left, Duration{1}));
       }
       if (link_->send(retry.packet, {})) retry.on_its_way = true;
     }

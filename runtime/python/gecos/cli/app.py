@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import sys
+import threading
 from collections.abc import Callable
 from typing import Annotated, TypeVar
 
 import typer
 
 import gecos
+from gecos import _core
 from gecos.cli import report
 from gecos.cli.laboratory import entries, find
 from gecos.ending import EndingSignals
@@ -62,7 +64,10 @@ def run_broker() -> None:
     """Runs this host's broker until Ctrl-C."""
     with EndingSignals() as signals, gecos.Lab() as lab, gecos.Broker(lab):
         print("broker: ready", flush=True)
+        others = threading.Thread(target=_core.warn_of_other_brokers)
+        others.start()
         signals.wait()
+        others.join()
 
 
 def run() -> int:
