@@ -25,7 +25,6 @@ What gidl generates for a server:
 
 from __future__ import annotations
 
-import time
 from abc import ABC
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, ClassVar
@@ -61,5 +60,5 @@ class Servant(ABC):  # noqa: B024  # the skeletons declare what is abstract
                 f"{self._gecos_interface.name}: publishes while it is not served; add it to a "
                 "gecos.Server first (one that is closed serves nothing any more)"
             )
-        stamp_ns = time.time_ns() if stamp is None else round(stamp * 1e9)
+        stamp_ns = None if stamp is None else round(stamp * 1e9)
         self._gecos_core.publish(code, b"".join(sample), stamp_ns)

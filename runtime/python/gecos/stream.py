@@ -28,8 +28,9 @@ class Sample(Generic[T]):
     value: T
     sequence: int  # rises by one per published sample
     lost: int  # samples between the last one read and this one that were not read
-    stamp: float  # when it was measured, Unix time in s by the server's clock
-    age: float  # s, at reading; on one host exact, between hosts as good as their clocks
+    stamp: float  # for people: when it was measured, Unix time in s by the server's clock
+    age: float  # s since it was measured, at reading; no clock that is set changes it. Exact on one
+    # host; between hosts at least that, and at most a round trip more
 
 
 class Stream(Generic[T]):
@@ -54,6 +55,7 @@ class Stream(Generic[T]):
         self._turn: Turn[T] | None = None  # of whom that is done, in an `async for`
         self._closed = False
         self._read = 0
+        self._measured_ns = 0  # when what was read last was measured
         self._returned: deque[Sample[T]] = deque()  # their readers had gone
         self._unread: Sample[T] | None = None  # what was taken last, when it was returned
         self._missed = 0  # returned when others had read beyond them
@@ -171,7 +173,7 @@ class Stream(Generic[T]):
         if self._unread is None or self._closed:
             return None
         sample, self._unread = self._unread, None
-        return replace(sample, age=time.time() - sample.stamp)
+        return replace(sample, age=_age(self._measured_ns))
 
     def _lost(self) -> StreamLost:
         return StreamLost(
@@ -179,7 +181,9 @@ class Stream(Generic[T]):
             "Lab is closed; create a new proxy and open the stream again"
         )
 
-    def _sample(self, raw: bytes, sequence: int, stamp_ns: int, now_ns: int) -> Sample[T] | None:
+    def _sample(
+        self, raw: bytes, sequence: int, stamp_ns: int, measured_ns: int
+    ) -> Sample[T] | None:
         try:
             value = self._decode(Decoder(raw))
         except DecodeError:
@@ -191,11 +195,15 @@ class Stream(Generic[T]):
             lost += self._missed + (self._unread is not None)
             lost += sequence - self._read - 1 if self._read else 0
             self._missed = 0
-        self._read, self._unread = sequence, None
+        self._read, self._unread, self._measured_ns = sequence, None, measured_ns
         return Sample(
             value=value,
             sequence=sequence,
             lost=lost,
             stamp=stamp_ns * 1e-9,
-            age=(now_ns - stamp_ns) * 1e-9,
+            age=_age(measured_ns),
         )
+
+
+def _age(measured_ns: int) -> float:
+    return max(0, time.clock_gettime_ns(time.CLOCK_BOOTTIME) - measured_ns) * 1e-9

@@ -170,14 +170,15 @@ nb::object answer(const CommandHandle& self, std::optional<double> timeout) {
   return nb::int_(static_cast<int>(detail));
 }
 
-nb::tuple as_tuple(const session::StreamCore& core, const media::StreamSample& sample) {
-  return nb::make_tuple(to_python(sample.bytes), sample.sequence, sample.stamp_ns, core.now_ns());
+nb::tuple as_tuple(const session::RawSample& sample) {
+  return nb::make_tuple(to_python(sample.bytes), sample.sequence, sample.stamp_ns,
+                        sample.measured.time_since_epoch().count());
 }
 
 nb::object latest(StreamHandle& self) {
   const auto core = self.get();
   if (core == nullptr) return nb::none();
-  if (core->latest(self.sample())) return as_tuple(*core, self.sample());
+  if (core->latest(self.sample())) return as_tuple(self.sample());
   if (core->lost()) return nb::str("lost");
   return nb::none();
 }
@@ -197,7 +198,7 @@ nb::object next(StreamHandle& self, std::optional<double> timeout) {
     without_gil([last = std::move(core)]() mutable { last.reset(); });
     return nb::str("closed");
   }
-  if (got) return as_tuple(*core, self.sample());
+  if (got) return as_tuple(self.sample());
   return nb::str(got.error() == StreamEnd::Nothing ? "nothing" : "lost");
 }
 

@@ -145,13 +145,13 @@ class StreamHandle {
     return core_;
   }
   /// Its memory is used again by each reading.
-  media::StreamSample& sample() { return sample_; }
+  session::RawSample& sample() { return sample_; }
   void close() { let_go(core_, owner_); }
 
  private:
   Owner owner_;
   std::shared_ptr<session::StreamCore> core_;
-  media::StreamSample sample_;
+  session::RawSample sample_;
 };
 
 class LeaseHandle {

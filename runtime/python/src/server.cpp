@@ -67,9 +67,10 @@ class ServantHandle {
     return nb::str("stopped");
   }
 
-  void publish(std::uint32_t code, const nb::bytes& sample, std::int64_t stamp_ns) {
+  void publish(std::uint32_t code, const nb::bytes& sample, std::optional<std::int64_t> stamp_ns) {
     owner_.demand("this servant");
-    if (!servant_->publish(FunctionCode{code}, from_python(sample), stamp_ns)) {
+    if (!servant_->publish(FunctionCode{code}, from_python(sample),
+                           stamp_ns.value_or(measured_now))) {
       throw nb::key_error("no stream of the interface has this code");
     }
   }
@@ -240,7 +241,7 @@ void bind_server(nb::module_& module) {
   nb::class_<ServantHandle>(module, "PulledServant")
       .def("next", &ServantHandle::next, nb::arg("lane"))
       .def("publish", &ServantHandle::publish, nb::arg("code"), nb::arg("sample"),
-           nb::arg("stamp_ns"));
+           nb::arg("stamp_ns").none());
 
   nb::class_<CallHandle>(module, "IncomingCall")
       .def_prop_ro("code", &CallHandle::code)

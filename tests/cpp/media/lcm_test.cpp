@@ -129,6 +129,26 @@ TEST(SendersClock, GoesAlongWithAClockThatIsSlow) {
   }
 }
 
+TEST(SendersClock, GivesWithTheQuickestAnswerAnUpperBoundOfAnAge) {
+  std::mt19937_64 random(7);
+  const auto way = [&] { return std::chrono::microseconds(100 + random() % 5000); };
+  const Duration ahead = std::chrono::hours(99);  // the sender's clock
+  SendersClock clock;
+  Duration quickest = std::chrono::seconds(1);
+  for (int i = 1; i <= 1000; ++i) {
+    const Duration now = i * std::chrono::milliseconds(100);
+    const Duration there = way();
+    const Duration back = way();
+    clock.age((ahead + now - back).count(), TimePoint{now});  // the answer, read at `now`
+    quickest = std::min(quickest, there + back);
+    const Duration age = std::chrono::microseconds(random() % 1'000'000);
+    const Duration measured = ahead + now - age;
+    const Duration told = now - (measured + *clock.difference() - quickest);
+    ASSERT_GE(told, age);
+    ASSERT_LE(told, age + quickest);
+  }
+}
+
 TEST(SendersClock, IsNotUpsetByAnyNumber) {
   SendersClock clock;
   for (const std::int64_t sent : {std::numeric_limits<std::int64_t>::min(), std::int64_t{-1},

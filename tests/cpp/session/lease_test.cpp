@@ -1,6 +1,9 @@
 // Who may command: leases through sessions, over every medium.
 #include <unistd.h>
 
+#include <future>
+#include <latch>
+
 #include "await_detail.hpp"
 #include "over_media.hpp"
 
@@ -109,6 +112,35 @@ TEST_P(Leases, StopWhatRunsWhenReleasedAtOnce) {
   EXPECT_EQ(set.get().error().detail, Detail::Stopped);
   servant_.await_event("interrupted 1");
   EXPECT_TRUE(gecos::actor(connect(second_lab_)));
+}
+
+TEST_P(Leases, AreNotGrantedWhileAHandlerOfTheLastHolderStillRuns) {
+  std::latch leave(1);
+  servant_.on_move([&] { leave.wait(); });  // deaf to every interruption
+  const auto first = connect(lab_);
+  const auto second = connect(second_lab_);
+  auto lease = gecos::actor(first);
+  ASSERT_TRUE(lease) << lease.error();
+  const auto move = first.move(1);
+  servant_.await_moves(1);
+  lease->release_now();
+  EXPECT_EQ(move.get().error().detail, Detail::Stopped);
+
+  const auto refused = gecos::actor(second);
+  auto granted = std::async([&] {
+    auto got = gecos::actor(second);
+    return std::pair(got.has_value(), servant_.events());
+  });
+  leave.count_down();
+  const auto [held, events] = granted.get();
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().failure.text.find("the handler of 'move' still runs"),
+            std::string::npos)
+      << refused.error();
+  ASSERT_EQ(refused.error().holders.size(), 1u);
+  EXPECT_EQ(refused.error().holders[0].pid, getpid());
+  EXPECT_TRUE(held) << "as soon as it has returned";
+  EXPECT_EQ(events, (std::vector<std::string>{"start 1", "interrupted 1"}));
 }
 
 TEST_P(Leases, DrainWhenTheProgramEndsInOrderWithoutWaiting) {

@@ -143,7 +143,7 @@ void ProbeServant::publish(std::int32_t value, std::int64_t stamp_ns) {
 }
 
 void ProbeServant::publish_damaged() {
-  gecos_publisher_->publish(description().streams[0], gecos::Bytes(3), gecos::unix_now_ns());
+  gecos_publisher_->publish(description().streams[0], gecos::Bytes(3), gecos::measured_now);
 }
 
 void ProbeServant::on_read(std::function<void(gecos::IncomingCall)> handler) {

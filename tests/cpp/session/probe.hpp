@@ -77,7 +77,7 @@ class ProbeServant : public gecos::Servant {
   const gecos::InterfaceDescription& gecos_interface() const override { return description(); }
   void gecos_dispatch(gecos::IncomingCall call) override;
 
-  void publish(std::int32_t value, std::int64_t stamp_ns = gecos::unix_now_ns());
+  void publish(std::int32_t value, std::int64_t stamp_ns = gecos::measured_now);
   /// A sample that is no value of the stream's type.
   void publish_damaged();
 

@@ -1,3 +1,4 @@
+#include <limits>
 #include <thread>
 
 #include "../settles.hpp"
@@ -30,6 +31,34 @@ TEST_P(Streams, GiveSamplesInOrderWithTheirSequence) {
     EXPECT_EQ(sample->lost, 0u);
   }
   EXPECT_EQ(level->latest()->value, 5) << "the newest stays";
+}
+
+TEST_P(Streams, SayHowOldASampleIs) {
+  auto level = probe_.level(gecos::stream);
+  ASSERT_TRUE(level) << level.error();
+  servant_.publish(1);
+  const auto first = level->next(10s);
+  ASSERT_TRUE(first) << to_string(first.error());
+  EXPECT_GE(first->age, 0s);
+  EXPECT_LT(first->age, 10s);
+  EXPECT_GE(level->latest()->age, first->age) << "read again it is older";
+  servant_.publish(2, gecos::unix_now_ns() - 3'000'000'000);
+  const auto older = level->next(10s);
+  ASSERT_TRUE(older) << to_string(older.error());
+  EXPECT_GE(older->age, 2900ms) << "measured 3 s before it was published";
+  EXPECT_LT(older->age, 13s);
+}
+
+TEST_P(Streams, GiveASampleWithANonsensicalStampAnAge) {
+  auto level = probe_.level(gecos::stream);
+  ASSERT_TRUE(level) << level.error();
+  for (const std::int64_t stamp : {std::int64_t{0}, std::numeric_limits<std::int64_t>::max(),
+                                   std::numeric_limits<std::int64_t>::min() + 1}) {
+    servant_.publish(1, stamp);
+    const auto sample = level->next(10s);
+    ASSERT_TRUE(sample) << to_string(sample.error());
+    EXPECT_GE(sample->age, 0s);
+  }
 }
 
 TEST_P(Streams, KeepTheLatestForWhoComesLater) {

@@ -65,7 +65,7 @@ def seal(share: Share, signer: Ed25519PrivateKey, counter: int, value: bytes) ->
     """The datagram of a sample that is measured now."""
     header = Header(Kind.SAMPLE, 0, 0).pack()
     raw = counter.to_bytes(8, "big")
-    text = _STAMP.pack(time.time_ns()) + value
+    text = _STAMP.pack(time.time_ns()) + value + _STAMP.pack(time.monotonic_ns())
     text += signer.sign(_signed(raw, header, text))
     return header + raw + ChaCha20Poly1305(share.key).encrypt(nonce_of(counter), text, header)
 
@@ -74,7 +74,7 @@ def open_sample(share: Share, payload: bytes) -> Sample | None:
     """None where it does not open or is not signed by the server."""
     header, raw, sealed = payload[:HEADER], payload[HEADER : HEADER + 8], payload[HEADER + 8 :]
     counter = int.from_bytes(raw, "big")
-    if len(sealed) < _STAMP.size + SIGNATURE + TAG:
+    if len(sealed) < 2 * _STAMP.size + SIGNATURE + TAG:
         return None
     try:
         text = ChaCha20Poly1305(share.key).decrypt(nonce_of(counter), sealed, header)
@@ -84,7 +84,7 @@ def open_sample(share: Share, payload: bytes) -> Sample | None:
     except (InvalidTag, InvalidSignature):
         return None
     (stamp,) = _STAMP.unpack_from(text)
-    return Sample(counter + 1, stamp, text[_STAMP.size :])
+    return Sample(counter + 1, stamp, text[_STAMP.size : -_STAMP.size])
 
 
 class StreamWriter:

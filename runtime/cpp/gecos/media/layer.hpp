@@ -20,6 +20,7 @@ class LinkLayer : public Link {
   }
   std::optional<ByteView> receive() override { return inner_->receive(); }
   Duration age() override { return inner_->age(); }
+  std::optional<Duration> clock_difference() override { return inner_->clock_difference(); }
   std::optional<std::uint64_t> taken_by_peer() override { return inner_->taken_by_peer(); }
   bool arm() override { return inner_->arm(); }
   void disarm() override { inner_->disarm(); }

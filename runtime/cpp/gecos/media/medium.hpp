@@ -116,6 +116,10 @@ class Link {
   /// meanwhile. Zero where the medium cannot know; there taken_by_peer() tells what was taken.
   virtual Duration age() { return Duration::zero(); }
 
+  /// How much later our CLOCK_BOOTTIME reads than the peer's, plus what the quickest packet of the
+  /// peer has taken so far: the smallest difference seen. Nothing where both ends read one clock.
+  virtual std::optional<Duration> clock_difference() { return std::nullopt; }
+
   /// Number of packets of ours that the peer has taken; stays readable after the peer's death.
   /// Nothing where the medium cannot know.
   virtual std::optional<std::uint64_t> taken_by_peer() = 0;

@@ -3,7 +3,8 @@
 #include <algorithm>
 
 #include "gecos/session/linked_session.hpp"
-#include "gecos/session/servant.hpp"
+#include "gecos/session/runtime.hpp"
+#include "gecos/session/sample_time.hpp"
 
 namespace gecos {
 
@@ -27,26 +28,24 @@ ClientStream::ClientStream(std::shared_ptr<LinkedSession> session, FunctionCode 
 
 ClientStream::~ClientStream() { session_->unsubscribe(code_); }
 
-namespace {
-
-/// So far from now that no age of it can be told, a stamp is nonsense, or malice.
-void bound_stamp(media::StreamSample& sample) {
+/// What only a server that means harm, or is broken, sends without its time decodes as nothing.
+void ClientStream::finish(RawSample& sample) const {
   constexpr std::int64_t farthest = std::int64_t{1} << 62;
   sample.stamp_ns = std::clamp(sample.stamp_ns, -farthest, farthest);
+  const auto measured = take_measured(sample.bytes);
+  if (!measured) sample.bytes.clear();
+  sample.measured = session_->by_our_clock(measured.value_or(TimePoint(-longest_age)));
 }
 
-}  // namespace
-
-bool ClientStream::latest(media::StreamSample& into) {
+bool ClientStream::latest(RawSample& into) {
   if (session_->closed()) return false;  // the medium would still give samples
   session_->glance();
   if (session_->lost()) return false;
-  reader_->latest(into.sequence, into);
-  bound_stamp(into);
+  if (reader_->latest(into.sequence, into)) finish(into);
   return into.sequence != 0;
 }
 
-tl::expected<void, StreamEnd> ClientStream::next(media::StreamSample& into, TimePoint deadline) {
+tl::expected<void, StreamEnd> ClientStream::next(RawSample& into, TimePoint deadline) {
   bool got = false;
   session_->wait(
       nullptr,
@@ -57,7 +56,7 @@ tl::expected<void, StreamEnd> ClientStream::next(media::StreamSample& into, Time
       },
       deadline);
   if (got) {
-    bound_stamp(into);
+    finish(into);
     return {};
   }
   return tl::unexpected(lost() ? StreamEnd::Lost : StreamEnd::Nothing);
@@ -65,6 +64,8 @@ tl::expected<void, StreamEnd> ClientStream::next(media::StreamSample& into, Time
 
 bool ClientStream::lost() const { return session_->lost() || session_->closed(); }
 
-std::int64_t ClientStream::now_ns() const { return unix_now_ns(); }
+Duration ClientStream::age(const RawSample& sample) const {
+  return std::max(session_->runtime().clock().since_boot() - sample.measured, Duration::zero());
+}
 
 }  // namespace gecos::session

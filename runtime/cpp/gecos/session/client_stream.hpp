@@ -16,12 +16,14 @@ class ClientStream final : public StreamCore {
                std::unique_ptr<media::StreamReader> reader);
   ~ClientStream() override;
 
-  bool latest(media::StreamSample& into) override;
-  tl::expected<void, StreamEnd> next(media::StreamSample& into, TimePoint deadline) override;
+  bool latest(RawSample& into) override;
+  tl::expected<void, StreamEnd> next(RawSample& into, TimePoint deadline) override;
   bool lost() const override;
-  std::int64_t now_ns() const override;
+  Duration age(const RawSample& sample) const override;
 
  private:
+  void finish(RawSample& sample) const;
+
   const std::shared_ptr<LinkedSession> session_;
   const FunctionCode code_;
   const std::unique_ptr<media::StreamReader> reader_;

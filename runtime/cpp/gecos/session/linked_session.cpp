@@ -8,6 +8,7 @@
 #include "gecos/session/packets.hpp"
 #include "gecos/session/retry.hpp"
 #include "gecos/session/runtime.hpp"
+#include "gecos/session/sample_time.hpp"
 #include "gecos/session/start_words.hpp"
 
 namespace gecos::session {
@@ -111,6 +112,7 @@ tl::expected<void, media::SendProblem> LinkedSession::send_call(
     auto& retry = command->retry;
     const TimePoint now = runtime_->clock().now();
     retry.packet = packet_;
+    retry.first = now;
     retry.next = now + retry_after(1);
     retry.on_its_way = sent.has_value();
     const TimePoint since_boot = runtime_->clock().since_boot();
@@ -200,6 +202,13 @@ tl::expected<std::uint64_t, media::SendProblem> LinkedSession::send(wire::Packet
   header.acknowledged = repeats_ ? finished_up_to() : 0;
   write_packet(packet_, header, body);
   return link_->send(packet_, {});
+}
+
+TimePoint LinkedSession::by_our_clock(TimePoint theirs) {
+  const auto difference = link_->clock_difference();
+  if (!difference) return theirs;
+  const std::lock_guard lock(mutex_);
+  return theirs + std::clamp(*difference, -longest_age, longest_age) - quickest_answer_;
 }
 
 std::uint64_t LinkedSession::hold(std::uint64_t epoch) {

@@ -91,6 +91,9 @@ class LinkedSession final : public ClientSession,
   void close(Duration patience);
 
   // For commands and streams.
+  /// What the server's CLOCK_BOOTTIME said, in ours; between hosts at most a round trip too early,
+  /// never too late.
+  TimePoint by_our_clock(TimePoint theirs);
   /// Reads what has arrived, if nobody else is at it. Never waits.
   void glance();
   /// Reads, or waits for who reads, until `done` or `deadline`; gives `done()`.
@@ -198,9 +201,10 @@ class LinkedSession final : public ClientSession,
   bool awaits_goodbye_ = false;  ///< this program closes it, and waits for the server to know
   bool withdrawn_ = false;       ///< the server starts nothing more of this session
   std::shared_ptr<LinkedSession> follower_;
-  bool cancels_waiting_ = false;  ///< one found no room
-  std::uint64_t statuses_ = 0;    ///< how many there were; leases of the newest count
-  std::uint64_t leases_ = 0;      ///< of the newest, not given back
+  bool cancels_waiting_ = false;                        ///< one found no room
+  Duration quickest_answer_ = std::chrono::seconds(1);  ///< of a medium that loses packets
+  std::uint64_t statuses_ = 0;  ///< how many there were; leases of the newest count
+  std::uint64_t leases_ = 0;    ///< of the newest, not given back
 
   // Housekeeping thread only.
   bool watching_ = false;

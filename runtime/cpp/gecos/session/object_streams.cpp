@@ -38,10 +38,12 @@ tl::expected<std::uint32_t, std::string> ObjectStreams::share(const StreamDescri
     const std::size_t largest = stream.largest != 0 ? stream.largest : unbounded_sample;
     const std::size_t depth = stream.quality.depth != 0 ? stream.quality.depth : usual_depth;
     try {
-      found = writers
-                  .emplace(link.offer().kind,
-                           acceptors_.at(link.offer().kind)->make_stream(largest, depth))
-                  .first;
+      found =
+          writers
+              .emplace(
+                  link.offer().kind,
+                  acceptors_.at(link.offer().kind)->make_stream(largest + measured_bytes, depth))
+              .first;
     } catch (const std::exception& failed) {  // no memory or no descriptor is left
       return tl::unexpected(
           "stream '" + std::string(stream.name) + "' of " + object_ + " cannot be opened over " +
@@ -62,16 +64,17 @@ tl::expected<std::uint32_t, std::string> ObjectStreams::share(const StreamDescri
 }
 
 void ObjectStreams::publish(const StreamDescription& stream, ByteView sample,
-                            std::int64_t stamp_ns) {
+                            const SampleTime& time) {
   const std::lock_guard lock(mutex_);
   const StreamDescription* own = interface_.find_stream(stream.code);
   if (own == nullptr) return;
   Outlet& outlet = outlets_[static_cast<std::size_t>(own - interface_.streams.data())];
   outlet.latest.assign(sample.begin(), sample.end());
-  outlet.latest_stamp_ns = stamp_ns;
+  append_measured(outlet.latest, time.measured);
+  outlet.latest_stamp_ns = time.stamp_ns;
   outlet.published = true;
   for (const auto& [kind, writer] : outlet.writers) {
-    if (writer->publish(sample, stamp_ns) || outlet.complained) continue;
+    if (writer->publish(outlet.latest, time.stamp_ns) || outlet.complained) continue;
     outlet.complained = true;
     log_error("session", object_ + ": a sample of '" + std::string(stream.name) + "' takes " +
                              std::to_string(sample.size()) + " bytes, more than " +

@@ -8,6 +8,7 @@
 
 #include "gecos/media/medium.hpp"
 #include "gecos/session/description.hpp"
+#include "gecos/session/sample_time.hpp"
 
 namespace gecos::session {
 
@@ -24,12 +25,12 @@ class ObjectStreams {
   /// A client came by this link's medium: shares the stream with it. Gives the id it has there.
   tl::expected<std::uint32_t, std::string> share(const StreamDescription& stream,
                                                  media::Link& link);
-  void publish(const StreamDescription& stream, ByteView sample, std::int64_t stamp_ns);
+  void publish(const StreamDescription& stream, ByteView sample, const SampleTime& time);
 
  private:
   struct Outlet {
     std::map<media::Kind, std::unique_ptr<media::StreamWriter>> writers;
-    Bytes latest;
+    Bytes latest;  ///< as it travels
     std::int64_t latest_stamp_ns = 0;
     bool published = false;
     bool complained = false;

@@ -66,6 +66,7 @@ class PendingCommand final : public CommandCore {
   /// What a medium that loses packets needs; guarded by the session's mutex.
   struct Retry {
     Bytes packet;
+    TimePoint first{};  ///< sent
     TimePoint next{};
     TimePoint deadline = TimePoint::max();
     int sent = 1;

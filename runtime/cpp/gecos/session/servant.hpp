@@ -14,6 +14,7 @@
 #include "gecos/base/log.hpp"
 #include "gecos/session/command.hpp"
 #include "gecos/session/description.hpp"
+#include "gecos/session/sample_time.hpp"
 
 namespace gecos {
 
@@ -181,6 +182,7 @@ namespace session {
 class Publisher {
  public:
   virtual ~Publisher() = default;
+  /// `stamp_ns`: when it was measured, Unix time in ns, or `measured_now`.
   virtual void publish(const StreamDescription& stream, ByteView sample, std::int64_t stamp_ns) = 0;
 };
 
@@ -224,7 +226,7 @@ class Servant {
   std::shared_ptr<session::Publisher> gecos_publisher_;
 };
 
-/// Unix time now in ns, the stamp of a sample measured now.
+/// Unix time now in ns, for stamps that people read.
 std::int64_t unix_now_ns();
 
 }  // namespace gecos
@@ -243,7 +245,7 @@ std::int64_t unix_now_ns();
 //     virtual gecos::Result<void> move(const robcl::Frame& goal, const std::optional<Trajectory>&
 //     how,
 //                                      gecos::Execution<MotionProgress>& run) = 0;
-//     void publish_tool(const robcl::Frame& value, std::int64_t stamp_ns = gecos::unix_now_ns());
+//     void publish_tool(const robcl::Frame& value, std::int64_t stamp_ns = gecos::measured_now);
 //   };
 //
 // A root servant derives from `public virtual gecos::Servant`. The getter of a stream attribute is

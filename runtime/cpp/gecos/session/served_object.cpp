@@ -320,6 +320,7 @@ void ServedObject::finished(ServerCall& call) {
     open_.erase(std::find_if(open_.begin(), open_.end(),
                              [&](const auto& other) { return other.get() == &call; }));
   }
+  grant_to_waiting();
   ServerSession& session = *call.session;
   if (--session.unreturned != 0 || !session.departed) return;
   tell_user([this, id = number(session.id())] { servant_.gecos_session_ended(id); });
@@ -458,6 +459,7 @@ void ServedObject::look_at_time(TimePoint now) {
     tell(*call, now);
   }
   tell_positions();
+  if (!waiting_.empty()) refuse_waiting(now);
 }
 
 void ServedObject::await_sign_of_life(ServerSession& session) {
@@ -507,6 +509,7 @@ void ServedObject::depart(const std::shared_ptr<ServerSession>& session, Departu
     session->parted_in_order = how == Departure::InOrder || session->left;
     no_more_awaited(*session);
     leases_.forget(session->id());
+    std::erase_if(waiting_, [&](const auto& waiting) { return waiting.session == session; });
     if (how == Departure::InOrder || session->left) {
       give_back_all(*session);
     } else if (leases_.lose(session->id())) {
@@ -562,6 +565,10 @@ void ServedObject::close() {
     call.answered = call.returned = true;
     finished(call);
   }
+  for (const auto& waiting : std::exchange(waiting_, {})) {
+    waiting.session->reply(waiting.counter,
+                           Failure{Detail::Rejected, "the server is about to end", {}, {}});
+  }
   const auto open = open_;  // what is left reads, and is answered later
   for (const auto& call : open) {
     interrupt(*call);
@@ -582,7 +589,7 @@ void ServedObject::join() {
 
 void ServedObject::publish(const StreamDescription& stream, ByteView sample,
                            std::int64_t stamp_ns) {
-  streams_.publish(stream, sample, stamp_ns);
+  streams_.publish(stream, sample, sample_time(stamp_ns, runtime_->clock()));
 }
 
 }  // namespace gecos::session

@@ -110,6 +110,17 @@ class ServedObject final : public Publisher, public std::enable_shared_from_this
  private:
   using Lock = std::lock_guard<Mutex>;
 
+  struct Acquire {
+    Status wanted{};
+    std::string password;
+  };
+  struct WaitingForStatus {
+    std::shared_ptr<ServerSession> session;
+    std::uint64_t counter = 0;
+    Acquire what;
+    TimePoint give_up{};
+  };
+
   void look_at_time(TimePoint now);
   void end_endless_waits(TimePoint now);
   void refuse_endless(const CommandId& call, const std::string& why);
@@ -142,7 +153,15 @@ class ServedObject final : public Publisher, public std::enable_shared_from_this
                        const wire::PacketView& packet);
   void holders(ServerSession& session, std::uint64_t counter);
   void describe(ServerSession& session, std::uint64_t counter);
-  void acquire(ServerSession& session, std::uint64_t counter, wire::Decoder& from);
+  void acquire(const std::shared_ptr<ServerSession>& session, std::uint64_t counter,
+               wire::Decoder& from);
+  void grant(ServerSession& session, std::uint64_t counter, const Acquire& what);
+  /// A command that has ended for its caller, whose handler goes on; null unless nobody holds a
+  /// status. Nobody gets one before it has returned.
+  const ServerCall* outlives_its_status() const;
+  void grant_to_waiting();
+  void refuse_waiting(TimePoint now);
+  bool waits_for_status(const ServerSession& session, std::uint64_t counter) const;
   void release(ServerSession& session, std::uint64_t counter, wire::Decoder& from);
   void subscribe(ServerSession& session, std::uint64_t counter, wire::Decoder& from);
   void unsubscribe(ServerSession& session, std::uint64_t counter, wire::Decoder& from);
@@ -206,6 +225,7 @@ class ServedObject final : public Publisher, public std::enable_shared_from_this
   std::size_t waiting_handlers_ = 0;               ///< of those that wait without a bound
   WatchedTime watched_;                            ///< leases and silence are judged by it
   PauseWatch::Checked pause_;                      ///< by whoever starts calls
+  std::vector<WaitingForStatus> waiting_;          ///< the first asked first
   std::size_t awaited_ = 0;                        ///< sessions whose calls wait for a heartbeat
   bool closed_ = false;
   std::atomic<bool> ready_{

@@ -380,7 +380,7 @@ void ServedObject::answer_again(ServerSession& session, std::uint64_t counter) {
   if (found == nullptr) {
     // Never seen: its call is on the way again. Acknowledged: a packet that was late. Early: it has
     // not arrived yet as far as its caller shall know.
-    if (session.early.contains(counter)) return;
+    if (session.early.contains(counter) || waits_for_status(session, counter)) return;
     if (!session.window.seen(counter) || !session.replies->awaited(counter)) return;
     return session.reply(counter,
                          Failure{Detail::OutcomeUnknown,

@@ -43,6 +43,17 @@ Failure undecodable(const wire::Decoder& from) {
   return {Detail::BadParameter, from.error().message(), {}, {}};
 }
 
+/// Shorter than a client waits for any answer.
+constexpr Duration longest_wait_for_status = std::chrono::seconds(1);
+
+Failure refusal(std::string reason, std::vector<Holder> holders) {
+  StatusRefused refused;
+  refused.reason = std::move(reason);
+  refused.holders = std::move(holders);
+  return {Detail::Fault, refused.reason, std::string(StatusRefused::type_name()),
+          wire::to_bytes(refused)};
+}
+
 std::uint8_t number_of(Detail detail) { return static_cast<std::uint8_t>(detail); }
 
 }  // namespace
@@ -65,7 +76,7 @@ void ServedObject::answer_reserved(const std::shared_ptr<ServerSession>& session
     case Reserved::Describe:
       return describe(*session, counter);
     case Reserved::Acquire:
-      return acquire(*session, counter, from);
+      return acquire(session, counter, from);
     case Reserved::Release:
       return release(*session, counter, from);
     case Reserved::Subscribe:
@@ -107,7 +118,8 @@ void ServedObject::describe(ServerSession& session, std::uint64_t counter) {
   session.reply(counter, block_bytes(about));
 }
 
-void ServedObject::acquire(ServerSession& session, std::uint64_t counter, wire::Decoder& from) {
+void ServedObject::acquire(const std::shared_ptr<ServerSession>& session, std::uint64_t counter,
+                           wire::Decoder& from) {
   Status wanted{};
   std::optional<std::string> password;
   const bool read =
@@ -115,26 +127,30 @@ void ServedObject::acquire(ServerSession& session, std::uint64_t counter, wire::
       (from.at_end() || wire::get_optional(from, password, "password", [&](std::string& text) {
          return from.get_string(text, 1024, "password");
        }));
-  if (!read) return session.reply(counter, undecodable(from));
+  if (!read) return session->reply(counter, undecodable(from));
   if (status_of(wanted) == access::Status::Sensor) {
-    return session.reply(
+    return session->reply(
         counter,
         Failure{
             Detail::BadParameter, "sensor status is everybody's: acquire actor or master", {}, {}});
   }
+  Acquire what{wanted, password.value_or("")};
+  if (outlives_its_status() == nullptr) return grant(*session, counter, what);
+  waiting_.push_back(
+      {session, counter, std::move(what), runtime_->clock().now() + longest_wait_for_status});
+}
+
+void ServedObject::grant(ServerSession& session, std::uint64_t counter, const Acquire& what) {
   if (claim_.standing() == NameClaim::Standing::Taken) {
-    const StatusRefused refused{name_ + ": " + claim_.text(), {}};
-    return session.reply(
-        counter, Failure{Detail::Fault, refused.reason, std::string(StatusRefused::type_name()),
-                         wire::to_bytes(refused)});
+    return session.reply(counter, refusal(name_ + ": " + claim_.text(), {}));
   }
   const TimePoint now = watched_.now();
   const bool held_before = leases_.status_of(session.id()) != access::Status::Sensor;
-  auto granted = leases_.acquire(session.id(), session.client(), status_of(wanted),
-                                 access::plain_proof(password.value_or("")), now);
+  auto granted = leases_.acquire(session.id(), session.client(), status_of(what.wanted),
+                                 access::plain_proof(what.password), now);
   if (log_enabled(LogLevel::Info)) {
     log_info("server", name_ + ": " + who(session.caller()) + (granted ? " has " : " is refused ") +
-                           std::string(to_string(wanted)) + " status" +
+                           std::string(to_string(what.wanted)) + " status" +
                            (granted ? "" : ": " + granted.error().text));
   }
   if (granted) {
@@ -142,11 +158,50 @@ void ServedObject::acquire(ServerSession& session, std::uint64_t counter, wire::
     return session.reply(counter,
                          block_bytes(Grant{status_of(granted->status), number(granted->epoch)}));
   }
-  StatusRefused refused;
-  refused.reason = name_ + ": " + granted.error().text;
-  refused.holders = shown(granted.error().holders, now);
-  session.reply(counter, Failure{Detail::Fault, refused.reason,
-                                 std::string(StatusRefused::type_name()), wire::to_bytes(refused)});
+  session.reply(counter,
+                refusal(name_ + ": " + granted.error().text, shown(granted.error().holders, now)));
+}
+
+const ServerCall* ServedObject::outlives_its_status() const {
+  if (!leases_.roster().empty()) return nullptr;
+  for (const Ticket* const ticket : queue_.running()) {
+    const auto& call = static_cast<const ServerCall&>(*ticket);
+    if (call.terminal && call.operation().status != access::Status::Sensor) return &call;
+  }
+  return nullptr;
+}
+
+void ServedObject::grant_to_waiting() {
+  if (waiting_.empty() || outlives_its_status() != nullptr) return;
+  for (const auto& waiting : std::exchange(waiting_, {})) {
+    grant(*waiting.session, waiting.counter, waiting.what);
+  }
+}
+
+void ServedObject::refuse_waiting(TimePoint now) {
+  const ServerCall* const runs = outlives_its_status();
+  if (runs == nullptr) return grant_to_waiting();
+  std::erase_if(waiting_, [&](const WaitingForStatus& waiting) {
+    if (now < waiting.give_up) return false;
+    access::Holder last;
+    last.client = runs->session->client();
+    last.since = last.expires = watched_.now();
+    last.releasing = true;
+    waiting.session->reply(
+        waiting.counter,
+        refusal(name_ + ": " + std::string(access::to_string(status_of(waiting.what.wanted))) +
+                    " status refused: the handler of '" + std::string(runs->operation().name) +
+                    "' still runs, which " + who(runs->caller()) +
+                    " issued; its status has ended and the handler was told to end; try again",
+                shown(std::vector{last}, watched_.now())));
+    return true;
+  });
+}
+
+bool ServedObject::waits_for_status(const ServerSession& session, std::uint64_t counter) const {
+  return std::ranges::any_of(waiting_, [&](const WaitingForStatus& waiting) {
+    return waiting.session.get() == &session && waiting.counter == counter;
+  });
 }
 
 void ServedObject::release(ServerSession& session, std::uint64_t counter, wire::Decoder& from) {

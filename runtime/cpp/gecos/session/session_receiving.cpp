@@ -6,6 +6,7 @@
 #include "gecos/media/waiting.hpp"
 #include "gecos/session/linked_session.hpp"
 #include "gecos/session/packets.hpp"
+#include "gecos/session/runtime.hpp"
 
 namespace gecos::session {
 
@@ -160,7 +161,10 @@ void LinkedSession::take_reply(const wire::PacketView& packet) {
   {
     const std::lock_guard lock(mutex_);
     command = calls_.take(packet.header.counter);
-    if (!command) return;                                  // a repeated reply
+    if (!command) return;  // a repeated reply
+    if (repeats_) {
+      quickest_answer_ = std::min(quickest_answer_, runtime_->clock().now() - command->retry.first);
+    }
     if (packet.header.epoch != Epoch{} && leases_ != 0) {  // a stop renewed it
       epoch_.store(number(packet.header.epoch), std::memory_order_relaxed);
     }

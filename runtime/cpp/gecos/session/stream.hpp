@@ -22,8 +22,9 @@ struct Sample {
   T value{};
   std::uint64_t sequence = 0;  ///< rises by one per published sample
   std::uint64_t lost = 0;  ///< samples between the last one read and this one that were not read
-  double stamp = 0;        ///< when it was measured, Unix time in s by the server's clock
-  Duration age{};  ///< at reading; on one host exact, between hosts only as good as their clocks
+  double stamp = 0;  ///< for people: when it was measured, Unix time in s by the server's clock
+  Duration age{};  ///< since it was measured, at reading; no clock that is set changes it. Exact on
+                   ///< one host; between hosts at least that, and at most a round trip more
 };
 
 /// Why a stream gives nothing more.
@@ -35,17 +36,21 @@ std::string_view to_string(StreamEnd end);
 
 namespace session {
 
+struct RawSample : media::StreamSample {
+  TimePoint measured{};  ///< by our CLOCK_BOOTTIME; between hosts not later than it was
+};
+
 /// A subscription without its type.
 class StreamCore {
  public:
   virtual ~StreamCore() = default;  ///< unsubscribes
   /// False before the first sample, and when the stream is lost.
-  virtual bool latest(media::StreamSample& into) = 0;
+  virtual bool latest(RawSample& into) = 0;
   /// What had come before a loss is still given, but nothing after the Lab was closed.
-  virtual tl::expected<void, StreamEnd> next(media::StreamSample& into, TimePoint deadline) = 0;
+  virtual tl::expected<void, StreamEnd> next(RawSample& into, TimePoint deadline) = 0;
   virtual bool lost() const = 0;
-  /// Now, by the clock that stamps samples, Unix ns.
-  virtual std::int64_t now_ns() const = 0;
+  /// Since it was measured; never negative.
+  virtual Duration age(const RawSample& sample) const = 0;
 };
 
 }  // namespace session
@@ -98,13 +103,13 @@ class Stream {
     sample.lost = raw_.sequence > read_ + 1 && read_ != 0 ? raw_.sequence - read_ - 1 : 0;
     read_ = raw_.sequence;
     sample.stamp = static_cast<double>(raw_.stamp_ns) * 1e-9;
-    sample.age = Duration(core_->now_ns() - raw_.stamp_ns);
+    sample.age = core_->age(raw_);
     return sample;
   }
 
   std::shared_ptr<session::StreamCore> core_;
   Decode decode_;
-  media::StreamSample raw_;
+  session::RawSample raw_;
   std::uint64_t read_ = 0;
   std::uint64_t last_unreadable_ = 0;
   std::uint64_t unreadable_ = 0;

@@ -89,6 +89,11 @@ bool LcmInbox::has_packets() {
   return !packets_.empty();
 }
 
+std::optional<Duration> LcmInbox::clock_difference() {
+  const std::lock_guard lock(mutex_);
+  return clock_.difference();
+}
+
 std::vector<LcmInbox::Notice> LcmInbox::notices() {
   const std::lock_guard lock(mutex_);
   return std::exchange(notices_, {});

@@ -42,6 +42,7 @@ class LcmInbox final : public Sleeper {
   bool pop(Packet& packet);
   static ByteView packet_in(const Bytes& frame);
   bool has_packets();
+  std::optional<Duration> clock_difference();
 
   struct Notice {  // anything but a packet or a beat
     InnerKind kind{};

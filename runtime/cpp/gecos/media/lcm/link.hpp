@@ -32,6 +32,7 @@ class LcmLink : public Link {
   tl::expected<std::uint64_t, SendProblem> send(ByteView head, ByteView body) override;
   std::optional<ByteView> receive() override;
   Duration age() override { return options_.now() - current_.sent; }
+  std::optional<Duration> clock_difference() override { return inbox_->clock_difference(); }
   std::optional<std::uint64_t> taken_by_peer() override { return std::nullopt; }
   void beat() override;
   std::uint64_t beats_seen() override;

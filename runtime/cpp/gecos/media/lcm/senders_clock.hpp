@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <optional>
+#include <utility>
 
 #include "gecos/base/clock.hpp"
 
@@ -25,6 +26,7 @@ class SendersClock {
     const Duration took =
         std::clamp(Duration(static_cast<std::int64_t>(here - static_cast<std::uint64_t>(sent_ns))),
                    -longest, longest);
+    note(took, now);
     if (!least_ || took <= *least_ + (now - since_) / drift) {
       least_ = took;
       since_ = now;
@@ -33,7 +35,23 @@ class SendersClock {
     return took - *least_ - (now - since_) / drift;
   }
 
+  /// How much later our clock reads, and what the quickest way took: the smallest difference of the
+  /// last five to ten minutes, in which clocks drift apart by less than packets are delayed.
+  std::optional<Duration> difference() const {
+    return before_ && smallest_ ? std::min(before_, smallest_) : smallest_;
+  }
+
  private:
+  static constexpr Duration period = std::chrono::minutes(5);
+  void note(Duration took, TimePoint now) {
+    if (smallest_ && now - begun_ >= period) before_ = std::exchange(smallest_, std::nullopt);
+    if (!smallest_) begun_ = now;
+    smallest_ = std::min(smallest_.value_or(took), took);
+  }
+
+  std::optional<Duration> smallest_;  ///< since begun_
+  std::optional<Duration> before_;    ///< in the period before that
+  TimePoint begun_;
   std::optional<Duration> least_;  ///< the difference of the clocks, and the quickest way
   TimePoint since_;
 };
