@@ -75,7 +75,7 @@ class Partner(Served):
         boot = secrets.randbits(64)
         about = Welcome(name, INTERFACE, [], int(interface["hash"], 16), boot, 0, hashes)
         super().__init__(loop, keys, about, operations)
-        self.level = self.streams[code("level")] = StreamWriter(loop.mouth, largest=8)
+        self.level = self.streams[code("level")] = StreamWriter(loop.mouth, largest=8 + 8)
         # A client that a busy machine keeps from running is not what these tests are about.
         self.status_silent_s = self.listener.silent_s = 60.0
         self._office: Office | None = None

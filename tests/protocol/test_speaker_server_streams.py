@@ -86,7 +86,7 @@ def test_another_stream_under_the_same_id_is_the_one_that_is_opened_next(
     partner.level.publish(partner.level.seal(f64(1.0)))
     assert client.says("sample") == "1 0 1"
     (number,) = partner.session.shares
-    second = partner.streams[code("level")] = StreamWriter(partner.loop.mouth, largest=8)
+    second = partner.streams[code("level")] = StreamWriter(partner.loop.mouth, largest=8 + 8)
     second.seal(f64(2.0))
     partner.session.shares[number] = (second, False)
     client.tell("follow")
