@@ -16,6 +16,7 @@ import tempfile
 import time
 from collections import Counter
 from collections.abc import Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from itertools import cycle
 from pathlib import Path
@@ -26,6 +27,8 @@ from rampage import Plan
 EVERYBODY = {"client": 6, "server": 3, "broker": 1}
 ROUND = 200
 """Kills of one laboratory."""
+ROUND_OF_FREEZES = 25
+"""Of one laboratory."""
 
 
 @dataclass(slots=True)
@@ -33,6 +36,7 @@ class Figures:
     kills: int = 0
     waits: int = 0
     freezes: int = 0
+    in_vain: int = 0
     cuts: int = 0
     outcomes: Counter[str] = field(default_factory=Counter)
     failed: list[str] = field(default_factory=list)
@@ -83,10 +87,15 @@ def waiting(instants: int, seeds: random.Random) -> Iterator[Plan]:
     yield Plan("lcm", seed, 20, {"server": 1}, pause_s=0.5, clients=0, waiters=1)
 
 
+def freezing(freezes: int, seeds: random.Random) -> Iterator[list[Plan]]:
+    """Six laboratories beside each other, in which programs stand still for up to ten seconds."""
+    while freezes > 0:
+        plans = rampage.freezing(min(ROUND_OF_FREEZES, -(-freezes // 6)), 10.0, seeds)
+        freezes -= sum(plan.freezes for plan in plans)
+        yield plans
+
+
 def disturbing(times: int, seeds: random.Random) -> Iterator[Plan]:
-    victims = {"server": 2, "client": 2, "broker": 1}
-    for medium in "shm", "lcm":
-        yield Plan(medium, seeds.randrange(1 << 30), freezes=times, victims=victims, pause_s=0.1)
     yield Plan("lcm", seeds.randrange(1 << 30), cuts=times, longest_cut_s=10.0, pause_s=0.3)
 
 
@@ -95,12 +104,13 @@ def carry_out(plan: Plan, build: Path, env: Mapping[str, str], figures: Figures)
     began = time.monotonic()
     try:
         told = rampage.run(plan, build, records, env)
-    except AssertionError as wrong:
+    except Exception as wrong:  # whatever it is: the other laboratories go on
         figures.failed.append(f"{plan}\nrecords: {records}\n{wrong}")
         print(f"WRONG {figures.failed[-1]}", flush=True)
         return
     figures.kills += len(told.kills)
     figures.freezes += plan.freezes
+    figures.in_vain += sum(1 for _ in told.frozen_before_they_began())
     figures.cuts += len(told.cuts)
     calls = [call for client in told.clients for call in client.calls.values()]
     figures.waits += len(calls) if plan.waiters else 0
@@ -129,7 +139,8 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=random.randrange(1 << 30))
     parser.add_argument("--kills", type=int, default=10_000)
     parser.add_argument("--waits", type=int, default=1_000)
-    parser.add_argument("--disturbances", type=int, default=50)
+    parser.add_argument("--freezes", type=int, default=1_000)
+    parser.add_argument("--disturbances", type=int, default=50, help="cut lines")
     parser.add_argument("--calls", type=int, default=1_000_000, help="over each faulty line")
     parser.add_argument("--packets", type=int, default=1_000_000, help="to the secure channel")
     asked = parser.parse_args()
@@ -145,6 +156,10 @@ def main() -> int:
         os.environ["GECOS_KEY_DIR"] = env["GECOS_KEY_DIR"]
         attack_the_channel(asked.packets, build, figures)
         call_over_a_faulty_line(asked.calls, asked.seed, build, figures)
+        for beside in freezing(asked.freezes, seeds):
+            with ThreadPoolExecutor(len(beside)) as pool:
+                for plan in beside:
+                    pool.submit(carry_out, plan, build, env, figures)
         for plans in (
             disturbing(asked.disturbances, seeds),
             waiting(asked.waits, seeds),
@@ -157,7 +172,8 @@ def main() -> int:
     print(
         f"\nsoak: seed {asked.seed}, {(time.monotonic() - began) / 60:.0f} min:"
         f" {figures.kills} kills, {figures.waits} waits without time-out,"
-        f" {figures.freezes} freezes, {figures.cuts} cuts,"
+        f" {figures.freezes} freezes ({figures.in_vain} handlers began in vain after one),"
+        f" {figures.cuts} cuts,"
         f" {asked.calls} calls over each of two faulty lines,"
         f" {asked.packets} hostile packets,"
         f" {figures.outcomes.total()} commands ({told})"

@@ -33,7 +33,7 @@ class TestLink final : public media::Link {
   void disarm() override {}
   std::span<const int> descriptors() const override { return {}; }
   void beat() override {}
-  std::uint64_t beats_seen() override { return ++beats_; }
+  std::uint64_t beats_seen() override { return silent ? beats_ : ++beats_; }
   media::Loss loss() override { return media::Loss::None; }
   std::string loss_text() const override { return {}; }
   tl::expected<void, media::SendProblem> share(std::uint32_t, media::StreamWriter&) override {
@@ -43,6 +43,7 @@ class TestLink final : public media::Link {
   std::unique_ptr<media::StreamReader> open_stream(std::uint32_t) override { return nullptr; }
 
   bool full = false;
+  bool silent = false;  ///< no more signs of life come
   std::vector<Bytes> sent;
 
  private:

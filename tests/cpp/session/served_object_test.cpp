@@ -214,6 +214,20 @@ TEST_F(ServedObjects, ADeadlineInCenturiesIsNone) {
   EXPECT_EQ(reply_to(1), Detail::Done);
 }
 
+TEST_F(OverALossyLine, StartNothingOfAClientThatIsSilentBeforeItIsHeardAgain) {
+  ASSERT_FALSE(object_->judge_silence(session_));
+  link_->silent = true;
+  TimePoint now = system_clock().now();
+  for (int look = 0; look < 4; ++look) object_->tend(now += std::chrono::milliseconds(200));
+  ASSERT_FALSE(object_->judge_silence(session_));
+  call(1, probe::read_code);
+  EXPECT_EQ(reply_to(1), std::nullopt) << "its client may have given it up";
+  link_->silent = false;
+  ASSERT_FALSE(object_->judge_silence(session_));
+  object_->run_ready(Starter::Poller);
+  EXPECT_EQ(reply_to(1), Detail::Done);
+}
+
 TEST_F(OverALossyLine, PacketsThatCountNoCallAreIgnored) {
   link_->sent.clear();
   for (const auto kind :

@@ -255,13 +255,9 @@ void LinkedSession::lose(Ending how, const std::string& text) {
     goes_on = drains;
     if (link_->offer().shared_words && !drains) {
       link_->write_word(withdrawn_word, next_counter_ - 1);
-      withdrawn_ = true;   // before any of them is reported: none of them starts any more
-    } else if (!drains) {  // it may never arrive; a server that stands still reads it when it goes
-                           // on
-      wire::PacketHeader header;
-      header.kind = wire::PacketKind::Goodbye;
-      header.flags = withdraws;
-      static_cast<void>(send(header, {}));
+      withdrawn_ = true;  // before any of them is reported: none of them starts any more
+    } else if (!drains) {
+      withdraw_by_packet();
     }
     // A loss that is reported leaves them `grace`; after silence that is over already.
     if (how == Ending::Died || how == Ending::Closed) adrift = cast_off(how, text);
@@ -275,6 +271,15 @@ void LinkedSession::lose(Ending how, const std::string& text) {
   baton_.poke_all();
   leader_wakeup_.ring();
   if (!adrift.empty()) renewal_->take(shared_from_this(), std::move(adrift));
+}
+
+/// Nobody is there later to repeat it. A server that stands still reads it when it goes on.
+void LinkedSession::withdraw_by_packet() {
+  constexpr int copies = 3;
+  wire::PacketHeader header;
+  header.kind = wire::PacketKind::Goodbye;
+  header.flags = withdraws;
+  for (int left = repeats_ ? copies : 1; left > 0; --left) static_cast<void>(send(header, {}));
 }
 
 Failure LinkedSession::failure_of(const PendingCommand& command, Ending how,

@@ -152,6 +152,7 @@ class LinkedSession final : public ClientSession,
   enum class Ending : std::uint8_t { Died, Closed, Silent, Broken, ByUs };
   static constexpr const char* closed_by_us = "this program closed the session";
   void lose(Ending how, const std::string& text);
+  void withdraw_by_packet();
   bool may_have_started(const PendingCommand& command, Ending how) const;
   Failure failure_of(const PendingCommand& command, Ending how, const std::string& text) const;
   std::vector<Adrift> cast_off(Ending how, const std::string& text);

@@ -188,11 +188,12 @@ bool ServedObject::may_start(ServerCall& call) {
     return false;
   }
   if (caller.awaited) {  // it waited for its thread during the pause, and the thread came first
-    end(call, Failure{Detail::NotStarted,
-                      "it was not started: the server stood still, and has not heard of its caller "
-                      "since",
-                      {},
-                      {}});
+    end(call,
+        Failure{Detail::NotStarted,
+                "it was not started: its caller has not been heard since the server stood still, "
+                "or for too long",
+                {},
+                {}});
     return false;
   }
   if (call.deadline != TimePoint::max() && runtime_->clock().since_boot() >= call.deadline) {
@@ -466,6 +467,10 @@ void ServedObject::await_sign_of_life(ServerSession& session) {
   const Lock lock(mutex_);
   if (session.departed) return;
   session.beats_judged = session.link().beats_seen();
+  hold(session);
+}
+
+void ServedObject::hold(ServerSession& session) {
   if (!std::exchange(session.awaited, true)) ++awaited_;
 }
 
@@ -498,7 +503,10 @@ bool ServedObject::judge_silence(const std::shared_ptr<ServerSession>& session) 
     leases_.renew(session->id(), now);
     return false;
   }
-  return now - session->last_sign >= runtime_->registration_ttl();
+  const Duration silent = now - session->last_sign;
+  // Its client may have given up by the time at which it is heard again, and nothing can tell.
+  if (session->repeats() && silent >= runtime_->options().lease_ttl) hold(*session);
+  return silent >= runtime_->registration_ttl();
 }
 
 void ServedObject::depart(const std::shared_ptr<ServerSession>& session, Departure how) {

@@ -175,6 +175,7 @@ class ServedObject final : public Publisher, public std::enable_shared_from_this
   std::shared_ptr<Ticket> next_ticket();
   /// It must not start as the name stands.
   bool needs_name(const OperationDescription& operation) const;
+  void hold(ServerSession& session);
   void no_more_awaited(ServerSession& session);
   bool may_start(ServerCall& call);
   TimePoint await_judgement(std::unique_lock<Mutex>& lock);

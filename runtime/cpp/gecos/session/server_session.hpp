@@ -97,7 +97,8 @@ class ServerSession {
   bool parted_in_order = false;  ///< and what it had issued still runs
   std::uint64_t beats_judged = 0;
   TimePoint last_sign{};
-  /// The server stood still: nothing of it starts before it has shown a sign of life since.
+  /// The server stood still, or its client is silent: nothing of it starts before it has shown a
+  /// sign of life.
   bool awaited = false;
 
  private:
