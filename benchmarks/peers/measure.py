@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import os
 import statistics
 import sys
@@ -171,14 +172,23 @@ def judge(bar: Bar, measured: Rounds) -> Verdict:
         return Verdict(bar, [], False)
     best = max if bar.figure.more_is_better else min
     ratios = [
-        ours.figure(bar.figure)
-        / (best(other.figure(bar.figure) for other in beside) if beside else 1.0)
+        _quotient(
+            ours.figure(bar.figure),
+            best(other.figure(bar.figure) for other in beside) if beside else 1.0,
+        )
         for ours, *beside in zip(measured[bar.ours], *others, strict=True)
     ]
     if not bar.rounds:
         return Verdict(bar, ratios, _holds(bar, statistics.median(ratios)))
     held = sum(_holds(bar, ratio) for ratio in ratios)
     return Verdict(bar, ratios, held >= bar.rounds * len(ratios))
+
+
+def _quotient(ours: float, other: float) -> float:
+    """Beside a peer that leaves nothing to the loops whatever is left is infinitely more."""
+    if other:
+        return ours / other
+    return math.inf if ours else 1.0
 
 
 def _holds(bar: Bar, ratio: float) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from pathlib import Path
 
@@ -77,6 +78,11 @@ def test_fewer_calls_than_the_best_peer_miss_the_bar() -> None:
     bar = Bar("ours", ("theirs", "others"), 1.0, Figure.RATE, MOST_ROUNDS)
     assert not measure.judge(bar, rounds(ours=[3.0], theirs=[2.0], others=[4.0])).met
     assert measure.judge(bar, rounds(ours=[4.0], theirs=[2.0], others=[4.0])).met
+
+
+def test_beside_a_peer_that_leaves_nothing_any_rest_is_enough() -> None:
+    bar = Bar("ours", ("theirs",), 1.0, Figure.RATE, MOST_ROUNDS)
+    assert measure.judge(bar, rounds(ours=[0.0, 0.1], theirs=[0.0, 0.0])).ratios == [1.0, math.inf]
 
 
 def test_a_bar_without_others_is_the_figure_itself() -> None:

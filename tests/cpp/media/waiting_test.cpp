@@ -233,7 +233,7 @@ TEST_F(Waiting, ARingOfAnotherWaitOrOfTheFutureTeachesNothing) {
 TEST_F(Waiting, LongWaitsHalveTheBudgetAndAShortOneRestoresIt) {
   for (int wait = 0; wait < 20; ++wait) sleeps(100us, 4ms);
   for (int wait = 0; wait < 12; ++wait) sleeps(11ms, 4ms);
-  EXPECT_EQ(spin_.budget(), 5us);
+  EXPECT_EQ(spin_.budget(), 2us);
   sleeps(30us, 20us);
   EXPECT_EQ(spin_.budget(), 50us);
 }
@@ -245,7 +245,7 @@ TEST_F(Waiting, AReportInAdvanceTeachesNothing) {
     spin_.woke(core_.at - 40us, Woken::Early);
     sleeps(11ms, 40us);
   }
-  EXPECT_EQ(spin_.budget(), 5us) << "every second wait is short, and each answer comes late";
+  EXPECT_EQ(spin_.budget(), 2us) << "every second wait is short, and each answer comes late";
 }
 
 TEST_F(Waiting, ASliceLostWhileItLooksCountsAsAShortTime) {

@@ -59,7 +59,8 @@ bool SpinPolicy::look(State as) {
       return over();
     }
   }
-  looks_ = options_.looks_alone;
+  // A budget that small is not worth many looks between two readings.
+  looks_ = budget_ < options_.shortest ? options_.looks_alone / 4 : options_.looks_alone;
   return true;
 }
 

@@ -29,7 +29,7 @@ enum class Woken : std::uint8_t {
 struct SpinOptions {
   Duration shortest = std::chrono::microseconds(50);  ///< a wake-up is taken to cost at least this
   Duration longest = std::chrono::milliseconds(5);    ///< and at most this; 0: never look
-  Duration least = std::chrono::microseconds(5);      ///< budget of looks where waits last long
+  Duration least = std::chrono::microseconds(2);      ///< budget of looks where waits last long
   Duration long_wait = std::chrono::milliseconds(8);  ///< no look pays for such a wait
   Duration lost_core = std::chrono::microseconds(200);     ///< a yield this long lost a time slice
   Duration crowded_first = std::chrono::milliseconds(20);  ///< no yield after a lost slice …

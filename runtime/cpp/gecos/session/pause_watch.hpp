@@ -61,12 +61,12 @@ class PauseWatch {
   /// When a thread that asks often found no pause.
   struct Checked {
     Moment moment;
-    TimePoint at{};  ///< less than 5 ms ago
+    TimePoint at{};  ///< at most a tick of the kernel ago
   };
   /// Likewise, and reads the clock only now and then.
   bool suspected(const Clock& clock, Checked& checked, Moment now = Moment::now()) const {
     if (judging_.load(std::memory_order_acquire)) return true;
-    if (now.just_after(checked.moment)) return false;
+    if (now == checked.moment) return false;
     checked.at = clock.since_boot();
     const bool suspicious = suspected(checked.at);
     checked.moment = suspicious || !clock.real() ? Moment{} : now;

@@ -128,8 +128,8 @@ class IncomingCall {
   /// it was queued, or its caller gave it up; drop it unanswered.
   [[nodiscard]] bool begin() { return core_->begin(); }
   /// When the server marked it as started, directly before its handler begins; by CLOCK_BOOTTIME
-  /// (Clock::since_boot), at most 5 ms too early. Nothing before begin(), where the servant calls
-  /// that.
+  /// (Clock::since_boot), at most a tick of the kernel (10 ms) too early. Nothing before begin(),
+  /// where the servant calls that.
   std::optional<TimePoint> marked_at() const { return core_->marked_at(); }
 
   void finish(ByteView result) { std::exchange(core_, nullptr)->finish(result); }
