@@ -15,10 +15,10 @@ of_this_thread = threading.local()
 _answer = handlers._answer
 
 
-def _answer_with_mark(servant: gecos.Servant, call: _core.IncomingCall) -> None:
+def _answer_with_mark(servant: gecos.Servant, call: _core.IncomingCall, name: str) -> None:
     """On the thread of the handler: keeps when its start was marked."""
     of_this_thread.marked_ns = call.marked_ns
-    _answer(servant, call)
+    _answer(servant, call, name)
 
 
 class Workbench(WorkbenchServant):
