@@ -1,3 +1,7 @@
+#include <future>
+#include <mutex>
+
+#include "../same_bytes.hpp"
 #include "gecos/wire/packet.hpp"
 #include "over_media.hpp"
 
@@ -36,7 +40,7 @@ class LargeBody : public probe::OverMedia {
   static void expect_same(gecos::session::CommandCore& command, const gecos::Bytes& sent) {
     command.wait_until(gecos::TimePoint::max());
     ASSERT_EQ(command.progress().detail, Detail::Done) << command.failure();
-    ASSERT_TRUE(std::ranges::equal(command.result(), sent)) << sent.size();
+    ASSERT_TRUE(same_bytes(command.result(), sent)) << sent.size();
   }
   probe::Probe probe_;
 };
@@ -85,13 +89,27 @@ INSTANTIATE_TEST_SUITE_P(Over, LargeResults, ::testing::Values(Kind::Inproc, Kin
                          gecos::media::name_of);
 
 TEST_P(LargeResults, WaitAtTheServerUntilTheirClientTakesThem) {
-  static constexpr std::size_t image = 2'000'000;
-  servant_.on_read([](gecos::IncomingCall call) { call.finish(body(image)); });
-  const auto expected = body(image);
+  static constexpr std::size_t calls = 60;
+  struct Open {
+    std::mutex mutex;
+    std::vector<gecos::IncomingCall> calls;
+    std::promise<void> answered;
+  };
+  const auto image = body(2'000'000);
+  const auto open = std::make_shared<Open>();
+  servant_.on_read([image, open](gecos::IncomingCall call) {
+    const std::lock_guard lock(open->mutex);
+    open->calls.push_back(std::move(call));
+    if (open->calls.size() < calls) return;
+    for (auto& one : open->calls) one.finish(image);
+    open->answered.set_value();
+  });
   const auto asked = body(4);
   std::vector<std::shared_ptr<gecos::session::CommandCore>> commands;
-  for (int i = 0; i < 60; ++i) commands.push_back(echo(asked));
-  for (const auto& command : commands) expect_same(*command, expected);
+  for (std::size_t i = 0; i < calls; ++i) commands.push_back(echo(asked));
+  ASSERT_EQ(open->answered.get_future().wait_for(std::chrono::seconds(30)),
+            std::future_status::ready);
+  for (const auto& command : commands) expect_same(*command, image);
 }
 
 }  // namespace
