@@ -17,7 +17,7 @@ inline FakeClock& the_clock() {
   return clock;
 }
 inline const std::shared_ptr<session::Runtime>& the_runtime() {
-  static const auto runtime = session::Runtime::make({}, the_clock());
+  static const auto runtime = session::Runtime::make({}, the_clock()).value();
   return runtime;
 }
 

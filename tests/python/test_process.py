@@ -194,6 +194,37 @@ def test_a_server_without_descriptors_tells_the_client_so_and_serves_the_others(
         assert again.label().result(30) == "a lamp"
 
 
+READING_WITHOUT_DESCRIPTORS = """
+import os, resource, gecos
+from lamp import Lamp
+lamp = gecos.Lab().create(Lamp, "LAMP", medium="{medium}")
+lamp.label().result()
+resource.setrlimit(resource.RLIMIT_NOFILE, (64, 64))
+try:
+    while True: os.open("/dev/null", os.O_RDONLY)
+except OSError:
+    pass
+try:
+    lamp.level.stream()
+except gecos.ConnectionFailed as error:
+    print(error, flush=True)
+print(lamp.label().result(30), flush=True)
+"""
+
+
+@pytest.mark.parametrize("medium", ["shm", "lcm"])
+def test_a_stream_for_which_no_descriptor_is_left_is_refused_with_the_reason(
+    server: gecos.Server, medium: str
+) -> None:
+    with running(READING_WITHOUT_DESCRIPTORS.format(medium=medium)) as client:
+        said = says(client)
+        assert said.startswith(
+            "REFUSED: LAMP.level: stream 'level' of LAMP cannot be opened in this"
+        )
+        assert "Too many open files (see `ulimit -n` and" in said
+        assert says(client) == "a lamp\n", client.communicate()[1]
+
+
 CREATING_WITH_FEW_DESCRIPTORS = """
 import errno, resource, gecos
 from lamp import Lamp

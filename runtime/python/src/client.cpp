@@ -63,7 +63,7 @@ nb::object broker(LabHandle& self, nb::handle interface, double patience) {
   const InterfaceDescription& wanted = description_of(interface);
   auto opened =
       run_interruptibly([lab = self.get(), until = deadline_after(patience_of(patience))] {
-        return lab->core().broker(until);
+        return (*lab->core())->broker(until);
       });
   if (!opened) return nb::str(opened.error().c_str());
   return nb::cast(self.keep(std::make_shared<SessionHandle>(std::move(*opened), wanted)));

@@ -5,6 +5,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -77,7 +78,14 @@ class SessionHandle {
 
 class LabHandle {
  public:
-  explicit LabHandle(LabOptions options) : lab_(std::make_shared<Lab>(std::move(options))) {}
+  /// Throws std::system_error when this process has no thread or descriptor left for it, and
+  /// std::runtime_error where its environment asks for what there is none of.
+  explicit LabHandle(LabOptions options) : lab_(std::make_shared<Lab>(std::move(options))) {
+    if (lab_->core()) return;
+    const session::NoLab& why = lab_->core().error();
+    if (why.missing) throw std::system_error(*why.missing);
+    throw std::runtime_error(why.text);
+  }
   LabHandle(const LabHandle&) = delete;
   LabHandle& operator=(const LabHandle&) = delete;
   ~LabHandle() { let_go(lab_, owner_); }

@@ -7,6 +7,7 @@
 #include <future>
 #include <memory>
 #include <optional>
+#include <system_error>
 #include <utility>
 
 #include "gecos/base/clock.hpp"
@@ -56,7 +57,12 @@ auto run_interruptibly(Work work) {
   using Value = decltype(work());
   const auto task = std::make_shared<std::packaged_task<Value()>>(std::move(work));
   std::future<Value> value = task->get_future();
-  session::start_thread("gecos-python", [task] { (*task)(); }).detach();
+  try {
+    session::start_thread("gecos-python", [task] { (*task)(); }).detach();
+  } catch (const std::system_error&) {  // no thread can be had: no signal ends it then
+    const WithoutGil released;
+    (*task)();
+  }
   wait_in_slices(std::nullopt, [&](TimePoint until) {
     return value.wait_until(until) == std::future_status::ready;
   });

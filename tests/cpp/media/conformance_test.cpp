@@ -367,6 +367,26 @@ TEST_P(Conformance, AStreamIsReadNewestFirstOrOneByOne) {
   EXPECT_FALSE(reader->latest(3, sample));
 }
 
+TEST_P(Conformance, AStreamForWhichThisProcessHasNoDescriptorSaysSoAndCanBeSharedAgain) {
+  if (medium_->offer().kind == Kind::Inproc) GTEST_SKIP() << "it needs none";
+  const auto writer = door_->make_stream(100, 4);
+  ASSERT_EQ(client_.link->loss(), Loss::None) << "it has heard the server's answer";
+  ASSERT_TRUE(server_.link->share(7, *writer));
+  EXPECT_EQ(client_.link->why_no_stream(7), "");
+  {
+    const NoDescriptorLeft none;
+    EXPECT_TRUE(client_.wait([&] {
+      EXPECT_EQ(client_.link->open_stream(7), nullptr);
+      return !client_.link->why_no_stream(7).empty() || client_.link->loss() != Loss::None;
+    }));
+  }
+  EXPECT_NE(client_.link->why_no_stream(7).find("Too many open files"), std::string::npos)
+      << client_.link->why_no_stream(7);
+  ASSERT_TRUE(server_.link->share(7, *writer));
+  EXPECT_NE(client_.wait_for_stream(7), nullptr);
+  EXPECT_EQ(client_.link->why_no_stream(7), "");
+}
+
 TEST_P(Conformance, ASlowReaderLosesOldSamplesAndSeesHowMany) {
   const auto writer = door_->make_stream(100, 4);
   ASSERT_TRUE(server_.link->share(1, *writer));

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -20,6 +23,30 @@ inline std::size_t open_descriptors() {
   const std::filesystem::directory_iterator all("/proc/self/fd");
   return static_cast<std::size_t>(std::distance(begin(all), end(all)));
 }
+
+/// While it lives this process can open nothing more.
+class NoDescriptorLeft {
+ public:
+  NoDescriptorLeft() {
+    ::getrlimit(RLIMIT_NOFILE, &before_);
+    const rlimit tight{open_descriptors() - 1, before_.rlim_max};  // one of them was to count
+    ::setrlimit(RLIMIT_NOFILE, &tight);
+    for (int one = 0; one >= 0;) {
+      one = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
+      if (one >= 0) gaps_.push_back(one);
+    }
+  }
+  ~NoDescriptorLeft() {
+    ::setrlimit(RLIMIT_NOFILE, &before_);
+    for (const int one : gaps_) ::close(one);
+  }
+  NoDescriptorLeft(const NoDescriptorLeft&) = delete;
+  NoDescriptorLeft& operator=(const NoDescriptorLeft&) = delete;
+
+ private:
+  rlimit before_{};
+  std::vector<int> gaps_;
+};
 
 /// Nothing in these tests waits this long; who does has lost a wake-up.
 inline TimePoint too_late() { return std::chrono::steady_clock::now() + std::chrono::seconds(20); }

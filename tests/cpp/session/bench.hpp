@@ -9,6 +9,7 @@
 #include "../settles.hpp"
 #include "gecos/broker/broker.hpp"
 #include "gecos/gecos.hpp"
+#include "gecos/session/termination.hpp"
 #include "probe.hpp"
 
 namespace probe {
@@ -23,10 +24,14 @@ class NothingLeftOpen : public ::testing::Test {
   }
 
  private:
+  static std::ptrdiff_t open_at_first() {
+    gecos::session::Termination::prepare();  // which the process keeps
+    return open_now();
+  }
   static std::ptrdiff_t open_now() {
     return std::distance(std::filesystem::directory_iterator("/proc/self/fd"), {});
   }
-  const std::ptrdiff_t before_ = open_now();
+  const std::ptrdiff_t before_ = open_at_first();
 };
 
 /// Nobody loses a lease here because the machine was busy; what silence does is judged with a clock

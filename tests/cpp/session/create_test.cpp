@@ -71,7 +71,7 @@ TEST_F(Create, SaysThatTheServerIsOffline) {
     dead.addresses = {"inproc:nowhere"};
     return dead;
   }();
-  auto broker = lab_.core().broker(gecos::deadline_after(std::chrono::seconds(5)));
+  auto broker = lab_.core().value()->broker(gecos::deadline_after(std::chrono::seconds(5)));
   ASSERT_TRUE(broker) << broker.error();
   ASSERT_TRUE(gecos::session::await_enlisted(*gecos::session::enlist(**broker, entry, {}),
                                              gecos::deadline_after(std::chrono::seconds(5))));
@@ -118,7 +118,7 @@ TEST_F(Create, SaysWhyTheMediumThatLeadsToTheBrokerCannotBeHad) {
 }
 
 TEST_F(Create, TellsAnotherRuntimeDirectoryOfThisHostFromAnotherHost) {
-  auto& runtime = *lab_.core().runtime();
+  auto& runtime = *lab_.core().value()->runtime();
   gecos::Entry entry;
   entry.hostname = "robots";
   entry.addresses = {"shm:/tmp/theirs/PROBE.12.1.sock"};
@@ -134,16 +134,17 @@ TEST_F(Create, TellsAnotherRuntimeDirectoryOfThisHostFromAnotherHost) {
 
 TEST_F(Create, RefusesHardRealtimeOnAMediumThatCannotUnlessSimulated) {
   gecos::Entry entry;
-  entry.host = lab_.core().runtime()->host_identity();
+  entry.host = lab_.core().value()->runtime()->host_identity();
   entry.addresses = {"lcm:239.255.76.67:20017/x"};
   gecos::qos::Quality hard;
   hard.line = gecos::qos::Class::HardRealtime;
-  const auto refused = gecos::session::select(*lab_.core().runtime(), entry, hard, std::nullopt);
+  const auto refused =
+      gecos::session::select(*lab_.core().value()->runtime(), entry, hard, std::nullopt);
   ASSERT_FALSE(refused);
   EXPECT_NE(refused.error().find("lcm"), std::string::npos);
   EXPECT_NE(refused.error().find("HARD_REALTIME"), std::string::npos) << refused.error();
   entry.simulated = true;
-  EXPECT_TRUE(gecos::session::select(*lab_.core().runtime(), entry, hard, std::nullopt));
+  EXPECT_TRUE(gecos::session::select(*lab_.core().value()->runtime(), entry, hard, std::nullopt));
 }
 
 TEST_F(Create, TakesOnlyMediaThatTheInterfaceNames) {
@@ -266,7 +267,7 @@ class Restarted : public probe::NothingLeftOpen {
   gecos::Entry entry(pid_t pid) {
     gecos::Entry holder;
     holder.name = "PROBE";
-    holder.host = lab_.core().runtime()->host_identity();
+    holder.host = lab_.core().value()->runtime()->host_identity();
     holder.pid = pid;
     return holder;
   }

@@ -108,10 +108,10 @@ TEST_P(ClosedLab, SendsNothingAndCreatesNothing) {
 TEST_P(ClosedLab, KeepsNoSessionThatIsOpenedMeanwhile) {
   const auto late = std::dynamic_pointer_cast<gecos::session::LinkedSession>(other_.session());
   ASSERT_NE(late, nullptr);
-  EXPECT_TRUE(lab_.core().keep(late));
+  EXPECT_TRUE(lab_.core().value()->keep(late));
   lab_.close();
   EXPECT_TRUE(late->closed());
-  EXPECT_FALSE(lab_.core().keep(late));
+  EXPECT_FALSE(lab_.core().value()->keep(late));
 }
 
 TEST_P(ClosedLab, GoesOnServing) {

@@ -186,7 +186,7 @@ class ServedObjects : public ::testing::Test {
   const bool reliable_;
   Servant servant_;
   SuspendedMachine clock_;
-  std::shared_ptr<Runtime> runtime_ = Runtime::make({}, clock_);
+  std::shared_ptr<Runtime> runtime_ = Runtime::make({}, clock_).value();
   std::shared_ptr<ServedObject> object_ = make_object();
   std::shared_ptr<ServerSession> session_;
   TestLink* link_ = nullptr;

@@ -94,15 +94,13 @@ TEST(UnaskedDeathTest, ALogLevelThatThereIsNotIsRefusedByTheLab) {
   testing::FLAGS_gtest_death_test_style = "threadsafe";  // where no level was read yet
   ::setenv("GECOS_LOG", "loud", 1);
   const auto make_lab = [] {
-    try {
-      const gecos::Lab lab;
-    } catch (const std::runtime_error& refused) {
-      std::fputs(refused.what(), stderr);
-      std::_Exit(3);
-    }
+    gecos::Lab lab;
+    std::fputs(lab.create<probe::Probe>("RX90").error().to_string().c_str(), stderr);
+    std::_Exit(3);
   };
   EXPECT_EXIT(make_lab(), testing::ExitedWithCode(3),
-              "^GECOS_LOG is \"loud\", which is no level; write error, warning, info or debug$");
+              "^RX90: NO_SERVER: GECOS_LOG is \"loud\", which is no level; write error, warning, "
+              "info or debug$");
   ::unsetenv("GECOS_LOG");
 }
 

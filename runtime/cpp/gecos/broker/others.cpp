@@ -1,6 +1,7 @@
 #include "gecos/broker/others.hpp"
 
 #include <exception>
+#include <stdexcept>
 
 #include "gecos/base/log.hpp"
 #include "gecos/session/lab_core.hpp"
@@ -12,7 +13,8 @@ namespace gecos::broker {
 std::vector<std::string> other_brokers(Duration patience) {
   std::vector<std::string> places;
   Lab lab;
-  session::Runtime& runtime = *lab.core().runtime();
+  if (!lab.core()) throw std::runtime_error(lab.core().error().text);
+  session::Runtime& runtime = *(*lab.core())->runtime();
   for (const media::Kind kind : {media::Kind::Shm, media::Kind::Lcm}) {
     const auto medium = runtime.medium(kind);
     if (!medium) continue;

@@ -41,6 +41,7 @@ class LinkLayer : public Link {
   std::unique_ptr<StreamReader> open_stream(std::uint32_t id) override {
     return inner_->open_stream(id);
   }
+  std::string why_no_stream(std::uint32_t id) override { return inner_->why_no_stream(id); }
 
  protected:
   Link& inner() const { return *inner_; }

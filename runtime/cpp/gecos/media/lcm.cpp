@@ -1,15 +1,13 @@
 #include <arpa/inet.h>
-#include <fcntl.h>
 #include <lcm/lcm.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
-#include <unistd.h>
 
-#include <array>
 #include <cerrno>
 #include <optional>
 #include <utility>
 
+#include "gecos/base/descriptors.hpp"
 #include "gecos/base/system_error.hpp"
 #include "gecos/media/lcm/port.hpp"
 
@@ -18,19 +16,6 @@ namespace {
 
 /// What lcm_create opens at most. LCM crashes when descriptors run out within it.
 constexpr std::size_t descriptors_needed = 16;
-
-/// Takes as many descriptors as LCM will need and gives them back. Nothing when there are so many;
-/// else what is wrong.
-std::optional<MediumError> short_of_descriptors() {
-  std::array<Descriptor, descriptors_needed> spare;
-  for (Descriptor& one : spare) {
-    one = Descriptor(::open("/dev/null", O_RDONLY | O_CLOEXEC));
-    if (!one) {
-      return MediumError{"lcm: " + system_text(errno)};
-    }
-  }
-  return std::nullopt;
-}
 
 /// Nothing for a group that multicast knows.
 std::optional<MediumError> no_group(const std::string& group) {
@@ -67,7 +52,9 @@ tl::expected<std::unique_ptr<LcmPort>, MediumError> LcmPort::open(const LcmOptio
   if (auto wrong = no_group(options.group)) return tl::unexpected(std::move(*wrong));
   const std::string provider = "udpm://" + options.group + ":" + std::to_string(port) +
                                "?ttl=" + std::to_string(options.ttl);
-  if (auto wrong = short_of_descriptors()) return tl::unexpected(std::move(*wrong));
+  if (!descriptors_left(descriptors_needed)) {
+    return tl::unexpected(MediumError{"lcm: " + system_text(errno)});
+  }
   if (auto wrong = no_route(options, port)) return tl::unexpected(std::move(*wrong));
   lcm_t* const lcm = ::lcm_create(provider.c_str());
   if (lcm == nullptr) {

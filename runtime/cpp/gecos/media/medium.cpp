@@ -20,6 +20,8 @@ std::uint64_t Link::peer_word(std::size_t /*index*/) { return 0; }
 
 Whereabouts Link::peer_whereabouts() { return {}; }
 
+std::string Link::why_no_stream(std::uint32_t /*id*/) { return {}; }
+
 std::optional<Kind> kind_from(std::string_view name) {
   for (const Kind kind : {Kind::Inproc, Kind::Shm, Kind::Lcm}) {
     if (to_string(kind) == name) return kind;

@@ -165,6 +165,9 @@ class Link {
   virtual void unshare(std::uint32_t id) = 0;
   /// Client: the stream that the server shared under `id`; null while it has not arrived.
   virtual std::unique_ptr<StreamReader> open_stream(std::uint32_t id) = 0;
+  /// Client: why a stream cannot be opened here although the server shared it under `id`; empty
+  /// while it may still arrive.
+  virtual std::string why_no_stream(std::uint32_t id);
 };
 
 /// Server side of one object on one medium: makes links of the clients that come.

@@ -78,10 +78,8 @@ void Callbacks::post(std::function<void()> callback) {
     try {
       shared_->thread = start_thread("gecos-callbacks", [shared = shared_] { shared->run(); });
     } catch (const std::system_error& failed) {
-      log_error("session",
-                std::string("no thread can be had for the callbacks of commands (") +
-                    failed.what() +
-                    "); they wait until the next command with one ends, see `ulimit -u`");
+      log_error("session", std::string("no thread can be had for the callbacks of commands (") +
+                               failed.what() + "); they wait until the next command with one ends");
     }
   }
   shared_->changed.notify_one();

@@ -24,16 +24,15 @@ constexpr Duration stays_hot = std::chrono::milliseconds(10);
 constexpr unsigned turns_between_events = 8192;
 constexpr unsigned busy_turn = 128;
 
-int make_epoll() {
-  const int descriptor = epoll_create1(EPOLL_CLOEXEC);
-  if (descriptor < 0) throw_system_error("epoll_create1", errno);
-  return descriptor;
-}
-
 }  // namespace
 
+IoLoop::Epoll::Epoll() : descriptor(epoll_create1(EPOLL_CLOEXEC)) {
+  if (descriptor < 0) throw_system_error("epoll_create1", errno);
+}
+IoLoop::Epoll::~Epoll() { close(descriptor); }
+
 IoLoop::IoLoop(std::shared_ptr<Runtime> runtime)
-    : runtime_(std::move(runtime)), epoll_(make_epoll()), spin_(system_clock()) {
+    : runtime_(std::move(runtime)), spin_(system_clock()) {
   add_descriptor(wakeup_.descriptor(), wakeup_key);
   main_ = start_thread("gecos-io", [this] { run(); });
   try {
@@ -42,15 +41,11 @@ IoLoop::IoLoop(std::shared_ptr<Runtime> runtime)
     ended_.store(true);
     wakeup_.ring();
     main_.join();
-    close(epoll_);
     throw;
   }
 }
 
-IoLoop::~IoLoop() {
-  end();
-  close(epoll_);
-}
+IoLoop::~IoLoop() { end(); }
 
 void IoLoop::serve(std::shared_ptr<ServedObject> object,
                    std::shared_ptr<media::Acceptor> acceptor) {
@@ -80,7 +75,7 @@ void IoLoop::add_descriptor(int descriptor, std::uint64_t key) {
   epoll_event event{};
   event.events = EPOLLIN | EPOLLET;
   event.data.u64 = key;
-  if (epoll_ctl(epoll_, EPOLL_CTL_ADD, descriptor, &event) != 0 && errno != EEXIST) {
+  if (epoll_ctl(epoll_.descriptor, EPOLL_CTL_ADD, descriptor, &event) != 0 && errno != EEXIST) {
     throw_system_error("epoll_ctl", errno);
   }
 }
@@ -238,7 +233,7 @@ void IoLoop::take_events(int milliseconds, Polling& polling) {
   std::array<epoll_event, 64> events{};
   polling.unlock();
   const int count =
-      epoll_wait(epoll_, events.data(), static_cast<int>(events.size()), milliseconds);
+      epoll_wait(epoll_.descriptor, events.data(), static_cast<int>(events.size()), milliseconds);
   polling.lock();
   for (int at = 0; at < count; ++at) {
     const std::uint64_t key = events[static_cast<std::size_t>(at)].data.u64;

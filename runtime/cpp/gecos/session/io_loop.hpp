@@ -46,6 +46,11 @@ class IoLoop {
     std::shared_ptr<media::Acceptor> acceptor;
   };
   using Polling = std::unique_lock<Mutex>;
+  struct Epoll {
+    Epoll();
+    ~Epoll();
+    const int descriptor;
+  };
 
   void run();
   void run_standby();
@@ -72,7 +77,7 @@ class IoLoop {
   void add_descriptor(int descriptor, std::uint64_t key);
 
   const std::shared_ptr<Runtime> runtime_;
-  const int epoll_;
+  const Epoll epoll_;
   Wakeup wakeup_;
   std::atomic<bool> ended_{false};              // publishes nothing but itself
   std::atomic<std::uint64_t> handler_turn_{0};  // main's alone: odd while it is in a handler

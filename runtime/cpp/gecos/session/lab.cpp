@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <ostream>
-#include <stdexcept>
 
 #include "gecos/base/log.hpp"
 #include "gecos/session/lab_core.hpp"
@@ -28,21 +27,23 @@ std::ostream& operator<<(std::ostream& out, const CreateError& error) {
 
 namespace {
 
-/// Throws where the environment asks for what there is none of.
-LabOptions checked(LabOptions options) {
-  if (const auto& problem = log_level_problem()) throw std::runtime_error(*problem);
-  return options;
+session::LabOrWhyNot make_core(LabOptions options) {
+  if (const auto& problem = log_level_problem()) return tl::unexpected(session::NoLab{*problem});
+  return session::Runtime::make(std::move(options), session::system_clock())
+      .map([](std::shared_ptr<session::Runtime> runtime) {
+        return std::make_shared<session::LabCore>(std::move(runtime));
+      });
 }
 
 }  // namespace
 
-Lab::Lab(LabOptions options)
-    : core_(std::make_shared<session::LabCore>(
-          session::Runtime::make(checked(std::move(options)), session::system_clock()))) {}
+Lab::Lab(LabOptions options) : core_(make_core(std::move(options))) {}
 
 Lab::~Lab() = default;
 
-void Lab::close() { core_->close(std::chrono::seconds(1)); }
+void Lab::close() {
+  if (core_) (*core_)->close(std::chrono::seconds(1));
+}
 
 namespace session {
 namespace {
@@ -59,6 +60,10 @@ bool entry_is_a(const Entry& entry, std::string_view interface_name) {
 }
 
 }  // namespace
+
+std::string nothing_left(std::string_view what_for, const std::system_error& why) {
+  return "this process has nothing left for " + std::string(what_for) + ": " + why.what();
+}
 
 tl::expected<std::shared_ptr<LinkedSession>, CreateError::Attempt> open_object(
     LabCore& lab, const InterfaceDescription& wanted, const std::string& name,
@@ -101,12 +106,14 @@ tl::expected<std::shared_ptr<LinkedSession>, CreateError::Attempt> open_object(
   return tl::unexpected(std::move(failed));
 }
 
-tl::expected<Created, CreateError> create(LabCore& lab, const InterfaceDescription& wanted,
+tl::expected<Created, CreateError> create(const LabOrWhyNot& lab,
+                                          const InterfaceDescription& wanted,
                                           const std::vector<std::string>& names,
                                           const CreateOptions& options) {
   CreateError passed_over;
   for (const auto& name : names) {
-    auto session = open_object(lab, wanted, name, options);
+    auto session = lab ? open_object(**lab, wanted, name, options)
+                       : tl::unexpected(Attempt{name, Detail::NoServer, lab.error().text});
     if (session) return Created{std::move(*session), std::move(passed_over)};
     passed_over.attempts.push_back(std::move(session.error()));
   }

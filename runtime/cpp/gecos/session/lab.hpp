@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -58,16 +59,29 @@ struct Created {
   std::shared_ptr<ClientSession> session;
   CreateError passed_over;
 };
-tl::expected<Created, CreateError> create(LabCore& lab, const InterfaceDescription& wanted,
+/// Why a Lab stands on nothing.
+struct NoLab {
+  std::string text;
+  /// What this process has no more of; nothing where its environment asks for what there is none
+  /// of.
+  std::optional<std::system_error> missing{};
+};
+using LabOrWhyNot = tl::expected<std::shared_ptr<LabCore>, NoLab>;
+/// "this process has nothing left for a Lab: eventfd (see `ulimit -n` …): Too many open files".
+std::string nothing_left(std::string_view what_for, const std::system_error& why);
+tl::expected<Created, CreateError> create(const LabOrWhyNot& lab,
+                                          const InterfaceDescription& wanted,
                                           const std::vector<std::string>& names,
                                           const CreateOptions& options);
 }  // namespace session
 
 /// The laboratory as this process sees it: finds objects and connects to them. Thread-safe.
 /// A process may have several; each has its own connection to a broker.
+///
+/// Making one does not fail: where this process has no thread or descriptor left for it, or
+/// GECOS_LOG names no level, `create` and a Server's `add` give that as their reason.
 class Lab {
  public:
-  /// Throws std::runtime_error where GECOS_LOG names no level.
   explicit Lab(LabOptions options = {});
   ~Lab();
   Lab(const Lab&) = delete;
@@ -88,7 +102,7 @@ class Lab {
   template <class Proxy>
   Checked<Proxy, CreateError> create(const std::vector<std::string>& names,
                                      CreateOptions options = {}) {
-    auto created = session::create(*core_, Proxy::gecos_description(), names, options);
+    auto created = session::create(core_, Proxy::gecos_description(), names, options);
     if (!created) return tl::unexpected(std::move(created.error()));
     return Proxy(std::move(created->session));
   }
@@ -111,10 +125,10 @@ class Lab {
     return create<Proxy>(std::vector<std::string>{reference.name}, std::move(options));
   }
 
-  session::LabCore& core() { return *core_; }
+  const session::LabOrWhyNot& core() const { return core_; }
 
  private:
-  std::shared_ptr<session::LabCore> core_;
+  const session::LabOrWhyNot core_;
 };
 
 }  // namespace gecos

@@ -95,11 +95,16 @@ Runtime::Runtime(LabOptions options, const Clock& clock)
 
 Runtime::~Runtime() = default;
 
-std::shared_ptr<Runtime> Runtime::make(LabOptions options, const Clock& clock) {
+tl::expected<std::shared_ptr<Runtime>, NoLab> Runtime::make(LabOptions options,
+                                                            const Clock& clock) {
   OpenRuntimes& open = OpenRuntimes::instance();  // first: so it ends after whatever uses it
-  auto runtime = std::make_shared<Runtime>(std::move(options), clock);
-  open.add(runtime);
-  return runtime;
+  try {
+    auto runtime = std::make_shared<Runtime>(std::move(options), clock);
+    open.add(runtime);
+    return runtime;
+  } catch (const std::system_error& failed) {
+    return tl::unexpected(NoLab{nothing_left("a Lab", failed), failed});
+  }
 }
 
 tl::expected<media::Medium*, media::MediumError> Runtime::medium(media::Kind kind) {

@@ -26,7 +26,8 @@ BootId process_boot();
 class Runtime : public std::enable_shared_from_this<Runtime> {
  public:
   /// When the program exits, however its labs are dropped, its sessions say goodbye.
-  static std::shared_ptr<Runtime> make(LabOptions options, const Clock& clock);
+  /// Fails when this process has no thread or descriptor left for it.
+  static tl::expected<std::shared_ptr<Runtime>, NoLab> make(LabOptions options, const Clock& clock);
 
   Runtime(LabOptions options, const Clock& clock);
   ~Runtime();

@@ -3,10 +3,13 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <mutex>
 #include <system_error>
 
+#include "gecos/base/descriptors.hpp"
 #include "gecos/base/log.hpp"
+#include "gecos/base/system_error.hpp"
 #include "gecos/session/io_loop.hpp"
 #include "gecos/session/lab_core.hpp"
 #include "gecos/session/registrar.hpp"
@@ -18,13 +21,27 @@ namespace gecos {
 using session::LabCore;
 using session::ServedObject;
 
+namespace {
+
+/// What is open at once, at the most, while a client is let in: LCM takes so many to send to one.
+constexpr std::size_t descriptors_of_a_client = 16;
+
+bool is_inproc(const std::shared_ptr<media::Acceptor>& acceptor) {
+  return acceptor->offer().kind == media::Kind::Inproc;
+}
+
+}  // namespace
+
 class Server::Core {
  public:
+  using Made = tl::expected<std::unique_ptr<Core>, std::string>;
+  static Made make(const session::LabOrWhyNot& lab);
   explicit Core(std::shared_ptr<LabCore> lab)
       : lab_(std::move(lab)),
         io_(lab_->runtime()),
         registrar_(lab_),
         upkeep_(std::make_shared<Upkeep>(*this)) {
+    session::Termination::prepare();
     lab_->runtime()->housekeeping().tend(upkeep_);
   }
   ~Core();
@@ -57,11 +74,20 @@ class Server::Core {
   const std::shared_ptr<LabCore> lab_;
   std::mutex mutex_;
   std::vector<std::shared_ptr<ServedObject>> objects_;
+  session::Wakeup ended_;
   session::IoLoop io_;
   session::Registrar registrar_;
-  session::Wakeup ended_;
   std::shared_ptr<Upkeep> upkeep_;
 };
+
+Server::Core::Made Server::Core::make(const session::LabOrWhyNot& lab) {
+  if (!lab) return tl::unexpected(lab.error().text);
+  try {
+    return std::make_unique<Core>(*lab);
+  } catch (const std::system_error& failed) {
+    return tl::unexpected(session::nothing_left("a Server", failed));
+  }
+}
 
 TimePoint Server::Core::Upkeep::tend(TimePoint now) {
   const std::lock_guard lock(mutex);
@@ -126,7 +152,12 @@ tl::expected<Server::Core::Opened, ServeError> Server::Core::open_places(
     log_warning("session", why);
     failed += (failed.empty() ? "" : "; ") + why;
   }
-  if (opened.acceptors.empty()) return tl::unexpected(ServeError{failed});
+  if (options.media == std::vector{media::Kind::Inproc}) return opened;
+  if (std::ranges::all_of(opened.acceptors, is_inproc)) return tl::unexpected(ServeError{failed});
+  if (!descriptors_left(descriptors_of_a_client)) {
+    return tl::unexpected(
+        ServeError{name + " is not served: no client could be let in: " + system_text(errno)});
+  }
   return opened;
 }
 
@@ -181,19 +212,27 @@ void Server::Core::run() {
 
 void Server::Core::shut_down() { ended_.ring(); }
 
-Server::Server(Lab& lab) : core_(std::make_unique<Core>(lab.core().shared_from_this())) {}
+Server::Server(Lab& lab) : core_(Core::make(lab.core())) {}
 Server::~Server() {
-  if (core_->inherited()) static_cast<void>(core_.release());  // the parent's, with all it holds
+  // A forked child leaves what is its parent's, with all it holds.
+  if (core_ && (*core_)->inherited()) static_cast<void>(core_->release());
 }
 
 tl::expected<void, ServeError> Server::await_broker(Duration patience) {
-  return core_->await_broker(patience);
+  if (!core_) return tl::unexpected(ServeError{core_.error()});
+  return (*core_)->await_broker(patience);
 }
 tl::expected<void, ServeError> Server::add(std::string name, Servant& servant,
                                            ObjectOptions options) {
-  return core_->add(std::move(name), servant, std::move(options));
+  if (!core_) return tl::unexpected(ServeError{name + " is not served: " + core_.error()});
+  return (*core_)->add(std::move(name), servant, std::move(options));
 }
-void Server::run() { core_->run(); }
-void Server::shut_down() { core_->shut_down(); }
+void Server::run() {
+  if (core_) return (*core_)->run();
+  log_error("session", core_.error());
+}
+void Server::shut_down() {
+  if (core_) (*core_)->shut_down();
+}
 
 }  // namespace gecos

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "gecos/base/result.hpp"
 #include "gecos/session/lab.hpp"
 #include "gecos/session/servant.hpp"
 
@@ -31,6 +32,9 @@ struct ServeError {
 /// Runs objects in this process: registers them with the lab's broker (and again when a new broker
 /// comes up), accepts clients, queues commands, keeps leases. One I/O thread polls and runs short
 /// handlers; cancelable ones run on a worker of their object.
+///
+/// Making one does not fail: where this process has no thread or descriptor left for it, `add` and
+/// `await_broker` say so.
 class Server {
  public:
   explicit Server(Lab& lab);
@@ -40,17 +44,20 @@ class Server {
 
   /// Waits until the lab's broker answers; else says where it was looked for. `add` does this too.
   tl::expected<void, ServeError> await_broker(Duration patience);
-  /// Serves `servant` under `name` from now on. The servant must outlive the server.
+  /// Serves `servant` under `name` from now on. The servant must outlive the server. Fails when no
+  /// other process could reach it, unless `options.media` asks for no more; a medium that cannot be
+  /// had is named in a warning.
   tl::expected<void, ServeError> add(std::string name, Servant& servant,
                                      ObjectOptions options = {});
-  /// Waits until SIGINT or SIGTERM, whichever thread gets it, or `shut_down()`.
+  /// Waits until SIGINT or SIGTERM, whichever thread gets it, or `shut_down()`. Returns at once,
+  /// with an error in the log, from a server that could not be made.
   void run();
   /// Ends `run()`. Any thread.
   void shut_down();
 
  private:
   class Core;
-  std::unique_ptr<Core> core_;
+  tl::expected<std::unique_ptr<Core>, std::string> core_;  ///< or why it could not be made
 };
 
 }  // namespace gecos

@@ -32,20 +32,26 @@ tl::expected<std::shared_ptr<StreamCore>, Failure> LinkedSession::open_subscribe
         Failure{Detail::Fault, "the reply does not decode: " + from.error().message(), {}, {}});
   }
   std::unique_ptr<media::StreamReader> reader;
+  std::string impossible;
   wait(
       nullptr,
       [&] {
         if (!reader) reader = open_stream(id);
-        return reader != nullptr || lost();
+        if (!reader) impossible = link_->why_no_stream(id);
+        return reader != nullptr || !impossible.empty() || lost();
       },
       deadline_after(runtime_->options().grace));
+  const std::string what = "stream '" + std::string(stream.name) + "' of " + welcome_.object;
+  if (!reader && !impossible.empty()) {
+    return tl::unexpected(Failure{
+        Detail::Refused, what + " cannot be opened in this process: " + impossible, {}, {}});
+  }
   if (!reader) {
-    return tl::unexpected(Failure{Detail::OutcomeUnknown,
-                                  "stream '" + std::string(stream.name) + "' of " +
-                                      welcome_.object + " did not arrive over " +
-                                      std::string(media::to_string(link_->offer().kind)),
-                                  {},
-                                  {}});
+    return tl::unexpected(
+        Failure{Detail::OutcomeUnknown,
+                what + " did not arrive over " + std::string(media::to_string(link_->offer().kind)),
+                {},
+                {}});
   }
   return std::make_shared<ClientStream>(shared_from_this(), stream.code, std::move(reader));
 }

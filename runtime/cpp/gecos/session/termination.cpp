@@ -37,9 +37,14 @@ extern "C" void on_termination(int signal) {
 
 }  // namespace
 
-Termination::Termination() {
+void Termination::prepare() {
   const std::lock_guard lock(mutex);
   if (came == nullptr) came = new Wakeup();
+}
+
+Termination::Termination() {
+  prepare();
+  const std::lock_guard lock(mutex);
   if (living++ > 0) return;
   came.load()->quiet();
   owner = getpid();

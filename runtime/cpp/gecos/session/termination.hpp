@@ -8,7 +8,9 @@ namespace gecos::session {
 /// signals do again what they do by default.
 class Termination {
  public:
-  Termination();  ///< throws std::system_error when the process has no descriptor left
+  /// Takes the descriptor that all of them share, or throws std::system_error. None fails after it.
+  static void prepare();
+  Termination();  ///< as `prepare`
   ~Termination();
   Termination(const Termination&) = delete;
   Termination& operator=(const Termination&) = delete;

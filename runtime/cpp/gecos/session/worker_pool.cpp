@@ -20,7 +20,7 @@ bool WorkerPool::post(std::function<void()> job) {
     } catch (const std::system_error& failed) {
       if (!std::exchange(without_thread_, true)) {
         log_warning("session", name_ + ": no thread can be had for a handler (" + failed.what() +
-                                   "); it waits for another to return, see `ulimit -u`");
+                                   "); it waits for another to return");
       }
       if (threads_.empty()) {
         jobs_.pop_back();

@@ -3,7 +3,10 @@
 #include <sys/epoll.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <utility>
+
+#include "gecos/base/system_error.hpp"
 
 namespace gecos::media {
 namespace {
@@ -218,8 +221,12 @@ std::unique_ptr<StreamReader> LcmClientLink::open_stream(std::uint32_t id) {
   const auto found = arrived_.find(id);
   if (found == arrived_.end()) return nullptr;
   const SharedStream& where = found->second.where;
+  std::string& problem = found->second.problem;
   auto opened = LcmPort::open(options_, where.port);
-  if (!opened) return nullptr;
+  if (!opened) {
+    problem = std::move(opened.error().text);
+    return nullptr;
+  }
   const std::shared_ptr<LcmPort> port = std::move(*opened);
   auto inbox = std::make_shared<LcmStreamInbox>(port, where, inbox_);
   // The port keeps the callback, and the inbox the port: a weak one back, or none would ever go.
@@ -228,13 +235,25 @@ std::unique_ptr<StreamReader> LcmClientLink::open_stream(std::uint32_t id) {
                                             if (const auto to = weak.lock()) to->take(datagram);
                                           });
   epoll_event event{EPOLLIN, {.fd = port->descriptor()}};
-  if (!subscribed || ::epoll_ctl(streams_.get(), EPOLL_CTL_ADD, port->descriptor(), &event) != 0) {
+  if (!subscribed) {
+    problem = subscribed.error().text;
     return nullptr;
   }
+  if (::epoll_ctl(streams_.get(), EPOLL_CTL_ADD, port->descriptor(), &event) != 0) {
+    problem = "lcm: " + system_text(errno);
+    return nullptr;
+  }
+  problem.clear();
   reading_.push_back(inbox);
   found->second.opened = true;
   say(InnerKind::Opened, id);
   return std::make_unique<LcmStreamReader>(std::move(inbox));
+}
+
+std::string LcmClientLink::why_no_stream(std::uint32_t id) {
+  const std::lock_guard lock(mutex_);
+  const auto found = arrived_.find(id);
+  return found == arrived_.end() ? std::string() : found->second.problem;
 }
 
 LcmServerLink::LcmServerLink(std::shared_ptr<LcmDoor> door, const LcmDoor::Guest& guest,

@@ -75,6 +75,7 @@ class LcmClientLink final : public LcmLink {
   tl::expected<void, SendProblem> share(std::uint32_t id, StreamWriter& stream) override;
   void unshare(std::uint32_t id) override;
   std::unique_ptr<StreamReader> open_stream(std::uint32_t id) override;
+  std::string why_no_stream(std::uint32_t id) override;
 
   LcmClientLink(const LcmOptions& options, std::shared_ptr<LcmInbox> inbox,
                 std::shared_ptr<LcmOutlet> outlet, std::unique_ptr<LcmPort> in,
@@ -84,6 +85,7 @@ class LcmClientLink final : public LcmLink {
   struct Arrived {
     SharedStream where;
     bool opened = false;
+    std::string problem{};  ///< why it could not be opened last
   };
   void pump() override;
   bool new_samples();

@@ -8,7 +8,6 @@
 #include <system_error>
 #include <utility>
 
-#include "gecos/base/log.hpp"
 #include "gecos/base/system_error.hpp"
 #include "gecos/media/shm/stream.hpp"
 
@@ -267,6 +266,12 @@ std::unique_ptr<StreamReader> ShmLink::open_stream(std::uint32_t id) {
   return watches_.open(found->second.memory, found->second.mapping);
 }
 
+std::string ShmLink::why_no_stream(std::uint32_t id) {
+  const std::lock_guard lock(control_mutex_);
+  const auto found = not_opened_.find(id);
+  return found == not_opened_.end() ? std::string() : found->second;
+}
+
 bool ShmLink::know_peer(ReceivedControl& from, std::string& problem) {
   auto& [memfd, bell] = from.descriptors;
   if (!memfd || !bell) {
@@ -304,8 +309,10 @@ void ShmLink::read_control() {
     } else if (read == ControlRead::NoDescriptors) {
       const std::string why =
           "there is no descriptor here for what it sent: " + system_text(EMFILE);
-      if (role_ == Role::Client && control.message.type == ControlType::Share) {
-        log_warning("shm", "a stream of " + peer_.description + " cannot be opened: " + why);
+      if (role_ == Role::Client && control.message.type == ControlType::Share &&
+          not_opened_.size() < most_streams) {
+        not_opened_[control.message.id] = why;
+        ring_bell(bell_.descriptor());  // who waits for this stream may sleep in another thread
       } else {
         note_loss(Loss::Broken, why);
       }
@@ -353,6 +360,7 @@ void ShmLink::take_control(ReceivedControl& control) {
     case ControlType::Unshare:
       if (!client) break;
       arrived_.erase(message.id);
+      not_opened_.erase(message.id);
       return;
     case ControlType::Area:
     case ControlType::AreaEnd: {
@@ -382,6 +390,7 @@ void ShmLink::take_stream(ReceivedControl& control) {
     return;
   }
   auto held = std::make_shared<Mapping>(std::move(*mapping));
+  not_opened_.erase(message.id);
   arrived_[message.id] = {{held->data(), message.largest, message.depth}, held};
   ring_bell(bell_.descriptor());  // who waits for this stream may sleep in another thread
 }

@@ -79,6 +79,7 @@ class ShmLink final : public Link {
   tl::expected<void, SendProblem> share(std::uint32_t id, StreamWriter& stream) override;
   void unshare(std::uint32_t id) override;
   std::unique_ptr<StreamReader> open_stream(std::uint32_t id) override;
+  std::string why_no_stream(std::uint32_t id) override;
 
   ShmLink(Role role, std::shared_ptr<PeerEnd> other, Peer peer, Descriptor death, SealedMemory own);
 
@@ -119,6 +120,7 @@ class ShmLink final : public Link {
   mutable std::mutex control_mutex_;  // guards the socket's messages and all below
   std::string loss_text_;
   std::map<std::uint32_t, Arrived> arrived_;
+  std::map<std::uint32_t, std::string> not_opened_;  ///< shared streams that found no room here
   std::map<std::uint32_t, std::weak_ptr<SleeperList>> shared_;
   std::deque<Unsent> unsent_;
   const ForkWatch fork_watch_;
