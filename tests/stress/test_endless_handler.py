@@ -55,7 +55,7 @@ def connect(lab: gecos.Lab, laboratory: Laboratory) -> Workbench:
 
 
 @pytest.mark.parametrize("operation", ["tap", "file"])
-def test_it_is_stopped_and_nothing_starts_until_it_returns(
+def test_it_is_stopped_and_no_other_may_act_until_it_returns(
     laboratory: Laboratory, operation: str
 ) -> None:
     with gecos.Lab() as lab, gecos.Lab() as other_lab:
@@ -76,18 +76,15 @@ def test_it_is_stopped_and_nothing_starts_until_it_returns(
         assert waiting.progress().detail is gecos.Detail.STOPPED
         assert gecos.holders(other).result() == [], "the lease has ended"
 
-        with gecos.actor(other):
-            third = other.tap(3, 1)
-            # Two answers that were asked for later: had it been startable, it would have started.
-            assert other.weigh(4, b"still read").result() == b"still read"
-            about = gecos.describe(other).result()
-            assert about.executing == operation, "which its status says"
-            assert about.queued == 1
-            assert third.state is gecos.State.RUNNING
-            assert laboratory.events() == ["start 1"]
+        with pytest.raises(gecos.LeaseRefused, match=f"the handler of '{operation}' still runs"):
+            gecos.actor(other)
+        assert other.weigh(4, b"still read").result() == b"still read"
+        assert gecos.describe(other).result().executing == operation, "which its status says"
+        assert laboratory.events() == ["start 1"]
 
-            laboratory.server.program.signal(signal.SIGUSR1)
-            assert third.result() == 1
+        laboratory.server.program.signal(signal.SIGUSR1)
+        with gecos.actor(other):
+            assert other.tap(3, 1).result() == 1
         assert laboratory.events() == ["start 1", "finish 1", "start 3", "finish 3"]
         assert endless.progress().detail is gecos.Detail.STOPPED, "it never changes"
         del lease

@@ -13,6 +13,7 @@ from collections.abc import Callable
 from typing import NamedTuple, Protocol
 
 from gecos import log
+from gecos.farewell import begin_thread
 
 
 class Ending(Protocol):
@@ -46,7 +47,7 @@ class _Watch:
         with contextlib.suppress(BlockingIOError):  # it has been told often enough
             self._there.send(b"!")
         if not self._runs:
-            threading.Thread(target=self._begin, name="gecos-callbacks", daemon=True).start()
+            begin_thread("gecos-callbacks", self._begin)
 
     def _begin(self) -> None:
         """Of several that are started at once one stays."""

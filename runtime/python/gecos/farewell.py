@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import atexit
 import contextlib
+import threading
+from collections.abc import Callable
 from enum import IntEnum
 from typing import Protocol
 from weakref import WeakSet
@@ -33,9 +35,25 @@ def at_exit(leaver: Closable, turn: Turn) -> None:
     _waiting[turn].add(leaver)
 
 
+_starting = threading.RLock()  # a __del__ or a signal handler may begin a thread in the midst of it
+_over = False
+
+
+def begin_thread(name: str, run: Callable[..., None], *words: object) -> None:
+    """Begins a daemon thread. RuntimeError when the program has ended so far that it takes none: a
+    thread that is just beginning while the interpreter goes away would crash it."""
+    with _starting:
+        if _over:
+            raise RuntimeError(f"{name}: no thread begins any more, the program ends")
+        threading.Thread(target=run, args=words, name=name, daemon=True).start()
+
+
 @atexit.register
 def _leave() -> None:
+    global _over
     for turn in Turn:
         for leaver in list(_waiting[turn]):
             with contextlib.suppress(Exception):  # nobody is left to tell
                 leaver.close()
+    with _starting:
+        _over = True

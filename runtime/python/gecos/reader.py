@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import threading
 import weakref
 from collections import deque
 from collections.abc import AsyncIterator
 from queue import SimpleQueue
 from typing import TYPE_CHECKING, Generic, TypeVar
+
+from gecos.farewell import begin_thread
 
 if TYPE_CHECKING:
     from gecos.stream import Sample, Stream
@@ -69,8 +70,7 @@ class SampleReader(AsyncIterator["Sample[T]"]):
     async def __anext__(self) -> Sample[T]:
         if not self._begun:
             end = weakref.ref(self, self._asked.put)
-            work = (self._stream, self._asked, end)
-            threading.Thread(target=_serve, args=work, name="gecos-reader", daemon=True).start()
+            begin_thread("gecos-reader", _serve, self._stream, self._asked, end)
             self._begun = True
         turn: Turn[T] = Turn(asyncio.get_running_loop())
         self._asked.put(turn)

@@ -36,8 +36,9 @@ Told run(std::uint64_t first, std::uint64_t count, Mutant mutant = Mutant::None)
   Told told;
   constexpr std::uint64_t at_once = 100;  // then maintenance does what was left to it
   for (std::uint64_t seed = first; seed < first + count && told.alarms.empty(); seed += at_once) {
-    std::promise<void> done;
-    runtime->housekeeping().post([&] {
+    // Shared: set_value may still be at work when its waiter goes on.
+    const auto done = std::make_shared<std::promise<void>>();
+    runtime->housekeeping().post([&, done] {
       for (std::uint64_t one = seed; one < std::min(seed + at_once, first + count); ++one) {
         Schedule schedule(runtime, clock, one, mutant);
         told.alarms = schedule.run();
@@ -49,9 +50,9 @@ Told run(std::uint64_t first, std::uint64_t count, Mutant mutant = Mutant::None)
         told.alarms.insert(told.alarms.begin(), "seed " + std::to_string(one));
         break;
       }
-      done.set_value();
+      done->set_value();
     });
-    done.get_future().wait();
+    done->get_future().wait();
   }
   return told;
 }

@@ -89,7 +89,7 @@ def _describe(session: Session, body: Reader) -> Packet:
     running = [task for task in session.served.tasks if task.operation.queued and not task.over]
     names = [task.operation.name for task in running if not task.waits]
     what += u32(sum(task.waits for task in running)) + string(names[0] if names else "")
-    return done(block(what + u32(0) + string("confirmed")))
+    return done(block(what + u32(0) + string("confirmed") + u32(0)))
 
 
 def _acquire(session: Session, body: Reader) -> Packet:
