@@ -58,7 +58,7 @@ Rounds = dict[str, list[Measured]]
 
 @dataclass(slots=True)
 class Run:
-    """What was measured of one setting."""
+    """The figures of one setting."""
 
     rounds: Rounds
     repeated: dict[str, int] = field(default_factory=dict)  # by line: how often it failed

@@ -42,7 +42,7 @@ class Line:
 
 @dataclass(frozen=True, slots=True)
 class Bar:
-    """What is promised of `ours` beside the best of `others`: their quotient is at most `limit`, or
+    """A promise about `ours` beside the best of `others`: their quotient is at most `limit`, or
     at least where more is better. Without others it is the figure itself."""
 
     ours: str
@@ -168,7 +168,7 @@ def settings(of: Candidates) -> list[Setting]:
 
 
 def beside_loops(ours: Line, *polled: Line) -> list[Setting]:
-    """Ours is not worse than who polls, makes no fewer calls and takes no more from the loops."""
+    """Ours is not worse than polling peers, makes no fewer calls, takes no more from the loops."""
     several = []
     for priority, nice in (("equal", 0), ("lower", 19)):
         for length, slice_ms in (("long", 100.0), ("short", 0.1)):

@@ -294,7 +294,8 @@ void IoLoop::part_if_lost(const std::shared_ptr<ServerSession>& session) {
   session->gone = true;
   log_debug("media",
             session->object()->name() + ": a link is lost: " + session->link().loss_text());
-  // In order where it said goodbye. Who closes a link without that has given up what it issued.
+  // In order where it said goodbye. A client that closes its link without one has given up its
+  // calls.
   session->object()->depart(session, ServedObject::Departure::Lost);
   if (session->object()->ready())
     session->object()->run_ready(Starter::Other);  // what it sent last
