@@ -12,6 +12,7 @@
 
 #include "../cpp/settles.hpp"
 #include "gecos/base/clock.hpp"
+#include "gecos/session/termination.hpp"
 
 namespace stress {
 namespace {
@@ -76,6 +77,11 @@ Census census() {
   counted.descriptors = entries("/proc/self/fd");
   counted.threads = entries("/proc/self/task");
   return counted;
+}
+
+Census Balance::at_first() {
+  gecos::session::Termination::prepare();  // its descriptor stays the process's
+  return census();
 }
 
 Balance::Balance() { say("before", before_); }

@@ -44,7 +44,8 @@ class Balance {
   void close() const;
 
  private:
-  const Census before_ = census();
+  static Census at_first();
+  const Census before_ = at_first();
 };
 
 }  // namespace stress
