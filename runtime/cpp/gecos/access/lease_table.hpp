@@ -95,7 +95,7 @@ class LeaseTable {
   /// Ends the share of everybody silent for the TTL and names them, in no order.
   std::vector<Holder> expire(TimePoint now);
   /// Ends every lease but that of `by`, which goes on under the new epoch. Names those who lost
-  /// theirs. What was issued before and arrives later is denied as Stopped, with `why`.
+  /// theirs. A call issued before that arrives later is denied as Stopped, with `why`.
   std::vector<Holder> stop(SessionId by, const std::string& why);
   /// Nothing of `session` arrives any more.
   void forget(SessionId session);

@@ -13,8 +13,8 @@
 namespace gecos::broker {
 
 /// The broker as an object: `broker.serve(server)` puts it at this host's well-known place.
-/// What was enlisted is dropped when the session that did it ends. In its first second it prefers
-/// what was served before it started (directory.hpp).
+/// An entry is dropped when the session that enlisted it ends. In its first second it prefers
+/// objects that were served before it started (directory.hpp).
 class Broker final : public BrokerServant {
  public:
   /// Serves itself. Fails when this host has a broker already.

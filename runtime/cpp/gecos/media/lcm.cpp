@@ -29,8 +29,8 @@ std::optional<MediumError> no_group(const std::string& group) {
                      LcmOptions{}.group};
 }
 
-/// Nothing where packets can be sent to `port` of the group; else what is wrong. LCM looks too, and
-/// writes fifteen lines of its own to stderr each time.
+/// Nothing where packets can be sent to `port` of the group; else the reason why not. LCM looks
+/// too, and writes fifteen lines of its own to stderr each time.
 std::optional<MediumError> no_route(const LcmOptions& options, std::uint16_t port) {
   sockaddr_in place{};
   place.sin_family = AF_INET;

@@ -67,7 +67,7 @@ bool server_is_dead(const std::string& path) {
   return is_socket(path) && !connect_to(path) && errno == ECONNREFUSED;
 }
 
-/// Why nobody else can listen at `path`, which exists: what is there, and what to do.
+/// The reason why nobody else can listen at `path`, which exists, and how to mend it.
 std::string occupied(const std::string& path) {
   const std::string elsewhere = "name a directory of your own in GECOS_RUNTIME_DIR";
   const Descriptor their = connect_to(path);
