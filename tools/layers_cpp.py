@@ -7,14 +7,22 @@ from pathlib import Path
 
 from layers_rule import Violation
 
-ROOTS = ("runtime/cpp", "runtime/python/src", "devices", "generated/cpp")
+# These may include everything except the inner rooms of the session.
+PROGRAM = "a program"
+PROGRAMS = ("benchmarks", "examples", "tests")
+ROOTS = ("runtime/cpp", "runtime/python/src", "devices", "generated/cpp", *PROGRAMS)
 SUFFIXES = (".hpp", ".cpp", ".h", ".cc")
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
 # What media's users see: the contract, how to wait, and the door that opens what is here.
 CONTRACT = re.compile(r"^gecos/media/(?:(?:core|medium|waiting)\.[hc]pp|open\.hpp)$")
+# The headers that users and generated code include, and their sources.
+PUBLIC = re.compile(
+    r"^gecos/(?:binding|command|description|lab|object|reserved|servant|server|stream)\.[hc]pp$"
+)
 HAND_WRITTEN = re.compile(
-    r"^(?:gecos/(base|wire|qos|access|crypto|media|session|broker)|robcl/(frames|arm|motion))/"
+    r"^(?:gecos/(base|wire|qos|access|crypto|media|session/(?:protocol|process|client|server)|"
+    r"broker)|robcl/(frames|arm|motion))/"
 )
 GENERATED = re.compile(r"^(?:[\w]+/)*\w+_(types|json|client|server)\.[hc]pp$")
 
@@ -32,6 +40,12 @@ def _room(knows: str, why: str) -> Room:
 
 
 _BELOW_SESSION = "base wire qos access crypto medium generated-types"
+_SESSION = _BELOW_SESSION + " public"
+_INWARDS = "the rooms of the session stand on each other: public, protocol, process, client, server"
+_BY_CONTRACT = (
+    "the session knows media by contract alone (core, medium, waiting and open.hpp), "
+    "and generated types, never clients; "
+)
 
 ROOMS: dict[str, Room] = {
     "base": _room("", "base stands on the standard library alone"),
@@ -44,15 +58,19 @@ ROOMS: dict[str, Room] = {
         "base qos crypto medium",
         "a medium moves opaque bytes, sealed where others listen: base, qos, crypto, the contract",
     ),
-    "session": _room(
-        _BELOW_SESSION,
-        "session knows media by contract alone (core, medium, waiting and open.hpp), "
-        "and generated types, never clients",
+    "public": _room(_BELOW_SESSION, _BY_CONTRACT + _INWARDS),
+    "session/protocol": _room(_SESSION, _BY_CONTRACT + _INWARDS),
+    "session/process": _room(_SESSION + " session/protocol", _BY_CONTRACT + _INWARDS),
+    "session/client": _room(
+        _SESSION + " session/protocol session/process", _BY_CONTRACT + _INWARDS
     ),
-    "umbrella": _room("base session", "gecos.hpp gathers what programs use: base and session"),
+    "session/server": _room(
+        _SESSION + " session/protocol session/process session/client", _BY_CONTRACT + _INWARDS
+    ),
+    "umbrella": _room("base public", "gecos.hpp gathers what programs use: base and public"),
     "broker": _room(
-        _BELOW_SESSION + " session umbrella generated-stubs",
-        "the broker is an object like any other: session and generated code, no medium",
+        _BELOW_SESSION + " public umbrella generated-stubs",
+        "the broker is an object like any other: public headers and generated code, no medium",
     ),
     "frames": _room("base wire", "robcl/frames knows neither session nor generated code"),
     "arm": _room("base wire frames", "robcl/arm knows no session, no generated code, no motion"),
@@ -61,22 +79,23 @@ ROOMS: dict[str, Room] = {
         "base wire frames", "generated types know the codec and hand-written values"
     ),
     "generated-stubs": _room(
-        _BELOW_SESSION + " frames session", "generated clients and servers know session and types"
+        _BELOW_SESSION + " frames public",
+        "generated clients and servers know public headers and types",
     ),
     "devices": _room(
-        _BELOW_SESSION + " session umbrella frames arm motion generated-stubs",
+        _BELOW_SESSION + " public umbrella frames arm motion generated-stubs",
         "a device is a generated skeleton, robcl and one piece of hardware: no medium, no broker",
     ),
     "binding": _room(
-        _BELOW_SESSION + " session umbrella broker",
-        "the binding sits on session and broker, at the byte seam: no generated client",
+        _BELOW_SESSION + " public umbrella broker",
+        "the binding sits on public headers and broker, at the byte seam: no generated client",
     ),
 }
 
 
 @dataclass(frozen=True, slots=True)
 class Guest:
-    """A library that only some files may include."""
+    """A library, or a room, that only some files may include."""
 
     header: re.Pattern[str]
     where: re.Pattern[str]
@@ -84,7 +103,20 @@ class Guest:
     rule: str
 
 
+INNER_ROOMS = Guest(
+    re.compile(r"^gecos/session/"),
+    re.compile(r"^(runtime/cpp/gecos/session|tests/cpp/session|tests/fuzz|tests/stress)/"),
+    "an inner room of the session",
+    "the session and its tests know its rooms; all others include the public headers in gecos/",
+)
 GUESTS = (
+    INNER_ROOMS,
+    Guest(
+        re.compile(r"^gecos/session/client/"),
+        re.compile(r"^(?!runtime/cpp/gecos/session/server/(?!(server|registrar)\.))"),
+        "the client side",
+        "the server is a client of the broker only: in server.cpp and registrar",
+    ),
     Guest(
         re.compile(r"^lcm/"),
         re.compile(r"^runtime/cpp/gecos/media/lcm\.cpp$"),
@@ -136,6 +168,8 @@ PURE_RULE = "wire, qos, access and crypto do no I/O, own no thread and read no c
 
 def room_of_file(path: str) -> str | None:
     """Room of a file of the tree."""
+    if path.startswith(tuple(root + "/" for root in PROGRAMS)):
+        return PROGRAM
     if path.startswith("runtime/python/src/"):
         return "binding"
     if path.startswith("devices/"):
@@ -150,6 +184,8 @@ def room_of_header(header: str) -> str | None:
     """Room of a header as it is written in an include; None when it is not one of ours."""
     if CONTRACT.match(header):
         return "medium"
+    if PUBLIC.match(header):
+        return "public"
     if header == "gecos/gecos.hpp":
         return "umbrella"
     hand_written = HAND_WRITTEN.match(header)
@@ -197,7 +233,7 @@ def violations(path: str, text: str) -> list[Violation]:
 
 
 def _include(path: str, line: int, room: str, header: str) -> list[Violation]:
-    for guest in GUESTS:
+    for guest in (INNER_ROOMS,) if room == PROGRAM else GUESTS:
         if guest.header.match(header) and not guest.where.match(path):
             return [
                 Violation(
@@ -219,6 +255,8 @@ def _include(path: str, line: int, room: str, header: str) -> list[Violation]:
             )
         ]
     target = room_of_header(header)
+    if room == PROGRAM:
+        return []
     allowed = ROOMS[room].knows
     if target is None or target == room or target in allowed:
         return []

@@ -5,9 +5,9 @@
 
 #include "gecos/gecos.hpp"
 #include "gecos/media/stream_ring.hpp"
-#include "gecos/session/linked_session.hpp"
-#include "gecos/session/packets.hpp"
-#include "gecos/session/reserved_codec.hpp"
+#include "gecos/session/client/linked_session.hpp"
+#include "gecos/session/protocol/packets.hpp"
+#include "gecos/session/protocol/reserved_codec.hpp"
 #include "packet_target.hpp"
 #include "probe.hpp"
 #include "scripted_link.hpp"

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "gecos/base/clock.hpp"
-#include "gecos/session/runtime.hpp"
+#include "gecos/session/process/runtime.hpp"
 #include "script.hpp"
 
 namespace gecos::fuzz {

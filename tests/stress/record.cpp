@@ -12,7 +12,7 @@
 
 #include "../cpp/settles.hpp"
 #include "gecos/base/clock.hpp"
-#include "gecos/session/termination.hpp"
+#include "gecos/session/process/termination.hpp"
 
 namespace stress {
 namespace {

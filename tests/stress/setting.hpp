@@ -4,7 +4,7 @@
 #include <map>
 #include <string>
 
-#include "gecos/session/lab.hpp"
+#include "gecos/lab.hpp"
 
 namespace stress {
 

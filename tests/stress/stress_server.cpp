@@ -8,7 +8,7 @@
 #include <cstdio>
 
 #include "gecos/gecos.hpp"
-#include "gecos/session/termination.hpp"
+#include "gecos/session/process/termination.hpp"
 #include "record.hpp"
 #include "setting.hpp"
 #include "workbench.hpp"

@@ -23,30 +23,45 @@ def python(path: str, text: str) -> list[Violation]:
         ("runtime/cpp/gecos/base/ids.hpp", '"gecos/wire/encoder.hpp"'),
         ("runtime/cpp/gecos/wire/packet.cpp", '"gecos/media/medium.hpp"'),
         ("runtime/cpp/gecos/qos/match.cpp", '"gecos/media/medium.hpp"'),
-        ("runtime/cpp/gecos/access/lease_table.cpp", '"gecos/session/command.hpp"'),
+        ("runtime/cpp/gecos/access/lease_table.cpp", '"gecos/command.hpp"'),
         ("runtime/cpp/gecos/access/lease_table.cpp", '"gecos/object_types.hpp"'),
         ("runtime/cpp/gecos/media/shm/ring.cpp", '"gecos/wire/encoder.hpp"'),
         ("runtime/cpp/gecos/media/inproc.cpp", '"gecos/access/status.hpp"'),
-        ("runtime/cpp/gecos/session/select.cpp", '"gecos/media/lcm.hpp"'),
-        ("runtime/cpp/gecos/session/select.cpp", '"gecos/media/shm/connection.hpp"'),
-        ("runtime/cpp/gecos/session/lookup.cpp", '"gecos/broker_client.hpp"'),
-        ("runtime/cpp/gecos/session/lookup.cpp", '"robcl/frames/frame.hpp"'),
+        ("runtime/cpp/gecos/session/client/select.cpp", '"gecos/media/lcm.hpp"'),
+        ("runtime/cpp/gecos/session/client/select.cpp", '"gecos/media/shm/connection.hpp"'),
+        ("runtime/cpp/gecos/session/client/lookup.cpp", '"gecos/broker_client.hpp"'),
+        ("runtime/cpp/gecos/session/client/lookup.cpp", '"robcl/frames/frame.hpp"'),
         ("runtime/cpp/gecos/broker/broker.cpp", '"gecos/media/inproc.hpp"'),
-        ("runtime/cpp/robcl/frames/frame.cpp", '"gecos/session/command.hpp"'),
+        ("runtime/cpp/robcl/frames/frame.cpp", '"gecos/command.hpp"'),
         ("runtime/cpp/robcl/arm/chain.cpp", '"robcl/motion/straight.hpp"'),
         ("runtime/cpp/robcl/motion/straight.cpp", '"robcl/manipulator_types.hpp"'),
-        ("generated/cpp/robcl/gripper_types.cpp", '"gecos/session/command.hpp"'),
+        ("generated/cpp/robcl/gripper_types.cpp", '"gecos/command.hpp"'),
         ("generated/cpp/robcl/gripper_client.cpp", '"gecos/media/inproc.hpp"'),
         ("devices/rx90/server.cpp", '"gecos/media/shm/ring.hpp"'),
         ("devices/rx90/server.cpp", '"gecos/broker/broker.hpp"'),
         ("runtime/python/src/core.cpp", '"robcl/gripper_client.hpp"'),
+        ("runtime/cpp/gecos/lab.hpp", '"gecos/session/client/lab_core.hpp"'),
+        ("runtime/cpp/gecos/session/protocol/packets.hpp", '"gecos/session/process/runtime.hpp"'),
+        ("runtime/cpp/gecos/session/process/runtime.cpp", '"gecos/session/client/connect.hpp"'),
+        ("runtime/cpp/gecos/session/client/lab.cpp", '"gecos/session/server/io_loop.hpp"'),
+        ("runtime/cpp/gecos/session/client/lab.cpp", '"gecos/gecos.hpp"'),
+        ("runtime/cpp/gecos/session/server/io_loop.cpp", '"gecos/session/client/connect.hpp"'),
+        ("runtime/cpp/gecos/session/server/server_call.cpp", '"gecos/session/client/connect.hpp"'),
+        ("runtime/cpp/gecos/gecos.hpp", '"gecos/session/process/runtime.hpp"'),
+        ("runtime/cpp/gecos/broker/others.cpp", '"gecos/session/client/lab_core.hpp"'),
+        ("runtime/python/src/client.cpp", '"gecos/session/client/lab_core.hpp"'),
+        ("generated/cpp/robcl/gripper_client.cpp", '"gecos/session/protocol/packets.hpp"'),
+        ("devices/rx90/server.cpp", '"gecos/session/process/termination.hpp"'),
+        ("examples/grip_block.cpp", '"gecos/session/process/termination.hpp"'),
+        ("benchmarks/ours.cpp", '"gecos/session/protocol/packets.hpp"'),
+        ("tests/cpp/broker/broker_test.cpp", '"gecos/session/server/server_call.hpp"'),
         ("runtime/cpp/gecos/media/shm/ring.cpp", "<lcm/lcm.h>"),
-        ("runtime/cpp/gecos/session/select.cpp", "<Eigen/Dense>"),
+        ("runtime/cpp/gecos/session/client/select.cpp", "<Eigen/Dense>"),
         ("runtime/cpp/gecos/wire/encoder.hpp", "<kdl/frames.hpp>"),
-        ("runtime/cpp/gecos/session/command.hpp", "<nanobind/nanobind.h>"),
-        ("runtime/cpp/gecos/session/command.hpp", "<Python.h>"),
-        ("runtime/cpp/gecos/session/command.hpp", "<sodium.h>"),
-        ("runtime/cpp/gecos/session/command.hpp", "<nlohmann/json.hpp>"),
+        ("runtime/cpp/gecos/command.hpp", "<nanobind/nanobind.h>"),
+        ("runtime/cpp/gecos/command.hpp", "<Python.h>"),
+        ("runtime/cpp/gecos/command.hpp", "<sodium.h>"),
+        ("runtime/cpp/gecos/command.hpp", "<nlohmann/json.hpp>"),
         ("generated/cpp/robcl/gripper_json.cpp", '"robcl/gripper_client.hpp"'),
         ("runtime/cpp/gecos/wire/encoder.hpp", "<thread>"),
         ("runtime/cpp/gecos/access/lease_table.cpp", "<sys/socket.h>"),
@@ -75,14 +90,21 @@ def test_a_forbidden_include_is_found(path: str, header: str) -> None:
         ("runtime/cpp/gecos/crypto/key_directory.cpp", "<fcntl.h>"),
         ("runtime/cpp/gecos/media/shm/ring.cpp", '"gecos/media/medium.hpp"'),
         ("runtime/cpp/gecos/media/shm/ring.cpp", "<sys/mman.h>"),
-        ("runtime/cpp/gecos/session/select.cpp", '"gecos/media/medium.hpp"'),
-        ("runtime/cpp/gecos/session/reserved.hpp", '"gecos/object_types.hpp"'),
+        ("runtime/cpp/gecos/session/client/select.cpp", '"gecos/media/medium.hpp"'),
+        ("runtime/cpp/gecos/reserved.hpp", '"gecos/object_types.hpp"'),
         ("runtime/cpp/gecos/broker/broker.hpp", '"gecos/broker_server.hpp"'),
+        ("runtime/cpp/gecos/session/protocol/packets.hpp", '"gecos/command.hpp"'),
+        ("runtime/cpp/gecos/session/process/runtime.hpp", '"gecos/session/protocol/handshake.hpp"'),
+        ("runtime/cpp/gecos/session/client/lab.cpp", '"gecos/session/process/runtime.hpp"'),
+        ("runtime/cpp/gecos/session/server/server.cpp", '"gecos/session/client/lab_core.hpp"'),
+        ("runtime/cpp/gecos/session/server/registrar.hpp", '"gecos/session/client/registry.hpp"'),
+        ("tests/cpp/session/create_test.cpp", '"gecos/session/client/select.hpp"'),
+        ("tests/cpp/session/json_test.cpp", "<nlohmann/json.hpp>"),
         ("runtime/cpp/robcl/arm/chain.cpp", "<kdl/chain.hpp>"),
         ("devices/rx90/server.cpp", '"robcl/rx90_server.hpp"'),
         ("devices/rx90/server.cpp", "<urdf_parser/urdf_parser.h>"),
         ("generated/cpp/robcl/device_types.hpp", '"robcl/frames/frame.hpp"'),
-        ("generated/cpp/robcl/device_client.hpp", '"gecos/session/object.hpp"'),
+        ("generated/cpp/robcl/device_client.hpp", '"gecos/object.hpp"'),
         ("generated/cpp/robcl/gripper_json.cpp", '"gecos/wire/json_shapes.hpp"'),
         ("runtime/cpp/gecos/wire/json.hpp", "<nlohmann/json.hpp>"),
         ("runtime/python/src/core.cpp", "<nanobind/nanobind.h>"),
@@ -102,8 +124,17 @@ def test_a_pure_room_that_reads_a_clock_is_found_but_not_in_a_comment() -> None:
     assert "take the time as an argument" in violation.do
 
 
-def test_a_file_in_no_room_is_found() -> None:
-    (violation,) = cpp("runtime/cpp/gecos/helpers/util.hpp", "#pragma once\n")
+@pytest.mark.parametrize(
+    "path",
+    [
+        "runtime/cpp/gecos/helpers/util.hpp",
+        "runtime/cpp/gecos/util.hpp",
+        "runtime/cpp/gecos/session/util.hpp",
+        "runtime/cpp/gecos/session/helpers/util.hpp",
+    ],
+)
+def test_a_file_in_no_room_is_found(path: str) -> None:
+    (violation,) = cpp(path, "#pragma once\n")
     assert "no room" in violation.what
 
 
@@ -165,15 +196,17 @@ def test_an_allowed_import_passes(path: str, statement: str) -> None:
 
 
 def test_the_report_says_where_what_why_and_what_to_do(tmp_path: Path) -> None:
-    planted = tmp_path / "runtime/cpp/gecos/session/select.cpp"
+    planted = tmp_path / "runtime/cpp/gecos/session/client/select.cpp"
     planted.parent.mkdir(parents=True)
     planted.write_text('#include "gecos/media/lcm.hpp"\n')
     assert check_layers.report(*check_layers.check(tmp_path)) == (
-        "runtime/cpp/gecos/session/select.cpp:1: error: "
-        'session includes "gecos/media/lcm.hpp" of media\n'
-        "    = rule: session knows media by contract alone (core, medium, waiting and open.hpp), "
-        "and generated types, never clients\n"
-        "    = help: it may include access, base, crypto, generated-types, medium, qos, wire: "
+        "runtime/cpp/gecos/session/client/select.cpp:1: error: "
+        'session/client includes "gecos/media/lcm.hpp" of media\n'
+        "    = rule: the session knows media by contract alone (core, medium, waiting and "
+        "open.hpp), and generated types, never clients; the rooms of the session stand on each "
+        "other: public, protocol, process, client, server\n"
+        "    = help: it may include access, base, crypto, generated-types, medium, public, qos, "
+        "session/process, session/protocol, wire: "
         "pass in what it needs, or move the code to a room that may\n"
         "check_layers: 1 files, 1 violations"
     )

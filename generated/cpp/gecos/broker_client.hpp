@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "gecos/session/object.hpp"
+#include "gecos/object.hpp"
 #include "gecos/broker_types.hpp"
 
 namespace gecos {

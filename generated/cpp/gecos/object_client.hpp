@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "gecos/session/object.hpp"
+#include "gecos/object.hpp"
 #include "gecos/object_types.hpp"
 
 namespace gecos {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "gecos/session/servant.hpp"
+#include "gecos/servant.hpp"
 #include "gecos/object_types.hpp"
 
 namespace gecos {

@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "gecos/session/object.hpp"
+#include "gecos/object.hpp"
 #include "robcl/device_types.hpp"
 
 namespace robcl {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-#include "gecos/session/servant.hpp"
+#include "gecos/servant.hpp"
 #include "robcl/device_types.hpp"
 
 namespace robcl {

@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "gecos/session/object.hpp"
+#include "gecos/object.hpp"
 #include "robcl/laser_distance_sensor_types.hpp"
 #include "robcl/device_client.hpp"
 

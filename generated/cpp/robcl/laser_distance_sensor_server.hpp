@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "gecos/session/servant.hpp"
+#include "gecos/servant.hpp"
 #include "robcl/laser_distance_sensor_types.hpp"
 #include "robcl/device_server.hpp"
 

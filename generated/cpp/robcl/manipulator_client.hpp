@@ -5,7 +5,7 @@
 #include <memory>
 #include <optional>
 
-#include "gecos/session/object.hpp"
+#include "gecos/object.hpp"
 #include "robcl/manipulator_types.hpp"
 #include "robcl/device_client.hpp"
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "gecos/session/servant.hpp"
+#include "gecos/servant.hpp"
 #include "robcl/manipulator_types.hpp"
 #include "robcl/device_server.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "gecos/session/object.hpp"
+#include "gecos/object.hpp"
 #include "robcl/rx90_types.hpp"
 #include "robcl/six_axis_client.hpp"
 

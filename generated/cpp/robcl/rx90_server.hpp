@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "gecos/session/servant.hpp"
+#include "gecos/servant.hpp"
 #include "robcl/rx90_types.hpp"
 #include "robcl/six_axis_server.hpp"
 

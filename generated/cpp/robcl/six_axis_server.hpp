@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "gecos/session/servant.hpp"
+#include "gecos/servant.hpp"
 #include "robcl/six_axis_types.hpp"
 #include "robcl/manipulator_server.hpp"
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "gecos/session/object.hpp"
+#include "gecos/object.hpp"
 #include "robcl/world_types.hpp"
 
 namespace robcl {

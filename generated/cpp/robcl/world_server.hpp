@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "gecos/session/servant.hpp"
+#include "gecos/servant.hpp"
 #include "robcl/world_types.hpp"
 
 namespace robcl {

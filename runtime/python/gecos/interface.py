@@ -1,6 +1,6 @@
 """What the session needs to know of an interface: constant tables that gidl generates.
 
-The twin of `gecos/session/description.hpp`; `_core` reads these objects by their attributes.
+The twin of `gecos/description.hpp`; `_core` reads these objects by their attributes.
 """
 
 from __future__ import annotations

@@ -7,9 +7,7 @@
 #include "bind.hpp"
 #include "bytes.hpp"
 #include "dynamic_description.hpp"
-#include "gecos/session/handler_waits.hpp"
-#include "gecos/session/lab_core.hpp"
-#include "gecos/session/linked_session.hpp"
+#include "gecos/binding.hpp"
 #include "handles.hpp"
 #include "waiting.hpp"
 
@@ -63,7 +61,7 @@ nb::object broker(LabHandle& self, nb::handle interface, double patience) {
   const InterfaceDescription& wanted = description_of(interface);
   auto opened =
       run_interruptibly([lab = self.get(), until = deadline_after(patience_of(patience))] {
-        return (*lab->core())->broker(until);
+        return session::broker_session(lab->core(), until);
       });
   if (!opened) return nb::str(opened.error().c_str());
   return nb::cast(self.keep(std::make_shared<SessionHandle>(std::move(*opened), wanted)));

@@ -2,7 +2,7 @@
 
 #include <nanobind/nanobind.h>
 
-#include "gecos/session/description.hpp"
+#include "gecos/description.hpp"
 
 namespace gecos::python {
 

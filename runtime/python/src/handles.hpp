@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "gecos/session/lab.hpp"
-#include "gecos/session/reserved.hpp"
+#include "gecos/lab.hpp"
+#include "gecos/reserved.hpp"
 #include "lineage.hpp"
 #include "waiting.hpp"
 

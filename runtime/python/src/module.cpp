@@ -5,7 +5,7 @@
 #include <system_error>
 
 #include "bind.hpp"
-#include "gecos/session/command.hpp"
+#include "gecos/command.hpp"
 #include "lineage.hpp"
 
 namespace {

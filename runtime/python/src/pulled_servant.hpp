@@ -9,7 +9,7 @@
 #include <optional>
 #include <variant>
 
-#include "gecos/session/servant.hpp"
+#include "gecos/servant.hpp"
 
 /// Servants whose handlers are elsewhere: what arrives is queued, and somebody pulls it.
 ///

@@ -1,5 +1,5 @@
 // The server side at the byte seam: Server, PulledServant, IncomingCall, Broker.
-#include "gecos/session/server.hpp"
+#include "gecos/server.hpp"
 
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>

@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "gecos/base/clock.hpp"
-#include "gecos/session/thread.hpp"
+#include "gecos/base/thread.hpp"
 #include "gil.hpp"
 
 /// Waiting as Python wants it: without the GIL, and never deaf to signals for longer than a slice.
@@ -58,7 +58,7 @@ auto run_interruptibly(Work work) {
   const auto task = std::make_shared<std::packaged_task<Value()>>(std::move(work));
   std::future<Value> value = task->get_future();
   try {
-    session::start_thread("gecos-python", [task] { (*task)(); }).detach();
+    start_thread("gecos-python", [task] { (*task)(); }).detach();
   } catch (const std::system_error&) {  // no thread can be had: no signal ends it then
     const WithoutGil released;
     (*task)();

@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "gecos/session/object.hpp"
-#include "gecos/session/servant.hpp"
+#include "gecos/object.hpp"
+#include "gecos/servant.hpp"
 
 struct Outcome {
   gecos::Bytes result;

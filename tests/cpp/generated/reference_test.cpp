@@ -4,9 +4,9 @@
 #include <sstream>
 
 #include "../media/kind_names.hpp"
+#include "gecos/binding.hpp"
 #include "gecos/broker/broker.hpp"
 #include "gecos/gecos.hpp"
-#include "gecos/session/runtime.hpp"
 #include "gecos/wire/json.hpp"
 #include "workshop_client.hpp"
 #include "workshop_json.hpp"

@@ -1,4 +1,4 @@
-#include "gecos/session/answer_watch.hpp"
+#include "gecos/session/client/answer_watch.hpp"
 
 #include <gtest/gtest.h>
 

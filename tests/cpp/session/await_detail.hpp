@@ -4,7 +4,7 @@
 #include <string>
 #include <thread>
 
-#include "gecos/session/command.hpp"
+#include "gecos/command.hpp"
 
 namespace probe {
 

@@ -9,7 +9,7 @@
 #include "../settles.hpp"
 #include "gecos/broker/broker.hpp"
 #include "gecos/gecos.hpp"
-#include "gecos/session/termination.hpp"
+#include "gecos/session/process/termination.hpp"
 #include "probe.hpp"
 
 namespace probe {

@@ -1,4 +1,4 @@
-#include "gecos/session/call_table.hpp"
+#include "gecos/session/protocol/call_table.hpp"
 
 #include <gtest/gtest.h>
 

@@ -4,9 +4,9 @@
 #include <future>
 
 #include "bench.hpp"
-#include "gecos/session/linked_session.hpp"
-#include "gecos/session/registry.hpp"
-#include "gecos/session/select.hpp"
+#include "gecos/session/client/linked_session.hpp"
+#include "gecos/session/client/registry.hpp"
+#include "gecos/session/client/select.hpp"
 
 namespace {
 

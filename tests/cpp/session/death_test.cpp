@@ -12,7 +12,7 @@
 #include "await_detail.hpp"
 #include "child.hpp"
 #include "gecos/gecos.hpp"
-#include "gecos/session/pause_watch.hpp"
+#include "gecos/session/process/pause_watch.hpp"
 #include "place.hpp"
 #include "probe.hpp"
 

@@ -1,4 +1,4 @@
-#include "gecos/session/duplicates.hpp"
+#include "gecos/session/protocol/duplicates.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
-#include "gecos/session/housekeeping.hpp"
+#include "gecos/session/process/housekeeping.hpp"
 
 #include <gtest/gtest.h>
 
-#include "gecos/session/packets.hpp"
+#include "gecos/session/protocol/packets.hpp"
 
 namespace gecos::session {
 namespace {

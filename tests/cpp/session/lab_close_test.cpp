@@ -3,8 +3,8 @@
 #include <future>
 
 #include "../settles.hpp"
-#include "gecos/session/lab_core.hpp"
-#include "gecos/session/linked_session.hpp"
+#include "gecos/session/client/lab_core.hpp"
+#include "gecos/session/client/linked_session.hpp"
 #include "over_media.hpp"
 
 namespace {

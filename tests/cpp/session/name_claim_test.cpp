@@ -1,4 +1,4 @@
-#include "gecos/session/name_claim.hpp"
+#include "gecos/session/server/name_claim.hpp"
 
 #include <gtest/gtest.h>
 

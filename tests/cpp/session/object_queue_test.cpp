@@ -1,4 +1,4 @@
-#include "gecos/session/object_queue.hpp"
+#include "gecos/session/server/object_queue.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "gecos/session/pause_watch.hpp"
+#include "gecos/session/process/pause_watch.hpp"
 
 #include <gtest/gtest.h>
 

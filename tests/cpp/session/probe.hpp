@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "gecos/gecos.hpp"
-#include "gecos/session/function_code.hpp"
+#include "gecos/session/protocol/function_code.hpp"
 
 namespace probe {
 

@@ -9,9 +9,9 @@
 #include "gecos/crypto/ik.hpp"
 #include "gecos/crypto/transport.hpp"
 #include "gecos/media/lcm/datagram.hpp"
-#include "gecos/session/handshake.hpp"
-#include "gecos/session/packets.hpp"
-#include "gecos/session/reserved_codec.hpp"
+#include "gecos/session/protocol/handshake.hpp"
+#include "gecos/session/protocol/packets.hpp"
+#include "gecos/session/protocol/reserved_codec.hpp"
 
 namespace gecos::session {
 namespace {

@@ -1,4 +1,4 @@
-#include "gecos/session/runtime.hpp"
+#include "gecos/session/process/runtime.hpp"
 
 #include <gtest/gtest.h>
 

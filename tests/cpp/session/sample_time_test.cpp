@@ -1,4 +1,4 @@
-#include "gecos/session/sample_time.hpp"
+#include "gecos/session/protocol/sample_time.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,10 +6,10 @@
 #include <atomic>
 #include <vector>
 
-#include "gecos/session/function_code.hpp"
-#include "gecos/session/packets.hpp"
-#include "gecos/session/reserved_codec.hpp"
-#include "gecos/session/served_object.hpp"
+#include "gecos/session/protocol/function_code.hpp"
+#include "gecos/session/protocol/packets.hpp"
+#include "gecos/session/protocol/reserved_codec.hpp"
+#include "gecos/session/server/served_object.hpp"
 #include "probe.hpp"
 
 namespace gecos::session {

@@ -1,4 +1,4 @@
-#include "gecos/session/termination.hpp"
+#include "gecos/session/process/termination.hpp"
 
 #include <gtest/gtest.h>
 #include <poll.h>

@@ -1,4 +1,4 @@
-#include "gecos/session/watched_time.hpp"
+#include "gecos/session/protocol/watched_time.hpp"
 
 #include <gtest/gtest.h>
 

@@ -21,9 +21,9 @@
 #include <variant>
 #include <vector>
 
+#include "gecos/object.hpp"
 #include "gecos/object_ref_types.hpp"
-#include "gecos/session/object.hpp"
-#include "gecos/session/servant.hpp"
+#include "gecos/servant.hpp"
 #include "gecos/wire/contents.hpp"
 
 namespace gate {

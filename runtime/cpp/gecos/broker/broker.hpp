@@ -8,7 +8,7 @@
 
 #include "gecos/broker/directory.hpp"
 #include "gecos/broker_server.hpp"
-#include "gecos/session/server.hpp"
+#include "gecos/server.hpp"
 
 namespace gecos::broker {
 

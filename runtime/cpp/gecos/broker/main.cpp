@@ -2,10 +2,10 @@
 #include <cstdio>
 #include <cstring>
 
+#include "gecos/base/thread.hpp"
 #include "gecos/broker/broker.hpp"
 #include "gecos/broker/others.hpp"
 #include "gecos/gecos.hpp"
-#include "gecos/session/thread.hpp"
 
 namespace {
 
@@ -40,8 +40,7 @@ int main(int count, char** arguments) {
   }
   std::puts("gecos-broker: ready");
   std::fflush(stdout);
-  std::thread others =
-      gecos::session::start_thread("gecos-others", gecos::broker::warn_of_other_brokers);
+  std::thread others = gecos::start_thread("gecos-others", gecos::broker::warn_of_other_brokers);
   server.run();
   others.join();
   return 0;

@@ -4,9 +4,7 @@
 #include <stdexcept>
 
 #include "gecos/base/log.hpp"
-#include "gecos/session/lab_core.hpp"
-#include "gecos/session/linked_session.hpp"
-#include "gecos/session/registry.hpp"
+#include "gecos/binding.hpp"
 
 namespace gecos::broker {
 
@@ -14,16 +12,8 @@ std::vector<std::string> other_brokers(Duration patience) {
   std::vector<std::string> places;
   Lab lab;
   if (!lab.core()) throw std::runtime_error(lab.core().error().text);
-  session::Runtime& runtime = *(*lab.core())->runtime();
-  for (const media::Kind kind : {media::Kind::Shm, media::Kind::Lcm}) {
-    const auto medium = runtime.medium(kind);
-    if (!medium) continue;
-    const std::string place = (*medium)->well_known_address(session::broker_name);
-    const auto found =
-        runtime.connect(place, session::broker_interface(), deadline_after(patience));
-    if (!found) continue;
-    if ((*found)->welcome().boot != number(session::process_boot())) places.push_back(place);
-    (*found)->close(patience);
+  for (auto& found : session::find_brokers(lab.core(), patience)) {
+    if (found.boot != session::process_boot()) places.push_back(std::move(found.address));
   }
   return places;
 }

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "gecos/session/pending_command.hpp"
+#include "gecos/session/client/pending_command.hpp"
 #include "schedules/line.hpp"
 
 namespace gecos::session::schedules {

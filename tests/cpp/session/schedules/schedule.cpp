@@ -4,9 +4,9 @@
 #include <array>
 #include <utility>
 
-#include "gecos/session/packets.hpp"
-#include "gecos/session/reserved_codec.hpp"
-#include "gecos/session/worker_pool.hpp"
+#include "gecos/session/protocol/packets.hpp"
+#include "gecos/session/protocol/reserved_codec.hpp"
+#include "gecos/session/server/worker_pool.hpp"
 
 namespace gecos::session {
 namespace {

@@ -7,8 +7,8 @@
 #include <optional>
 #include <string>
 
-#include "gecos/session/linked_session.hpp"
-#include "gecos/session/served_object.hpp"
+#include "gecos/session/client/linked_session.hpp"
+#include "gecos/session/server/served_object.hpp"
 #include "schedules/judge.hpp"
 #include "schedules/line.hpp"
 

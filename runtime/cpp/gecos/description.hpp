@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <string_view>
+
+#include "gecos/access/status.hpp"
+#include "gecos/base/ids.hpp"
+#include "gecos/qos/quality.hpp"
+
+/// What the session needs to know of an interface: constant tables that gidl generates.
+namespace gecos {
+
+enum class OperationKind : std::uint8_t { Operation, Getter, Setter };
+enum class OnNew : std::uint8_t { Queue, Reject, Preempt, Blend };
+enum class OnLoss : std::uint8_t { Stop, Finish };
+
+struct OperationDescription {
+  FunctionCode code{};
+  std::string_view name;  ///< "move", "tool", "tool=" for a setter
+  OperationKind kind = OperationKind::Operation;
+  access::Status status = access::Status::Actor;  ///< what the caller needs
+  bool safety = false;      ///< overtakes every queue, never refused for status
+  bool presence = true;     ///< needs somebody in the laboratory
+  bool idempotent = false;  ///< may be sent again in a new session
+  bool cancelable = false;  ///< long-running: runs on the object's worker, has progress
+  bool parallel = false;    ///< may run beside other actor commands of the object
+  bool ordered = false;     ///< sensor operation that keeps its place among its caller's commands
+  OnNew on_new = OnNew::Queue;
+  OnLoss on_loss = OnLoss::Stop;
+  qos::Quality quality;
+  std::uint64_t hash = 0;
+};
+
+/// An outward stream; its one-shot getter is the operation with the same code.
+struct StreamDescription {
+  FunctionCode code{};
+  std::string_view name;
+  access::Status status = access::Status::Sensor;
+  double rate_hz = 0;
+  std::size_t largest = 0;  ///< bytes of the largest sample; 0 when unbounded (then 64 KiB)
+  qos::Quality quality;
+};
+
+/// Stamp of a sample that is measured as it is published.
+inline constexpr std::int64_t measured_now = std::numeric_limits<std::int64_t>::min();
+
+struct InterfaceDescription {
+  std::string_view name;  ///< "robcl::Rx90"
+  std::string_view version;
+  std::uint64_t hash = 0;
+  std::span<const std::string_view> bases;           ///< every interface it also is
+  std::span<const OperationDescription> operations;  ///< its own and all inherited, sorted by code
+  std::span<const StreamDescription> streams;        ///< likewise
+  qos::Quality quality;
+
+  const OperationDescription* find(FunctionCode code) const;
+  const StreamDescription* find_stream(FunctionCode code) const;
+  bool is_a(std::string_view interface_name) const;
+};
+
+}  // namespace gecos

@@ -1,0 +1,88 @@
+#include "gecos/servant.hpp"
+
+#include <cxxabi.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <exception>
+#include <typeinfo>
+
+namespace gecos {
+namespace {
+
+/// The name of a type as one writes it.
+std::string readable(const char* mangled) {
+  int problem = 0;
+  const std::unique_ptr<char, decltype(&std::free)> name(
+      abi::__cxa_demangle(mangled, nullptr, nullptr, &problem), &std::free);
+  return problem == 0 ? name.get() : mangled;
+}
+
+Failure undeclared(std::string_view operation, const std::string& what, const std::string& text) {
+  return {Detail::Fault,
+          "the handler of '" + std::string(operation) + "' " + what +
+              ", which it does not declare" + (text.empty() ? "" : ": ") + text,
+          {},
+          {}};
+}
+
+}  // namespace
+
+IncomingCall& IncomingCall::operator=(IncomingCall&& other) noexcept {
+  IncomingCall dropped(std::move(*this));
+  core_ = std::move(other.core_);
+  return *this;
+}
+
+IncomingCall::~IncomingCall() {
+  if (!core_) return;
+  fail({Detail::Fault,
+        "the handler of '" + std::string(operation().name) + "' gave no answer",
+        {},
+        {}});
+}
+
+void IncomingCall::fail(const Fault& fault, std::initializer_list<std::string_view> declared) {
+  Failure failure = fault.failure();
+  if (!failure.exception.empty() &&
+      std::ranges::find(declared, failure.exception) == declared.end()) {
+    failure = undeclared(operation().name, "raised " + failure.exception, failure.text);
+  }
+  fail(std::move(failure));
+}
+
+void IncomingCall::fail_as_thrown() {
+  if (!core_) return;
+  const std::type_info* const type = abi::__cxa_current_exception_type();
+  const std::string threw = "threw " + (type == nullptr ? "something" : readable(type->name()));
+  try {
+    throw;
+  } catch (const std::exception& error) {
+    fail(undeclared(operation().name, threw, error.what()));
+  } catch (...) {
+    fail(undeclared(operation().name, threw, {}));
+  }
+}
+
+void IncomingCall::finish(std::size_t size, FunctionRef<void(wire::Encoder&)> encode) {
+  constexpr std::size_t usual = 512;
+  std::byte buffer[usual];
+  Bytes large;
+  std::span<std::byte> result(buffer, std::min(size, usual));
+  if (size > usual) {
+    large.resize(size);
+    result = large;
+  }
+  wire::Encoder to(result);
+  encode(to);
+  finish(ByteView(result.data(), to.written()));
+}
+
+std::int64_t unix_now_ns() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+}  // namespace gecos

@@ -1,0 +1,253 @@
+#pragma once
+
+#include <concepts>
+#include <cstdint>
+#include <initializer_list>
+#include <memory>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "gecos/base/function_ref.hpp"
+#include "gecos/base/log.hpp"
+#include "gecos/command.hpp"
+#include "gecos/description.hpp"
+#include "gecos/wire/encoder.hpp"
+
+namespace gecos {
+
+/// Who issued a call.
+struct Caller {
+  std::string user;
+  std::string host;
+  std::string program;
+  std::int32_t pid = 0;
+  std::uint64_t boot = 0;  ///< of this life of the program, as it says itself
+  std::uint64_t session = 0;
+};
+
+/// Why a handler gives no result: a declared exception, or one of the reasons below.
+class Fault {
+ public:
+  /// A declared exception of the operation: `return tl::unexpected(OutOfReach{"…"});` Where its
+  /// members are out of their ranges the caller gets that as the text of a plain FAULT.
+  template <wire::GeneralContents E>
+  requires requires {
+    { E::type_name() } -> std::convertible_to<std::string_view>;
+  }
+  Fault(const E& exception)  // NOLINT(google-explicit-constructor)
+      : failure_(failure_of(exception)) {}
+
+  /// The command was refused as it stands; `why` says what to do.
+  static Fault rejected(std::string why) {
+    return Fault({Detail::Rejected, std::move(why), {}, {}});
+  }
+  static Fault bad_parameter(std::string why) {
+    return Fault({Detail::BadParameter, std::move(why), {}, {}});
+  }
+  /// Something failed that no declared exception names.
+  static Fault failed(std::string why) { return Fault({Detail::Fault, std::move(why), {}, {}}); }
+  /// The handler ended early because it was asked to; the session knows why (cancel, stop, loss).
+  static Fault interrupted() { return Fault({Detail::Canceled, "canceled", {}, {}}); }
+
+  const Failure& failure() const { return failure_; }
+
+ private:
+  explicit Fault(Failure failure) : failure_(std::move(failure)) {}
+  template <class E>
+  static Failure failure_of(const E& exception) {
+    if (auto wrong = wire::violation_of(exception); !wrong.empty()) {
+      return {Detail::Fault, "the handler raised " + wrong, {}, {}};
+    }
+    return {Detail::Fault, describe(exception), std::string(E::type_name()),
+            wire::to_bytes(exception)};
+  }
+  /// With its members, for a caller that only prints what went wrong.
+  template <class E>
+  static std::string describe(const E& exception) {
+    if constexpr (requires(std::ostringstream out) { out << exception; }) {
+      std::ostringstream out;
+      out << exception;
+      return std::move(out).str();
+    } else {
+      return "the handler raised it";
+    }
+  }
+  Failure failure_;
+};
+
+/// What a handler returns.
+template <class T>
+using Result = tl::expected<T, Fault>;
+
+namespace session {
+
+/// Server side of one call. Shared by the session and the handler; thread-safe.
+class CallCore {
+ public:
+  virtual ~CallCore() = default;
+  virtual const OperationDescription& operation() const = 0;
+  virtual ByteView arguments() const = 0;
+  virtual const Caller& caller() const = 0;
+  /// The handler should end soon: canceled, stopped, lease lost, deadline passed, server closing.
+  virtual bool interrupted() const = 0;
+  /// Sleeps until interrupted() or `deadline`; true when interrupted.
+  virtual bool wait_interrupted_until(TimePoint deadline) = 0;
+  /// False: its handler must not begin any more.
+  virtual bool begin() { return true; }
+  /// When its start was marked; nothing before.
+  virtual std::optional<TimePoint> marked_at() const { return std::nullopt; }
+  virtual void progress(double fraction, ByteView feedback) = 0;
+  /// The first of finish and fail counts; a later one is ignored.
+  virtual void finish(ByteView result) = 0;
+  virtual void fail(Failure failure) = 0;
+};
+
+}  // namespace session
+
+/// A call that reached its object. Move-only; it is answered now or later, on any thread. Dropped
+/// without an answer it fails as FAULT "the handler gave no answer".
+class IncomingCall {
+ public:
+  explicit IncomingCall(std::shared_ptr<session::CallCore> core) : core_(std::move(core)) {}
+  IncomingCall(IncomingCall&&) noexcept = default;
+  IncomingCall& operator=(IncomingCall&&) noexcept;
+  ~IncomingCall();
+
+  const OperationDescription& operation() const { return core_->operation(); }
+  ByteView arguments() const { return core_->arguments(); }
+  const Caller& caller() const { return core_->caller(); }
+  bool interrupted() const { return core_->interrupted(); }
+  bool wait_interrupted_until(TimePoint deadline) const {
+    return core_->wait_interrupted_until(deadline);
+  }
+  void progress(double fraction, ByteView feedback) { core_->progress(fraction, feedback); }
+  /// For servants that queue calls: directly before the handler runs. False: the call ended while
+  /// it was queued, or its caller gave it up; drop it unanswered.
+  [[nodiscard]] bool begin() { return core_->begin(); }
+  /// When the server marked it as started, directly before its handler begins; by CLOCK_BOOTTIME
+  /// (Clock::since_boot), at most a tick of the kernel (10 ms) too early. Nothing before begin(),
+  /// where the servant calls that.
+  std::optional<TimePoint> marked_at() const { return core_->marked_at(); }
+
+  void finish(ByteView result) { std::exchange(core_, nullptr)->finish(result); }
+  void fail(Failure failure) { std::exchange(core_, nullptr)->fail(std::move(failure)); }
+  /// As `fault` says. An exception that is none of `declared` is named as undeclared.
+  void fail(const Fault& fault, std::initializer_list<std::string_view> declared);
+  /// In a catch block: as what was thrown, which no operation declares.
+  void fail_as_thrown();
+
+  /// For generated skeletons: sizes, encodes and sends the result of a handler.
+  void finish(std::size_t size, FunctionRef<void(wire::Encoder&)> encode);
+
+ private:
+  std::shared_ptr<session::CallCore> core_;
+};
+
+/// What a cancelable handler has beside its arguments. Lives as long as the handler runs.
+template <class Feedback = void>
+class Execution {
+ public:
+  explicit Execution(IncomingCall& call) : call_(call) {}
+  /// The handler should stop soon and return `Fault::interrupted()`.
+  bool interrupted() const { return call_.interrupted(); }
+  /// Sleeps at most `time`; true as soon as interrupted.
+  bool wait_interrupted(Duration time) const {
+    return call_.wait_interrupted_until(deadline_after(time));
+  }
+  /// Tells the caller how far it is, 0 to 1. Only the latest is kept: call it as often as you like.
+  /// Feedback whose members are out of their ranges is not sent; the log says so.
+  void progress(double fraction) requires(std::is_void_v<Feedback>) {
+    call_.progress(fraction, {});
+  }
+  template <class F = Feedback>
+  requires(!std::is_void_v<F>) void progress(double fraction, const F& feedback) {
+    if (const auto wrong = wire::violation_of(feedback); !wrong.empty()) {
+      log_error(call_.operation().name, "feedback not sent: " + wrong);
+      return;
+    }
+    call_.progress(fraction, wire::to_bytes(feedback));
+  }
+  const Caller& caller() const { return call_.caller(); }
+
+ private:
+  IncomingCall& call_;
+};
+
+namespace session {
+
+/// Where a servant's streams go; given to it when it is added to a server.
+class Publisher {
+ public:
+  virtual ~Publisher() = default;
+  /// `stamp_ns`: when it was measured, Unix time in ns, or `measured_now`.
+  virtual void publish(const StreamDescription& stream, ByteView sample, std::int64_t stamp_ns) = 0;
+};
+
+}  // namespace session
+
+/// An object's implementation: generated skeletons derive from this, users from the skeleton.
+/// Handlers of one servant run one lane at a time unless it was added as thread-safe.
+class Servant {
+ public:
+  virtual ~Servant() = default;
+  Servant() = default;
+  Servant(const Servant&) = delete;
+  Servant& operator=(const Servant&) = delete;
+
+  virtual const InterfaceDescription& gecos_interface() const = 0;
+  /// Decodes, runs the handler, answers. Generated skeletons turn what a handler throws into FAULT
+  /// with its text. What comes out of here is logged, and its call ends as FAULT without a text.
+  virtual void gecos_dispatch(IncomingCall call) = 0;
+
+  /// True: gecos_dispatch() only queues, and IncomingCall::begin() is called before each handler.
+  virtual bool gecos_begins_calls() const { return false; }
+
+  /// Whether the handlers of both run on one thread; for servants that queue calls.
+  virtual bool gecos_share_thread(const OperationDescription& one,
+                                  const OperationDescription& other) const {
+    static_cast<void>(one);
+    static_cast<void>(other);
+    return false;
+  }
+
+  /// A session in which calls came (Caller::session) has ended. On a thread of the server, beside
+  /// handlers: must not block.
+  virtual void gecos_session_ended(std::uint64_t session) { static_cast<void>(session); }
+
+  void gecos_attach(std::shared_ptr<session::Publisher> publisher) {
+    gecos_publisher_ = std::move(publisher);
+  }
+
+ protected:
+  /// Null until the servant was added to a server.
+  std::shared_ptr<session::Publisher> gecos_publisher_;
+};
+
+/// Unix time now in ns, for stamps that people read.
+std::int64_t unix_now_ns();
+
+}  // namespace gecos
+
+// What gidl generates for a server:
+//
+//   class ManipulatorServant : public virtual robcl::DeviceServant {
+//    public:
+//     const gecos::InterfaceDescription& gecos_interface() const override;
+//     void gecos_dispatch(gecos::IncomingCall call) override;      // switch over the codes, own
+//     and inherited
+//    protected:
+//     virtual gecos::Result<robcl::Frame> tool() = 0;
+//     virtual gecos::Result<robcl::Frame> tool_offset() = 0;
+//     virtual gecos::Result<void> set_tool_offset(const robcl::Frame& value) = 0;
+//     virtual gecos::Result<void> move(const robcl::Frame& goal, const std::optional<Trajectory>&
+//     how,
+//                                      gecos::Execution<MotionProgress>& run) = 0;
+//     void publish_tool(const robcl::Frame& value, std::int64_t stamp_ns = gecos::measured_now);
+//   };
+//
+// A root servant derives from `public virtual gecos::Servant`. The getter of a stream attribute is
+// an ordinary handler. Arguments that do not decode or are out of @range: BAD_PARAMETER naming the
+// field.

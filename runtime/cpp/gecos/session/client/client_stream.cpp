@@ -1,0 +1,71 @@
+#include "gecos/session/client/client_stream.hpp"
+
+#include <algorithm>
+
+#include "gecos/session/client/linked_session.hpp"
+#include "gecos/session/process/runtime.hpp"
+#include "gecos/session/protocol/sample_time.hpp"
+
+namespace gecos {
+
+std::string_view to_string(StreamEnd end) {
+  switch (end) {
+    case StreamEnd::Nothing:
+      return "NOTHING";
+    case StreamEnd::Lost:
+      return "LOST";
+  }
+  return "?";
+}
+
+}  // namespace gecos
+
+namespace gecos::session {
+
+ClientStream::ClientStream(std::shared_ptr<LinkedSession> session, FunctionCode code,
+                           std::unique_ptr<media::StreamReader> reader)
+    : session_(std::move(session)), code_(code), reader_(std::move(reader)) {}
+
+ClientStream::~ClientStream() { session_->unsubscribe(code_); }
+
+/// What only a server that means harm, or is broken, sends without its time decodes as nothing.
+void ClientStream::finish(RawSample& sample) const {
+  constexpr std::int64_t farthest = std::int64_t{1} << 62;
+  sample.stamp_ns = std::clamp(sample.stamp_ns, -farthest, farthest);
+  const auto measured = take_measured(sample.bytes);
+  if (!measured) sample.bytes.clear();
+  sample.measured = session_->by_our_clock(measured.value_or(TimePoint(-longest_age)));
+}
+
+bool ClientStream::latest(RawSample& into) {
+  if (session_->closed()) return false;  // the medium would still give samples
+  session_->glance();
+  if (session_->lost()) return false;
+  if (reader_->latest(into.sequence, into)) finish(into);
+  return into.sequence != 0;
+}
+
+tl::expected<void, StreamEnd> ClientStream::next(RawSample& into, TimePoint deadline) {
+  bool got = false;
+  session_->wait(
+      nullptr,
+      [&] {
+        if (session_->closed()) return true;
+        got = got || reader_->next(into.sequence, into);
+        return got || session_->lost();
+      },
+      deadline);
+  if (got) {
+    finish(into);
+    return {};
+  }
+  return tl::unexpected(lost() ? StreamEnd::Lost : StreamEnd::Nothing);
+}
+
+bool ClientStream::lost() const { return session_->lost() || session_->closed(); }
+
+Duration ClientStream::age(const RawSample& sample) const {
+  return std::max(session_->runtime().clock().since_boot() - sample.measured, Duration::zero());
+}
+
+}  // namespace gecos::session

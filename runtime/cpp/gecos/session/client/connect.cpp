@@ -1,0 +1,50 @@
+#include "gecos/session/client/connect.hpp"
+
+#include <system_error>
+#include <utility>
+
+#include "gecos/base/log.hpp"
+
+namespace gecos::session {
+
+tl::expected<std::shared_ptr<LinkedSession>, std::string> connect(
+    Runtime& runtime, const std::string& address, const InterfaceDescription& wanted,
+    TimePoint deadline, Detail* why, FunctionRef<void(LinkedSession&)> prepare) {
+  if (why != nullptr) *why = Detail::NoServer;
+  const auto kind = media::kind_from(std::string_view(address).substr(0, address.find(':')));
+  if (!kind) {
+    return tl::unexpected("'" + address +
+                          "' is no address: it begins with none of inproc:, shm:, lcm:");
+  }
+  const auto opened = runtime.medium(*kind);
+  if (!opened) return tl::unexpected(opened.error().text);
+  using Session = tl::expected<std::shared_ptr<LinkedSession>, LinkedSession::NotOpened>;
+  const auto open = [&]() -> Session {
+    try {
+      auto link = (*opened)->connect(address);
+      if (!link)
+        return tl::unexpected(LinkedSession::NotOpened{Detail::NoServer, link.error().text});
+      return LinkedSession::open(runtime.shared_from_this(), std::move(*link), wanted, deadline)
+          .map_error([&](LinkedSession::NotOpened failed) {
+            failed.reason = address + ": " + failed.reason;
+            return failed;
+          });
+    } catch (const std::system_error& failed) {
+      return tl::unexpected(
+          LinkedSession::NotOpened{Detail::NoServer, address + ": " + failed.what()});
+    }
+  };
+  auto session = open();
+  log_debug("media", session ? address + ": connected" : session.error().reason);
+  if (!session) {
+    if (why != nullptr) *why = session.error().detail;
+    return tl::unexpected(session.error().reason);
+  }
+  (*session)->found_at(address);
+  prepare(**session);
+  runtime.housekeeping().tend(*session);
+  runtime.close_at_exit(*session);
+  return *session;
+}
+
+}  // namespace gecos::session

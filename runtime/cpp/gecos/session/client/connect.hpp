@@ -1,0 +1,17 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "gecos/session/client/linked_session.hpp"
+#include "gecos/session/process/runtime.hpp"
+
+namespace gecos::session {
+
+/// Connects to `address` ("shm:…") and opens a session for `wanted`; `prepare` sees it first.
+tl::expected<std::shared_ptr<LinkedSession>, std::string> connect(
+    Runtime& runtime, const std::string& address, const InterfaceDescription& wanted,
+    TimePoint deadline, Detail* why = nullptr,
+    FunctionRef<void(LinkedSession&)> prepare = [](LinkedSession&) {});
+
+}  // namespace gecos::session

@@ -1,0 +1,28 @@
+#include "gecos/binding.hpp"
+#include "gecos/session/client/connect.hpp"
+#include "gecos/session/client/lab_core.hpp"
+#include "gecos/session/client/registry.hpp"
+
+namespace gecos::session {
+
+tl::expected<std::shared_ptr<ClientSession>, std::string> broker_session(const LabOrWhyNot& lab,
+                                                                         TimePoint deadline) {
+  return (*lab)->broker(deadline);
+}
+
+std::vector<BrokerPlace> find_brokers(const LabOrWhyNot& lab, Duration patience) {
+  std::vector<BrokerPlace> places;
+  Runtime& runtime = *(*lab)->runtime();
+  for (const media::Kind kind : {media::Kind::Shm, media::Kind::Lcm}) {
+    const auto medium = runtime.medium(kind);
+    if (!medium) continue;
+    const std::string address = (*medium)->well_known_address(broker_name);
+    const auto found = connect(runtime, address, broker_interface(), deadline_after(patience));
+    if (!found) continue;
+    places.push_back({address, BootId{(*found)->welcome().boot}});
+    (*found)->close(patience);
+  }
+  return places;
+}
+
+}  // namespace gecos::session

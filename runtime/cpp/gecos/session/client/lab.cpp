@@ -1,0 +1,123 @@
+#include "gecos/lab.hpp"
+
+#include <algorithm>
+#include <ostream>
+
+#include "gecos/base/log.hpp"
+#include "gecos/session/client/connect.hpp"
+#include "gecos/session/client/lab_core.hpp"
+#include "gecos/session/client/registry.hpp"
+#include "gecos/session/client/select.hpp"
+#include "gecos/session/protocol/packets.hpp"
+
+namespace gecos {
+
+std::string CreateError::to_string() const {
+  std::string text;
+  for (const auto& attempt : attempts) {
+    text += (text.empty() ? "" : "\n") + attempt.name + ": " +
+            std::string(gecos::to_string(attempt.detail)) + ": " + attempt.reason;
+  }
+  return text;
+}
+
+std::ostream& operator<<(std::ostream& out, const CreateError& error) {
+  return out << error.to_string();
+}
+
+namespace {
+
+session::LabOrWhyNot make_core(LabOptions options) {
+  if (const auto& problem = log_level_problem()) return tl::unexpected(session::NoLab{*problem});
+  return session::Runtime::make(std::move(options), session::system_clock())
+      .map([](std::shared_ptr<session::Runtime> runtime) {
+        return std::make_shared<session::LabCore>(std::move(runtime));
+      });
+}
+
+}  // namespace
+
+Lab::Lab(LabOptions options) : core_(make_core(std::move(options))) {}
+
+Lab::~Lab() = default;
+
+void Lab::close() {
+  if (core_) (*core_)->close(std::chrono::seconds(1));
+}
+
+namespace session {
+namespace {
+
+using Attempt = CreateError::Attempt;
+
+Attempt closed_lab(const std::string& name) {
+  return {name, Detail::NoServer, "this Lab is closed; make a new one"};
+}
+
+bool entry_is_a(const Entry& entry, std::string_view interface_name) {
+  return entry.interface_name == interface_name ||
+         std::find(entry.bases.begin(), entry.bases.end(), interface_name) != entry.bases.end();
+}
+
+}  // namespace
+
+tl::expected<std::shared_ptr<LinkedSession>, CreateError::Attempt> open_object(
+    LabCore& lab, const InterfaceDescription& wanted, const std::string& name,
+    const CreateOptions& options) {
+  if (name.empty()) {
+    return tl::unexpected(Attempt{"(nil)", Detail::NoServer, "an empty name is no object"});
+  }
+  if (lab.closed()) return tl::unexpected(closed_lab(name));
+  const TimePoint deadline = deadline_after(options.patience);
+  const auto entry = look_up(lab, name, deadline);
+  if (!entry) return tl::unexpected(Attempt{name, Detail::NoServer, entry.error()});
+  if (!entry_is_a(*entry, wanted.name)) {
+    return tl::unexpected(
+        Attempt{name, Detail::Refused,
+                name + " is a " + entry->interface_name + ", not a " + std::string(wanted.name)});
+  }
+  if (options.boot != 0 && options.boot != entry->boot) {
+    return tl::unexpected(Attempt{name, Detail::Refused,
+                                  name + " is served by another process than the reference speaks "
+                                         "of: it was started anew; ask for a new reference, or "
+                                         "create it by its name"});
+  }
+  const auto addresses = select(*lab.runtime(), *entry, wanted.quality, options.medium);
+  if (!addresses) {
+    return tl::unexpected(Attempt{name, Detail::QosUnavailable, name + " " + addresses.error()});
+  }
+  const auto renewable = [&](LinkedSession& session) {
+    session.renew_with(lab.renewal(), {name, wanted, options});
+  };
+  Attempt failed{name, Detail::NoServer, {}};
+  for (const auto& address : *addresses) {
+    auto session = connect(*lab.runtime(), address, wanted, deadline, &failed.detail, renewable);
+    if (session && lab.keep(*session)) return std::move(*session);
+    if (session) return tl::unexpected(closed_lab(name));  // meanwhile
+    failed.reason += (failed.reason.empty() ? "" : "; ") + session.error();
+    if (failed.detail == Detail::Refused) break;
+  }
+  if (failed.detail == Detail::NoServer)
+    failed.reason = name + " is offline (" + failed.reason + ")";
+  return tl::unexpected(std::move(failed));
+}
+
+tl::expected<Created, CreateError> create(const LabOrWhyNot& lab,
+                                          const InterfaceDescription& wanted,
+                                          const std::vector<std::string>& names,
+                                          const CreateOptions& options) {
+  CreateError passed_over;
+  for (const auto& name : names) {
+    auto session = lab ? open_object(**lab, wanted, name, options)
+                       : tl::unexpected(Attempt{name, Detail::NoServer, lab.error().text});
+    if (session) return Created{std::move(*session), std::move(passed_over)};
+    passed_over.attempts.push_back(std::move(session.error()));
+  }
+  if (names.empty()) {
+    passed_over.attempts.push_back({"", Detail::NoServer, "create was given no name"});
+  }
+  return tl::unexpected(std::move(passed_over));
+}
+
+}  // namespace session
+}  // namespace gecos

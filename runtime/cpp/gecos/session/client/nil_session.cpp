@@ -1,0 +1,66 @@
+#include "gecos/session/client/linked_session.hpp"
+
+namespace gecos::session {
+namespace {
+
+/// A session with nobody: whatever is asked of it ends at once and says why.
+class NilSession final : public ClientSession {
+ public:
+  explicit NilSession(std::string reason) : reason_(std::move(reason)) {}
+  NilSession(std::string reason, const ClientSession& was)
+      : reason_(std::move(reason)),
+        interface_name_(was.interface_name()),
+        object_name_(was.object_name()),
+        offer_(was.offer()),
+        reference_(was.reference()) {}
+
+  std::shared_ptr<CommandCore> call(const OperationDescription& operation, std::size_t /*size*/,
+                                    FunctionRef<void(wire::Encoder&)> /*encode*/,
+                                    const CallOptions& /*options*/) override {
+    return ended(why("'" + std::string(operation.name) + "'" + of_object() + " was called"));
+  }
+  tl::expected<std::shared_ptr<StreamCore>, Failure> subscribe(
+      const StreamDescription& stream) override {
+    return tl::unexpected(
+        why("'" + std::string(stream.name) + "'" + of_object() + " was subscribed to"));
+  }
+  const std::string& interface_name() const override { return interface_name_; }
+  const std::string& object_name() const override { return object_name_; }
+  const media::Offer& offer() const override { return offer_; }
+  ObjectRef reference() const override { return reference_; }
+  std::uint64_t hold(std::uint64_t /*epoch*/) override { return 0; }
+  void let_go(std::uint64_t /*held*/) override {}
+  std::uint64_t issued() override { return 0; }
+
+ private:
+  std::string of_object() const { return object_name_.empty() ? "" : " of " + object_name_; }
+  Failure why(const std::string& what) const {
+    return {Detail::NoServer, what + " on a proxy " + reason_, {}, {}};
+  }
+
+  const std::string reason_;
+  const std::string interface_name_;
+  const std::string object_name_;
+  const media::Offer offer_;
+  const ObjectRef reference_;
+};
+
+}  // namespace
+
+std::shared_ptr<CommandCore> ended(Failure failure) {
+  return std::make_shared<PendingCommand>(std::move(failure));
+}
+
+const std::shared_ptr<ClientSession>& nil_session() {
+  static const std::shared_ptr<ClientSession> nil =
+      std::make_shared<NilSession>("that names no object; get one from Lab::create");
+  return nil;
+}
+
+std::shared_ptr<ClientSession> closed_session(const ClientSession& was) {
+  return std::make_shared<NilSession>(
+      "whose Lab is closed; keep the Lab open as long as its proxies, or create it from a new one",
+      was);
+}
+
+}  // namespace gecos::session

@@ -1,0 +1,193 @@
+#include "gecos/session/client/pending_command.hpp"
+
+#include <algorithm>
+#include <mutex>
+#include <set>
+#include <sstream>
+#include <utility>
+
+#include "gecos/base/log.hpp"
+#include "gecos/binding.hpp"
+#include "gecos/session/client/linked_session.hpp"
+#include "gecos/session/process/callbacks.hpp"
+#include "gecos/session/process/runtime.hpp"
+
+namespace gecos::session {
+namespace {
+
+/// Once for each operation of an object and way to fail: what fails in a loop fills no disk.
+bool first_of_its_kind(const std::string& about, Detail detail) {
+  static std::mutex& mutex = *new std::mutex;  // commands may be dropped after the last static
+  static auto& told = *new std::set<std::pair<std::string, Detail>>;
+  const std::lock_guard lock(mutex);
+  return told.emplace(about, detail).second;
+}
+
+void tell_unasked(const std::string& about, const Failure& failure) {
+  if (!first_of_its_kind(about, failure.detail)) return;
+  std::ostringstream line;
+  line << (about.empty() ? "a command" : about) << " failed, and nobody has asked: " << failure
+       << ". Keep the command and ask it (get(), then()), or detach() it; more of the same are not "
+          "reported";
+  log_warning("command", std::move(line).str());
+}
+
+}  // namespace
+
+PendingCommand::PendingCommand(Failure failure)
+    : detail_(failure.detail), failure_(std::move(failure)) {
+  if (!log_enabled(LogLevel::Info)) return;
+  std::ostringstream line;
+  line << "a command was not sent: " << failure_;
+  log_info("client", std::move(line).str());
+}
+
+PendingCommand::~PendingCommand() {
+  const Detail detail = detail_.load(std::memory_order_relaxed);
+  if (observed() || project(detail) == State::Running || detail == Detail::Done) return;
+  tell_unasked(about_, failure_);
+}
+
+std::shared_ptr<LinkedSession> PendingCommand::session() const {
+  const std::lock_guard lock(mutex_);
+  return session_;
+}
+
+CommandId PendingCommand::id() const {
+  const std::lock_guard lock(mutex_);
+  return {boot, session_id, counter};
+}
+
+std::string PendingCommand::about() const {
+  const std::lock_guard lock(mutex_);
+  return session_ == nullptr ? about_ : name_in(*session_);
+}
+
+std::string PendingCommand::name_in(const LinkedSession& session) const {
+  return session.object_name() + "." + std::string(operation_);
+}
+
+Progress PendingCommand::progress() const {
+  if (terminal()) return {detail_.load(std::memory_order_relaxed), 0, fraction_};
+  bool unreachable = false;
+  if (const auto session = this->session()) {
+    session->glance();
+    unreachable = session->unreachable();
+  }
+  const std::lock_guard lock(mutex_);
+  const Detail detail = detail_.load(std::memory_order_relaxed);
+  const bool running = project(detail) == State::Running;
+  return {running && (unreachable || adrift()) ? Detail::Unreachable : detail, position_,
+          fraction_};
+}
+
+Bytes PendingCommand::feedback() const {
+  if (const auto session = this->session()) session->glance();
+  const std::lock_guard lock(mutex_);
+  return feedback_;
+}
+
+bool PendingCommand::wait_until(TimePoint deadline) {
+  observe();
+  if (terminal()) return true;
+  std::optional<WaitsHere> endless;
+  if (deadline == TimePoint::max()) endless.emplace(*this);
+  if (again) return wait_in_any_session(deadline);
+  const auto session = this->session();
+  if (!session) return true;
+  return session->wait(
+      this, [this] { return terminal(); }, deadline);
+}
+
+void PendingCommand::cancel() {
+  if (again) return cancel_in_any_session();
+  if (const auto session = this->session()) session->cancel(*this, counter);
+}
+
+int PendingCommand::descriptor() {
+  const std::lock_guard lock(mutex_);
+  if (!exported_) {
+    exported_ = std::make_unique<Wakeup>();
+    if (terminal()) exported_->ring();
+    be_attended();
+  }
+  return exported_->descriptor();
+}
+
+void PendingCommand::when_ended(std::function<void()> then) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!terminal()) {
+      callbacks_.push_back(std::move(then));
+      return be_attended();
+    }
+  }
+  run_callback(then);
+}
+
+void PendingCommand::be_attended() {
+  if (!session_ || std::exchange(attended_, true)) return;
+  session_->attend();
+}
+
+void PendingCommand::report(Detail detail, const ProgressBody& body) {
+  const std::lock_guard lock(mutex_);
+  if (terminal()) return;
+  detail_.store(detail, std::memory_order_relaxed);
+  position_ = body.position;
+  fraction_ = body.fraction > 0 ? std::min(body.fraction, 1.0) : 0;  // no number at all is nothing
+  if (!body.feedback.empty()) feedback_ = body.feedback;
+}
+
+/// Publishing the terminal state is the last touch: the waiter may drop the command at once. What
+/// keeps this call alive is its caller's reference.
+void PendingCommand::log_end(const LinkedSession& in, Detail detail) const {
+  std::ostringstream line;
+  line << name_in(in) << " ended ";
+  if (detail == Detail::Done) {
+    line << "FINISHED/DONE";
+  } else {
+    line << failure_;
+  }
+  log(actor_ ? LogLevel::Info : LogLevel::Debug, "client", std::move(line).str());
+}
+
+template <class Publish>
+void PendingCommand::end(Detail detail, Publish publish) {
+  std::shared_ptr<LinkedSession> released;
+  const std::lock_guard lock(mutex_);
+  if (terminal()) return;
+  publish();
+  position_ = 0;
+  released = std::move(session_);
+  if (log_enabled(actor_ ? LogLevel::Info : LogLevel::Debug)) log_end(*released, detail);
+  if (attended_) released->attended_less();
+  if (exported_) exported_->ring();
+  if (again) again->moored.notify_all();
+  for (auto& callback : callbacks_) released->runtime().callbacks().post(std::move(callback));
+  callbacks_.clear();
+  detail_.store(detail, std::memory_order_seq_cst);
+}
+
+void PendingCommand::finish(ByteView result) {
+  end(Detail::Done, [&] {
+    result_.assign(result);
+    fraction_ = 1;
+  });
+}
+
+void PendingCommand::fail(Failure failure) {
+  // What a later session proves does not hold of an earlier one.
+  if (again && again->may_have_started && failure.state() == State::ConnectionFailed) {
+    failure.detail = Detail::OutcomeUnknown;
+  }
+  const Detail detail = failure.detail;
+  end(detail, [&] {
+    if (!operation_.empty() && !observed()) {
+      about_ = name_in(*session_);
+    }
+    failure_ = std::move(failure);
+  });
+}
+
+}  // namespace gecos::session

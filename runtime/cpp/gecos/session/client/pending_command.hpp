@@ -1,0 +1,123 @@
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <memory>
+#include <vector>
+
+#include "gecos/base/mutex.hpp"
+#include "gecos/base/short_bytes.hpp"
+#include "gecos/command.hpp"
+#include "gecos/description.hpp"
+#include "gecos/session/process/wakeup.hpp"
+#include "gecos/session/protocol/handshake.hpp"
+
+namespace gecos::session {
+
+class LinkedSession;
+
+/// A call on its way. Its session keeps it until it is terminal, and it keeps its session as long;
+/// ending cuts both ties, so a dropped command still runs and nothing is kept afterwards.
+class PendingCommand final : public CommandCore {
+ public:
+  PendingCommand(std::shared_ptr<LinkedSession> session, const OperationDescription& operation)
+      : operation_(operation.name),
+        actor_(operation.status != access::Status::Sensor),
+        home_(session.get()),
+        session_(std::move(session)) {}
+  /// One that ended before it was sent.
+  explicit PendingCommand(Failure failure);
+  /// Logs a failure that nobody has asked for.
+  ~PendingCommand() override;
+  PendingCommand(const PendingCommand&) = delete;
+  PendingCommand& operator=(const PendingCommand&) = delete;
+
+  CommandId id() const override;
+  Progress progress() const override;
+  Bytes feedback() const override;
+  bool wait_until(TimePoint deadline) override;
+  void cancel() override;
+  ByteView result() const override { return result_.view(); }
+  const Failure& failure() const override { return failure_; }
+  int descriptor() override;
+  void when_ended(std::function<void()> then) override;
+  std::string about() const override;
+
+  /// Asked by who has just said that he follows the baton, so in one order with that (Baton::poke).
+  bool terminal() const {
+    return project(detail_.load(std::memory_order_seq_cst)) != State::Running;
+  }
+
+  // For its session.
+  void report(Detail detail, const ProgressBody& body);
+  void finish(ByteView result);
+  void fail(Failure failure);
+  std::uint64_t counter =
+      0;  ///< written before the command is shared, as the two below, or by moor()
+  std::uint64_t session_id = 0;
+  std::uint64_t boot = 0;
+  std::uint64_t sent_as = 0;      ///< the packet's number on the link; written before it is shared
+  std::uint8_t marked_words = 0;  ///< where the server marks its start; written before it is shared
+  /// It was sent in `session`, its first or another; with that session's mutex.
+  void moor(const std::shared_ptr<LinkedSession>& session, const CommandId& id, std::uint64_t as);
+  /// Its session has it no more; with that session's mutex.
+  void cast_off() { home_.store(nullptr, std::memory_order_release); }
+
+  /// What a medium that loses packets needs; guarded by the session's mutex.
+  struct Retry {
+    Bytes packet;
+    TimePoint first{};  ///< sent
+    TimePoint next{};
+    TimePoint deadline = TimePoint::max();
+    int sent = 1;
+    bool on_its_way = false;  ///< sent at least once
+    bool arrived = false;     ///< the server has it: only its outcome is asked for
+    bool cancel = false;
+  } retry;
+
+  /// What it takes to send it again in another session; set before it is shared, but for the last
+  /// three.
+  struct Again {
+    FunctionCode code{};
+    std::string_view name;
+    Bytes arguments;
+    TimePoint deadline = TimePoint::max();
+    int sessions = 0;                    ///< it was sent in; of who sends it
+    bool may_have_started = false;       ///< in a session that it is not in any more
+    std::condition_variable_any moored;  ///< or terminal: for who waits while it is adrift
+  };
+  std::unique_ptr<Again> again;  ///< null: it may not be sent again
+
+ private:
+  std::shared_ptr<LinkedSession> session() const;
+  void be_attended();  // with the mutex
+  std::string name_in(const LinkedSession& session) const;
+  void log_end(const LinkedSession& in, Detail detail) const;
+  bool adrift() const {
+    return again != nullptr && home_.load(std::memory_order_acquire) == nullptr;
+  }
+  bool wait_in_any_session(TimePoint deadline);
+  void cancel_in_any_session();
+  template <class Publish>
+  void end(Detail detail, Publish publish);
+
+  const std::string_view operation_;  ///< empty: it was never sent
+  const bool actor_ = false;          ///< it needs a status
+  mutable Mutex mutex_;
+  std::atomic<Detail> detail_{Detail::Sent};  // terminal: publishes result_ and failure_ to all
+  std::uint32_t position_ = 0;
+  double fraction_ = 0;
+  Bytes feedback_;
+  ShortBytes result_;
+  Failure failure_;
+  std::string about_;      ///< "RX90.move"; written before it is terminal, where nobody has asked
+  bool attended_ = false;  ///< by housekeeping of session_, for who sleeps elsewhere
+  std::unique_ptr<Wakeup> exported_;
+  std::vector<std::function<void()>> callbacks_;
+  /// Whose it is; null while it is adrift. Publishes nothing: who waits there has to look
+  /// elsewhere.
+  std::atomic<const LinkedSession*> home_{nullptr};
+  std::shared_ptr<LinkedSession> session_;  ///< null once terminal
+};
+
+}  // namespace gecos::session

@@ -1,0 +1,93 @@
+#include "gecos/session/client/select.hpp"
+
+#include <algorithm>
+
+#include "gecos/media/open.hpp"
+#include "gecos/qos/match.hpp"
+
+namespace gecos::session {
+namespace {
+
+qos::LineOffer line_of(const media::Offer& offer) {
+  qos::LineOffer line;
+  line.name = media::to_string(offer.kind);
+  line.between_hosts = !offer.same_host_only;
+  line.reliable = true;  // where the medium loses packets the session repeats them
+  line.real_time = offer.real_time;
+  // Within one process nobody outlives the other, so nobody has to be told.
+  line.reports_death = offer.reports_death || offer.kind == media::Kind::Inproc;
+  return line;
+}
+
+std::string out_of_shared_memory(const std::string& here, const Entry& entry,
+                                 const std::string& address) {
+  if (entry.host == here) return "";
+  if (!media::on_one_machine(entry.host, here)) {
+    return "it is on another host (" + entry.hostname + ")";
+  }
+  return "it is on this host, in another runtime directory (" + address +
+         "): programs that are to meet over shm need one user and the same GECOS_RUNTIME_DIR";
+}
+
+/// Why this medium does not lead from here to there; empty when it does.
+std::string out_of_reach(Runtime& runtime, const Entry& entry, media::Kind kind,
+                         const std::string& address) {
+  switch (kind) {
+    case media::Kind::Inproc:
+      return entry.boot == number(process_boot()) ? "" : "it is in another process";
+    case media::Kind::Shm:
+      return out_of_shared_memory(runtime.host_identity(), entry, address);
+    case media::Kind::Lcm:
+      return "";
+  }
+  return "this program does not know it";
+}
+
+}  // namespace
+
+tl::expected<std::vector<std::string>, std::string> select(Runtime& runtime, const Entry& entry,
+                                                           const qos::Quality& asked,
+                                                           std::optional<media::Kind> only) {
+  std::vector<std::string> addresses;
+  std::vector<qos::LineOffer> lines;
+  std::string reasons;
+  const auto pass_over = [&](std::string_view medium, const std::string& why) {
+    reasons += (reasons.empty() ? "" : "; ") + std::string(medium) + ": " + why;
+  };
+  for (const auto& address : entry.addresses) {
+    const std::string medium = address.substr(0, address.find(':'));
+    const auto kind = media::kind_from(medium);
+    if (!kind) {
+      pass_over(medium, "this program does not know this medium");
+      continue;
+    }
+    if (only && *kind != *only) continue;
+    if (const auto why = out_of_reach(runtime, entry, *kind, address); !why.empty()) {
+      pass_over(medium, why);
+    } else if (const auto opened = runtime.medium(*kind); !opened) {
+      pass_over(medium, opened.error().text);
+    } else {
+      addresses.push_back(address);
+      lines.push_back(line_of((*opened)->offer()));
+    }
+  }
+  if (addresses.empty()) {
+    const std::string asked_for = only ? " over " + std::string(media::to_string(*only)) : "";
+    return tl::unexpected(
+        "cannot be reached" + asked_for +
+        (reasons.empty() ? ": its server does not offer it" : " (" + reasons + ")"));
+  }
+  // A simulated device has nothing that a late packet could hurt.
+  qos::Quality held_to = asked;
+  if (entry.simulated && held_to.line == qos::Class::HardRealtime) {
+    held_to.line = qos::Class::SoftRealtime;
+  }
+  if (const auto chosen = qos::choose(held_to, lines); !chosen) {
+    return tl::unexpected(chosen.error() + (reasons.empty() ? "" : "; " + reasons));
+  }
+  std::vector<std::string> ranked;
+  for (const std::size_t index : qos::rank(held_to, lines)) ranked.push_back(addresses[index]);
+  return ranked;
+}
+
+}  // namespace gecos::session

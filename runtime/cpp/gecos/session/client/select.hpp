@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "gecos/broker_types.hpp"  // generated from idl/gecos/broker.gidl
+#include "gecos/session/process/runtime.hpp"
+
+namespace gecos::session {
+
+/// The addresses of an object that meet `asked`, best first; or a text with every medium and each
+/// term that it violates. This is the one place that knows which medium is for whom.
+tl::expected<std::vector<std::string>, std::string> select(Runtime& runtime, const Entry& entry,
+                                                           const qos::Quality& asked,
+                                                           std::optional<media::Kind> only);
+
+}  // namespace gecos::session

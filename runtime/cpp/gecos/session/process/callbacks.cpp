@@ -1,0 +1,88 @@
+#include "gecos/session/process/callbacks.hpp"
+
+#include <unistd.h>
+
+#include <condition_variable>
+#include <deque>
+#include <exception>
+#include <mutex>
+#include <string>
+#include <system_error>
+#include <thread>
+#include <utility>
+
+#include "gecos/base/log.hpp"
+#include "gecos/base/thread.hpp"
+
+namespace gecos::session {
+
+void run_callback(const std::function<void()>& callback) {
+  try {
+    callback();
+  } catch (const std::exception& error) {
+    log_error("session", std::string("a callback of a command threw: ") + error.what());
+  } catch (...) {
+    log_error("session", "a callback of a command threw something that is no std::exception");
+  }
+}
+
+/// What the thread needs; it outlives a Callbacks that is destroyed by one of its callbacks.
+struct Callbacks::Shared {
+  void run();
+
+  const pid_t owner = getpid();
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::deque<std::function<void()>> waiting;
+  bool ended = false;
+  std::thread thread;
+};
+
+void Callbacks::Shared::run() {
+  std::unique_lock lock(mutex);
+  for (;;) {
+    changed.wait(lock, [this] { return ended || !waiting.empty(); });
+    if (waiting.empty()) return;
+    {
+      const auto next = std::move(waiting.front());
+      waiting.pop_front();
+      lock.unlock();
+      run_callback(next);
+    }
+    lock.lock();
+  }
+}
+
+Callbacks::Callbacks() : shared_(std::make_shared<Shared>()) {}
+
+Callbacks::~Callbacks() {
+  std::thread thread;
+  {
+    const std::lock_guard lock(shared_->mutex);
+    shared_->ended = true;
+    thread = std::move(shared_->thread);
+  }
+  shared_->changed.notify_one();
+  if (!thread.joinable()) return;
+  if (thread.get_id() == std::this_thread::get_id() || getpid() != shared_->owner) {
+    thread.detach();  // a forked child has no such thread
+  } else {
+    thread.join();
+  }
+}
+
+void Callbacks::post(std::function<void()> callback) {
+  const std::lock_guard lock(shared_->mutex);
+  shared_->waiting.push_back(std::move(callback));
+  if (!shared_->thread.joinable()) {
+    try {
+      shared_->thread = start_thread("gecos-callbacks", [shared = shared_] { shared->run(); });
+    } catch (const std::system_error& failed) {
+      log_error("session", std::string("no thread can be had for the callbacks of commands (") +
+                               failed.what() + "); they wait until the next command with one ends");
+    }
+  }
+  shared_->changed.notify_one();
+}
+
+}  // namespace gecos::session

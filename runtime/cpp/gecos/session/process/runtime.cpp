@@ -1,0 +1,173 @@
+#include "gecos/session/process/runtime.hpp"
+
+#include <pthread.h>
+#include <pwd.h>
+#include <sys/random.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <system_error>
+
+#include "gecos/base/log.hpp"
+#include "gecos/media/open.hpp"
+
+namespace gecos::session {
+namespace {
+
+std::string user_name() {
+  passwd entry{};
+  passwd* found = nullptr;
+  char text[4096];
+  if (getpwuid_r(getuid(), &entry, text, sizeof text, &found) != 0 || found == nullptr) {
+    return "uid " + std::to_string(getuid());
+  }
+  return entry.pw_name;
+}
+
+std::string host_name() {
+  char name[256] = {};
+  return gethostname(name, sizeof name - 1) == 0 ? name : "?";
+}
+
+/// Every runtime of this process, so that its sessions part in order when it exits.
+class OpenRuntimes {
+ public:
+  static OpenRuntimes& instance() {
+    static OpenRuntimes runtimes;
+    return runtimes;
+  }
+  ~OpenRuntimes() {
+    if (getpid() != owner_) return;  // a forked child has none of the threads
+    for (const auto& runtime : alive()) runtime->close_sessions(std::chrono::seconds(1));
+  }
+  void add(const std::shared_ptr<Runtime>& runtime) {
+    const std::lock_guard lock(mutex_);
+    runtimes_.erase(std::remove_if(runtimes_.begin(), runtimes_.end(),
+                                   [](const auto& known) { return known.expired(); }),
+                    runtimes_.end());
+    runtimes_.push_back(runtime);
+  }
+
+ private:
+  std::vector<std::shared_ptr<Runtime>> alive() {
+    const std::lock_guard lock(mutex_);
+    std::vector<std::shared_ptr<Runtime>> found;
+    for (const auto& known : runtimes_) {
+      if (auto runtime = known.lock()) found.push_back(std::move(runtime));
+    }
+    return found;
+  }
+
+  const pid_t owner_ = getpid();
+  std::mutex mutex_;
+  std::vector<std::weak_ptr<Runtime>> runtimes_;
+};
+
+std::atomic<std::uint64_t> boot_of_this_process{
+    0};  // 0: not drawn yet; publishes nothing but itself
+
+std::uint64_t random_boot() {
+  std::uint64_t number = 0;
+  while (number == 0) {
+    if (::getrandom(&number, sizeof number, 0) != sizeof number) number = 0;
+  }
+  return number;
+}
+
+}  // namespace
+
+std::string nothing_left(std::string_view what_for, const std::system_error& why) {
+  return "this process has nothing left for " + std::string(what_for) + ": " + why.what();
+}
+
+BootId process_boot() {
+  [[maybe_unused]] static const int told_of_forks =
+      ::pthread_atfork(nullptr, nullptr, [] { boot_of_this_process.store(0); });
+  std::uint64_t known = boot_of_this_process.load();
+  if (known == 0) {
+    const std::uint64_t drawn = random_boot();
+    if (boot_of_this_process.compare_exchange_strong(known, drawn)) known = drawn;
+  }
+  return BootId{known};
+}
+
+Runtime::Runtime(LabOptions options, const Clock& clock)
+    : options_(std::move(options)), clock_(clock), housekeeping_(clock) {}
+
+Runtime::~Runtime() = default;
+
+tl::expected<std::shared_ptr<Runtime>, NoLab> Runtime::make(LabOptions options,
+                                                            const Clock& clock) {
+  OpenRuntimes& open = OpenRuntimes::instance();  // first: so it ends after whatever uses it
+  try {
+    auto runtime = std::make_shared<Runtime>(std::move(options), clock);
+    open.add(runtime);
+    return runtime;
+  } catch (const std::system_error& failed) {
+    return tl::unexpected(NoLab{nothing_left("a Lab", failed), failed});
+  }
+}
+
+tl::expected<media::Medium*, media::MediumError> Runtime::medium(media::Kind kind) {
+  const std::lock_guard lock(mutex_);
+  auto found = media_.find(kind);
+  if (found == media_.end()) {
+    auto opened = media::open(kind, options_.wrap_medium);
+    log_debug("media",
+              opened ? std::string(media::to_string(kind)) + " was opened" : opened.error().text);
+    if (!opened) return tl::unexpected(std::move(opened.error()));
+    found = media_.emplace(kind, std::move(*opened)).first;
+  }
+  return found->second.get();
+}
+
+const std::string& Runtime::host_identity() {
+  const std::lock_guard lock(mutex_);
+  if (!host_identity_) host_identity_ = media::host_identity();
+  return *host_identity_;
+}
+
+Hello Runtime::introduce(const InterfaceDescription& wanted) const {
+  Hello hello;
+  hello.user = user_name();
+  hello.host = host_name();
+  hello.program = options_.program.empty() ? program_invocation_short_name : options_.program;
+  hello.pid = getpid();
+  hello.boot = number(process_boot());
+  hello.interface_name = wanted.name;
+  hello.interface_hash = wanted.hash;
+  // Nothing is sent to who is UNREACHABLE, and who stays so for `grace` is given up. A quarter is
+  // for what the clocks of two hosts may disagree on.
+  hello.accept_within = options_.grace * 3 / 4;
+  return hello;
+}
+
+void Runtime::close_at_exit(const std::shared_ptr<Closable>& session) {
+  const std::lock_guard lock(mutex_);
+  std::erase_if(sessions_, [](const auto& known) { return known.expired(); });
+  sessions_.push_back(session);
+}
+
+void Runtime::close_all(const std::vector<std::shared_ptr<Closable>>& sessions,
+                        Duration patience) const {
+  const TimePoint give_up = deadline_after(patience);
+  for (const auto& session : sessions) {
+    const Duration left = give_up - std::chrono::steady_clock::now();
+    session->close(std::max(left, 2 * options_.heartbeat));
+  }
+}
+
+void Runtime::close_sessions(Duration patience) {
+  std::vector<std::shared_ptr<Closable>> open;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const auto& known : sessions_) {
+      if (auto session = known.lock()) open.push_back(std::move(session));
+    }
+  }
+  close_all(open, patience);
+}
+
+}  // namespace gecos::session

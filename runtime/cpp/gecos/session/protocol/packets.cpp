@@ -1,0 +1,97 @@
+#include "gecos/session/protocol/packets.hpp"
+
+#include <array>
+
+#include "gecos/session/protocol/handshake.hpp"
+
+namespace gecos::session {
+namespace {
+
+void frame(Bytes& into, const wire::PacketHeader& header, std::size_t size) {
+  into.resize(wire::packet_size(size));
+  const std::span<std::byte> bytes(into);
+  wire::encode_packet_head(bytes.first<wire::packet_head_size>(), header, size);
+  wire::encode_packet_tail(bytes.last<wire::packet_tail_size>(), 0);
+}
+
+/// Whether a server may say it of a call that it is over. The others a client finds out by itself:
+/// that a call is CONNECTION_FAILED, which lets it be sent again, is no server's to say but of one
+/// not started.
+bool ends_a_call(Detail detail) {
+  switch (detail) {
+    case Detail::ServerCrashed:
+    case Detail::NoServer:
+    case Detail::Refused:
+    case Detail::QosUnavailable:
+      return false;
+    default:
+      return detail > Detail::Done;
+  }
+}
+
+}  // namespace
+
+void write_packet(Bytes& into, const wire::PacketHeader& header, ByteView body) {
+  write_packet(into, header, body.size(), [&](wire::Encoder& to) { to.put_bytes(body); });
+}
+
+void write_packet(Bytes& into, const wire::PacketHeader& header, std::size_t size,
+                  FunctionRef<void(wire::Encoder&)> encode) {
+  frame(into, header, size);
+  wire::Encoder to(std::span<std::byte>(into).subspan(wire::packet_head_size, size));
+  encode(to);
+}
+
+void write_failure(Bytes& into, wire::PacketHeader header, const Failure& failure) {
+  header.flags = static_cast<std::int8_t>(failure.detail);
+  const FailureBody body{failure.text, failure.exception, failure.evidence};
+  write_packet(into, header, body.encoded_size(), [&](wire::Encoder& to) { body.encode(to); });
+}
+
+Failure failure_from(std::optional<Detail> detail, ByteView body) {
+  auto decoded = wire::from_bytes<FailureBody>(body);
+  if (!decoded) {
+    return {Detail::Fault, "the reply does not decode: " + decoded.error().message(), {}, {}};
+  }
+  Failure failure{Detail::Fault, std::move(decoded->text), std::move(decoded->exception),
+                  std::move(decoded->evidence)};
+  if (detail && ends_a_call(*detail)) failure.detail = *detail;
+  return failure;
+}
+
+std::string text_of(ByteView goodbye) {
+  wire::Decoder from(goodbye);
+  std::string text;
+  if (goodbye.empty() || !from.get_string(text) || text.empty()) return {};
+  return ": " + text;
+}
+
+const Clock& system_clock() {
+  static const SystemClock clock;
+  return clock;
+}
+
+const OperationDescription* find_reserved(FunctionCode code) {
+  static const auto table = [] {
+    constexpr std::array names = {"holders", "stop",      "ping",        "describe", "acquire",
+                                  "release", "subscribe", "unsubscribe", "outcome"};
+    static_assert(names.size() == static_cast<std::size_t>(Reserved::Outcome));
+    std::array<OperationDescription, names.size()> operations;
+    for (std::uint32_t at = 0; at < names.size(); ++at) {
+      operations[at].code = FunctionCode{at + 1};
+      operations[at].name = names[at];
+      operations[at].status = access::Status::Sensor;
+      operations[at].presence = false;
+      operations[at].safety = at + 1 == static_cast<std::uint32_t>(Reserved::Stop);
+    }
+    return operations;
+  }();
+  const auto index = number(code) - 1;
+  return index < table.size() ? &table[index] : nullptr;
+}
+
+const OperationDescription& reserved_operation(Reserved which) {
+  return *find_reserved(FunctionCode{static_cast<std::uint32_t>(which)});
+}
+
+}  // namespace gecos::session

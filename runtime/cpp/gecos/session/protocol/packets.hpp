@@ -1,0 +1,42 @@
+// Packets as the session writes them: one buffer, reused, head and body behind each other.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "gecos/base/function_ref.hpp"
+#include "gecos/command.hpp"
+#include "gecos/description.hpp"
+#include "gecos/session/protocol/function_code.hpp"
+#include "gecos/wire/packet.hpp"
+
+namespace gecos::session {
+
+/// Flags of a Call whose body begins with the session and counter that it was sent under before.
+inline constexpr std::int8_t sent_again = 1;
+inline constexpr std::size_t sent_before_size = 8 + 8;
+/// Flags of a Goodbye after which nothing of the session starts any more: its client waited in vain
+/// for the answer to one without.
+inline constexpr std::int8_t withdraws = 1;
+
+void write_packet(Bytes& into, const wire::PacketHeader& header, ByteView body);
+/// With a body that takes `size` bytes.
+void write_packet(Bytes& into, const wire::PacketHeader& header, std::size_t size,
+                  FunctionRef<void(wire::Encoder&)> encode);
+
+/// The terminal outcome of a call as a packet.
+void write_failure(Bytes& into, wire::PacketHeader header, const Failure& failure);
+/// What `write_failure` wrote. A detail that is not known, or that ends no call at a server, counts
+/// as FAULT.
+Failure failure_from(std::optional<Detail> detail, ByteView body);
+/// ": why", from the body of a Goodbye; empty when it gives no reason.
+std::string text_of(ByteView goodbye);
+
+/// The clock of real waits; policies use the lab's.
+const Clock& system_clock();
+
+/// How gecos::GecosObject declares it.
+const OperationDescription& reserved_operation(Reserved which);
+const OperationDescription* find_reserved(FunctionCode code);
+
+}  // namespace gecos::session

@@ -1,0 +1,56 @@
+// When a sample was measured, by a clock that nobody sets: the wall clock is for people.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+
+#include "gecos/base/bytes.hpp"
+#include "gecos/base/clock.hpp"
+#include "gecos/description.hpp"
+#include "gecos/wire/decoder.hpp"
+#include "gecos/wire/encoder.hpp"
+
+namespace gecos::session {
+
+/// What two clocks are held to differ at most, 36 years: no number that a peer sends upsets us.
+inline constexpr Duration longest_age{std::int64_t{1} << 60};
+
+/// When it was measured, by the clock that people read and by the one that nobody sets.
+struct SampleTime {
+  std::int64_t stamp_ns = 0;
+  TimePoint measured{};
+};
+
+/// A stamp of the servant's own is compared with the wall clock once, as the sample is published.
+inline SampleTime sample_time(std::int64_t stamp_ns, const Clock& clock) {
+  const auto wall = Duration(static_cast<std::int64_t>(clock.unix_seconds() * 1e9));
+  const TimePoint now = clock.since_boot();
+  if (stamp_ns == measured_now) return {wall.count(), now};
+  const auto stamp = std::clamp(Duration(stamp_ns), -4 * longest_age, 4 * longest_age);
+  return {stamp_ns, now - std::clamp(wall - stamp, Duration::zero(), longest_age)};
+}
+
+/// A sample travels with these bytes behind it: when it was measured, in ns of the server's
+/// CLOCK_BOOTTIME.
+inline constexpr std::size_t measured_bytes = 8;
+
+inline void append_measured(Bytes& sample, TimePoint measured) {
+  const std::size_t size = sample.size();
+  sample.resize(size + measured_bytes);
+  wire::Encoder(std::span(sample).subspan(size))
+      .put(static_cast<std::int64_t>(measured.time_since_epoch().count()));
+}
+
+/// Takes them off; nothing where they are missing.
+inline std::optional<TimePoint> take_measured(Bytes& sample) {
+  if (sample.size() < measured_bytes) return std::nullopt;
+  const std::size_t size = sample.size() - measured_bytes;
+  std::int64_t measured = 0;
+  wire::Decoder from(ByteView(sample).subspan(size));
+  if (!from.get(measured, "measured")) return std::nullopt;
+  sample.resize(size);
+  return TimePoint(std::clamp(Duration(measured), -longest_age, longest_age));
+}
+
+}  // namespace gecos::session

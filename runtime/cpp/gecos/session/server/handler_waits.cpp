@@ -1,0 +1,81 @@
+#include "gecos/session/server/handler_waits.hpp"
+
+#include <algorithm>
+#include <map>
+#include <mutex>
+#include <utility>
+
+#include "gecos/session/process/runtime.hpp"
+#include "gecos/session/server/served_object.hpp"
+#include "gecos/session/server/server_call.hpp"
+
+namespace gecos::session {
+namespace {
+
+struct Sessions {
+  std::mutex mutex;
+  std::map<SessionId, std::weak_ptr<ServedObject>> objects;
+};
+
+Sessions& sessions() {
+  static Sessions& known = *new Sessions;  // outlives every server of the process
+  return known;
+}
+
+using Calls = std::vector<std::shared_ptr<ServerCall>>;
+
+/// What has to come to an end before `call` can.
+Calls awaited_by(ServerCall& call) {
+  const auto awaited = call.object().awaited_by(call);
+  if (!awaited) return call.object().held_up_by(call);
+  const auto object = object_in(*awaited);
+  auto found = object == nullptr ? nullptr : object->find(*awaited);
+  return found == nullptr ? Calls{} : Calls{std::move(found)};
+}
+
+/// Whether `way.front()` is among what the last of `way` waits for. Then `way` is the circle.
+bool leads_back(Calls& way) {
+  for (auto& next : awaited_by(*way.back())) {
+    if (next == way.front()) return true;
+    if (std::find(way.begin(), way.end(), next) != way.end()) continue;
+    way.push_back(std::move(next));
+    if (leads_back(way)) return true;
+    way.pop_back();
+  }
+  return false;
+}
+
+}  // namespace
+
+void note_session(SessionId id, std::weak_ptr<ServedObject> object) {
+  const std::lock_guard lock(sessions().mutex);
+  sessions().objects.insert_or_assign(id, std::move(object));
+}
+
+void forget_session(SessionId id) {
+  const std::lock_guard lock(sessions().mutex);
+  sessions().objects.erase(id);
+}
+
+std::shared_ptr<ServedObject> object_in(const CommandId& call) {
+  if (call.boot != number(process_boot())) return nullptr;
+  const std::lock_guard lock(sessions().mutex);
+  const auto found = sessions().objects.find(SessionId{call.session});
+  return found == sessions().objects.end() ? nullptr : found->second.lock();
+}
+
+std::string waits_for_itself(const std::shared_ptr<ServerCall>& handler) {
+  Calls way{handler};
+  if (!leads_back(way)) return {};
+  std::erase_if(way, [](const auto& call) { return !call->object().awaited_by(*call); });
+  std::string text =
+      "the handler of " + handler->title() + " waits for it, and it cannot start before ";
+  if (way.size() == 1) return text + "that handler returns";
+  for (auto next = way.begin() + 1; next != way.end(); ++next) {
+    text +=
+        "the handler of " + (*next)->title() + " returns, which waits for what cannot end before ";
+  }
+  return text + "the first one returns";
+}
+
+}  // namespace gecos::session

@@ -1,0 +1,410 @@
+#include "gecos/session/server/io_loop.hpp"
+
+#include <sys/epoll.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <system_error>
+
+#include "gecos/base/log.hpp"
+#include "gecos/base/system_error.hpp"
+#include "gecos/base/thread.hpp"
+#include "gecos/session/protocol/packets.hpp"
+
+namespace gecos::session {
+namespace {
+
+constexpr std::uint64_t wakeup_key = 0;
+constexpr std::uint64_t door_bit = std::uint64_t{1} << 63;
+constexpr Duration stays_hot = std::chrono::milliseconds(10);
+/// Events are looked at after so many turns; one that found something counts as many of those that
+/// did not, so that who was silent waits long for neither.
+constexpr unsigned turns_between_events = 8192;
+constexpr unsigned busy_turn = 128;
+
+}  // namespace
+
+IoLoop::Epoll::Epoll() : descriptor(epoll_create1(EPOLL_CLOEXEC)) {
+  if (descriptor < 0) throw_system_error("epoll_create1", errno);
+}
+IoLoop::Epoll::~Epoll() { close(descriptor); }
+
+IoLoop::IoLoop(std::shared_ptr<Runtime> runtime)
+    : runtime_(std::move(runtime)), spin_(system_clock()) {
+  add_descriptor(wakeup_.descriptor(), wakeup_key);
+  main_ = start_thread("gecos-io", [this] { run(); });
+  try {
+    standby_ = start_thread("gecos-standby", [this] { run_standby(); });
+  } catch (...) {
+    ended_.store(true);
+    wakeup_.ring();
+    main_.join();
+    throw;
+  }
+}
+
+IoLoop::~IoLoop() { end(); }
+
+void IoLoop::serve(std::shared_ptr<ServedObject> object,
+                   std::shared_ptr<media::Acceptor> acceptor) {
+  object->streams().offer(acceptor);
+  {
+    const std::lock_guard list(list_mutex_);
+    new_doors_.push_back(std::make_unique<Door>(Door{std::move(object), std::move(acceptor)}));
+  }
+  wakeup_.ring();
+}
+
+void IoLoop::open_doors() {
+  std::vector<std::unique_ptr<Door>> opened;
+  {
+    const std::lock_guard list(list_mutex_);
+    opened.swap(new_doors_);
+  }
+  for (auto& door : opened) {
+    const auto key = door_bit | doors_.size();
+    for (const int descriptor : door->acceptor->descriptors()) add_descriptor(descriptor, key);
+    doors_.push_back(std::move(door));
+    accept(*doors_.back());
+  }
+}
+
+void IoLoop::add_descriptor(int descriptor, std::uint64_t key) {
+  epoll_event event{};
+  event.events = EPOLLIN | EPOLLET;
+  event.data.u64 = key;
+  if (epoll_ctl(epoll_.descriptor, EPOLL_CTL_ADD, descriptor, &event) != 0 && errno != EEXIST) {
+    throw_system_error("epoll_ctl", errno);
+  }
+}
+
+// Polling
+
+void IoLoop::run() {
+  Polling polling(polling_);
+  main_id_ = std::this_thread::get_id();
+  spin_.begin();
+  while (!ended_.load()) turn(polling);
+  wakeup_.ring();  // for a standby that sleeps on the same events
+}
+
+void IoLoop::run_standby() {
+  for (;;) {
+    {
+      std::unique_lock called(standby_mutex_);
+      standby_called_.wait(called, [this] { return standby_wanted_ || ended_.load(); });
+      standby_wanted_ = false;
+    }
+    if (ended_.load()) return;
+    Polling polling(polling_);
+    while (!ended_.load() && main_is_inside()) turn(polling);
+    wakeup_.ring();  // what it took from the main thread's sleep
+  }
+}
+
+void IoLoop::run_handlers(ServedObject& object, std::shared_ptr<ServerCall> started,
+                          Starter starter, Polling& polling) {
+  const bool main = starter == Starter::Poller;
+  const auto turn = handler_turn_.load(std::memory_order_relaxed);
+  if (main) handler_turn_.store(turn + 1, std::memory_order_release);
+  polling.unlock();
+  object.run_ready(starter, std::move(started));
+  if (main) handler_turn_.store(turn + 2, std::memory_order_release);
+  if (polling.try_lock()) return;
+  wakeup_.ring();  // a standby polls, and sleeps perhaps: it lets go of what is ours again
+  polling.lock();
+}
+
+void IoLoop::turn(Polling& polling) {
+  const bool busy = look_at_hot(polling);
+  turns_ += busy ? busy_turn : 1;
+  if (turns_ >= turns_between_events) {
+    turns_ = 0;
+    cool_down(runtime_->clock().now());
+    take_events(0, polling);
+  }
+  if (busy) spin_.begin();
+  if (busy || (!hot_.empty() && spin_.again([this] { return peers(); }))) return;
+  // The ring that came with the end may have been taken above.
+  if (arm_all() && !ended_.load()) {
+    woken_ = media::Woken::Early;
+    rang_at_ = TimePoint{};
+    take_events(-1, polling);
+    spin_.woke(rang_at_, woken_);
+  }
+  spin_.begin();
+}
+
+/// A client elsewhere that sleeps sends nothing soon. One here may have been woken a moment ago by
+/// our answer and wait for this core.
+media::Peers IoLoop::peers() const {
+  const std::int32_t mine = running_core();
+  bool here = false;
+  bool elsewhere = false;
+  bool unknown = false;
+  for (const auto& session : hot_) {
+    const media::Whereabouts client = session->link().peer_whereabouts();
+    if (client.core == unknown_core) {
+      unknown = true;
+    } else if (client.core == mine) {
+      here = true;
+    } else if (!client.asleep) {
+      elsewhere = true;
+    }
+  }
+  if (elsewhere) return here || unknown ? media::Peers::Both : media::Peers::Elsewhere;
+  if (here) return media::Peers::Here;
+  return unknown ? media::Peers::Unknown : media::Peers::Elsewhere;
+}
+
+bool IoLoop::look_at_hot(Polling& polling) {
+  bool something = false;
+  // Behind a standby nobody polls while it is inside a handler: it leaves them to workers.
+  const auto starter = std::this_thread::get_id() == main_id_ ? Starter::Poller : Starter::Other;
+  for (std::size_t at = 0; at < hot_.size(); ++at) {
+    ServerSession& session = *hot_[at];
+    std::shared_ptr<ServerCall> started;
+    if (const auto packet = session.link().receive()) {
+      something = true;
+      session.quiet_looks = 0;
+      started = session.object()->take_and_start(hot_[at], *packet, starter);
+    }
+    // A standby may part from the session meanwhile: the call keeps it, or we keep the object.
+    if (started) {
+      run_handlers(*session.object(), std::move(started), starter, polling);
+    } else if (session.object()->ready()) {
+      something = true;
+      const auto object = session.object();
+      run_handlers(*object, nullptr, starter, polling);
+    }
+  }
+  return something;
+}
+
+void IoLoop::cool_down(TimePoint now) {
+  const auto cold = [&](const std::shared_ptr<ServerSession>& session) {
+    if (session->quiet_looks == 0) session->last_heard = now;
+    session->quiet_looks = 1;
+    if (session->gone.load()) return true;
+    if (now - session->last_heard < stays_hot) return false;
+    if (!session->link().arm()) {
+      session->link().disarm();
+      return false;
+    }
+    session->hot = false;
+    return true;
+  };
+  hot_.erase(std::remove_if(hot_.begin(), hot_.end(), cold), hot_.end());
+}
+
+/// False when something arrived meanwhile.
+bool IoLoop::arm_all() {
+  for (const auto& session : hot_) {
+    session->hot = false;
+    if (session->gone.load() || session->link().arm()) continue;
+    session->link().disarm();
+    part_if_lost(session);
+    if (session->gone.load()) continue;
+    session->hot = true;
+    still_hot_.push_back(session);
+  }
+  hot_.swap(still_hot_);
+  still_hot_.clear();
+  return hot_.empty();
+}
+
+void IoLoop::heat(const std::shared_ptr<ServerSession>& session) {
+  if (session->gone.load()) return;
+  if (session->hot) {
+    session->link().loss();  // the event comes once, and arm() does not ask the kernel
+    return;
+  }
+  session->link().disarm();
+  woken_ = media::Woken::ByAnswer;
+  rang_at_ = std::max(rang_at_, session->link().peer_whereabouts().rang_at);
+  session->hot = true;
+  session->quiet_looks = 0;
+  hot_.push_back(session);
+}
+
+void IoLoop::take_events(int milliseconds, Polling& polling) {
+  std::array<epoll_event, 64> events{};
+  polling.unlock();
+  const int count =
+      epoll_wait(epoll_.descriptor, events.data(), static_cast<int>(events.size()), milliseconds);
+  polling.lock();
+  for (int at = 0; at < count; ++at) {
+    const std::uint64_t key = events[static_cast<std::size_t>(at)].data.u64;
+    if (key == wakeup_key) {
+      wakeup_.quiet();
+      open_doors();
+      if (somebody_waits_.exchange(false)) accept_all();
+      part_from_suspects();
+    } else if ((key & door_bit) != 0) {
+      if (const auto& door = doors_[key & ~door_bit]) accept(*door);
+    } else if (const auto found = sessions_.find(key); found != sessions_.end()) {
+      heat(found->second);
+    }
+  }
+}
+
+void IoLoop::accept(Door& door) {
+  while (auto link = door.acceptor->accept()) {
+    try {
+      watch(std::make_shared<ServerSession>(std::move(link), door.object));
+    } catch (const std::system_error& failed) {  // the client sees its link closed
+      log_warning("session", door.object->name() + " turned a client away: " + failed.what());
+    }
+  }
+  if (door.acceptor->short_of_descriptors()) somebody_waits_.store(true);
+  // A medium that loses packets brings those of its links through this door.
+  for (const auto& [key, session] : sessions_) {
+    if (session->repeats() && session->object() == door.object) heat(session);
+  }
+}
+
+void IoLoop::accept_all() {
+  for (const auto& door : doors_) {
+    if (door) accept(*door);
+  }
+}
+
+void IoLoop::watch(const std::shared_ptr<ServerSession>& session) {
+  const std::uint64_t key = next_key_++;
+  for (const int descriptor : session->link().descriptors()) add_descriptor(descriptor, key);
+  session->last_heard = runtime_->clock().now();
+  {
+    const std::lock_guard list(list_mutex_);
+    sessions_.emplace(key, session);
+  }
+  hot_.push_back(session);
+  log_debug("media", session->object()->name() + ": a link over " +
+                         std::string(media::to_string(session->link().offer().kind)) +
+                         " is open: " + session->link().peer().description);
+}
+
+// Losses
+
+void IoLoop::part_if_lost(const std::shared_ptr<ServerSession>& session) {
+  if (session->gone.load()) return;
+  if (session->link().loss() == media::Loss::None) return;
+  while (const auto packet = session->link().receive()) session->object()->take(session, *packet);
+  session->gone = true;
+  log_debug("media",
+            session->object()->name() + ": a link is lost: " + session->link().loss_text());
+  // In order where it said goodbye. A client that closes its link without one has given up its
+  // calls.
+  session->object()->depart(session, ServedObject::Departure::Lost);
+  if (session->object()->ready())
+    session->object()->run_ready(Starter::Other);  // what it sent last
+}
+
+/// Housekeeping saw that they are lost; what they sent before is still to be read, here.
+void IoLoop::part_from_suspects() {
+  if (!suspects_.exchange(false)) return;
+  shut_doors();
+  std::vector<std::shared_ptr<ServerSession>> gone;
+  const std::lock_guard list(list_mutex_);
+  for (auto at = sessions_.begin(); at != sessions_.end();) {
+    part_if_lost(at->second);
+    if (!at->second->gone.load()) {
+      ++at;
+      continue;
+    }
+    gone.push_back(at->second);
+    at = sessions_.erase(at);
+  }
+}
+
+void IoLoop::shut_doors() {
+  for (auto& door : doors_) {
+    if (door && door->object->closed()) door.reset();
+  }
+}
+
+void IoLoop::await_signs_of_life() {
+  const std::lock_guard list(list_mutex_);
+  for (const auto& [key, session] : sessions_) session->object()->await_sign_of_life(*session);
+}
+
+TimePoint IoLoop::tend(TimePoint now) {
+  const std::uint64_t handler = handler_turn_.load();
+  if (handler % 2 == 1 && handler == handler_seen_) {
+    const std::lock_guard called(standby_mutex_);
+    standby_wanted_ = true;
+    standby_called_.notify_one();
+    wakeup_.ring();  // it may still sleep on events, from when it was wanted last
+  }
+  handler_seen_ = handler;
+
+  std::vector<std::shared_ptr<ServerSession>> sessions;
+  {
+    const std::lock_guard list(list_mutex_);
+    for (const auto& [key, session] : sessions_) sessions.push_back(session);
+  }
+  const bool beat = now >= next_beat_;
+  if (beat) next_beat_ = now + runtime_->options().heartbeat;
+  bool suspects = false;
+  for (const auto& session : sessions) {
+    session->flush();
+    if (beat) session->link().beat();
+    if (session->object()->judge_silence(session)) {
+      session->gone = true;
+      session->object()->depart(session, ServedObject::Departure::Lost);
+    }
+    suspects =
+        suspects || session->gone.load() || (beat && session->link().loss() != media::Loss::None);
+  }
+  if (suspects) suspects_.store(true);
+  if (suspects || (beat && somebody_waits_.load())) wakeup_.ring();
+  return now + (handler % 2 == 1 ? Housekeeping::tick : Housekeeping::calm_tick);
+}
+
+void IoLoop::withdraw(const ServedObject& object) {
+  {
+    const std::lock_guard list(list_mutex_);
+    for (const auto& [key, session] : sessions_) {
+      if (session->object().get() == &object) session->gone = true;
+    }
+  }
+  suspects_.store(true);
+  wakeup_.ring();
+}
+
+void IoLoop::end() {
+  if (ended_.exchange(true)) return;
+  wakeup_.ring();
+  {
+    const std::lock_guard called(standby_mutex_);
+    standby_called_.notify_one();
+  }
+  main_.join();
+  standby_.join();
+  const Polling polling(polling_);
+  for (const auto& door : doors_) {
+    while (door && door->acceptor->accept()) {  // who comes now sees a link that closes
+    }
+  }
+  for (const auto& [key, session] : sessions_) {
+    // Over a medium that cannot tell what was taken, only an answer says that a call did not start.
+    while (session->repeats() && !session->gone.load()) {
+      const auto packet = session->link().receive();
+      if (!packet) break;
+      session->object()->take(session, *packet);
+    }
+    session->object()->depart(session, ServedObject::Departure::InOrder);
+    session->flush();
+    wire::PacketHeader header;
+    header.kind = wire::PacketKind::Goodbye;
+    session->send(header, {});
+  }
+  hot_.clear();
+  const std::lock_guard list(list_mutex_);
+  sessions_.clear();
+  doors_.clear();
+  new_doors_.clear();
+}
+
+}  // namespace gecos::session

@@ -1,0 +1,23 @@
+#include "gecos/session/server/name_claim.hpp"
+
+namespace gecos::session {
+
+std::string NameClaim::text() const {
+  switch (standing_) {
+    case Standing::Unregistered:
+      return "not needed";
+    case Standing::Asked:
+      return "the broker is asked whether the name is still this object's";
+    case Standing::Unanswered:
+      return "no broker confirms that the name is still this object's (" + why_ +
+             "); the server goes on asking";
+    case Standing::Held:
+      return "confirmed";
+    case Standing::Taken:
+      return "another server has the name: " + why_ +
+             "; create the object anew to reach that one, or end it";
+  }
+  return {};
+}
+
+}  // namespace gecos::session

@@ -1,0 +1,271 @@
+#include "gecos/session/server/registrar.hpp"
+
+#include <signal.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <utility>
+
+#include "gecos/base/log.hpp"
+#include "gecos/base/thread.hpp"
+#include "gecos/session/client/connect.hpp"
+#include "gecos/session/client/registry.hpp"
+#include "gecos/session/server/served_object.hpp"
+
+namespace gecos::session {
+namespace {
+
+constexpr Duration patience = std::chrono::seconds(2);
+/// Of our thread: as long as this, commands may wait before it is said that no broker answers.
+constexpr Duration answer_patience = std::chrono::seconds(1);
+constexpr Duration between_tries = std::chrono::milliseconds(200);
+constexpr Duration between_looks = std::chrono::milliseconds(20);
+/// Server and broker are often started together.
+constexpr Duration before_told = std::chrono::seconds(1);
+
+/// Others than this process, so that another server may be given the name.
+bool others_find(const Entry& entry, const LinkedSession& broker) {
+  const auto elsewhere = [](const std::string& address) {
+    return media::kind_from(std::string_view(address).substr(0, address.find(':'))) !=
+           media::Kind::Inproc;
+  };
+  return elsewhere(broker.place()) && std::ranges::any_of(entry.addresses, elsewhere);
+}
+
+}  // namespace
+
+Registrar::Registrar(std::shared_ptr<LabCore> lab) : lab_(std::move(lab)) {
+  thread_ = start_thread("gecos-registrar", [this] { run(); });
+}
+
+tl::expected<void, std::string> Registrar::await_broker(TimePoint deadline) {
+  for (;;) {
+    const auto broker = lab_->broker(std::min(deadline, deadline_after(patience)));
+    note_broker(broker ? std::string() : broker.error());
+    if (broker) return {};
+    if (!rest(between_tries, deadline)) return tl::unexpected(broker.error());
+  }
+}
+
+void Registrar::note_broker(const std::string& missing) {
+  const TimePoint now = lab_->runtime()->clock().now();
+  const std::lock_guard lock(mutex_);
+  if (missing.empty()) {
+    missing_since_.reset();
+    told_missing_ = false;
+    return;
+  }
+  if (!missing_since_) missing_since_ = now;
+  if (told_missing_ || now < *missing_since_ + before_told) return;
+  told_missing_ = true;
+  log_warning(
+      "session",
+      missing + "; this server goes on asking, and until then nobody new finds its objects");
+}
+
+bool Registrar::rest(Duration length, TimePoint deadline) {
+  const Clock& clock = lab_->runtime()->clock();
+  std::unique_lock lock(mutex_);
+  changed_.wait_until(lock, std::min(deadline, clock.now() + length), [this] { return ended_; });
+  return !ended_ && clock.now() < deadline;
+}
+
+tl::expected<void, std::string> Registrar::add(const std::shared_ptr<ServedObject>& object,
+                                               std::vector<std::string> addresses) {
+  const InterfaceDescription& interface = object->interface();
+  const Hello self = lab_->runtime()->introduce(interface);
+  Registration registration;
+  Entry& entry = registration.entry;
+  entry.name = object->name();
+  entry.interface_name = interface.name;
+  entry.bases.assign(interface.bases.begin(), interface.bases.end());
+  entry.interface_hash = interface.hash;
+  entry.boot = self.boot;
+  entry.pid = self.pid;
+  entry.user = self.user;
+  entry.host = lab_->runtime()->host_identity();
+  entry.hostname = self.host;
+  entry.addresses = std::move(addresses);
+  entry.simulated = object->options().simulated;
+  registration.object = object;
+
+  const auto enlisted =
+      enlist_first(registration, deadline_after(std::max(patience, object->options().patience)));
+  if (!enlisted) return tl::unexpected(entry.name + " is not served: " + enlisted.error());
+  const std::lock_guard lock(mutex_);
+  registrations_.push_back(std::move(registration));
+  if (*enlisted > Duration::zero()) ask_soon();
+  return {};
+}
+
+/// A broker that goes while it is asked may be back soon, and takes the same entry again. So does
+/// one that has not noticed yet that who had the name before has ended: a server that is started
+/// again after it was killed may be quicker.
+tl::expected<Duration, std::string> Registrar::enlist_first(Registration& registration,
+                                                            TimePoint deadline) {
+  for (;;) {
+    const auto broker = find_broker(deadline);
+    if (!broker) return tl::unexpected(broker.error());
+    ServedObject& object = *registration.object;
+    if (others_find(registration.entry, **broker)) object.claim_name();
+    const auto question = object.name_question();
+    registration.since = lab_->runtime()->clock().since_boot();
+    const auto asked = enlist(**broker, registration.entry, Duration::zero());
+    const auto enlisted = await_enlisted(*asked, deadline);
+    if (enlisted) {
+      if (*enlisted == Duration::zero()) object.name_held(question);
+      return *enlisted;
+    }
+    const bool later =
+        enlisted.error().unheard ||
+        (enlisted.error().taken && holder_has_ended(registration.entry.name, deadline));
+    if (later && rest(between_looks, deadline)) continue;
+    if (!(*broker)->lost()) return tl::unexpected(enlisted.error().text);
+    if (auto back = await_broker(deadline); !back) return tl::unexpected(back.error());
+  }
+}
+
+bool Registrar::holder_has_ended(const std::string& name, TimePoint deadline) const {
+  const auto holder = session::look_up(*lab_, name, deadline);
+  if (!holder) return true;  // it was dropped meanwhile
+  return holder->host == lab_->runtime()->host_identity() && holder->pid > 0 &&
+         ::kill(holder->pid, 0) != 0 && errno == ESRCH;
+}
+
+void Registrar::look() {
+  const std::unique_lock lock(mutex_, std::try_to_lock);
+  if (lock && broker_ && broker_->lost() && next_ == TimePoint::max()) ask_soon();
+}
+
+void Registrar::ask_again() {
+  const std::lock_guard lock(mutex_);
+  if (!registrations_.empty()) ask_soon();
+}
+
+/// With the mutex.
+void Registrar::ask_soon() {
+  wanted_ = true;
+  changed_.notify_all();
+}
+
+void Registrar::run() {
+  std::unique_lock lock(mutex_);
+  const auto due = [this] { return ended_ || wanted_; };
+  while (!ended_) {
+    if (next_ == TimePoint::max()) {
+      changed_.wait(lock, due);
+    } else {
+      changed_.wait_until(lock, next_, due);
+    }
+    if (ended_) return;
+    wanted_ = false;
+    const auto registrations = registrations_;
+    lock.unlock();
+    const Duration rest = ask(registrations);
+    lock.lock();
+    next_ = deadline_after(rest);
+  }
+}
+
+Duration Registrar::ask(const std::vector<Registration>& registrations) {
+  std::vector<std::uint64_t> questions;  // numbered before they are asked
+  for (const auto& one : registrations) questions.push_back(one.object->name_question());
+  const TimePoint deadline = deadline_after(answer_patience);
+  auto answers = ask_broker(registrations, deadline);
+  // It had ended our session while this process stood still, say. Another session may be had.
+  while (answers.lost && lab_->runtime()->clock().now() < deadline) {
+    answers = ask_broker(registrations, deadline);
+  }
+  note_broker(answers.missing);
+
+  Duration rest = answers.missing.empty() ? Duration::max() : between_tries;
+  std::string untold;
+  for (std::size_t i = 0; i < registrations.size(); ++i) {
+    ServedObject& object = *registrations[i].object;
+    const auto& enlisted = answers.of_each[i];
+    if (enlisted && *enlisted == Duration::zero()) {
+      object.name_held(questions[i]);
+      continue;
+    }
+    rest = std::min(rest, enlisted ? std::min(between_tries, *enlisted) : between_tries);
+    if (enlisted) {
+      object.name_provisional();
+    } else if (enlisted.error().taken) {
+      object.name_taken(enlisted.error().by);
+    } else {
+      object.name_unanswered(questions[i], enlisted.error().text);
+      untold += (untold.empty() ? "" : "; ") + object.name() +
+                " runs on and is not findable: " + enlisted.error().text;
+    }
+  }
+  if (!answers.missing.empty()) untold.clear();  // told already
+  if (untold != std::exchange(told_, untold) && !untold.empty()) log_warning("session", untold);
+  return rest;
+}
+
+Registrar::Answers Registrar::ask_broker(const std::vector<Registration>& registrations,
+                                         TimePoint deadline) {
+  Answers answers;
+  const auto broker = find_broker(deadline);
+  if (!broker) {
+    answers.missing = broker.error();
+    answers.of_each.assign(registrations.size(),
+                           tl::unexpected(NotEnlisted{false, {}, true, broker.error()}));
+    return answers;
+  }
+  std::vector<std::shared_ptr<CommandCore>> asked;
+  for (const auto& one : registrations) {
+    asked.push_back(enlist(**broker, one.entry, served_for(one)));
+  }
+  for (const auto& command : asked) answers.of_each.push_back(await_enlisted(*command, deadline));
+  answers.lost = (*broker)->lost();
+  return answers;
+}
+
+Duration Registrar::served_for(const Registration& registration) const {
+  return lab_->runtime()->clock().since_boot() - registration.since;
+}
+
+/// At the place of the first one, once there was one: a broker elsewhere does not know what that
+/// one has promised.
+tl::expected<Registrar::Broker, std::string> Registrar::find_broker(TimePoint deadline) {
+  std::string place;
+  {
+    const std::lock_guard lock(mutex_);
+    if (broker_ && !broker_->lost()) return broker_;
+    place = place_;
+  }
+  auto found = lab_->broker(deadline);
+  if (!place.empty() && (!found || (*found)->place() != place)) {
+    found = connect(*lab_->runtime(), place, broker_interface(), deadline);
+  }
+  if (!found) return found;
+  const std::lock_guard lock(mutex_);
+  if (ended_) return tl::unexpected(std::string("the server has ended"));
+  place_ = (*found)->place();
+  broker_ = *found;
+  return found;
+}
+
+void Registrar::end() {
+  {
+    const std::lock_guard lock(mutex_);
+    if (ended_) return;
+    ended_ = true;
+  }
+  changed_.notify_all();
+  thread_.join();  // it may just have enlisted them with another broker
+  Broker broker;
+  std::vector<Registration> registrations;
+  {
+    const std::lock_guard lock(mutex_);
+    broker = std::move(broker_);
+    registrations.swap(registrations_);
+  }
+  for (const auto& one : registrations) {
+    if (broker && !broker->lost()) withdraw(*broker, one.entry.name);
+  }
+}
+
+}  // namespace gecos::session

@@ -1,0 +1,238 @@
+#include "gecos/server.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <mutex>
+#include <system_error>
+
+#include "gecos/base/descriptors.hpp"
+#include "gecos/base/log.hpp"
+#include "gecos/base/system_error.hpp"
+#include "gecos/session/client/lab_core.hpp"
+#include "gecos/session/process/termination.hpp"
+#include "gecos/session/server/io_loop.hpp"
+#include "gecos/session/server/registrar.hpp"
+#include "gecos/session/server/served_object.hpp"
+
+namespace gecos {
+
+using session::LabCore;
+using session::ServedObject;
+
+namespace {
+
+/// What is open at once, at the most, while a client is let in: LCM takes so many to send to one.
+constexpr std::size_t descriptors_of_a_client = 16;
+
+bool is_inproc(const std::shared_ptr<media::Acceptor>& acceptor) {
+  return acceptor->offer().kind == media::Kind::Inproc;
+}
+
+}  // namespace
+
+class Server::Core {
+ public:
+  using Made = tl::expected<std::unique_ptr<Core>, std::string>;
+  static Made make(const session::LabOrWhyNot& lab);
+  explicit Core(std::shared_ptr<LabCore> lab)
+      : lab_(std::move(lab)),
+        io_(lab_->runtime()),
+        registrar_(lab_),
+        upkeep_(std::make_shared<Upkeep>(*this)) {
+    session::Termination::prepare();
+    lab_->runtime()->housekeeping().tend(upkeep_);
+  }
+  ~Core();
+
+  tl::expected<void, ServeError> await_broker(Duration patience);
+  tl::expected<void, ServeError> add(std::string name, Servant& servant, ObjectOptions options);
+  void run();
+  void shut_down();
+  /// True in a forked child, which has none of the threads that would end it.
+  bool inherited() const { return getpid() != owner_; }
+
+ private:
+  /// What housekeeping holds: it lets go of the server before the server's parts end.
+  struct Upkeep final : session::Tended {
+    explicit Upkeep(Core& its_core) : core(&its_core) {}
+    TimePoint tend(TimePoint now) override;
+    void after_pause(Duration stood_still) override;
+    std::mutex mutex;
+    Core* core;  ///< null once the server ends
+  };
+
+  struct Opened {
+    std::vector<std::shared_ptr<media::Acceptor>> acceptors;
+    std::vector<std::string> addresses;
+  };
+  tl::expected<Opened, ServeError> open_places(const std::string& name,
+                                               const ObjectOptions& options);
+
+  const pid_t owner_ = getpid();
+  const std::shared_ptr<LabCore> lab_;
+  std::mutex mutex_;
+  std::vector<std::shared_ptr<ServedObject>> objects_;
+  session::Wakeup ended_;
+  session::IoLoop io_;
+  session::Registrar registrar_;
+  std::shared_ptr<Upkeep> upkeep_;
+};
+
+Server::Core::Made Server::Core::make(const session::LabOrWhyNot& lab) {
+  if (!lab) return tl::unexpected(lab.error().text);
+  try {
+    return std::make_unique<Core>(*lab);
+  } catch (const std::system_error& failed) {
+    return tl::unexpected(session::nothing_left("a Server", failed));
+  }
+}
+
+TimePoint Server::Core::Upkeep::tend(TimePoint now) {
+  const std::lock_guard lock(mutex);
+  if (core == nullptr) return TimePoint::max();
+  TimePoint next = core->io_.tend(now);
+  core->registrar_.look();
+  const std::lock_guard objects(core->mutex_);
+  for (const auto& object : core->objects_) next = std::min(next, object->tend(now));
+  return next;
+}
+
+void Server::Core::Upkeep::after_pause(Duration stood_still) {
+  const std::lock_guard lock(mutex);
+  if (core == nullptr) return;
+  core->io_.await_signs_of_life();
+  const std::lock_guard objects(core->mutex_);
+  for (const auto& object : core->objects_) object->after_pause(stood_still);
+  core->registrar_.ask_again();
+}
+
+Server::Core::~Core() {
+  registrar_.end();
+  {
+    // Housekeeping takes this mutex first, then ours: never the other way round.
+    const std::lock_guard lock(upkeep_->mutex);
+    upkeep_->core = nullptr;
+  }
+  const std::lock_guard objects(mutex_);
+  for (const auto& object : objects_) object->close();
+  for (const auto& object : objects_) object->join();
+  io_.end();
+  for (const auto& object : objects_) object->streams().close();
+}
+
+tl::expected<Server::Core::Opened, ServeError> Server::Core::open_places(
+    const std::string& name, const ObjectOptions& options) {
+  auto kinds = options.media;
+  if (kinds.empty()) kinds = {media::Kind::Inproc, media::Kind::Shm, media::Kind::Lcm};
+  Opened opened;
+  std::string failed;
+  for (const media::Kind kind : kinds) {
+    bool needed = !options.media.empty();
+    auto acceptor = [&]() -> tl::expected<std::unique_ptr<media::Acceptor>, media::MediumError> {
+      const auto medium = lab_->runtime()->medium(kind);
+      if (!medium) return tl::unexpected(medium.error());
+      // A host has one such place; between hosts it is somebody else's, or there is no network.
+      needed = needed || (options.well_known && (*medium)->offer().same_host_only);
+      try {
+        return (*medium)->listen(name, options.well_known);
+      } catch (const std::system_error& error) {  // no descriptors
+        return tl::unexpected(media::MediumError{error.what()});
+      }
+    }();
+    if (acceptor) {
+      opened.addresses.push_back((*acceptor)->address());
+      opened.acceptors.push_back(std::move(*acceptor));
+      continue;
+    }
+    const std::string why = name + " is not served over " + std::string(media::to_string(kind)) +
+                            ": " + acceptor.error().text;
+    if (needed) return tl::unexpected(ServeError{why});
+    log_warning("session", why);
+    failed += (failed.empty() ? "" : "; ") + why;
+  }
+  if (options.media == std::vector{media::Kind::Inproc}) return opened;
+  if (std::ranges::all_of(opened.acceptors, is_inproc)) return tl::unexpected(ServeError{failed});
+  if (!descriptors_left(descriptors_of_a_client)) {
+    return tl::unexpected(
+        ServeError{name + " is not served: no client could be let in: " + system_text(errno)});
+  }
+  return opened;
+}
+
+tl::expected<void, ServeError> Server::Core::await_broker(Duration patience) {
+  return registrar_.await_broker(deadline_after(patience)).map_error([](const std::string& why) {
+    return ServeError{why};
+  });
+}
+
+tl::expected<void, ServeError> Server::Core::add(std::string name, Servant& servant,
+                                                 ObjectOptions options) {
+  if (name.empty() || name.find('\0') != std::string::npos) {
+    return tl::unexpected(
+        ServeError{"an object's name has at least one character, and none that is NUL"});
+  }
+  const bool well_known = options.well_known;
+  if (!well_known) {
+    if (const auto found = await_broker(options.patience); !found) {
+      return tl::unexpected(ServeError{name + " is not served: " + found.error().text});
+    }
+  }
+  auto opened = open_places(name, options);
+  if (!opened) return tl::unexpected(opened.error());
+  auto object = std::make_shared<ServedObject>(lab_->runtime(), name, servant, std::move(options));
+  servant.gecos_attach(object);
+  for (auto& acceptor : opened->acceptors) io_.serve(object, std::move(acceptor));
+  {
+    const std::lock_guard lock(mutex_);
+    objects_.push_back(object);
+  }
+  if (well_known) return {};
+  if (auto enlisted = registrar_.add(object, std::move(opened->addresses)); !enlisted) {
+    {
+      const std::lock_guard lock(mutex_);
+      objects_.erase(std::find(objects_.begin(), objects_.end(), object));
+    }
+    object->close();
+    io_.withdraw(*object);
+    object->join();
+    object->streams().close();
+    return tl::unexpected(ServeError{enlisted.error()});
+  }
+  return {};
+}
+
+void Server::Core::run() {
+  const session::Termination asked;
+  const int descriptors[] = {asked.descriptor(), ended_.descriptor()};
+  while (media::sleep_on(descriptors, TimePoint::max()) == media::Wake::Interrupted) {
+  }
+}
+
+void Server::Core::shut_down() { ended_.ring(); }
+
+Server::Server(Lab& lab) : core_(Core::make(lab.core())) {}
+Server::~Server() {
+  // A forked child leaves what is its parent's, with all it holds.
+  if (core_ && (*core_)->inherited()) static_cast<void>(core_->release());
+}
+
+tl::expected<void, ServeError> Server::await_broker(Duration patience) {
+  if (!core_) return tl::unexpected(ServeError{core_.error()});
+  return (*core_)->await_broker(patience);
+}
+tl::expected<void, ServeError> Server::add(std::string name, Servant& servant,
+                                           ObjectOptions options) {
+  if (!core_) return tl::unexpected(ServeError{name + " is not served: " + core_.error()});
+  return (*core_)->add(std::move(name), servant, std::move(options));
+}
+void Server::run() {
+  if (core_) return (*core_)->run();
+  log_error("session", core_.error());
+}
+void Server::shut_down() {
+  if (core_) (*core_)->shut_down();
+}
+
+}  // namespace gecos

@@ -1,0 +1,50 @@
+#include "gecos/session/server/server_call.hpp"
+
+#include "gecos/session/server/served_object.hpp"
+#include "gecos/session/server/server_session.hpp"
+
+namespace gecos::session {
+
+ServerCall::ServerCall(std::shared_ptr<ServerSession> its_session,
+                       const OperationDescription& its_operation, std::uint64_t its_counter,
+                       Epoch its_epoch, ByteView arguments)
+    : Ticket(its_session->id(), its_operation, arguments.size()),
+      session(std::move(its_session)),
+      counter(its_counter),
+      epoch(its_epoch),
+      arguments_(arguments) {}
+
+ServedObject& ServerCall::object() const { return *session->object(); }
+
+std::string ServerCall::title() const {
+  return "'" + std::string(operation().name) + "' of " + object().name();
+}
+
+const Caller& ServerCall::caller() const { return session->caller(); }
+
+bool ServerCall::wait_interrupted_until(TimePoint until) {
+  return object().wait_interrupted(*this, until);
+}
+
+bool ServerCall::begin() { return object().begin(*this); }
+
+std::optional<TimePoint> ServerCall::marked_at() const {
+  const TimePoint at = marked_at_.load(std::memory_order_relaxed);
+  return at == TimePoint::max() ? std::nullopt : std::optional(at);
+}
+
+void ServerCall::waits(const CommandCore& command) {
+  object().waits(*this, command.id(), command.about());
+}
+
+void ServerCall::goes_on() { object().goes_on(*this); }
+
+void ServerCall::progress(double its_fraction, ByteView its_feedback) {
+  object().progressed(*this, its_fraction, its_feedback);
+}
+
+void ServerCall::finish(ByteView result) { object().answered(*this, result); }
+
+void ServerCall::fail(Failure failure) { object().answered(*this, std::move(failure)); }
+
+}  // namespace gecos::session

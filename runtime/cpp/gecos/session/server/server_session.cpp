@@ -1,0 +1,174 @@
+#include "gecos/session/server/server_session.hpp"
+
+#include <algorithm>
+
+#include "gecos/session/protocol/handshake.hpp"
+#include "gecos/session/protocol/packets.hpp"
+#include "gecos/session/server/handler_waits.hpp"
+#include "gecos/session/server/served_object.hpp"
+
+namespace gecos::session {
+namespace {
+
+/// An answer to each granted call, and as many goodbyes; the rest is room for repetitions.
+constexpr std::size_t most_backlog = 4 * ObjectQueue::most_of_object;
+/// What they may take before a result is given up rather than kept.
+constexpr std::size_t most_backlog_bytes = 128 * 1024 * 1024;
+
+wire::PacketHeader reply_to(std::uint64_t counter) {
+  wire::PacketHeader header;
+  header.kind = wire::PacketKind::Reply;
+  header.flags = static_cast<std::int8_t>(Detail::Done);
+  header.counter = counter;
+  return header;
+}
+
+/// What still can be told of a failure that no packet holds: its kind, and how its text begins.
+Failure shortened(const Failure& failure, std::size_t takes, std::size_t carried) {
+  constexpr std::size_t longest_text = 1024;
+  std::size_t cut = std::min(failure.text.size(), longest_text);
+  const auto inside_character = [&] {
+    return cut < failure.text.size() &&
+           (static_cast<unsigned char>(failure.text[cut]) & 0xC0) == 0x80;
+  };
+  while (cut > 0 && inside_character()) --cut;
+  return {failure.detail,
+          failure.text.substr(0, cut) + (cut < failure.text.size() ? "…" : "") +
+              " (cut: as a whole it takes " + std::to_string(takes) +
+              " bytes and the medium carries " + std::to_string(carried) + ")",
+          {},
+          {}};
+}
+
+}  // namespace
+
+ServerSession::ServerSession(std::unique_ptr<media::Link> link,
+                             std::shared_ptr<ServedObject> object)
+    : link_(std::move(link)), object_(std::move(object)), repeats_(!link_->offer().reliable) {}
+
+ServerSession::~ServerSession() {
+  if (greeted()) forget_session(id_);
+}
+
+void ServerSession::send(wire::PacketHeader header, ByteView body) {
+  const std::lock_guard lock(send_mutex_);
+  if (header.session == SessionId{}) header.session = id_;
+  write_packet(packet_, header, body);
+  deliver(packet_);
+}
+
+void ServerSession::reply_as(std::uint64_t counter, const wire::PacketView& before) {
+  const std::lock_guard lock(send_mutex_);
+  auto header = before.header;
+  header.session = id_;
+  header.counter = counter;
+  if (const std::size_t carried = link_->offer().largest_packet;
+      wire::packet_size(before.body.size()) > carried) {
+    write_failure(packet_, header,
+                  {Detail::Fault,
+                   "the answer takes " + std::to_string(before.body.size()) +
+                       " bytes and the medium carries " + std::to_string(carried),
+                   {},
+                   {}});
+  } else {
+    write_packet(packet_, header, before.body);
+  }
+  if (repeats_ || departed) replies->keep(counter, packet_);
+  deliver(packet_);
+}
+
+void ServerSession::reply(std::uint64_t counter, ByteView result, Epoch epoch) {
+  const std::lock_guard lock(send_mutex_);
+  auto header = reply_to(counter);
+  header.session = id_;
+  header.epoch = epoch;
+  if (wire::packet_size(result.size()) > link_->offer().largest_packet) {
+    write_failure(
+        packet_, header,
+        {Detail::Fault,
+         "the result takes " + std::to_string(result.size()) + " bytes and the medium carries " +
+             std::to_string(link_->offer().largest_packet),
+         {},
+         {}});
+  } else if (backlog_bytes_ + result.size() > most_backlog_bytes) {
+    write_failure(packet_, header,
+                  {Detail::Fault,
+                   "the result of " + std::to_string(result.size()) +
+                       " bytes was dropped: " + std::to_string(backlog_bytes_) +
+                       " bytes wait already for this client to take them",
+                   {},
+                   {}});
+  } else {
+    write_packet(packet_, header, result);
+  }
+  if (repeats_ || departed) replies->keep(counter, packet_);
+  deliver(packet_);
+}
+
+void ServerSession::reply(std::uint64_t counter, const Failure& failure) {
+  const std::lock_guard lock(send_mutex_);
+  auto header = reply_to(counter);
+  header.session = id_;
+  write_failure(packet_, header, failure);
+  if (const std::size_t carried = link_->offer().largest_packet; packet_.size() > carried) {
+    const std::size_t takes = packet_.size();
+    write_failure(packet_, header, shortened(failure, takes, carried));
+  }
+  if (repeats_ || departed) replies->keep(counter, packet_);
+  deliver(packet_);
+}
+
+bool ServerSession::report(const ServerCall& call, Detail detail, std::size_t position) {
+  const ProgressBody body{static_cast<std::uint32_t>(position), call.fraction, call.feedback};
+  wire::PacketHeader header;
+  header.kind = wire::PacketKind::Progress;
+  header.flags = static_cast<std::int8_t>(detail);
+  header.counter = call.counter_in(*this);
+  header.session = id_;
+  const std::lock_guard lock(send_mutex_);
+  if (!backlog_.empty()) return false;
+  write_packet(packet_, header, body.encoded_size(), [&](wire::Encoder& to) { body.encode(to); });
+  return link_->send(packet_, {}).has_value();
+}
+
+void ServerSession::send_again(const Bytes& packet) {
+  const std::lock_guard lock(send_mutex_);
+  if (std::ranges::find(backlog_, packet) != backlog_.end())
+    return;  // it has not gone for the first time
+  deliver(packet);
+}
+
+void ServerSession::deliver(ByteView packet) {
+  if (backlog_.empty()) {
+    const auto sent = link_->send(packet, {});
+    if (sent || sent.error() != media::SendProblem::Full) return;
+  }
+  if (backlog_.size() == most_backlog) {
+    overrun_.store(true, std::memory_order_relaxed);
+    return;
+  }
+  backlog_.emplace_back(packet.begin(), packet.end());
+  backlog_bytes_ += packet.size();
+}
+
+void ServerSession::flush() {
+  const std::lock_guard lock(send_mutex_);
+  while (!backlog_.empty()) {
+    const auto sent = link_->send(backlog_.front(), {});
+    if (!sent && sent.error() == media::SendProblem::Full) return;
+    backlog_bytes_ -= backlog_.front().size();
+    backlog_.pop_front();
+  }
+}
+
+tl::expected<std::uint32_t, std::string> ServerSession::share(const StreamDescription& stream) {
+  const std::lock_guard lock(send_mutex_);
+  return object_->streams().share(stream, *link_);
+}
+
+void ServerSession::unshare(std::uint32_t id) {
+  const std::lock_guard lock(send_mutex_);
+  link_->unshare(id);
+}
+
+}  // namespace gecos::session

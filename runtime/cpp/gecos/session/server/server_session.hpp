@@ -1,0 +1,120 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <deque>
+#include <limits>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+
+#include "gecos/access/lease_table.hpp"
+#include "gecos/base/mutex.hpp"
+#include "gecos/media/medium.hpp"
+#include "gecos/session/protocol/call_table.hpp"
+#include "gecos/session/protocol/duplicates.hpp"
+#include "gecos/session/server/server_call.hpp"
+#include "gecos/wire/packet.hpp"
+
+namespace gecos::session {
+
+/// A call that has to keep its place and arrived before one that was issued before it.
+struct EarlyCall {
+  wire::PacketHeader header;
+  Bytes body;
+  TimePoint arrived{};
+};
+
+/// Server side of one client's session with one object.
+///
+/// Receiving belongs to whoever polls the server's links; sending takes a mutex of its own. What
+/// the members below are guarded by is said with them.
+class ServerSession {
+ public:
+  ServerSession(std::unique_ptr<media::Link> link, std::shared_ptr<ServedObject> object);
+  ~ServerSession();
+  ServerSession(const ServerSession&) = delete;
+  ServerSession& operator=(const ServerSession&) = delete;
+
+  media::Link& link() { return *link_; }
+  const std::shared_ptr<ServedObject>& object() const { return object_; }
+  bool repeats() const { return repeats_; }
+
+  /// What it was opened as; the caller is constant once greeted.
+  void greet(SessionId id, Caller caller) { id_ = id, caller_ = std::move(caller); }
+  SessionId id() const { return id_; }
+  bool greeted() const { return id_ != SessionId{}; }
+  const Caller& caller() const { return caller_; }
+  access::Client client() const {
+    return {caller_.user, caller_.host, caller_.program, caller_.pid};
+  }
+
+  // With the object's mutex.
+  void reply(std::uint64_t counter, const Failure& failure);
+  void reply(std::uint64_t counter, ByteView result, Epoch epoch = {});
+  /// As it was answered in another session.
+  void reply_as(std::uint64_t counter, const wire::PacketView& before);
+  /// The latest progress; dropped when there is no room. True when it was sent.
+  bool report(const ServerCall& call, Detail detail, std::size_t position);
+
+  // Any thread.
+  /// Sends now, or as soon as the client has room, as the replies above. Order is kept.
+  void send(wire::PacketHeader header, ByteView body);
+  void send_again(const Bytes& packet);
+  void flush();
+  /// It sends and takes no answers, so that more wait than any client of ours can have asked for.
+  bool overrun() const { return overrun_.load(std::memory_order_relaxed); }
+  tl::expected<std::uint32_t, std::string> share(const StreamDescription& stream);
+  void unshare(std::uint32_t id);
+
+  // The poller.
+  bool hot = true;
+  unsigned quiet_looks = 0;  ///< 0: something came since the last round of cooling
+  TimePoint last_heard{};
+
+  std::atomic<bool> gone{false};  // publishes nothing but itself: the poller forgets it
+
+  // Guarded by the object's mutex.
+  CallTable<ServerCall> calls;
+  DuplicateWindow window;
+  /// Of a medium that loses packets, and what is answered once the link is gone: it may be asked
+  /// for in another session.
+  const std::shared_ptr<ReplyCache> replies = std::make_shared<ReplyCache>();
+  std::map<std::uint64_t, EarlyCall> early;  ///< by counter: calls that overtook one before them
+  std::map<FunctionCode, std::uint32_t> subscriptions;  ///< stream and the id it is shared under
+  /// Since which epoch it has held a status; its own stops renew it.
+  std::uint64_t held_from = std::numeric_limits<std::uint64_t>::max();
+  /// The highest counter marked as started, by lane (start_words.hpp).
+  std::array<std::uint64_t, media::shared_word_count> marked{};
+  std::size_t commands = 0;    ///< actor commands that have not reached their end
+  std::size_t unreturned = 0;  ///< calls that wait, or whose handler has not answered and returned
+  Duration accept_within{
+      0};                  ///< as its client asked: what is older is not taken up; 0: however old
+  bool left = false;       ///< said goodbye
+  bool withdrawn = false;  ///< and nothing of it starts any more
+  bool departed = false;   ///< its link is gone
+  bool parted_in_order = false;  ///< and what it had issued still runs
+  std::uint64_t beats_judged = 0;
+  TimePoint last_sign{};
+  /// The server stood still, or its client is silent: nothing of it starts before it has shown a
+  /// sign of life.
+  bool awaited = false;
+
+ private:
+  void deliver(ByteView packet);
+
+  const std::unique_ptr<media::Link> link_;
+  const std::shared_ptr<ServedObject> object_;
+  const bool repeats_;
+  SessionId id_{};
+  Caller caller_;
+
+  Mutex send_mutex_;
+  Bytes packet_;               ///< reused
+  std::deque<Bytes> backlog_;  ///< what found no room
+  std::size_t backlog_bytes_ = 0;
+  std::atomic<bool> overrun_{false};  // publishes nothing but itself
+};
+
+}  // namespace gecos::session
