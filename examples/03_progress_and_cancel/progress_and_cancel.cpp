@@ -1,0 +1,38 @@
+// Watches a motion while it runs, and cancels it half way.
+
+#include <chrono>
+#include <iostream>
+
+#include "gecos/gecos.hpp"
+#include "robcl/frames/frame.hpp"
+#include "robcl/manipulator_client.hpp"
+
+using namespace robcl::literals;
+using namespace std::chrono_literals;
+
+template <class Error>
+int fail(const Error& error) {
+  std::cerr << error << '\n';
+  return 1;
+}
+
+int main() {
+  gecos::Lab lab;
+  auto robot = lab.create<robcl::Manipulator>("RX90");
+  if (!robot) return fail(robot.error());
+  const auto lease = gecos::actor(*robot);
+  if (!lease) return fail(lease.error());
+  const auto here = robot->tool().get();
+  if (!here) return fail(here.error());
+
+  const robcl::Trajectory slowly{.tool_speed = 0.02};  // m/s: this motion takes 5 s
+  const auto move = robot->move(robcl::translate(0, 0, 100_mm) * *here, slowly);
+  while (move.wait_for(200ms) == gecos::State::Running) {
+    const auto feedback = move.feedback();  // what this operation reports: a MotionProgress
+    if (!feedback) continue;                // the motion has not begun
+    std::cout << move.progress().detail << ' ' << static_cast<int>(100 * feedback->fraction)
+              << " %, " << feedback->remaining << " s left" << std::endl;
+    if (feedback->fraction >= 0.5) move.cancel();  // a request: the arm brakes, then the move ends
+  }
+  std::cout << move.state() << '/' << move.progress().detail << std::endl;
+}

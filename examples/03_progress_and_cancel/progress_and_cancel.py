@@ -1,0 +1,29 @@
+"""Watches a motion while it runs, and cancels it half way."""
+
+import gecos
+from robcl.frames import mm, translate
+from robcl.manipulator import Manipulator, Trajectory
+
+
+def main() -> None:
+    lab = gecos.Lab()
+    robot = lab.create(Manipulator, "RX90")
+    with gecos.actor(robot):
+        here = robot.tool().result()
+
+        slowly = Trajectory(tool_speed=0.02)  # m/s: this motion takes 5 s
+        move = robot.move(translate(0.0, 0.0, mm(100)) * here, slowly)
+        while move.wait(0.2) is gecos.State.RUNNING:
+            feedback = move.feedback()  # what this operation reports: a MotionProgress
+            if feedback is None:
+                continue  # the motion has not begun
+            detail = move.progress().detail.name
+            print(f"{detail} {feedback.fraction:.0%}, {feedback.remaining:.2f} s left", flush=True)
+            if feedback.fraction >= 0.5:
+                move.cancel()  # a request: the arm brakes, then the move ends
+
+        print(f"{move.state.name}/{move.progress().detail.name}")
+
+
+if __name__ == "__main__":
+    main()

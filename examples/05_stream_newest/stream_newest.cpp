@@ -1,0 +1,42 @@
+// Watches the tool while the arm lifts it. The arm publishes 250 samples a second; this program
+// looks five times a second, and each time gets the newest one.
+
+#include <chrono>
+#include <iostream>
+
+#include "gecos/gecos.hpp"
+#include "robcl/frames/frame.hpp"
+#include "robcl/manipulator_client.hpp"
+
+using namespace robcl::literals;
+using namespace std::chrono_literals;
+
+template <class Error>
+int fail(const Error& error) {
+  std::cerr << error << '\n';
+  return 1;
+}
+
+int main() {
+  gecos::Lab lab;
+  auto robot = lab.create<robcl::Manipulator>("RX90");
+  if (!robot) return fail(robot.error());
+  const auto lease = gecos::actor(*robot);
+  if (!lease) return fail(lease.error());
+  const auto here = robot->tool().get();  // one value, by a call
+  if (!here) return fail(here.error());
+  auto tool = robot->tool(gecos::stream);  // all values, as they are published
+  if (!tool) return fail(tool.error());
+
+  const robcl::Trajectory slowly{.tool_speed = 0.05};  // m/s
+  const auto move = robot->move(robcl::translate(0, 0, 100_mm) * *here, slowly);
+  while (move.wait_for(200ms) == gecos::State::Running) {
+    const auto newest = tool->latest();  // never waits; nothing once the server is lost
+    if (!newest) continue;
+    const std::chrono::duration<double, std::milli> age = newest->age;
+    std::cout << "tool at " << robcl::in_mm(newest->value.z()) << " mm, " << age.count()
+              << " ms ago; " << newest->lost << " samples skipped" << std::endl;
+  }
+  const auto moved = move.get();
+  return moved ? 0 : fail(moved.error());
+}

@@ -1,0 +1,55 @@
+// Lifts the arm, opens the gripper and measures a distance, all at once and in one thread.
+
+#include <poll.h>
+
+#include <iostream>
+#include <map>
+#include <string_view>
+#include <vector>
+
+#include "gecos/gecos.hpp"
+#include "robcl/frames/frame.hpp"
+#include "robcl/gripper_client.hpp"
+#include "robcl/laser_distance_sensor_client.hpp"
+#include "robcl/manipulator_client.hpp"
+
+using namespace robcl::literals;
+
+template <class Error>
+int fail(const Error& error) {
+  std::cerr << error << '\n';
+  return 1;
+}
+
+int main() {
+  gecos::Lab lab;
+  auto robot = lab.create<robcl::Manipulator>("RX90");
+  if (!robot) return fail(robot.error());
+  auto gripper = lab.create<robcl::Gripper>("GRIPPER");
+  if (!gripper) return fail(gripper.error());
+  auto laser = lab.create<robcl::LaserDistanceSensor>("LDS");
+  if (!laser) return fail(laser.error());
+  const auto robot_lease = gecos::actor(*robot);
+  if (!robot_lease) return fail(robot_lease.error());
+  const auto gripper_lease = gecos::actor(*gripper);
+  if (!gripper_lease) return fail(gripper_lease.error());
+  const auto here = robot->tool().get();
+  if (!here) return fail(here.error());
+
+  const auto lift = robot->move(robcl::translate(0, 0, 60_mm) * *here, {{.tool_speed = 0.02}});
+  const auto open = gripper->open(100_mm);
+  const auto look = laser->measure();
+  std::map<int, std::string_view> running{
+      {lift.descriptor(), "lift"}, {open.descriptor(), "open"}, {look.descriptor(), "look"}};
+  while (!running.empty()) {
+    std::vector<pollfd> ends;
+    for (const auto& [descriptor, what] : running) ends.push_back({descriptor, POLLIN, 0});
+    if (poll(ends.data(), ends.size(), -1) < 0) return fail("poll");
+    for (const pollfd& end : ends) {
+      if (end.revents == 0) continue;
+      std::cout << running[end.fd] << " has ended" << std::endl;
+      running.erase(end.fd);
+    }
+  }
+  return lift.get() && open.get() && look.get() ? 0 : 1;
+}
