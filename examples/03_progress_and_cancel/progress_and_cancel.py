@@ -1,18 +1,22 @@
 """Watches a motion while it runs, and cancels it half way."""
 
 import gecos
-from robcl.frames import mm, translate
+from robcl.frames import Frame, deg, mm, translate
 from robcl.manipulator import Manipulator, Trajectory
+
+# Tool frames in the world: z points down, so the second one is 100 mm below the first.
+START = Frame.from_euler_zyz(mm(500), mm(200), mm(250), 0.0, deg(180), 0.0)
+GOAL = START * translate(0.0, 0.0, mm(100))
 
 
 def main() -> None:
     lab = gecos.Lab()
     robot = lab.create(Manipulator, "RX90")
     with gecos.actor(robot):
-        here = robot.tool().result()
+        robot.move(START).result()
 
         slowly = Trajectory(tool_speed=0.02)  # m/s: this motion takes 5 s
-        move = robot.move(translate(0.0, 0.0, mm(100)) * here, slowly)
+        move = robot.move(GOAL, slowly)
         while move.wait(0.2) is gecos.State.RUNNING:
             feedback = move.feedback()  # what this operation reports: a MotionProgress
             if feedback is None:

@@ -4,16 +4,20 @@ so neither sequence needs a thread."""
 import asyncio
 
 import gecos
-from robcl.frames import mm, translate
+from robcl.frames import Frame, deg, mm, translate
 from robcl.gripper import Gripper
 from robcl.manipulator import Manipulator, Trajectory
 
+# Tool frames in the world: z points down, so the second one is 60 mm below the first.
+START = Frame.from_euler_zyz(mm(500), mm(200), mm(250), 0.0, deg(180), 0.0)
+GOAL = START * translate(0.0, 0.0, mm(60))
 
-async def lift(robot: Manipulator) -> None:
-    here = await robot.tool()
-    slowly = Trajectory(tool_speed=0.02)  # m/s
-    await robot.move(translate(0.0, 0.0, mm(60)) * here, slowly)
-    print("arm: lifted", flush=True)
+
+async def lower(robot: Manipulator) -> None:
+    await robot.move(START)
+    print("arm: at its start", flush=True)
+    await robot.move(GOAL, Trajectory(tool_speed=0.02))  # m/s: 3 s
+    print("arm: lowered", flush=True)
 
 
 async def exercise(gripper: Gripper) -> None:
@@ -27,7 +31,7 @@ async def main() -> None:
     robot = lab.create(Manipulator, "RX90")
     gripper = lab.create(Gripper, "GRIPPER")
     with gecos.actor(robot), gecos.actor(gripper):
-        await asyncio.gather(lift(robot), exercise(gripper))
+        await asyncio.gather(lower(robot), exercise(gripper))
 
 
 if __name__ == "__main__":

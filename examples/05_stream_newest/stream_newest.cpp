@@ -1,4 +1,4 @@
-// Watches the tool while the arm lifts it. The arm publishes 250 samples a second; this program
+// Watches the tool while the arm lowers it. The arm publishes 250 samples a second; this program
 // looks five times a second, and each time gets the newest one.
 
 #include <chrono>
@@ -10,6 +10,11 @@
 
 using namespace robcl::literals;
 using namespace std::chrono_literals;
+
+// Tool frames in the world: z points down, so the second one is 100 mm below the first.
+const robcl::Frame start =
+    robcl::Frame::from_euler_zyz(500_mm, 200_mm, 250_mm, 0_deg, 180_deg, 0_deg);
+const robcl::Frame goal = start * robcl::translate(0, 0, 100_mm);
 
 template <class Error>
 int fail(const Error& error) {
@@ -23,13 +28,13 @@ int main() {
   if (!robot) return fail(robot.error());
   const auto lease = gecos::actor(*robot);
   if (!lease) return fail(lease.error());
-  const auto here = robot->tool().get();  // one value, by a call
-  if (!here) return fail(here.error());
-  auto tool = robot->tool(gecos::stream);  // all values, as they are published
+  const auto at_start = robot->move(start).get();
+  if (!at_start) return fail(at_start.error());
+  auto tool = robot->tool(gecos::stream);
   if (!tool) return fail(tool.error());
 
   const robcl::Trajectory slowly{.tool_speed = 0.05};  // m/s
-  const auto move = robot->move(robcl::translate(0, 0, 100_mm) * *here, slowly);
+  const auto move = robot->move(goal, slowly);
   while (move.wait_for(200ms) == gecos::State::Running) {
     const auto newest = tool->latest();  // never waits; nothing once the server is lost
     if (!newest) continue;

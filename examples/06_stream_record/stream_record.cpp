@@ -1,4 +1,5 @@
-// Records 50 samples of the distance sensor in a file, each of them once: `stream_record FILE`.
+// Records 250 samples of the tool in a file, each of them once: `stream_record FILE`. That is one
+// second: move the arm meanwhile, by another example.
 
 #include <chrono>
 #include <cstdint>
@@ -6,7 +7,8 @@
 #include <iostream>
 
 #include "gecos/gecos.hpp"
-#include "robcl/laser_distance_sensor_client.hpp"
+#include "robcl/frames/frame.hpp"
+#include "robcl/manipulator_client.hpp"
 
 using namespace std::chrono_literals;
 
@@ -19,22 +21,22 @@ int fail(const Error& error) {
 int main(int argc, char** argv) {
   if (argc != 2) return fail("usage: stream_record FILE");
   gecos::Lab lab;
-  auto laser = lab.create<robcl::LaserDistanceSensor>("LDS");
-  if (!laser) return fail(laser.error());
-  auto beam = laser->beam(gecos::stream);
-  if (!beam) return fail(beam.error());
+  auto robot = lab.create<robcl::Manipulator>("RX90");
+  if (!robot) return fail(robot.error());
+  auto tool = robot->tool(gecos::stream);  // reading needs no status
+  if (!tool) return fail(tool.error());
 
   std::ofstream file(argv[1]);
-  file << "sequence,lost,stamp,valid,distance\n";
+  file << "sequence,lost,stamp,x,y,z\n" << std::fixed;
   std::uint64_t lost = 0;
-  for (int i = 0; i < 50; ++i) {
-    const auto sample = beam->next(5s);  // the next unread one; waits for it
+  for (int i = 0; i < 250; ++i) {
+    const auto sample = tool->next(5s);  // the next unread one; waits for it
     if (!sample) return fail(to_string(sample.error()));
-    const robcl::Distance& distance = sample->value;
-    file << sample->sequence << ',' << sample->lost << ',' << std::fixed << distance.stamp << ','
-         << distance.valid << ',' << distance.value << '\n';
-    lost += sample->lost;  // by a reader that is slower than the sensor for too long
+    const robcl::Frame& at = sample->value;
+    file << sample->sequence << ',' << sample->lost << ',' << sample->stamp << ',' << at.x() << ','
+         << at.y() << ',' << at.z() << '\n';
+    lost += sample->lost;  // a reader that is too slow loses samples, and is told how many
   }
   if (!file.flush()) return fail("the file could not be written");
-  std::cout << "50 samples, " << lost << " lost" << std::endl;
+  std::cout << "250 samples, " << lost << " lost" << std::endl;
 }

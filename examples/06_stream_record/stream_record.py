@@ -1,30 +1,28 @@
-"""Records 50 samples of the distance sensor in a file, each of them once.
-
-Usage: stream_record.py FILE
-"""
+"""Records 250 samples of the tool in a file, each of them once: `stream_record.py FILE`. That is
+one second: move the arm meanwhile, by another example."""
 
 import csv
 import sys
 from pathlib import Path
 
 import gecos
-from robcl.laser_distance_sensor import LaserDistanceSensor
+from robcl.manipulator import Manipulator
 
 
 def main(path: Path) -> None:
     lab = gecos.Lab()
-    beam = lab.create(LaserDistanceSensor, "LDS").beam.stream()
+    tool = lab.create(Manipulator, "RX90").tool.stream()  # reading needs no status
 
     lost = 0
     with path.open("w", newline="") as file:
         rows = csv.writer(file)
-        rows.writerow(["sequence", "lost", "stamp", "valid", "distance"])
-        for _ in range(50):
-            sample = beam.next(timeout=5.0)  # the next unread one; waits for it
-            it = sample.value
-            rows.writerow([sample.sequence, sample.lost, it.stamp, int(it.valid), it.value])
-            lost += sample.lost  # by a reader that is slower than the sensor for too long
-    print(f"50 samples, {lost} lost")
+        rows.writerow(["sequence", "lost", "stamp", "x", "y", "z"])
+        for _ in range(250):
+            sample = tool.next(timeout=5.0)  # the next unread one; waits for it
+            at = sample.value
+            rows.writerow([sample.sequence, sample.lost, sample.stamp, at.x, at.y, at.z])
+            lost += sample.lost  # a reader that is too slow loses samples, and is told how many
+    print(f"250 samples, {lost} lost")
 
 
 if __name__ == "__main__":

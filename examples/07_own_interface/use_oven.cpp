@@ -19,10 +19,12 @@ int main() {
   if (!lease) return fail(lease.error());
 
   const auto outside = oven->heat(600.0).get();  // outside its @range: is not sent
-  std::cout << "600 K: " << outside.error() << std::endl;
+  if (!outside) std::cout << "600 K: " << outside.error() << std::endl;
 
-  const auto refused = oven->heat(480.0).get();  // the exception that its interface declares
-  if (const auto too_hot = refused.error().as<plant::TooHot>()) {
+  const auto refused = oven->heat(480.0).get();
+  if (!refused) {
+    const auto too_hot = refused.error().as<plant::TooHot>();  // declared by the interface
+    if (!too_hot) return fail(refused.error());
     std::cout << "480 K: this oven goes up to " << too_hot->limit << " K" << std::endl;
   }
 

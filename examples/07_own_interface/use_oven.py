@@ -17,8 +17,8 @@ def main() -> None:
             print(f"600 K: {error}")
 
         try:
-            oven.heat(480.0).result()  # the exception that its interface declares
-        except TooHot as too_hot:
+            oven.heat(480.0).result()
+        except TooHot as too_hot:  # declared by the interface
             print(f"480 K: this oven goes up to {too_hot.limit:.0f} K")
 
         oven.heat(350.0).result()

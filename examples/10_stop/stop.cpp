@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <iostream>
+#include <string_view>
 
 #include "gecos/gecos.hpp"
 #include "robcl/frames/frame.hpp"
@@ -11,10 +12,24 @@
 using namespace robcl::literals;
 using namespace std::chrono_literals;
 
+// Tool frames in the world: z points down, so the second one is 100 mm below the first.
+const robcl::Frame start =
+    robcl::Frame::from_euler_zyz(500_mm, 200_mm, 250_mm, 0_deg, 180_deg, 0_deg);
+const robcl::Frame goal = start * robcl::translate(0, 0, 100_mm);
+
 template <class Error>
 int fail(const Error& error) {
   std::cerr << error << '\n';
   return 1;
+}
+
+/// Waits for its end, and says how it ended.
+template <class Command>
+void tell(std::string_view what, const Command& command) {
+  const auto result = command.get();
+  std::cout << what << ": ";
+  if (result) std::cout << command.state() << std::endl;
+  if (!result) std::cout << result.error() << std::endl;
 }
 
 int main() {
@@ -23,10 +38,10 @@ int main() {
   if (!robot) return fail(robot.error());
   auto lease = gecos::actor(*robot);
   if (!lease) return fail(lease.error());
-  const auto here = robot->tool().get();
-  if (!here) return fail(here.error());
+  const auto at_start = robot->move(start).get();
+  if (!at_start) return fail(at_start.error());
   const robcl::Trajectory slowly{.tool_speed = 0.02};  // m/s
-  const auto move = robot->move(robcl::translate(0, 0, 100_mm) * *here, slowly);
+  const auto move = robot->move(goal, slowly);
   while (move.progress().fraction < 0.1 && move.wait_for(50ms) == gecos::State::Running) {
   }
 
@@ -35,11 +50,9 @@ int main() {
   if (!same_robot) return fail(same_robot.error());
   if (const auto stopped = gecos::stop(*same_robot).get(); !stopped) return fail(stopped.error());
 
-  std::cout << "the move: " << move.get().error() << std::endl;
-  std::cout << "the next: " << robot->move(*here).get().error() << std::endl;  // the lease is over
-  lease = gecos::actor(*robot);  // who knows that the robot may move again acquires it anew
+  tell("the move", move);
+  tell("the next", robot->move(start));  // the stop has ended the lease, too
+  lease = gecos::actor(*robot);          // acquire it again when the robot may move again
   if (!lease) return fail(lease.error());
-  const auto back = robot->move(*here).get();
-  if (!back) return fail(back.error());
-  std::cout << "with a new lease: moved" << std::endl;
+  tell("with a new lease", robot->move(start));
 }

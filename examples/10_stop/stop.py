@@ -2,16 +2,26 @@
 terminal does the same."""
 
 import gecos
-from robcl.frames import mm, translate
-from robcl.manipulator import Manipulator, Trajectory
+from robcl.frames import Frame, deg, mm, translate
+from robcl.manipulator import Manipulator, MotionProgress, Trajectory
+
+# Tool frames in the world: z points down, so the second one is 100 mm below the first.
+START = Frame.from_euler_zyz(mm(500), mm(200), mm(250), 0.0, deg(180), 0.0)
+GOAL = START * translate(0.0, 0.0, mm(100))
+
+
+def tell(what: str, command: gecos.Command[None, MotionProgress]) -> None:
+    """Waits for its end, and says how it ended."""
+    command.wait()
+    print(f"{what}: {command.exception() or command.state.name}", flush=True)
 
 
 def main() -> None:
     robot = gecos.Lab().create(Manipulator, "RX90")
     with gecos.actor(robot):
-        here = robot.tool().result()
+        robot.move(START).result()
         slowly = Trajectory(tool_speed=0.02)  # m/s
-        move = robot.move(translate(0.0, 0.0, mm(100)) * here, slowly)
+        move = robot.move(GOAL, slowly)
         while move.progress().fraction < 0.1 and move.wait(0.05) is gecos.State.RUNNING:
             pass
 
@@ -19,15 +29,10 @@ def main() -> None:
         same_robot = gecos.Lab().create(Manipulator, "RX90")
         gecos.stop(same_robot).result()
 
-        move.wait()
-        print("the move:", move.exception())
-        denied = robot.move(here)  # the lease is over
-        denied.wait()
-        print("the next:", denied.exception())
-
-    with gecos.actor(robot):  # who knows that the robot may move again acquires it anew
-        robot.move(here).result()
-        print("with a new lease: moved")
+        tell("the move", move)
+        tell("the next", robot.move(START))  # the stop has ended the lease, too
+    with gecos.actor(robot):  # acquire it again when the robot may move again
+        tell("with a new lease", robot.move(START))
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <iostream>
+#include <string_view>
 
 #include "gecos/gecos.hpp"
 #include "robcl/frames/frame.hpp"
@@ -11,10 +12,24 @@
 using namespace robcl::literals;
 using namespace std::chrono_literals;
 
+// Tool frames in the world: z points down, so the second one is 100 mm below the first.
+const robcl::Frame start =
+    robcl::Frame::from_euler_zyz(500_mm, 200_mm, 250_mm, 0_deg, 180_deg, 0_deg);
+const robcl::Frame goal = start * robcl::translate(0, 0, 100_mm);
+
 template <class Error>
 int fail(const Error& error) {
   std::cerr << error << '\n';
   return 1;
+}
+
+/// Waits for its end, and says how it ended.
+template <class Command>
+void tell(std::string_view what, const Command& command) {
+  const auto result = command.get();
+  std::cout << what << ": ";
+  if (result) std::cout << command.state() << std::endl;
+  if (!result) std::cout << result.error() << std::endl;
 }
 
 int main() {
@@ -23,20 +38,14 @@ int main() {
   if (!robot) return fail(robot.error());
   const auto lease = gecos::actor(*robot);
   if (!lease) return fail(lease.error());
-  const auto here = robot->tool().get();
-  if (!here) return fail(here.error());
-  const robcl::Frame above = robcl::translate(0, 0, 100_mm) * *here;
+  const auto at_start = robot->move(start).get();
+  if (!at_start) return fail(at_start.error());
   const robcl::Trajectory slowly{.tool_speed = 0.02};  // m/s: 5 s
 
-  const auto late = gecos::with(*robot, {.deadline = 1s}).move(above, slowly).get();
-  std::cout << "deadline of 1 s: " << late.error() << std::endl;  // the arm stands
+  tell("deadline of 1 s", gecos::with(*robot, {.deadline = 1s}).move(goal, slowly));  // it stands
+  tell("deadline of 0 s", gecos::with(*robot, {.deadline = 0s}).move(goal, slowly));  // not sent
 
-  const auto never = gecos::with(*robot, {.deadline = 0s}).move(above, slowly).get();
-  std::cout << "deadline of 0 s: " << never.error() << std::endl;  // was not sent
-
-  const auto move = robot->move(above, slowly);
+  const auto move = robot->move(goal, slowly);
   std::cout << "patience of 1 s: " << move.wait_for(1s) << std::endl;  // the arm moves on
-  const auto moved = move.get();
-  if (!moved) return fail(moved.error());
-  std::cout << "in the end: " << move.state() << std::endl;
+  tell("in the end", move);
 }

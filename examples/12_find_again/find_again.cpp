@@ -1,28 +1,26 @@
-// Reads a sensor for ever, whenever its server is there: start, end and kill `robcl-lds` as you
-// like. Ctrl-C ends it.
+// Watches the tool of an arm, whenever the arm is there: start, end and kill `robcl-rx90` as you
+// like. Ctrl-C ends this program.
 
 #include <chrono>
 #include <iostream>
 #include <thread>
 
 #include "gecos/gecos.hpp"
-#include "robcl/laser_distance_sensor_client.hpp"
+#include "robcl/frames/frame.hpp"
+#include "robcl/manipulator_client.hpp"
 
 using namespace std::chrono_literals;
 
 namespace {
 
 /// Reads until the server is lost.
-void read_from(const robcl::LaserDistanceSensor& laser) {
-  auto beam = laser.beam(gecos::stream);
-  if (!beam) return;
-  bool told = false;
-  while (!beam->lost()) {
-    const auto sample = beam->next(1s);
-    if (!sample || told) continue;
-    std::cout << "found: " << sample->value.value << " m" << std::endl;
-    told = true;
+void watch(const robcl::Manipulator& robot) {
+  auto tool = robot.tool(gecos::stream);
+  if (!tool) return;
+  if (const auto first = tool->next(5s)) {
+    std::cout << "found: the tool is at " << first->value << std::endl;
   }
+  while (!tool->lost()) static_cast<void>(tool->next(1s));  // use each sample here
   std::cout << "lost" << std::endl;
 }
 
@@ -30,12 +28,12 @@ void read_from(const robcl::LaserDistanceSensor& laser) {
 
 int main() {
   gecos::Lab lab;
-  for (;;) {  // a proxy whose server is gone stays dead: create a new one
-    const auto laser = lab.create<robcl::LaserDistanceSensor>("LDS");
-    if (laser) {
-      read_from(*laser);
+  for (;;) {  // a proxy does not outlive the server that it was created for: create a new one
+    const auto robot = lab.create<robcl::Manipulator>("RX90");
+    if (robot) {
+      watch(*robot);
     } else {
-      std::cout << "not found: " << laser.error() << std::endl;
+      std::cout << "not found: " << robot.error() << std::endl;
       std::this_thread::sleep_for(500ms);  // before the next try
     }
   }

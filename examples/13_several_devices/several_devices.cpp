@@ -1,4 +1,4 @@
-// Lifts the arm, opens the gripper and measures a distance, all at once and in one thread.
+// Lowers the arm, opens the gripper and measures a distance, all at once and in one thread.
 
 #include <poll.h>
 
@@ -14,6 +14,11 @@
 #include "robcl/manipulator_client.hpp"
 
 using namespace robcl::literals;
+
+// Tool frames in the world: z points down, so the second one is 60 mm below the first.
+const robcl::Frame start =
+    robcl::Frame::from_euler_zyz(500_mm, 200_mm, 250_mm, 0_deg, 180_deg, 0_deg);
+const robcl::Frame goal = start * robcl::translate(0, 0, 60_mm);
 
 template <class Error>
 int fail(const Error& error) {
@@ -33,14 +38,14 @@ int main() {
   if (!robot_lease) return fail(robot_lease.error());
   const auto gripper_lease = gecos::actor(*gripper);
   if (!gripper_lease) return fail(gripper_lease.error());
-  const auto here = robot->tool().get();
-  if (!here) return fail(here.error());
+  const auto at_start = robot->move(start).get();
+  if (!at_start) return fail(at_start.error());
 
-  const auto lift = robot->move(robcl::translate(0, 0, 60_mm) * *here, {{.tool_speed = 0.02}});
+  const auto lower = robot->move(goal, {{.tool_speed = 0.02}});  // m/s: 3 s
   const auto open = gripper->open(100_mm);
   const auto look = laser->measure();
   std::map<int, std::string_view> running{
-      {lift.descriptor(), "lift"}, {open.descriptor(), "open"}, {look.descriptor(), "look"}};
+      {lower.descriptor(), "lower"}, {open.descriptor(), "open"}, {look.descriptor(), "look"}};
   while (!running.empty()) {
     std::vector<pollfd> ends;
     for (const auto& [descriptor, what] : running) ends.push_back({descriptor, POLLIN, 0});
@@ -51,5 +56,5 @@ int main() {
       running.erase(end.fd);
     }
   }
-  return lift.get() && open.get() && look.get() ? 0 : 1;
+  return lower.get() && open.get() && look.get() ? 0 : 1;
 }

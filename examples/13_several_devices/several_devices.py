@@ -1,12 +1,16 @@
-"""Lifts the arm, opens the gripper and measures a distance, all at once and in one thread."""
+"""Lowers the arm, opens the gripper and measures a distance, all at once and in one thread."""
 
 import select
 
 import gecos
-from robcl.frames import mm, translate
+from robcl.frames import Frame, deg, mm, translate
 from robcl.gripper import Gripper
 from robcl.laser_distance_sensor import LaserDistanceSensor
 from robcl.manipulator import Manipulator, Trajectory
+
+# Tool frames in the world: z points down, so the second one is 60 mm below the first.
+START = Frame.from_euler_zyz(mm(500), mm(200), mm(250), 0.0, deg(180), 0.0)
+GOAL = START * translate(0.0, 0.0, mm(60))
 
 
 def main() -> None:
@@ -15,17 +19,17 @@ def main() -> None:
     gripper = lab.create(Gripper, "GRIPPER")
     laser = lab.create(LaserDistanceSensor, "LDS")
     with gecos.actor(robot), gecos.actor(gripper):
-        here = robot.tool().result()
+        robot.move(START).result()
 
-        lift = robot.move(translate(0.0, 0.0, mm(60)) * here, Trajectory(tool_speed=0.02))
+        lower = robot.move(GOAL, Trajectory(tool_speed=0.02))  # m/s: 3 s
         opening = gripper.open(mm(100))
         look = laser.measure()
-        running = {lift: "lift", opening: "open", look: "look"}
+        running = {lower: "lower", opening: "open", look: "look"}
         while running:
             ended, _, _ = select.select(running, [], [])  # a command has a descriptor
             for command in ended:
                 print(f"{running.pop(command)} has ended", flush=True)
-        for command in (lift, opening, look):
+        for command in (lower, opening, look):
             command.result()
 
 
