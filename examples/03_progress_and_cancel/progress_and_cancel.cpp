@@ -1,4 +1,4 @@
-// Watches a motion while it runs, and cancels it half way.
+// Watches a motion while it runs, and cancels it when a third is done.
 
 #include <chrono>
 #include <iostream>
@@ -37,7 +37,8 @@ int main() {
     if (!feedback) continue;                // the motion has not begun
     std::cout << move.progress().detail << ' ' << static_cast<int>(100 * feedback->fraction)
               << " %, " << feedback->remaining << " s left" << std::endl;
-    if (feedback->fraction >= 0.5) move.cancel();  // a request: the arm brakes, then the move ends
+    if (feedback->fraction >= 1.0 / 3)
+      move.cancel();  // a request: the arm brakes, then the move ends
   }
   std::cout << move.state() << '/' << move.progress().detail << std::endl;
 }

@@ -1,4 +1,4 @@
-"""Watches a motion while it runs, and cancels it half way."""
+"""Watches a motion while it runs, and cancels it when a third is done."""
 
 import gecos
 from robcl.frames import Frame, deg, mm, translate
@@ -23,7 +23,7 @@ def main() -> None:
                 continue  # the motion has not begun
             detail = move.progress().detail.name
             print(f"{detail} {feedback.fraction:.0%}, {feedback.remaining:.2f} s left", flush=True)
-            if feedback.fraction >= 0.5:
+            if feedback.fraction >= 1 / 3:
                 move.cancel()  # a request: the arm brakes, then the move ends
 
         print(f"{move.state.name}/{move.progress().detail.name}")

@@ -37,7 +37,7 @@ Sequence lower(const robcl::Manipulator& robot) {
   const auto at_start = co_await robot.move(start);
   if (!at_start) co_return false;
   std::cout << "arm: at its start" << std::endl;
-  const auto lowered = co_await robot.move(goal, {{.tool_speed = 0.02}});  // m/s: 3 s
+  const auto lowered = co_await robot.move(goal, {{.tool_speed = 0.03}});  // m/s: 2 s
   if (!lowered) co_return false;
   std::cout << "arm: lowered" << std::endl;
   co_return true;

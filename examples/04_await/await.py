@@ -16,7 +16,7 @@ GOAL = START * translate(0.0, 0.0, mm(60))
 async def lower(robot: Manipulator) -> None:
     await robot.move(START)
     print("arm: at its start", flush=True)
-    await robot.move(GOAL, Trajectory(tool_speed=0.02))  # m/s: 3 s
+    await robot.move(GOAL, Trajectory(tool_speed=0.03))  # m/s: 2 s
     print("arm: lowered", flush=True)
 
 

@@ -33,7 +33,7 @@ int main() {
   auto tool = robot->tool(gecos::stream);
   if (!tool) return fail(tool.error());
 
-  const robcl::Trajectory slowly{.tool_speed = 0.05};  // m/s
+  const robcl::Trajectory slowly{.tool_speed = 0.08};  // m/s
   const auto move = robot->move(goal, slowly);
   while (move.wait_for(200ms) == gecos::State::Running) {
     const auto newest = tool->latest();  // never waits; nothing once the server is lost

@@ -17,7 +17,7 @@ def main() -> None:
         robot.move(START).result()
         tool = robot.tool.stream()
 
-        slowly = Trajectory(tool_speed=0.05)  # m/s
+        slowly = Trajectory(tool_speed=0.08)  # m/s
         move = robot.move(GOAL, slowly)
         while move.wait(0.2) is gecos.State.RUNNING:
             newest = tool.latest()  # never waits; raises StreamLost once the server is lost

@@ -40,12 +40,13 @@ int main() {
   if (!lease) return fail(lease.error());
   const auto at_start = robot->move(start).get();
   if (!at_start) return fail(at_start.error());
-  const robcl::Trajectory slowly{.tool_speed = 0.02};  // m/s: 5 s
+  const robcl::Trajectory slowly{.tool_speed = 0.03};  // m/s: 3.3 s
 
-  tell("deadline of 1 s", gecos::with(*robot, {.deadline = 1s}).move(goal, slowly));  // it stands
+  tell("deadline of 0.5 s",
+       gecos::with(*robot, {.deadline = 500ms}).move(goal, slowly));                  // it stands
   tell("deadline of 0 s", gecos::with(*robot, {.deadline = 0s}).move(goal, slowly));  // not sent
 
   const auto move = robot->move(goal, slowly);
-  std::cout << "patience of 1 s: " << move.wait_for(1s) << std::endl;  // the arm moves on
+  std::cout << "patience of 0.5 s: " << move.wait_for(500ms) << std::endl;  // the arm moves on
   tell("in the end", move);
 }

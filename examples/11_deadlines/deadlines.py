@@ -15,16 +15,16 @@ def main() -> None:
     robot = lab.create(Manipulator, "RX90")
     with gecos.actor(robot):
         robot.move(START).result()
-        slowly = Trajectory(tool_speed=0.02)  # m/s: 5 s
+        slowly = Trajectory(tool_speed=0.03)  # m/s: 3.3 s
 
-        for deadline in (1.0, 0.0):  # with 0 the move is not sent
+        for deadline in (0.5, 0.0):  # with 0 the move is not sent
             try:
                 gecos.with_deadline(robot, deadline).move(GOAL, slowly).result()
             except gecos.CommandFailed as failed:
-                print(f"deadline of {deadline:.0f} s: {failed}", flush=True)  # the arm stands
+                print(f"deadline of {deadline} s: {failed}", flush=True)  # the arm stands
 
         move = robot.move(GOAL, slowly)
-        print(f"patience of 1 s: {move.wait(1.0).name}", flush=True)  # the arm moves on
+        print(f"patience of 0.5 s: {move.wait(0.5).name}", flush=True)  # the arm moves on
         move.result()
         print(f"in the end: {move.state.name}")
 

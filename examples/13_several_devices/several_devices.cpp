@@ -41,7 +41,7 @@ int main() {
   const auto at_start = robot->move(start).get();
   if (!at_start) return fail(at_start.error());
 
-  const auto lower = robot->move(goal, {{.tool_speed = 0.02}});  // m/s: 3 s
+  const auto lower = robot->move(goal, {{.tool_speed = 0.03}});  // m/s: 2 s
   const auto open = gripper->open(100_mm);
   const auto look = laser->measure();
   std::map<int, std::string_view> running{

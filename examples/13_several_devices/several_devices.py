@@ -21,7 +21,7 @@ def main() -> None:
     with gecos.actor(robot), gecos.actor(gripper):
         robot.move(START).result()
 
-        lower = robot.move(GOAL, Trajectory(tool_speed=0.02))  # m/s: 3 s
+        lower = robot.move(GOAL, Trajectory(tool_speed=0.03))  # m/s: 2 s
         opening = gripper.open(mm(100))
         look = laser.measure()
         running = {lower: "lower", opening: "open", look: "look"}

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import csv
 import re
+import signal
+import subprocess
 import sys
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
-from processes import Laboratory
+from processes import Laboratory, Program
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 
@@ -67,3 +71,191 @@ def test_grip_block_over_each_medium(
     gripped = lab.run(*grip_block(lab, language), medium)
     assert gripped.finish() == 0, str(gripped)
     assert gripped.lines[-1] == "lift: FINISHED", str(gripped)
+
+
+LANGUAGES = pytest.mark.parametrize("language", ["C++", "Python"])
+
+
+@pytest.fixture
+def lab_with_arm(lab_with_broker: Laboratory) -> Laboratory:
+    lab_with_broker.start(lab_with_broker.build / "devices/rx90/robcl-rx90", ready="ready")
+    return lab_with_broker
+
+
+@pytest.fixture(scope="module")
+def oven_python(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of the module `oven`, which 07 and 08 import."""
+    out = tmp_path_factory.mktemp("oven")
+    oven = EXAMPLES / "07_own_interface" / "oven.gidl"
+    subprocess.run(
+        [sys.executable, "-m", "gidl", "gen", "--lang", "python", "--out", out, oven],
+        check=True,
+        stdout=subprocess.DEVNULL,
+    )
+    return out / "python"
+
+
+def example(lab: Laboratory, folder: str, program: str, language: str) -> list[str | Path]:
+    if language == "C++":
+        return [lab.build / "examples" / program]
+    return [sys.executable, EXAMPLES / folder / f"{program}.py"]
+
+
+def carried_out(program: Program) -> list[str]:
+    """The lines of a program that ended well."""
+    assert program.finish() == 0, str(program)
+    return program.lines
+
+
+@LANGUAGES
+def test_progress_rises_until_a_third_is_done_and_the_move_is_canceled(
+    language: str, lab_with_arm: Laboratory
+) -> None:
+    lab = lab_with_arm
+    *reports, end = carried_out(
+        lab.run(*example(lab, "03_progress_and_cancel", "progress_and_cancel", language))
+    )
+    read = [
+        re.fullmatch(r"(?:EXECUTING|CANCELING) (\d+) ?%, (\S+) s left", line) for line in reports
+    ]
+    assert read and all(read), reports
+    done = [int(report[1]) for report in read if report]
+    left = [float(report[2]) for report in read if report]
+    assert done == sorted(done) and left == sorted(left, reverse=True), reports
+    assert done[-1] >= 33 and left[-1] > 0, reports
+    assert end == "COMMAND_FAILED/CANCELED"
+
+
+@LANGUAGES
+def test_awaited_sequences_go_on_side_by_side(language: str, lab_with_devices: Laboratory) -> None:
+    lab = lab_with_devices
+    lines = carried_out(lab.run(*example(lab, "04_await", "await", language)))
+    for device, steps in {
+        "arm": ["at its start", "lowered"],
+        "gripper": ["90 mm", "50 mm"],
+    }.items():
+        assert [line for line in lines if line.startswith(device)] == [
+            f"{device}: {s}" for s in steps
+        ]
+    assert lines[-1] == "arm: lowered", "the arm takes 2 s longer, and nobody waited for it"
+
+
+@LANGUAGES
+def test_newest_samples_show_the_tool_going_down(language: str, lab_with_arm: Laboratory) -> None:
+    lab = lab_with_arm
+    lines = carried_out(lab.run(*example(lab, "05_stream_newest", "stream_newest", language)))
+    shape = r"tool at (\S+) mm, (\S+) ms ago; (\d+) samples skipped"
+    read = [re.fullmatch(shape, line) for line in lines]
+    assert len(read) >= 2 and all(read), lines
+    heights = [float(sample[1]) for sample in read if sample]
+    assert all(after < before + 1 for before, after in pairwise(heights))
+    assert 149 < heights[-1] < heights[0] - 10 < 241, lines
+    assert all(float(sample[2]) >= 0 for sample in read if sample)
+    assert all(int(sample[3]) > 0 for sample in read[1:] if sample), "it looks 5 times a second"
+
+
+@LANGUAGES
+def test_a_recording_has_each_sample_once_and_knows_how_many_are_missing(
+    language: str, lab_with_arm: Laboratory, tmp_path: Path
+) -> None:
+    lab, path = lab_with_arm, tmp_path / "tool.csv"
+    command = example(lab, "06_stream_record", "stream_record", language)
+    lines = carried_out(lab.run(*command, path))
+    with path.open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == 250
+    numbers = [int(row["sequence"]) for row in rows]
+    lost = [int(row["lost"]) for row in rows]
+    assert [b - a - 1 for a, b in pairwise(numbers)] == lost[1:]
+    assert lines == [f"250 samples, {sum(lost)} lost"]
+    assert len({row["x"] for row in rows}) > 1, "encoders are noisy"
+    assert all(abs(float(row["z"]) - float(rows[0]["z"])) < 0.01 for row in rows)
+
+
+@pytest.mark.parametrize("client", ["C++", "Python"])
+@pytest.mark.parametrize("server", ["C++", "Python"])
+def test_an_interface_of_ones_own_is_used_and_served(
+    server: str, client: str, lab_with_broker: Laboratory, oven_python: Path
+) -> None:
+    lab = lab_with_broker
+    lab.env["PYTHONPATH"] = str(oven_python)
+    lab.start(*example(lab, "08_serve", "serve_oven", server), ready="serving OVEN")
+    outside, refused, heated = carried_out(
+        lab.run(*example(lab, "07_own_interface", "use_oven", client))
+    )
+    assert "heat.to" in outside and "[293.0, 500.0]" in outside
+    assert refused == "480 K: this oven goes up to 450 K"
+    assert heated == "350 K: the oven is at 350 K"
+
+
+@LANGUAGES
+def test_two_programs_share_a_robot_by_a_password(language: str, lab_with_arm: Laboratory) -> None:
+    lab = lab_with_arm
+    command = example(lab, "09_share_by_password", "share_by_password", language)
+    first = lab.start(*command, "two hands", ready="may move RX90: 1", listens=True)
+    second = lab.start(*command, "two hands", ready="may move RX90: 2", listens=True)
+    for program, word in [(first, "up"), (second, "down"), (first, "down"), (second, "up")]:
+        program.tell(word)
+        program.wait_for(f"{word}: done")
+
+    stranger = lab.run(*command, "third hand")
+    assert stranger.finish() != 0
+    assert f"pid {first.pid}" in stranger.output(), f"it is told who has RX90: {stranger}"
+    assert "Traceback" not in stranger.output()
+
+    first.end_of_input()
+    assert first.finish() == 0, str(first)
+    second.tell("down")
+    second.wait_for("down: done")
+    second.end_of_input()
+    assert second.finish() == 0, str(second)
+
+
+@LANGUAGES
+def test_a_stop_by_somebody_else_ends_the_move_and_the_lease(
+    language: str, lab_with_arm: Laboratory
+) -> None:
+    lab = lab_with_arm
+    move, following, again = carried_out(lab.run(*example(lab, "10_stop", "stop", language)))
+    assert re.match(r"the move: \S*STOPPED: .*by", move), move
+    assert re.match(r"the next: \S*STOPPED: .*issued under a status that has ended", following)
+    assert again == "with a new lease: FINISHED"
+
+
+@LANGUAGES
+def test_a_deadline_ends_the_motion_and_patience_does_not(
+    language: str, lab_with_arm: Laboratory
+) -> None:
+    lab = lab_with_arm
+    late, never, patient, end = carried_out(
+        lab.run(*example(lab, "11_deadlines", "deadlines", language))
+    )
+    assert re.match(r"deadline of 0.5 s: \S*TIMED_OUT: ", late), late
+    assert re.match(r"deadline of 0(\.0)? s: \S*EXPIRED: ", never), never
+    assert patient == "patience of 0.5 s: RUNNING"
+    assert end == "in the end: FINISHED"
+
+
+@LANGUAGES
+def test_an_arm_is_found_again_after_its_server_was_killed(
+    language: str, lab_with_broker: Laboratory
+) -> None:
+    lab = lab_with_broker
+    watching = lab.start(*example(lab, "12_find_again", "find_again", language))
+    watching.wait_for("not found: RX90")
+    for _ in range(2):
+        arm = lab.start(lab.build / "devices/rx90/robcl-rx90", ready="ready")
+        watching.wait_for("found: the tool is at (")
+        arm.kill()
+        watching.wait_for("lost")
+    watching.wait_for("not found: RX90")
+    watching.signal(signal.SIGTERM)
+    assert watching.finish() == -signal.SIGTERM
+
+
+@LANGUAGES
+def test_several_devices_work_at_once(language: str, lab_with_devices: Laboratory) -> None:
+    lab = lab_with_devices
+    lines = carried_out(lab.run(*example(lab, "13_several_devices", "several_devices", language)))
+    assert sorted(lines) == ["look has ended", "lower has ended", "open has ended"]
+    assert lines[-1] == "lower has ended", "it takes 2 s; the others did not wait for it"
