@@ -310,8 +310,8 @@ def nothing_lost(history: History, bound_s: float) -> Iterator[str]:
             for lost, what in losses(history, client, call, bound_s):
                 begin = max(lost, call.issued)
                 took = (call.ended - begin) * 1e-9
-                if took > bound_s:
-                    still = history.late_s(begin, call.ended)
+                still = history.late_s(begin, call.ended)
+                if took - still > bound_s:
                     yield (
                         f"command {call.command} of {client.name} ended as {call.detail()}"
                         f" {took:.3f} s after its {what}; promised are {bound_s} s"

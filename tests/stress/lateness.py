@@ -1,5 +1,4 @@
-"""How late the machine itself is: a bound that is missed while nobody ran is missed all the same,
-and its failure says so."""
+"""How late the machine itself is: time in which no program could run counts towards no bound."""
 
 from __future__ import annotations
 

@@ -132,10 +132,12 @@ class Program:
         return bool(int(caught.split()[1], 16) >> (number - 1) & 1)
 
     def output(self) -> str:
-        return "\n".join(self.lines)
+        """All it has printed, but for warnings that a busy machine did not let it run."""
+        return "\n".join(line for line in self.lines if "this process stood still" not in line)
 
     def __str__(self) -> str:
-        return f"{' '.join(self.command)}\n--- its output ---\n{self.output()}\n---"
+        lines = "\n".join(self.lines)
+        return f"{' '.join(self.command)}\n--- its output ---\n{lines}\n---"
 
 
 class Laboratory:

@@ -104,8 +104,9 @@ class ServerHandle {
     if (server == nullptr) return nb::str((name + " is not served: the server is closed").c_str());
     ObjectOptions options;
     options.simulated = simulated;
-    options.thread_safe = true;           // dispatching only queues
-    options.patience = Duration::zero();  // await_broker was before
+    options.thread_safe = true;  // dispatching only queues
+    options.patience =
+        std::chrono::seconds(2);  // await_broker was before; the broker may be restarted
     for (const std::string& medium : media) {
       const auto kind = media::kind_from(medium);
       if (!kind) {

@@ -1,4 +1,6 @@
 // What a server does with what a broker says of its object's name.
+#include <future>
+
 #include "../settles.hpp"
 #include "bench.hpp"
 #include "gecos/broker_server.hpp"
@@ -13,6 +15,9 @@ class TellingBroker : public gecos::BrokerServant {
  public:
   enum class Answer { Settled, Provisional, Taken };
   void say(Answer answer) { answer_ = answer; }
+  /// From now on a server that enlists waits for `answer`.
+  void keep_waiting() { keeps_waiting_ = true; }
+  void answer() { answered_.set_value(); }
   int asked() const { return asked_; }
   double served_for() const { return served_for_; }
 
@@ -23,6 +28,7 @@ class TellingBroker : public gecos::BrokerServant {
     ++asked_;
     served_for_ = served_for;
     entry_ = what;
+    if (keeps_waiting_) answered_.get_future().wait();
     if (answer_ == Answer::Settled) return std::nullopt;
     if (answer_ == Answer::Provisional) return std::optional(0.01);
     return tl::unexpected(gecos::Fault(gecos::NameTaken{what.name, "the other one, pid 4711"}));
@@ -34,6 +40,8 @@ class TellingBroker : public gecos::BrokerServant {
   }
   gecos::Result<std::vector<gecos::Entry>> list() override { return {}; }
 
+  std::atomic<bool> keeps_waiting_{false};  // publishes nothing but itself
+  std::promise<void> answered_;
   std::atomic<Answer> answer_{Answer::Settled};  // publishes nothing but itself
   std::atomic<int> asked_{0};                    // publishes nothing but itself
   std::atomic<double> served_for_{0};            // publishes nothing but itself
@@ -113,6 +121,50 @@ TEST_F(Named, AnObjectThatHasItsNameAgainMovesAgain) {
   broker_.say(Answer::Settled);
   ASSERT_TRUE(settles([&] { return gecos::actor(probe).has_value(); }));
   EXPECT_EQ(gecos::describe(probe).get()->registration, "confirmed");
+}
+
+class WhileTheBrokerIsRestarted : public probe::NothingLeftOpen {
+ protected:
+  struct BrokerProcess {
+    TellingBroker servant;
+    gecos::Lab lab;
+    std::optional<gecos::Server> server{std::in_place, lab};
+    void start() {
+      gecos::ObjectOptions options;
+      options.well_known = true;
+      options.media = {gecos::media::Kind::Inproc};
+      ASSERT_TRUE(server->add("BROKER", servant, options));
+    }
+  };
+  static bool there_is_a_broker() {
+    gecos::Lab lab;
+    return gecos::Server(lab).await_broker(gecos::Duration::zero()).has_value();
+  }
+};
+
+TEST_F(WhileTheBrokerIsRestarted, AnObjectIsEnlistedWithTheNextOne) {
+  BrokerProcess first;
+  first.start();
+  first.servant.keep_waiting();
+  probe::ProbeServant servant;
+  gecos::Lab server_lab(probe::patient());
+  gecos::Server server(server_lab);
+  auto added = std::async(std::launch::async, [&] {
+    gecos::ObjectOptions options;
+    options.media = {gecos::media::Kind::Inproc};
+    return server.add("PROBE", servant, options);
+  });
+  ASSERT_TRUE(settles([&] { return first.servant.asked() == 1; }));
+  auto ended = std::async(std::launch::async, [&] { first.server.reset(); });
+  ASSERT_TRUE(settles([&] { return !there_is_a_broker(); }));
+  EXPECT_EQ(added.wait_for(std::chrono::milliseconds(300)), std::future_status::timeout)
+      << "it asked no second time";
+  first.servant.answer();
+  ended.get();
+  BrokerProcess next;
+  next.start();
+  const auto result = added.get();
+  EXPECT_TRUE(result) << result.error().text;
 }
 
 }  // namespace

@@ -228,6 +228,20 @@ TEST_F(OverALossyLine, StartNothingOfAClientThatIsSilentBeforeItIsHeardAgain) {
   EXPECT_EQ(reply_to(1), Detail::Done);
 }
 
+TEST_F(OverALossyLine, CallsOfAClientThatSaidGoodbyeAreNotHeldUpWhenItsSilenceIsJudgedOnceMore) {
+  ASSERT_FALSE(object_->judge_silence(session_));
+  link_->silent = true;
+  TimePoint now = system_clock().now();
+  for (int look = 0; look < 4; ++look) object_->tend(now += std::chrono::milliseconds(200));
+  ASSERT_FALSE(object_->judge_silence(session_));
+  call(1, probe::read_code);
+  ASSERT_EQ(servant_.calls, 0) << "the client is silent: the call waits";
+  object_->depart(session_, ServedObject::Departure::InOrder);
+  object_->judge_silence(session_);  // by maintenance, which had listed the session before
+  object_->run_ready(Starter::Poller);
+  EXPECT_EQ(servant_.calls, 1) << "an ordered call that waits holds up the commands of all clients";
+}
+
 TEST_F(OverALossyLine, PacketsThatCountNoCallAreIgnored) {
   link_->sent.clear();
   for (const auto kind :

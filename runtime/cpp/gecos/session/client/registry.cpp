@@ -98,7 +98,8 @@ tl::expected<Duration, NotEnlisted> await_enlisted(CommandCore& asked, TimePoint
   }
   return tl::unexpected(NotEnlisted{false,
                                     {},
-                                    failure.state() == State::ConnectionFailed,
+                                    failure.state() == State::ConnectionFailed ||
+                                        failure.detail == Detail::Stopped,  // the broker ends
                                     "the broker did not take it: " + failure.text});
 }
 

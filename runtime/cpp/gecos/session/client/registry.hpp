@@ -23,7 +23,7 @@ std::shared_ptr<CommandCore> enlist(LinkedSession& broker, const Entry& entry, D
 struct NotEnlisted {
   bool taken = false;  ///< another object has that name: trying again helps only when that one goes
   std::string by;      ///< that object
-  bool unheard = false;  ///< it certainly did not reach the broker, which is gone
+  bool unheard = false;  ///< the broker is gone or ends; the next one may be asked
   std::string text;
 };
 /// What came of it: how long the broker, which has just started, may still give the name to an

@@ -106,7 +106,10 @@ tl::expected<Duration, std::string> Registrar::enlist_first(Registration& regist
                                                             TimePoint deadline) {
   for (;;) {
     const auto broker = find_broker(deadline);
-    if (!broker) return tl::unexpected(broker.error());
+    if (!broker) {
+      if (rest(between_tries, deadline)) continue;
+      return tl::unexpected(broker.error());
+    }
     ServedObject& object = *registration.object;
     if (others_find(registration.entry, **broker)) object.claim_name();
     const auto question = object.name_question();
@@ -118,11 +121,9 @@ tl::expected<Duration, std::string> Registrar::enlist_first(Registration& regist
       return *enlisted;
     }
     const bool later =
-        enlisted.error().unheard ||
+        enlisted.error().unheard || (*broker)->lost() ||
         (enlisted.error().taken && holder_has_ended(registration.entry.name, deadline));
-    if (later && rest(between_looks, deadline)) continue;
-    if (!(*broker)->lost()) return tl::unexpected(enlisted.error().text);
-    if (auto back = await_broker(deadline); !back) return tl::unexpected(back.error());
+    if (!later || !rest(between_looks, deadline)) return tl::unexpected(enlisted.error().text);
   }
 }
 

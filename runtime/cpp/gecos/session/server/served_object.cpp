@@ -465,12 +465,12 @@ void ServedObject::look_at_time(TimePoint now) {
 
 void ServedObject::await_sign_of_life(ServerSession& session) {
   const Lock lock(mutex_);
-  if (session.departed) return;
   session.beats_judged = session.link().beats_seen();
   hold(session);
 }
 
 void ServedObject::hold(ServerSession& session) {
+  if (session.departed) return;  // no heartbeat of it can come any more to end the wait
   if (!std::exchange(session.awaited, true)) ++awaited_;
 }
 
