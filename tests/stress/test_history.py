@@ -65,7 +65,7 @@ def test_time_in_which_the_machine_stood_still_counts_towards_no_bound(tmp_path:
     ]
     just = CLIENT.replace(f"10 end {TWO}", f"{19 * SECOND // 10} end {TWO}")
     assert judged(tmp_path, just) == []
-    assert "machine up to 1.25 s late" in history.read(tmp_path).summary()
+    assert "machine up to 0.75 s late" in history.read(tmp_path).summary()
 
 
 WRONG_CLIENTS = {
