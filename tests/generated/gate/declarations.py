@@ -174,8 +174,8 @@ class Declarations(Types):
         switch, labels = self._switch(here)
         name = self.fresh(here)
         inside = Scope((*here, name))
-        inside.used |= {part.lower() for part in switch.split("::")[:1]}
-        inside.used |= {label.split("::")[0].lower() for label in labels}
+        inside.used |= {part.removeprefix("_").lower() for part in switch.split("::")[:1]}
+        inside.used |= {label.split("::")[0].removeprefix("_").lower() for label in labels}
         self.dice.shuffle(labels)
         used = labels[: self.dice.randint(0, min(len(labels), 4))]
         cases, heaviest = [], 0.0
