@@ -10,6 +10,7 @@
 #include "gecos/media/checked.hpp"
 #include "gecos/media/inproc.hpp"
 #include "gecos/media/lcm.hpp"
+#include "gecos/media/quiet.hpp"
 #include "gecos/media/shm/shm.hpp"
 #include "media_under_test.hpp"
 
@@ -22,6 +23,8 @@ struct Candidate {
   std::string name;
   std::function<std::unique_ptr<Medium>(const std::string& directory)> make;
 };
+
+ByteView bytes_of(std::string_view text) { return std::as_bytes(std::span(text)); }
 
 void PrintTo(const Candidate& candidate, std::ostream* out) { *out << candidate.name; }
 
@@ -256,6 +259,68 @@ TEST_P(Conformance, AnEndSaysWhereItLooksWhetherItSleepsAndWhenItRang) {
   const TimePoint rang_at = server_.link->peer_whereabouts().rang_at;
   ASSERT_TRUE(client_.send("it is awake"));
   EXPECT_EQ(server_.link->peer_whereabouts().rang_at, rang_at) << "nobody had to be woken";
+}
+
+TEST_P(Conformance, QuietPacketsAreReadBeforeThePacketThatWakes) {
+  ASSERT_TRUE(client_.send("both ends know each other"));
+  ASSERT_EQ(server_.receive(), "both ends know each other");
+  ASSERT_TRUE(server_.send("now"));
+  ASSERT_EQ(client_.receive(), "now");
+
+  ASSERT_TRUE(client_.link->arm());
+  ASSERT_TRUE(send_quietly(*server_.link, bytes_of("news"), bytes_of(" 1")));
+  if (client_.link->offer().shared_words) {
+    EXPECT_EQ(sleep_on(client_.link->descriptors(), TimePoint{}), Wake::TimedOut);
+    const auto read_in_its_sleep = client_.link->receive();
+    ASSERT_TRUE(read_in_its_sleep);
+    EXPECT_TRUE(std::ranges::equal(*read_in_its_sleep, bytes_of("news 1")));
+  } else {
+    client_.link->disarm();
+    EXPECT_EQ(client_.receive(), "news 1");
+    ASSERT_TRUE(client_.link->arm());
+  }
+  ASSERT_TRUE(send_quietly(*server_.link, bytes_of("news"), bytes_of(" 2")));
+  ASSERT_TRUE(server_.send("the end"));
+  EXPECT_NE(sleep_on(client_.link->descriptors(), too_late()), Wake::TimedOut);
+  client_.link->disarm();
+  EXPECT_EQ(client_.receive(), "news 2");
+  EXPECT_EQ(client_.receive(), "the end");
+}
+
+TEST_P(Conformance, QuietPacketsWakeThePeerBeforeTheyTakeTheRoomOfOthers) {
+  if (!client_.link->offer().shared_words) GTEST_SKIP() << "every packet wakes its peer";
+  ASSERT_TRUE(client_.send("both ends know each other"));
+  ASSERT_EQ(server_.receive(), "both ends know each other");
+  ASSERT_TRUE(server_.send("now"));
+  ASSERT_EQ(client_.receive(), "now");
+
+  const auto woken = [&] {
+    return sleep_on(client_.link->descriptors(), TimePoint{}) == Wake::Ready;
+  };
+  ASSERT_TRUE(client_.link->arm());
+  std::size_t sent = 0;
+  for (; !woken(); ++sent) ASSERT_TRUE(send_quietly(*server_.link, bytes_of("news"), {}));
+  EXPECT_GT(sent, 100u);
+  for (std::size_t i = 0; i < sent / 2; ++i) ASSERT_TRUE(server_.send("there is room")) << i;
+  client_.link->disarm();
+  while (client_.link->receive()) {
+  }
+
+  ASSERT_TRUE(client_.link->arm());
+  const std::string large(100'000, 'x');
+  ASSERT_TRUE(send_quietly(*server_.link, bytes_of(large), {}));
+  EXPECT_TRUE(woken()) << "it lies beside the ring, where room is scarce";
+  client_.link->disarm();
+  EXPECT_EQ(client_.receive(), large);
+}
+
+TEST_P(Conformance, ArmFindsAQuietPacket) {
+  ASSERT_TRUE(client_.send("both ends know each other"));
+  ASSERT_EQ(server_.receive(), "both ends know each other");
+  ASSERT_TRUE(send_quietly(*server_.link, bytes_of("news"), {}));
+  ASSERT_TRUE(
+      client_.wait([&] { return !client_.link->arm() || (client_.link->disarm(), false); }));
+  EXPECT_EQ(client_.receive(), "news");
 }
 
 TEST_P(Conformance, ArmFindsWhatIsThereAlready) {

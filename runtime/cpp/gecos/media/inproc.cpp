@@ -14,6 +14,7 @@
 #include "gecos/media/bulk.hpp"
 #include "gecos/media/forked.hpp"
 #include "gecos/media/mapping.hpp"
+#include "gecos/media/quiet.hpp"
 #include "gecos/media/ring.hpp"
 #include "gecos/media/stream_ring.hpp"
 
@@ -95,7 +96,7 @@ class SideSleeper final : public Sleeper {
   const std::size_t side_;
 };
 
-class InprocLink final : public Link {
+class InprocLink final : public Link, public QuietSender {
  public:
   InprocLink(std::shared_ptr<Connection> connection, std::size_t side)
       : connection_(std::move(connection)),
@@ -125,10 +126,14 @@ class InprocLink final : public Link {
     if (loss() != Loss::None) return tl::unexpected(SendProblem::Lost);
     const bool large = head.size() + body.size() > largest_ring_packet;
     auto number = large ? bulk_.write(head, body) : writer_.write(head, body);
-    if (number && writer_.reader_sleeps()) {
-      note_ring(*own_.ring.control);
-      ring_bell(other_.bell.descriptor());
-    }
+    if (number) wake_reader();
+    return number;
+  }
+  tl::expected<std::uint64_t, SendProblem> send_quietly(ByteView head, ByteView body) override {
+    if (head.size() + body.size() > largest_ring_packet) return send(head, body);
+    if (loss() != Loss::None) return tl::unexpected(SendProblem::Lost);
+    auto number = writer_.write(head, body);
+    if (number && writer_.half_full()) wake_reader();
     return number;
   }
   std::optional<ByteView> receive() override {
@@ -207,6 +212,12 @@ class InprocLink final : public Link {
   }
 
  private:
+  void wake_reader() {
+    if (!writer_.reader_sleeps()) return;
+    note_ring(*own_.ring.control);
+    ring_bell(other_.bell.descriptor());
+  }
+
   const std::shared_ptr<Connection> connection_;
   Side& own_;
   Side& other_;

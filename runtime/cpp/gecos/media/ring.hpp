@@ -116,6 +116,7 @@ class RingWriter {
   /// In place of a packet: where it lies. Gives its number. @pre has_room()
   std::uint64_t announce(const BulkPlace& place);
   bool has_room() { return free_slots(1) != 0; }
+  bool half_full() { return slots_written() - slots_taken() > own_.slot_count / 2; }
   std::uint64_t slots_written() const { return position_; }
   /// Slots that the reader has taken; what it has read of them is read.
   std::uint64_t slots_taken();

@@ -147,14 +147,26 @@ tl::expected<std::uint64_t, SendProblem> ShmLink::send(ByteView head, ByteView b
   }
   const bool large = head.size() + body.size() > largest_ring_packet;
   auto number = large ? bulk_.out.write(head, body) : writer_.write(head, body);
-  if (!number) return number;
+  if (number) wake_reader();
+  return number;
+}
+
+tl::expected<std::uint64_t, SendProblem> ShmLink::send_quietly(ByteView head, ByteView body) {
+  if (head.size() + body.size() > largest_ring_packet) return send(head, body);
+  if (loss_.load(std::memory_order_relaxed) != Loss::None) {
+    return tl::unexpected(SendProblem::Lost);
+  }
+  auto number = writer_.write(head, body);
+  if (number && writer_.half_full()) wake_reader();
+  return number;
+}
+
+void ShmLink::wake_reader() {
   // A server that is not known yet may sleep already: it cannot tell us, so it is woken in any
   // case.
-  if (!other_->known() || writer_.reader_sleeps()) {
-    note_ring(*own_.control);
-    other_->wake();
-  }
-  return number;
+  if (other_->known() && !writer_.reader_sleeps()) return;
+  note_ring(*own_.control);
+  other_->wake();
 }
 
 std::optional<ByteView> ShmLink::receive() {

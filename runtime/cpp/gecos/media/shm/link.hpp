@@ -11,6 +11,7 @@
 
 #include "gecos/media/bell.hpp"
 #include "gecos/media/forked.hpp"
+#include "gecos/media/quiet.hpp"
 #include "gecos/media/ring.hpp"
 #include "gecos/media/shm/bulk.hpp"
 #include "gecos/media/shm/control.hpp"
@@ -47,7 +48,7 @@ class PeerEnd final : public Sleeper {
 };
 
 /// One end of a connection; both ends are the same but for who says Hello and who Welcome.
-class ShmLink final : public Link {
+class ShmLink final : public Link, public QuietSender {
  public:
   enum class Role : std::uint8_t { Client, Server };
 
@@ -63,6 +64,7 @@ class ShmLink final : public Link {
   const Offer& offer() const override { return shm_offer(); }
   const Peer& peer() const override { return peer_; }
   tl::expected<std::uint64_t, SendProblem> send(ByteView head, ByteView body) override;
+  tl::expected<std::uint64_t, SendProblem> send_quietly(ByteView head, ByteView body) override;
   std::optional<ByteView> receive() override;
   Duration age() override { return reader_ ? reader_->age() : Duration::zero(); }
   std::optional<std::uint64_t> taken_by_peer() override;
@@ -93,6 +95,7 @@ class ShmLink final : public Link {
     std::shared_ptr<SealedMemory> memory;  // keeps the descriptor to be sent
   };
 
+  void wake_reader();
   bool know_peer(ReceivedControl& from, std::string& problem);
   void read_control();
   void read_control_to_the_end();

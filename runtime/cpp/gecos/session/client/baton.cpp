@@ -5,8 +5,17 @@
 namespace gecos::session {
 
 void Baton::drop() {
-  held_.store(false, std::memory_order_seq_cst);
+  state_.store(State::Free, std::memory_order_seq_cst);
   if (follower_count_.load(std::memory_order_seq_cst) != 0) poke_one();
+}
+
+void Baton::resume() {
+  while (!change(State::Resting, State::Held)) state_.wait(State::Borrowed);
+}
+
+void Baton::give_back() {
+  state_.store(State::Resting, std::memory_order_release);
+  state_.notify_one();
 }
 
 void Baton::poke_one() {
@@ -48,7 +57,7 @@ Baton::Woken Baton::follow(const void* subject, FunctionRef<bool()> done, TimePo
     woken = Woken::Done;
   } else {
     std::unique_lock lock(mutex_);
-    const auto wanted = [&] { return self.poked || !held_.load(std::memory_order_seq_cst); };
+    const auto wanted = [&] { return self.poked || free(); };
     if (deadline == TimePoint::max()) {
       self.woken.wait(lock, wanted);
     } else if (!self.woken.wait_until(lock, deadline, wanted)) {
@@ -62,7 +71,7 @@ Baton::Woken Baton::follow(const void* subject, FunctionRef<bool()> done, TimePo
   }
   follower_count_.fetch_sub(1, std::memory_order_seq_cst);
   // A poke that meant "lead" must not be lost with a follower that leaves.
-  if (woken != Woken::Poked && !held_.load(std::memory_order_seq_cst)) poke_one();
+  if (woken != Woken::Poked && free()) poke_one();
   return woken;
 }
 

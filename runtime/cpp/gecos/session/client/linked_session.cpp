@@ -269,7 +269,7 @@ void LinkedSession::lose(Ending how, const std::string& text) {
     command->fail(failure_of(*command, how, text));
   }
   baton_.poke_all();
-  leader_wakeup_.ring();
+  wake_leader();
   if (!adrift.empty()) renewal_->take(shared_from_this(), std::move(adrift));
 }
 

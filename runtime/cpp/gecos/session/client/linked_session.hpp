@@ -95,7 +95,7 @@ class LinkedSession final : public ClientSession,
   /// What the server's CLOCK_BOOTTIME said, in ours; between hosts at most a round trip too early,
   /// never too late.
   TimePoint by_our_clock(TimePoint theirs);
-  /// Reads what has arrived, if nobody else is at it. Never waits.
+  /// Reads what has arrived, unless another thread is reading. Never waits.
   void glance();
   /// Reads, or waits for who reads, until `done` or `deadline`; gives `done()`.
   bool wait(const void* subject, FunctionRef<bool()> done, TimePoint deadline);
@@ -121,12 +121,14 @@ class LinkedSession final : public ClientSession,
   std::size_t read_all();
   bool rest(FunctionRef<bool()> done, TimePoint deadline);
   void sleep(FunctionRef<bool()> done, TimePoint deadline);
+  void quiet_leader();
   void take_packet(ByteView bytes);
   void take_reply(const wire::PacketView& packet);
   void take_progress(const wire::PacketView& packet);
   void look_for_loss();
   bool attended() const { return attended_.load(std::memory_order_relaxed) > 0; }
 
+  void wake_leader();
   std::shared_ptr<LinkedSession> next();
   std::shared_ptr<CommandCore> call_repeatable(const OperationDescription& operation,
                                                std::size_t size,
@@ -180,6 +182,7 @@ class LinkedSession final : public ClientSession,
   media::SpinPolicy spin_;        ///< whoever has the baton
   std::vector<int> descriptors_;  ///< whoever has the baton: reused
   Wakeup leader_wakeup_;
+  std::atomic<bool> leader_called_{false};  // publishes nothing: spares a vain look at the wakeup
   std::atomic<bool> lost_{false};           // publishes loss_text_
   std::atomic<bool> closed_{false};         // publishes nothing but itself
   std::atomic<bool> unreachable_{false};    // publishes nothing but itself

@@ -20,13 +20,19 @@ constexpr Duration rest_of_a_flood = std::chrono::microseconds(400);
 }  // namespace
 
 void LinkedSession::glance() {
-  if (!baton_.try_take()) return;
-  read_all();
-  if (loss_look_due_.load(std::memory_order_relaxed)) {
-    loss_look_due_.store(false, std::memory_order_relaxed);
-    look_for_loss();
+  std::size_t taken = 0;
+  if (baton_.try_take()) {
+    taken = read_all();
+    if (loss_look_due_.load(std::memory_order_relaxed)) {
+      loss_look_due_.store(false, std::memory_order_relaxed);
+      look_for_loss();
+    }
+    baton_.drop();
+  } else if (!repeats_ && baton_.borrow()) {
+    taken = read_all();  // the leader is rung by whoever sends what ends its wait
+    baton_.give_back();
   }
-  baton_.drop();
+  if (taken != 0) baton_.poke(nullptr);
 }
 
 bool LinkedSession::wait(const void* subject, FunctionRef<bool()> done, TimePoint deadline) {
@@ -55,6 +61,7 @@ bool LinkedSession::lead(FunctionRef<bool()> done, TimePoint deadline) {
   spin_.begin();
   for (;;) {
     const std::size_t taken = read_all();
+    if (slept && taken == 0) look_for_loss();
     const bool finished = done();
     if (std::exchange(slept, false)) {
       spin_.woke(link_->peer_whereabouts().rang_at,
@@ -92,7 +99,7 @@ bool LinkedSession::rest(FunctionRef<bool()> done, TimePoint deadline) {
     const std::lock_guard lock(mutex_);
     if (calls_.size() < calls_of_a_flood) return false;
   }
-  leader_wakeup_.quiet();
+  quiet_leader();
   if (done()) return true;
   const std::array woken_by{leader_wakeup_.descriptor()};
   media::sleep_on(woken_by, std::min(deadline, std::chrono::steady_clock::now() + rest_of_a_flood));
@@ -100,14 +107,24 @@ bool LinkedSession::rest(FunctionRef<bool()> done, TimePoint deadline) {
 }
 
 void LinkedSession::sleep(FunctionRef<bool()> done, TimePoint deadline) {
-  leader_wakeup_.quiet();
+  quiet_leader();
   if (link_->arm() && !done()) {
     descriptors_.assign(link_->descriptors().begin(), link_->descriptors().end());
     descriptors_.push_back(leader_wakeup_.descriptor());
+    baton_.rest();
     media::sleep_on(descriptors_, deadline);
+    baton_.resume();
   }
   link_->disarm();
-  look_for_loss();
+}
+
+void LinkedSession::wake_leader() {
+  leader_wakeup_.ring();
+  leader_called_.store(true);  // after the ring: a bell that nobody quiets would ring for ever
+}
+
+void LinkedSession::quiet_leader() {
+  if (leader_called_.exchange(false)) leader_wakeup_.quiet();
 }
 
 std::size_t LinkedSession::read_all() {

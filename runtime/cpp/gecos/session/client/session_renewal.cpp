@@ -122,7 +122,7 @@ std::vector<Adrift> LinkedSession::cast_off_repeatable() {
   }
   if (adrift.empty()) return adrift;
   baton_.poke_all();
-  leader_wakeup_.ring();
+  wake_leader();
   return adrift;
 }
 

@@ -17,24 +17,23 @@ Duration unreachable_after(const LabOptions& options) {
   return std::max(options.lease_ttl - 2 * options.heartbeat, 2 * options.heartbeat);
 }
 
+/// Between looks at open calls where nothing is lost: a packet that came quietly waits no longer.
+constexpr Duration between_looks = std::chrono::milliseconds(50);
+
 }  // namespace
 
 void LinkedSession::house_wake() { runtime_->housekeeping().wake(); }
 
 TimePoint LinkedSession::tend(TimePoint now) {
   if (lost()) return TimePoint::max();
-  const bool beat = now >= next_beat_;
+  // A beat that another look is due before goes out with that look: each look is a wake-up.
+  const bool beat = now + Housekeeping::calm_tick >= next_beat_;
   if (beat) {
     link_->beat();
     next_beat_ = now + runtime_->options().heartbeat;
     loss_look_due_.store(true, std::memory_order_relaxed);
   }
-  if (baton_.try_take()) {
-    const std::size_t taken = read_all();
-    if (loss_look_due_.exchange(false, std::memory_order_relaxed)) look_for_loss();
-    baton_.drop();
-    if (taken != 0) baton_.poke(nullptr);
-  }
+  glance();
   if (!lost()) judge_silence(now);
   if (!lost() && !unreachable()) judge_answers(watched_.now());
   return lost() ? TimePoint::max() : repeat(now);
@@ -116,7 +115,7 @@ TimePoint LinkedSession::repeat(TimePoint now) {
   // With nothing open the next sign of life is all that is due: many idle clients shall cost
   // nothing.
   if (!repeats_ && calls_.size() == 0) return next_beat_;
-  if (!repeats_ && !cancels_waiting_) return std::min(next_beat_, now + Housekeeping::calm_tick);
+  if (!repeats_ && !cancels_waiting_) return std::min(next_beat_, now + between_looks);
   const TimePoint soon = now + Housekeeping::tick;
   cancels_waiting_ = false;
   for (const auto& [counter, command] : calls_.all()) {
@@ -153,11 +152,13 @@ void LinkedSession::watch(std::vector<pollfd>& into) {
   } else {
     house_wake();
   }
+  baton_.rest();
 }
 
 void LinkedSession::unwatch() {
   if (!watching_) return;
   watching_ = false;
+  baton_.resume();
   link_->disarm();
   read_all();
   look_for_loss();

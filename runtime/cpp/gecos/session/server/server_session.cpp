@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "gecos/media/quiet.hpp"
 #include "gecos/session/protocol/handshake.hpp"
 #include "gecos/session/protocol/packets.hpp"
 #include "gecos/session/server/handler_waits.hpp"
@@ -128,7 +129,8 @@ bool ServerSession::report(const ServerCall& call, Detail detail, std::size_t po
   const std::lock_guard lock(send_mutex_);
   if (!backlog_.empty()) return false;
   write_packet(packet_, header, body.encoded_size(), [&](wire::Encoder& to) { body.encode(to); });
-  return link_->send(packet_, {}).has_value();
+  // No wait ends with it: a caller that sleeps until the end of its call is not woken for it.
+  return media::send_quietly(*link_, packet_, {}).has_value();
 }
 
 void ServerSession::send_again(const Bytes& packet) {
