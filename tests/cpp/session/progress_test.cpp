@@ -21,11 +21,13 @@ class Progress : public probe::OverMedia {
  protected:
   /// A reading, and the call of it at the server: the test is its handler.
   std::pair<gecos::Command<std::int32_t>, gecos::IncomingCall> issue(const probe::Probe& probe) {
-    std::promise<gecos::IncomingCall> arrives;
-    servant_.on_read([&](gecos::IncomingCall call) { arrives.set_value(std::move(call)); });
+    servant_.on_read([this](gecos::IncomingCall call) { arrives_.set_value(std::move(call)); });
     auto reading = probe.read();
-    return {std::move(reading), arrives.get_future().get()};
+    return {std::move(reading), arrives_.get_future().get()};
   }
+
+ private:
+  std::promise<gecos::IncomingCall> arrives_;
 };
 
 TEST_P(Progress, IsToldToAThreadThatAsksAndWakesNoThreadThatWaitsForTheEnd) {

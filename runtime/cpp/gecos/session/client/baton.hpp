@@ -52,7 +52,7 @@ class Baton {
   void poke_one();
 
   std::atomic<State> state_{State::Free};  // publishes the link's receiving side to the next reader
-  std::atomic<int> follower_count_{0};  // publishes nothing: spares the lock when there is none
+  std::atomic<int> follower_count_{0};     // publishes nothing: spares the lock when there is none
   std::mutex mutex_;
   std::vector<Follower*> followers_;
 };
