@@ -26,8 +26,9 @@ void LinkedSession::house_wake() { runtime_->housekeeping().wake(); }
 
 TimePoint LinkedSession::tend(TimePoint now) {
   if (lost()) return TimePoint::max();
-  // A beat that another look is due before goes out with that look: each look is a wake-up.
-  const bool beat = now + Housekeeping::calm_tick >= next_beat_;
+  // Each look costs a wake-up, so a beat that is due soon and costs no packet goes out with this one.
+  const Duration early = repeats_ ? Duration{} : Housekeeping::calm_tick;
+  const bool beat = now + early >= next_beat_;
   if (beat) {
     link_->beat();
     next_beat_ = now + runtime_->options().heartbeat;
