@@ -15,7 +15,7 @@ SUFFIXES = (".hpp", ".cpp", ".h", ".cc")
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
 # What media's users see: the contract, how to wait, and the door that opens what is here.
-CONTRACT = re.compile(r"^gecos/media/(?:(?:core|medium|waiting)\.[hc]pp|open\.hpp)$")
+CONTRACT = re.compile(r"^gecos/media/(?:(?:core|medium|quiet|waiting)\.[hc]pp|open\.hpp)$")
 # The headers that users and generated code include, and their sources.
 PUBLIC = re.compile(
     r"^gecos/(?:binding|command|description|lab|object|reserved|servant|server|stream)\.[hc]pp$"
@@ -43,7 +43,7 @@ _BELOW_SESSION = "base wire qos access crypto medium generated-types"
 _SESSION = _BELOW_SESSION + " public"
 _INWARDS = "the rooms of the session stand on each other: public, protocol, process, client, server"
 _BY_CONTRACT = (
-    "the session knows media by contract alone (core, medium, waiting and open.hpp), "
+    "the session knows media by contract alone (core, medium, quiet, waiting and open.hpp), "
     "and generated types, never clients; "
 )
 

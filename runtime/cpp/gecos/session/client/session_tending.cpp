@@ -26,7 +26,8 @@ void LinkedSession::house_wake() { runtime_->housekeeping().wake(); }
 
 TimePoint LinkedSession::tend(TimePoint now) {
   if (lost()) return TimePoint::max();
-  // Each look costs a wake-up, so a beat that is due soon and costs no packet goes out with this one.
+  // Each look costs a wake-up, so a beat that is due soon goes out with this one if it is no
+  // packet.
   const Duration early = repeats_ ? Duration{} : Housekeeping::calm_tick;
   const bool beat = now + early >= next_beat_;
   if (beat) {
