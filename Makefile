@@ -8,6 +8,8 @@ CTEST := ctest --output-on-failure --no-tests=error -j$(JOBS)
 CONFIGURE := tools/configure.sh $(BUILD) $(BUILD_TYPE)
 # The targets for use, without tests and benchmarks. Tests are built in the same folder.
 PARTS := $(addsuffix /all,runtime/cpp generated/cpp devices examples runtime/python)
+# What examples/demo.py starts or imports.
+DEMO := gecos-broker robcl-world robcl-rx90 robcl-gripper robcl-lds grip_block runtime/python/all
 
 export GECOS_WERROR ?= $(if $(CI),ON)
 
@@ -17,7 +19,10 @@ help:  ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## */\1\t/p' $(MAKEFILE_LIST) | expand -t 16
 
 .PHONY: demo
-demo: build  ## broker, devices and the block: the whole system at work, in C++ and in Python
+demo:  ## broker, devices and the block: the whole system at work, in C++ and in Python
+	@tools/setup.sh build
+	@$(CONFIGURE)
+	@cmake --build $(BUILD) -j$(JOBS) --target $(DEMO)
 	@$(PYTHON) examples/demo.py --build $(BUILD)
 
 .PHONY: test
@@ -36,7 +41,7 @@ build:  ## all C++ but tests and benchmarks, and the Python extension
 
 .PHONY: build-tests
 build-tests: setup  ## all C++, and the Python extension
-	@$(CONFIGURE) -DBUILD_TESTING=ON -DCMAKE_REQUIRE_FIND_PACKAGE_benchmark=ON
+	@$(CONFIGURE) --preset=dev
 	@cmake --build $(BUILD) -j$(JOBS)
 
 .PHONY: generate
@@ -54,18 +59,18 @@ TESTS ?=
 space := $(subst ,, )
 define sanitized
 	@tools/setup.sh tests
-	@tools/configure.sh $(1) $(BUILD_TYPE) -DBUILD_TESTING=ON -DGECOS_SANITIZE=$(2)
+	@tools/configure.sh $(1) $(BUILD_TYPE) --preset=$(2)
 	@cmake --build $(1) -j$(JOBS) $(if $(TESTS),--target $(TESTS))
 	@$(CTEST) --test-dir $(1) $(if $(TESTS),-R '^($(subst $(space),|,$(strip $(TESTS))))[.]')
 endef
 
 .PHONY: test-asan
 test-asan:  ## the C++ tests under AddressSanitizer and UndefinedBehaviorSanitizer
-	$(call sanitized,build-asan,address)
+	$(call sanitized,build-asan,asan)
 
 .PHONY: test-tsan
 test-tsan:  ## the C++ tests under ThreadSanitizer
-	$(call sanitized,build-tsan,thread)
+	$(call sanitized,build-tsan,tsan)
 
 .PHONY: bench
 bench:  ## speeds, shown and never asserted

@@ -14,8 +14,13 @@
 # `gidl gen` runs in ROOT when CMake configures, and so heeds a gidl.toml there or above. CMake configures again when
 # one of the files, what they include, gidl.toml or gidl itself has changed.
 
-get_filename_component(gecos_root "${CMAKE_CURRENT_LIST_DIR}/.." ABSOLUTE)
-set(GECOS_ROOT "${gecos_root}" CACHE INTERNAL "The tree that holds idl/ and codegen/")
+# robclConfig.cmake says where our interfaces and the Python package gidl are; in the tree they are beside this folder.
+if(NOT robcl_idl)
+  get_filename_component(robcl_idl "${CMAKE_CURRENT_LIST_DIR}/../idl" ABSOLUTE)
+  get_filename_component(robcl_python "${CMAKE_CURRENT_LIST_DIR}/../codegen" ABSOLUTE)
+endif()
+set(GECOS_IDL "${robcl_idl}" CACHE INTERNAL "Folder of our own interfaces")
+set(GECOS_PYTHON "${robcl_python}" CACHE INTERNAL "Folder of the Python package gidl")
 
 function(gidl_generate target)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "ROOT" "IMPORTS")
@@ -82,10 +87,10 @@ function(gecos_gidl_library target inputs root imports)
   add_library(${target} STATIC ${sources})
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON)
   target_include_directories(${target} PUBLIC "${out}/cpp")
-  target_link_libraries(${target} PUBLIC ${makers} robcl_generated gecos_session)
+  target_link_libraries(${target} PUBLIC ${makers} robcl::generated robcl::gecos_session)
   if(json_sources)
     add_library(${target}_json STATIC EXCLUDE_FROM_ALL ${json_sources})
-    target_link_libraries(${target}_json PUBLIC ${target} robcl_json)
+    target_link_libraries(${target}_json PUBLIC ${target} robcl::json)
     foreach(maker IN LISTS makers)
       if(TARGET ${maker}_json)
         target_link_libraries(${target}_json PUBLIC ${maker}_json)
@@ -99,18 +104,18 @@ function(gecos_gidl_run target inputs root imports result)
   find_package(Python 3.11 REQUIRED COMPONENTS Interpreter)
   set(out "${CMAKE_CURRENT_BINARY_DIR}/${target}")
   set(search "")
-  foreach(directory IN LISTS root imports ITEMS "${GECOS_ROOT}/idl")
+  foreach(directory IN LISTS root imports ITEMS "${GECOS_IDL}")
     list(APPEND search -I "${directory}")
   endforeach()
   execute_process(
-    COMMAND "${CMAKE_COMMAND}" -E env "PYTHONPATH=${GECOS_ROOT}/codegen"
+    COMMAND "${CMAKE_COMMAND}" -E env "PYTHONPATH=${GECOS_PYTHON}"
             "${Python_EXECUTABLE}" -m gidl gen --prune --lang cpp ${search} --out "${out}"
             --depfile "${out}/inputs.d" ${inputs}
     WORKING_DIRECTORY "${root}"
     OUTPUT_QUIET
     RESULT_VARIABLE failed)
   if(failed)
-    message(FATAL_ERROR "gidl_generate(${target}): gidl gen failed; its findings are above")
+    gecos_gidl_failed(${target})
   endif()
   file(READ "${out}/inputs.d" read)
   string(REGEX REPLACE "^.*: \\\\\n" "" read "${read}")
@@ -126,6 +131,15 @@ function(gecos_gidl_run target inputs root imports result)
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${inputs} ${watched})
   list(FILTER watched INCLUDE REGEX "\\.[gG]?[iI][dD][lL]$")
   set(${result} "${watched}" PARENT_SCOPE)
+endfunction()
+
+function(gecos_gidl_failed target)
+  execute_process(COMMAND "${Python_EXECUTABLE}" -c "import jinja2" RESULT_VARIABLE lacks_jinja2 OUTPUT_QUIET ERROR_QUIET)
+  if(lacks_jinja2)
+    message(FATAL_ERROR "gidl_generate(${target}): gidl needs jinja2, which ${Python_EXECUTABLE} does not have: apt-get "
+                        "install python3-jinja2, or name an interpreter that has it by -DPython_EXECUTABLE=<path>")
+  endif()
+  message(FATAL_ERROR "gidl_generate(${target}): gidl gen failed; its findings are above")
 endfunction()
 
 # Notes that `target` makes these files, for those who import them later.
@@ -182,7 +196,7 @@ function(gecos_gidl_is_import file root imports result)
       set(is_import TRUE)
     endif()
   endforeach()
-  foreach(ours "${GECOS_ROOT}/idl" "${GECOS_ROOT}/codegen")
+  foreach(ours "${GECOS_IDL}" "${GECOS_PYTHON}")
     cmake_path(IS_PREFIX ours "${file}" NORMALIZE below)
     if(below)
       set(is_import FALSE)

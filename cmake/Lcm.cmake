@@ -1,4 +1,4 @@
-# Imports LCM's static library from the PyPI wheel `lcm` as the target `lcm-static`.
+# Imports LCM's static library from the PyPI wheel `lcm` as the targets `lcm-static` and `robcl::lcm`.
 #
 # Debian's liblcm 1.3.1 can be crashed by two malformed datagrams; the wheel's 1.5.3 survives them, and it is the
 # same version that Python imports. The wheel is found through the interpreter given by -DPython_EXECUTABLE (as
@@ -36,5 +36,13 @@ endif()
 
 find_package(lcm 1.5.3 CONFIG REQUIRED PATHS "${gecos_lcm_dir}/lib/lcm/cmake" NO_DEFAULT_PATH)
 
-# None of LCM's symbols leaves a binary of ours, so that one process may also `import lcm`.
-set_property(TARGET lcm-static APPEND PROPERTY INTERFACE_LINK_OPTIONS "LINKER:--exclude-libs,liblcm.a")
+# Exported targets name robcl::lcm, which SystemLibraries.cmake defines wherever they are used.
+get_target_property(GECOS_LCM_LIBRARY lcm-static LOCATION)
+include(SystemLibraries)
+if(robcl_missing)
+  message(FATAL_ERROR "${robcl_missing}Or run tools/setup.sh build.")
+endif()
+foreach(property INTERFACE_COMPILE_DEFINITIONS INTERFACE_INCLUDE_DIRECTORIES)
+  get_target_property(value lcm-static ${property})
+  set_property(TARGET robcl::lcm PROPERTY ${property} "${value}")
+endforeach()

@@ -26,6 +26,15 @@ from robcl.world import World
 HERE = Path(__file__).resolve().parent
 LIFT = mm(200)
 TOLERANCE = mm(1)
+# Below the build folder. The Makefile builds these alone for `make demo`.
+SERVERS = (
+    "runtime/cpp/gecos/broker/gecos-broker",
+    "devices/world/robcl-world",
+    "devices/rx90/robcl-rx90",
+    "devices/gripper/robcl-gripper",
+    "devices/laser_distance_sensor/robcl-lds",
+)
+PROGRAM = "examples/grip_block"
 PATIENCE_S = 60.0  # for a process to get ready, or for the program to end
 
 
@@ -88,14 +97,8 @@ def laboratory(build: Path) -> Iterator[None]:
         folder = running.enter_context(tempfile.TemporaryDirectory(prefix="gecos-"))
         os.environ["GECOS_RUNTIME_DIR"] = folder
         os.environ.pop("GECOS_BROKER", None)
-        for command in (
-            (build / "runtime/cpp/gecos/broker/gecos-broker",),
-            (build / "devices/world/robcl-world",),
-            (build / "devices/rx90/robcl-rx90",),
-            (build / "devices/gripper/robcl-gripper",),
-            (build / "devices/laser_distance_sensor/robcl-lds",),
-        ):
-            process = start_server(command, dict(os.environ))
+        for server in SERVERS:
+            process = start_server([build / server], dict(os.environ))
             running.callback(end, process)
         yield
 
@@ -147,7 +150,7 @@ def main() -> int:
         signal.signal(number, interrupt)
 
     medium = [words.medium] if words.medium else []
-    cpp = words.build / "examples" / "grip_block"
+    cpp = words.build / PROGRAM
     python = HERE / "02_grip_block" / "grip_block.py"
     try:
         lift("02_grip_block in C++", [cpp, *medium], words.build)

@@ -15,7 +15,7 @@ fi
 if command -v ccache >/dev/null; then
   arguments+=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
 fi
-asked=$(printf '%s\n' "${arguments[@]}" "$(cat .venv/robcl-setup)")
+asked=$(printf '%s\n' "${arguments[@]}" "$(cat .venv/robcl-setup)" "$(sha256sum <CMakePresets.json)")
 if [ -f "$folder/build.ninja" ] && [ -f "$folder/configured-for" ] && ! grep -qvxFf "$folder/configured-for" <<<"$asked"; then
   exit 0
 fi

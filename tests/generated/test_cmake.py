@@ -12,10 +12,10 @@ PROJECT = """\
 cmake_minimum_required(VERSION 3.22)
 project(test {languages})
 include("{tree}/cmake/Gidl.cmake")
-foreach(name robcl_generated gecos_session robcl_json)
-  add_library(${{name}} INTERFACE)
-  target_include_directories(${{name}} INTERFACE "{tree}/runtime/cpp" "{tree}/generated/cpp")
-  target_compile_features(${{name}} INTERFACE cxx_std_20)
+foreach(name generated gecos_session json)
+  add_library(robcl::${{name}} INTERFACE IMPORTED)
+  target_include_directories(robcl::${{name}} INTERFACE "{tree}/runtime/cpp" "{tree}/generated/cpp")
+  target_compile_features(robcl::${{name}} INTERFACE cxx_std_20)
 endforeach()
 {body}
 """
@@ -70,8 +70,8 @@ def test_what_is_imported_is_generated_once(here: Path) -> None:
     )
     run = configured(here, ONE + TWO + SAY + user.replace("user.cpp", f"{here}/user.cpp"), "CXX")
     assert run.returncode == 0, run.stderr
-    assert "-- lamp links lamp_imports;robcl_generated;gecos_session" in run.stdout
-    assert "-- torch links lamp_imports;robcl_generated;gecos_session" in run.stdout
+    assert "-- lamp links lamp_imports;robcl::generated;robcl::gecos_session" in run.stdout
+    assert "-- torch links lamp_imports;robcl::generated;robcl::gecos_session" in run.stdout
     made = {p.relative_to(here / "build") for p in (here / "build").rglob("*_types.hpp")}
     assert {path.as_posix() for path in made} == {
         "lamp/cpp/lab/lamp_types.hpp",
@@ -88,7 +88,7 @@ def test_what_an_earlier_call_makes_is_linked(here: Path) -> None:
     first = 'gidl_generate(torch "far/shapes/ball.idl" "far/shapes/unit.gidl" ROOT far)\n'
     run = configured(here, first + ONE + SAY, "CXX")
     assert run.returncode == 0, run.stderr
-    assert "-- lamp links torch;robcl_generated;gecos_session" in run.stdout
+    assert "-- lamp links torch;robcl::generated;robcl::gecos_session" in run.stdout
     assert not (here / "build" / "lamp_imports").exists()
 
 

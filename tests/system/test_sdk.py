@@ -1,0 +1,161 @@
+"""What `cmake --install` gives, moved elsewhere and used where nothing of the tree is seen."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import sysconfig
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+from processes import Laboratory
+
+TREE = Path(__file__).resolve().parents[2]
+PROJECT = TREE / "examples" / "own_project"
+MOUNTS_OF_ITS_OWN = ("unshare", "-m") if os.geteuid() == 0 else ("unshare", "-Urm")
+# Without the tree, which holds the virtual environment: its packages, at another place, stay.
+WITHOUT_TREE = 'mount --bind "$1" "$2"; mount -t tmpfs none "$3"; shift 3; exec "$@"'
+INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.MULTILINE)
+SAID = ["not above 500 K", "it is at 400 K"]
+
+
+def checked(*command: str | Path, env: Mapping[str, str] | None = None) -> str:
+    done = subprocess.run(
+        command, env=env, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=240
+    )
+    assert done.returncode == 0, f"{' '.join(map(str, command))}\n{done.stdout}"
+    return done.stdout
+
+
+@dataclass(frozen=True, slots=True)
+class User:
+    """Somebody who has the SDK, the example project and an interpreter with jinja2 and numpy."""
+
+    folder: Path
+
+    @property
+    def sdk(self) -> Path:
+        return self.folder / "opt" / "robcl"
+
+    @property
+    def project(self) -> Path:
+        return self.folder / "own_project"
+
+    @property
+    def env(self) -> dict[str, str]:
+        packages = [self.sdk / "lib/robcl/python", self.project / "generated/python"]
+        return {
+            **os.environ,
+            "PATH": f"{self.folder}/env/bin:{os.environ['PATH']}",
+            "VIRTUAL_ENV": f"{self.folder}/env",
+            "PYTHONPATH": ":".join(map(str, packages)),
+        }
+
+    def unseen(self, *command: str | Path) -> Sequence[str | Path]:
+        """The command, where the tree is an empty folder."""
+        packages = sysconfig.get_path("purelib")
+        mounts = (packages, self.folder / "packages", TREE)
+        return (*MOUNTS_OF_ITS_OWN, "sh", "-euc", WITHOUT_TREE, "sh", *mounts, *command)
+
+    def run(self, *command: str | Path) -> str:
+        return checked(*self.unseen(*command), env=self.env)
+
+    def build(self, name: str, *options: str) -> None:
+        folder = self.folder / name
+        words = ["-G", "Ninja", f"-DCMAKE_PREFIX_PATH={self.sdk}", *options]
+        if shutil.which("ccache"):
+            words.append("-DCMAKE_CXX_COMPILER_LAUNCHER=ccache")
+        self.run("cmake", "-S", self.project, "-B", folder, *words)
+        self.run("cmake", "--build", folder)
+
+
+@pytest.fixture(scope="module")
+def user(build: Path) -> Iterator[User]:
+    """The SDK was installed by somebody else, into a folder that is no more."""
+    with tempfile.TemporaryDirectory(prefix="sdk-") as name:
+        user = User(Path(name))
+        checked("cmake", "--install", build, "--prefix", user.folder / "installed")
+        user.sdk.parent.mkdir()
+        (user.folder / "installed").rename(user.sdk)
+        shutil.copytree(PROJECT, user.project)
+        checked(sys.executable, "-m", "venv", "--without-pip", "--symlinks", user.folder / "env")
+        (user.folder / "packages").mkdir()
+        site = next((user.folder / "env/lib").glob("python3*/site-packages"))
+        (site / "borrowed.pth").write_text(f"{user.folder}/packages\n")
+        yield user
+
+
+@pytest.fixture
+def meeting(lab: Laboratory, user: User) -> Laboratory:
+    """A laboratory whose programs are the user's."""
+    lab.env.update(user.env)
+    lab.start(*user.unseen(user.sdk / "bin/gecos-broker"), ready="ready")
+    return lab
+
+
+def says(lab: Laboratory, user: User, *client: str | Path) -> list[str]:
+    told = lab.run(*user.unseen(*client))
+    assert told.finish() == 0, str(told)
+    return told.lines
+
+
+def test_the_user_does_not_see_the_tree(user: User) -> None:
+    assert user.run("ls", "-A", TREE) == ""
+    assert user.run("python", "-c", "import gecos; print(gecos.__file__)").startswith(str(user.sdk))
+
+
+def test_nothing_installed_names_the_tree_or_the_folder_of_the_installation(user: User) -> None:
+    for file in user.sdk.rglob("*"):
+        data = file.read_bytes() if file.is_file() else b""
+        if data.startswith((b"\x7fELF", b"!<arch>")):
+            continue  # whose debug information names the sources
+        for place in (TREE, user.folder / "installed"):
+            assert str(place).encode() not in data, file
+
+
+def test_what_installed_headers_include_is_installed_and_no_inner_header_is(user: User) -> None:
+    include = user.sdk / "include"
+    headers = {path.relative_to(include).as_posix(): path for path in include.rglob("*.hpp")}
+    assert "gecos/gecos.hpp" in headers
+    for header, path in headers.items():
+        assert set(INCLUDE.findall(path.read_text())) <= headers.keys(), header
+    inner = ("gecos/session/", "gecos/broker/", "gecos/crypto/", "gecos/binding.hpp")
+    assert not [header for header in headers if header.startswith(inner)]
+
+
+@pytest.mark.timeout(300)
+def test_a_project_in_cpp_and_python(user: User, meeting: Laboratory) -> None:
+    user.build("plain")
+    user.run("sh", "-c", f"cd {user.project} && {user.sdk}/bin/gidl gen")
+    client, server = user.folder / "plain/client", user.folder / "plain/server"
+    in_cpp = meeting.start(*user.unseen(server), ready="OVEN is ready")
+    assert says(meeting, user, client) == SAID
+    assert says(meeting, user, "python", user.project / "client.py") == SAID
+    assert "OVEN" in user_lists(meeting, user)
+    assert in_cpp.terminate() == 0, str(in_cpp)
+    meeting.start(*user.unseen("python", user.project / "server.py"), ready="OVEN")
+    assert says(meeting, user, client) == SAID
+
+
+def user_lists(lab: Laboratory, user: User) -> str:
+    return "\n".join(says(lab, user, user.sdk / "bin/gecos", "ls"))
+
+
+@pytest.mark.timeout(300)
+def test_a_project_under_asan_and_one_compiled_by_clang(user: User, meeting: Laboratory) -> None:
+    clang = checked(TREE / "tools/clang.sh").strip()
+    user.build("asan", "-DCMAKE_CXX_FLAGS=-fsanitize=address,undefined -fno-sanitize-recover=all")
+    user.build("clang", f"-DCMAKE_CXX_COMPILER={clang}")
+    asan, other = user.folder / "asan", user.folder / "clang"
+    server = meeting.start(*user.unseen(asan / "server"), ready="OVEN is ready")
+    assert says(meeting, user, asan / "client") == SAID
+    assert says(meeting, user, other / "client") == SAID
+    assert server.terminate() == 0, str(server)
+    meeting.start(*user.unseen(other / "server"), ready="OVEN is ready")
+    assert says(meeting, user, asan / "client") == SAID
