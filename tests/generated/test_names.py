@@ -73,8 +73,8 @@ def shadowing(groups: list[list[str]], tmp_path_factory: pytest.TempPathFactory)
 def test_the_names_are_those_that_modules_use(groups: list[list[str]]) -> None:
     """What hid an import, broke a body or a class before there was this test."""
     found = {name for names in groups for name in names}
-    known = "Kind Access Quality Operation Method Media OnNew OutwardStream Handler Servant "
-    known += "StreamAttribute wire out property list dataclass np typing value item key"
+    known = "Kind Access Quality Operation Method Media OnNew Servant StreamAttribute wire layout "
+    known += "method values getter interface property list dataclass np typing value"
     assert set(known.split()) - found == set()
 
 
@@ -179,7 +179,7 @@ def test_values_with_members_of_these_names_are_read_as_written(shadowing: Path)
         failed = wire.from_bytes(types.Zfailed, wire.to_bytes(types.Zfailed()))
         assert str(failed) == str(types.Zfailed())
         arms = [word for word in dir(types.Zarms) if word.startswith("make_")]
-        assert len(arms) == len(types.Zarms._gecos_shape().arms)
+        assert len(arms) == len(types.Zarms._gecos_layout.arms)
 
 
 def test_operations_of_these_names_can_be_called(shadowing: Path) -> None:

@@ -206,14 +206,14 @@ print(wire.to_message(value).hex())
 @pytest.mark.parametrize(
     ("steps", "why"),
     [
-        (("ddx",), "'x' is no code of numbers"),
-        (("dd",), "zip"),
-        ((plans.struct(object), "dd"), "has no plan"),
-        ((("rubbish",), "dd"), "no step of a plan is called rubbish"),
-        ((plans.items("d", 0, 3), "dd"), "items of a plan take at least a byte each"),
+        (["d", "d", "x"], "'x' is no code of numbers"),
+        ([("struct", object), "d", "d"], "has no plan"),
+        ([("rubbish",), "d", "d"], "no step of a plan is called rubbish"),
+        ([("items", "d", 0, None, 3), "d", "d"], "items of a plan take at least a byte each"),
     ],
 )
-def test_a_description_that_is_none_is_refused(steps: tuple[Any, ...], why: str) -> None:
+def test_a_plan_that_is_none_is_refused(steps: list[Any], why: str) -> None:
+    members = list(zip("xyz", steps, strict=True))
     with pytest.raises((TypeError, ValueError), match=why):
-        plans.planned(*steps)(Vector)
+        plans._plans.struct(Vector, 0, members, [], False, Vector.encode, Vector.decode)
     assert wire.to_bytes(Vector(1.0, 2.0, 3.0)) == np.array([1, 2, 3], ">f8").tobytes()

@@ -91,6 +91,7 @@ def _string_result(value: str) -> Parts:
 SHINE = Method(
     Operation(code=0x1001, name="shine", cancelable=True), nothing, Glow.decode, (Burnt,)
 )
+LEVEL_STREAM = OutwardStream(code=0x1002, name="level", rate_hz=100.0, largest=8)
 LEVEL = Method[float, None](
     Operation(code=0x1002, name="level", kind=Kind.GETTER, access=Access.SENSOR), _double
 )
@@ -102,7 +103,6 @@ LABEL = Method[str, None](
 WATCH = Method[None, None](
     Operation(code=0x1006, name="watch", access=Access.SENSOR, cancelable=True), nothing
 )
-LEVEL_STREAM = OutwardStream(code=0x1002, name="level", rate_hz=100.0, largest=8)
 LAMP = Interface(
     name="test::Lamp",
     version="1.0",
@@ -116,7 +116,7 @@ class Lamp(gecos.Object):
 
     @property
     def level(self) -> gecos.StreamAttribute[float]:
-        return gecos.StreamAttribute(self, LEVEL, LEVEL_STREAM)
+        return gecos.StreamAttribute(self, LEVEL)
 
     def shine(self, goal: float) -> gecos.Command[None, Glow]:
         return self._gecos_call(SHINE, [_DOUBLE.pack(goal)])

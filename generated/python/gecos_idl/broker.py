@@ -8,24 +8,17 @@ it.
 from __future__ import annotations
 
 from abc import abstractmethod as _abstractmethod
-from collections.abc import Mapping as _Mapping
-from typing import ClassVar as _ClassVar
 
-from gecos import wire as _wire
 from gecos.command import Command as _Command
 from gecos.interface import Access as _Access
-from gecos.interface import Handler as _Handler
-from gecos.interface import Interface as _Interface
 from gecos.interface import Method as _Method
 from gecos.interface import Operation as _Operation
-from gecos.interface import Quality as _Quality
-from gecos.interface import no_arguments as _no_arguments
-from gecos.interface import no_result as _no_result
-from gecos.interface import nothing as _nothing
+from gecos.interface import interface as _interface
+from gecos.interface import method as _method
+from gecos.interface import values as _values
 from gecos.proxy import Object as _Object
 from gecos.servant import Servant as _Servant
-from gecos.wire import Decoder as _Decoder
-from gecos.wire import Parts as _Parts
+from gecos.wire import layout as _layout
 from gecos_idl.broker_types import Entry, NameTaken, UnknownName
 
 __all__ = [
@@ -36,127 +29,48 @@ __all__ = [
     "UnknownName",
 ]
 
-
-def _broker_enlist_reply(source: _Decoder) -> float | None:
-    value: float | None = (source.number("d", "enlist") if source.number("?", "enlist") else None)
-    return value
-
-
-def _broker_enlist_arguments(source: _Decoder) -> tuple[Entry, float]:
-    what: Entry = Entry.decode(source.block("enlist.what"))
-    served_for: float = 0.0
-    if source.offset < source.end:
-        served_for = source.number("d", "enlist.served_for")
-    return what, served_for
-
-
-def _broker_enlist_result(value: float | None) -> _Parts:
-    out: _Parts = []
-    if value is None:
-        out.append(b"\0")
-    else:
-        out.append(b"\1")
-        out.append(_wire.number(value, "d", "enlist"))
-    return out
-
-
-def _broker_withdraw_arguments(source: _Decoder) -> tuple[str]:
-    name: str = source.string(_wire.MAX_COUNT, "withdraw.name")
-    return (name,)
-
-
-def _broker_lookup_reply(source: _Decoder) -> Entry:
-    return Entry.decode(source.block("lookup"))
-
-
-def _broker_lookup_arguments(source: _Decoder) -> tuple[str]:
-    name: str = source.string(_wire.MAX_COUNT, "lookup.name")
-    return (name,)
-
-
-def _broker_lookup_result(value: Entry) -> _Parts:
-    out: _Parts = []
-    _wire.put_block(value, Entry, out, "lookup")
-    return out
-
-
-def _broker_list_reply(source: _Decoder) -> list[Entry]:
-    value: list[Entry] = [
-        Entry.decode(source.block("list"))
-        for _ in range(source.count(4, _wire.MAX_COUNT, "list"))
-    ]
-    return value
-
-
-def _broker_list_result(value: list[Entry]) -> _Parts:
-    out: _Parts = []
-    out.append(_wire.counted(value, _wire.MAX_COUNT, "list"))
-    for item in value:
-        _wire.put_block(item, Entry, out, "list")
-    return out
-
-
-_BROKER_ENLIST: _Method[float | None, None] = _Method(
-    _Operation(
-        code=0x17D413CE,
-        name="enlist",
-        access=_Access.SENSOR,
-        presence=False,
-        hash=0xFF7A6020C83EDD81,
-    ),
-    _broker_enlist_reply,
+_BROKER_ENLIST: _Method[float | None, None] = _method(
+    _Operation(0x17D413CE, "enlist", _Access.SENSOR, presence=False, hash=0xFF7A6020C83EDD81),
+    takes=_values("what served_for", Entry, "d", defaults=(0.0,)),
+    gives=_layout.optional("d"),
     raises=(NameTaken,),
 )
-_BROKER_WITHDRAW: _Method[None, None] = _Method(
-    _Operation(
-        code=0xC5EBB42F,
-        name="withdraw",
-        access=_Access.SENSOR,
-        presence=False,
-        hash=0x8875F2F1FE455040,
-    ),
-    _nothing,
+_BROKER_WITHDRAW: _Method[None, None] = _method(
+    _Operation(0xC5EBB42F, "withdraw", _Access.SENSOR, presence=False, hash=0x8875F2F1FE455040),
+    takes=_values("name", _layout.text()),
     raises=(UnknownName,),
 )
-_BROKER_LOOKUP: _Method[Entry, None] = _Method(
+_BROKER_LOOKUP: _Method[Entry, None] = _method(
     _Operation(
-        code=0x49E3D3E3,
-        name="lookup",
-        access=_Access.SENSOR,
+        0x49E3D3E3,
+        "lookup",
+        _Access.SENSOR,
         presence=False,
         idempotent=True,
         hash=0x5ED8113AB6D833D8,
     ),
-    _broker_lookup_reply,
+    takes=_values("name", _layout.text()),
+    gives=Entry,
     raises=(UnknownName,),
 )
-_BROKER_LIST: _Method[list[Entry], None] = _Method(
+_BROKER_LIST: _Method[list[Entry], None] = _method(
     _Operation(
-        code=0x8CE83919,
-        name="list",
-        access=_Access.SENSOR,
+        0x8CE83919,
+        "list",
+        _Access.SENSOR,
         presence=False,
         idempotent=True,
         hash=0xDF31BBF4A9ABB156,
     ),
-    _broker_list_reply,
+    gives=_layout.items(Entry),
 )
 _list_ = list
-_BROKER = _Interface(
-    name="gecos::Broker",
-    version="1.0",
-    hash=0x7AF96F6F9ACB0B67,
-    bases=(
-    ),
-    operations=(
-        _BROKER_ENLIST.operation,
-        _BROKER_WITHDRAW.operation,
-        _BROKER_LOOKUP.operation,
-        _BROKER_LIST.operation,
-    ),
-    streams=(
-    ),
-    quality=_Quality(),
+_BROKER = _interface(
+    "gecos::Broker",
+    "1.0",
+    0x7AF96F6F9ACB0B67,
+    (),
+    (_BROKER_ENLIST, _BROKER_WITHDRAW, _BROKER_LOOKUP, _BROKER_LIST),
 )
 
 
@@ -184,28 +98,21 @@ class Broker(_Object):
         settles_in: [s]
         May raise NameTaken.
         """
-        out: _Parts = []
-        _wire.put_block(what, Entry, out, "enlist.what")
-        out.append(_wire.number(served_for, "d", "enlist.served_for"))
-        return self._gecos_call(_BROKER_ENLIST, out)
+        return self._gecos_call(_BROKER_ENLIST, _BROKER_ENLIST.arguments(what, served_for))
 
     def withdraw(self, name: str) -> _Command[None]:
         """Takes an object of the calling session off the list.
 
         May raise UnknownName.
         """
-        out: _Parts = []
-        out.append(_wire.string(name, _wire.MAX_TEXT, "withdraw.name"))
-        return self._gecos_call(_BROKER_WITHDRAW, out)
+        return self._gecos_call(_BROKER_WITHDRAW, _BROKER_WITHDRAW.arguments(name))
 
     def lookup(self, name: str) -> _Command[Entry]:
         """Where an object is that was enlisted.
 
         May raise UnknownName.
         """
-        out: _Parts = []
-        out.append(_wire.string(name, _wire.MAX_TEXT, "lookup.name"))
-        return self._gecos_call(_BROKER_LOOKUP, out)
+        return self._gecos_call(_BROKER_LOOKUP, _BROKER_LOOKUP.arguments(name))
 
     def list(self) -> _Command[_list_[Entry]]:
         """All that is enlisted now, in the order of names."""
@@ -219,36 +126,7 @@ class BrokerServant(_Servant):
     """
 
     _gecos_interface = _BROKER
-    _gecos_handlers: _ClassVar[_Mapping[int, _Handler]] = {
-        0x17D413CE: _Handler(
-            _BROKER_ENLIST.operation,
-            "enlist",
-            _broker_enlist_arguments,
-            _broker_enlist_result,
-            _BROKER_ENLIST.raises,
-        ),
-        0xC5EBB42F: _Handler(
-            _BROKER_WITHDRAW.operation,
-            "withdraw",
-            _broker_withdraw_arguments,
-            _no_result,
-            _BROKER_WITHDRAW.raises,
-        ),
-        0x49E3D3E3: _Handler(
-            _BROKER_LOOKUP.operation,
-            "lookup",
-            _broker_lookup_arguments,
-            _broker_lookup_result,
-            _BROKER_LOOKUP.raises,
-        ),
-        0x8CE83919: _Handler(
-            _BROKER_LIST.operation,
-            "list",
-            _no_arguments,
-            _broker_list_result,
-            _BROKER_LIST.raises,
-        ),
-    }
+    _gecos_handlers = _BROKER.handlers
 
     @_abstractmethod
     def enlist(self, what: Entry, served_for: float) -> float | None:

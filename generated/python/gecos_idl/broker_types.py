@@ -6,13 +6,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass as _dataclass
 from dataclasses import field as _field
-from typing import ClassVar as _ClassVar
-from typing import Self as _Self
 
-from gecos import wire as _wire
 from gecos.errors import DeclaredError as _DeclaredError
-from gecos.wire import plans as _plans
-from gecos.wire import shapes as _shapes
+from gecos.wire import layout as _layout
 
 __all__ = [
     "Entry",
@@ -20,36 +16,22 @@ __all__ = [
     "UnknownName",
 ]
 
-_ENTRY_LAYOUT_1 = _wire.Fields(
-    "QQi",
-    (
-        "Entry.interface_hash",
-        "Entry.boot",
-        "Entry.pid",
-    ),
-)
-_ENTRY_LAYOUT_2 = _wire.Fields(
-    "?",
-    (
-        "Entry.simulated",
-    ),
-)
 
-
-@_plans.planned(
-    _plans.text(_wire.MAX_TEXT),
-    _plans.text(_wire.MAX_TEXT),
-    _plans.items(_plans.text(_wire.MAX_TEXT), 5, _wire.MAX_COUNT),
+@_layout.struct(
+    0xA4B1E0E2E68AD9CD,
+    _layout.text(),
+    _layout.text(),
+    _layout.items(_layout.text()),
     "QQi",
-    _plans.text(_wire.MAX_TEXT),
-    _plans.text(_wire.MAX_TEXT),
-    _plans.text(_wire.MAX_TEXT),
-    _plans.items(_plans.text(_wire.MAX_TEXT), 5, _wire.MAX_COUNT),
+    _layout.text(),
+    _layout.text(),
+    _layout.text(),
+    _layout.items(_layout.text()),
     "?",
     open=True,
 )
 @_dataclass(slots=True)
-class Entry:
+class Entry(_layout.Struct):
     """Where an object is and what it is: what a server tells the broker and a client asks
     for.
     """
@@ -73,141 +55,21 @@ class Entry:
     """"shm:/run/…", "lcm:239.255.76.67:20017/…", best first"""
     simulated: bool = False
 
-    def encode(self, out: _wire.Parts, /) -> None:
-        out.append(_wire.string(self.name, _wire.MAX_TEXT, "Entry.name"))
-        out.append(_wire.string(self.interface_name, _wire.MAX_TEXT, "Entry.interface_name"))
-        out.append(_wire.counted(self.bases, _wire.MAX_COUNT, "Entry.bases"))
-        for item in self.bases:
-            out.append(_wire.string(item, _wire.MAX_TEXT, "Entry.bases"))
-        out.append(_ENTRY_LAYOUT_1.pack(self.interface_hash, self.boot, self.pid))
-        out.append(_wire.string(self.user, _wire.MAX_TEXT, "Entry.user"))
-        out.append(_wire.string(self.host, _wire.MAX_TEXT, "Entry.host"))
-        out.append(_wire.string(self.hostname, _wire.MAX_TEXT, "Entry.hostname"))
-        out.append(_wire.counted(self.addresses, _wire.MAX_COUNT, "Entry.addresses"))
-        for item_ in self.addresses:
-            out.append(_wire.string(item_, _wire.MAX_TEXT, "Entry.addresses"))
-        out.append(_ENTRY_LAYOUT_2.pack(self.simulated))
 
-    @classmethod
-    def decode(cls, source: _wire.Decoder, /) -> _Self:
-        name = source.string(_wire.MAX_COUNT, "Entry.name")
-        interface_name = source.string(_wire.MAX_COUNT, "Entry.interface_name")
-        bases = [
-            source.string(_wire.MAX_COUNT, "Entry.bases")
-            for _ in range(source.count(5, _wire.MAX_COUNT, "Entry.bases"))
-        ]
-        interface_hash, boot, pid = _ENTRY_LAYOUT_1.unpack(source)
-        user = source.string(_wire.MAX_COUNT, "Entry.user")
-        host = source.string(_wire.MAX_COUNT, "Entry.host")
-        hostname = source.string(_wire.MAX_COUNT, "Entry.hostname")
-        addresses = [
-            source.string(_wire.MAX_COUNT, "Entry.addresses")
-            for _ in range(source.count(5, _wire.MAX_COUNT, "Entry.addresses"))
-        ]
-        (simulated,) = _ENTRY_LAYOUT_2.unpack(source)
-        source.offset = source.end  # what a newer writer added is skipped
-        return cls(
-            name,
-            interface_name,
-            bases,
-            interface_hash,
-            boot,
-            pid,
-            user,
-            host,
-            hostname,
-            addresses,
-            simulated,
-        )
-
-    @staticmethod
-    def fingerprint() -> int:
-        return 0xA4B1E0E2E68AD9CD
-
-    @staticmethod
-    def _gecos_shape() -> _shapes.Shape:
-        return _shapes.Members(
-            Entry,
-            (
-                _shapes.Member("name", _shapes.Text()),
-                _shapes.Member("interface_name", _shapes.Text()),
-                _shapes.Member("bases", _shapes.Items(_shapes.Text())),
-                _shapes.Member("interface_hash", _shapes.Number("Q")),
-                _shapes.Member("boot", _shapes.Number("Q")),
-                _shapes.Member("pid", _shapes.Number("i")),
-                _shapes.Member("user", _shapes.Text()),
-                _shapes.Member("host", _shapes.Text()),
-                _shapes.Member("hostname", _shapes.Text()),
-                _shapes.Member("addresses", _shapes.Items(_shapes.Text())),
-                _shapes.Member("simulated", _shapes.Number("?")),
-            ),
-        )
-
-
+@_layout.exception(
+    "gecos::UnknownName",
+    0x7CD6BC0789C32AB9,
+    _layout.text(),
+    _layout.items(_layout.text()),
+)
 @_dataclass(slots=True, eq=False)
-class UnknownName(_DeclaredError):
-    _gecos_name: _ClassVar[str] = "gecos::UnknownName"
-
+class UnknownName(_layout.Struct, _DeclaredError):
     name: str = ""
     known: list[str] = _field(default_factory=list)
 
-    def encode(self, out: _wire.Parts, /) -> None:
-        out.append(_wire.string(self.name, _wire.MAX_TEXT, "UnknownName.name"))
-        out.append(_wire.counted(self.known, _wire.MAX_COUNT, "UnknownName.known"))
-        for item in self.known:
-            out.append(_wire.string(item, _wire.MAX_TEXT, "UnknownName.known"))
 
-    @classmethod
-    def decode(cls, source: _wire.Decoder, /) -> _Self:
-        name = source.string(_wire.MAX_COUNT, "UnknownName.name")
-        known = [
-            source.string(_wire.MAX_COUNT, "UnknownName.known")
-            for _ in range(source.count(5, _wire.MAX_COUNT, "UnknownName.known"))
-        ]
-        return cls(name, known)
-
-    @staticmethod
-    def fingerprint() -> int:
-        return 0x7CD6BC0789C32AB9
-
-    @staticmethod
-    def _gecos_shape() -> _shapes.Shape:
-        return _shapes.Members(
-            UnknownName,
-            (
-                _shapes.Member("name", _shapes.Text()),
-                _shapes.Member("known", _shapes.Items(_shapes.Text())),
-            ),
-        )
-
-
+@_layout.exception("gecos::NameTaken", 0xF9FFADED7A4CA4F9, _layout.text(), _layout.text())
 @_dataclass(slots=True, eq=False)
-class NameTaken(_DeclaredError):
-    _gecos_name: _ClassVar[str] = "gecos::NameTaken"
-
+class NameTaken(_layout.Struct, _DeclaredError):
     name: str = ""
     by: str = ""
-
-    def encode(self, out: _wire.Parts, /) -> None:
-        out.append(_wire.string(self.name, _wire.MAX_TEXT, "NameTaken.name"))
-        out.append(_wire.string(self.by, _wire.MAX_TEXT, "NameTaken.by"))
-
-    @classmethod
-    def decode(cls, source: _wire.Decoder, /) -> _Self:
-        name = source.string(_wire.MAX_COUNT, "NameTaken.name")
-        by = source.string(_wire.MAX_COUNT, "NameTaken.by")
-        return cls(name, by)
-
-    @staticmethod
-    def fingerprint() -> int:
-        return 0xF9FFADED7A4CA4F9
-
-    @staticmethod
-    def _gecos_shape() -> _shapes.Shape:
-        return _shapes.Members(
-            NameTaken,
-            (
-                _shapes.Member("name", _shapes.Text()),
-                _shapes.Member("by", _shapes.Text()),
-            ),
-        )

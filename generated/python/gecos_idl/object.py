@@ -5,24 +5,17 @@
 from __future__ import annotations
 
 from abc import abstractmethod as _abstractmethod
-from collections.abc import Mapping as _Mapping
-from typing import ClassVar as _ClassVar
 
-from gecos import wire as _wire
 from gecos.command import Command as _Command
 from gecos.interface import Access as _Access
-from gecos.interface import Handler as _Handler
-from gecos.interface import Interface as _Interface
 from gecos.interface import Method as _Method
 from gecos.interface import Operation as _Operation
-from gecos.interface import Quality as _Quality
-from gecos.interface import no_arguments as _no_arguments
-from gecos.interface import no_result as _no_result
-from gecos.interface import nothing as _nothing
+from gecos.interface import interface as _interface
+from gecos.interface import method as _method
+from gecos.interface import values as _values
 from gecos.proxy import Object as _Object
 from gecos.servant import Servant as _Servant
-from gecos.wire import Decoder as _Decoder
-from gecos.wire import Parts as _Parts
+from gecos.wire import layout as _layout
 from gecos_idl.object_types import (
     Description,
     Grant,
@@ -45,221 +38,100 @@ __all__ = [
     "StatusRefused",
 ]
 
-
-def _gecos_object_holders_reply(source: _Decoder) -> list[Holder]:
-    value: list[Holder] = [
-        Holder.decode(source.block("holders"))
-        for _ in range(source.count(4, _wire.MAX_COUNT, "holders"))
-    ]
-    return value
-
-
-def _gecos_object_holders_result(value: list[Holder]) -> _Parts:
-    out: _Parts = []
-    out.append(_wire.counted(value, _wire.MAX_COUNT, "holders"))
-    for item in value:
-        _wire.put_block(item, Holder, out, "holders")
-    return out
-
-
-def _gecos_object_describe_reply(source: _Decoder) -> Description:
-    return Description.decode(source.block("describe"))
-
-
-def _gecos_object_describe_result(value: Description) -> _Parts:
-    out: _Parts = []
-    _wire.put_block(value, Description, out, "describe")
-    return out
-
-
-def _gecos_object_acquire_reply(source: _Decoder) -> Grant:
-    return Grant.decode(source.block("acquire"))
-
-
-def _gecos_object_acquire_arguments(source: _Decoder) -> tuple[Status, str | None]:
-    wanted: Status = source.enumerator(
-        Status,
-        source.number("i", "acquire.wanted"),
-        Status.SENSOR,
-        "acquire.wanted",
-        4,
-    )
-    password: str | None = None
-    if source.offset < source.end:
-        password = (
-            source.string(_wire.MAX_COUNT, "acquire.password")
-            if source.number("?", "acquire.password")
-            else None
-        )
-    return wanted, password
-
-
-def _gecos_object_acquire_result(value: Grant) -> _Parts:
-    out: _Parts = []
-    _wire.put_block(value, Grant, out, "acquire")
-    return out
-
-
-def _gecos_object_release_arguments(source: _Decoder) -> tuple[int, bool]:
-    epoch: int = source.number("Q", "release.epoch")
-    now: bool = source.number("?", "release.now")
-    return epoch, now
-
-
-def _gecos_object_subscribe_reply(source: _Decoder) -> int:
-    value: int = source.number("I", "subscribe")
-    return value
-
-
-def _gecos_object_subscribe_arguments(source: _Decoder) -> tuple[int]:
-    code: int = source.number("I", "subscribe.code")
-    return (code,)
-
-
-def _gecos_object_subscribe_result(value: int) -> _Parts:
-    out: _Parts = []
-    out.append(_wire.number(value, "I", "subscribe"))
-    return out
-
-
-def _gecos_object_unsubscribe_arguments(source: _Decoder) -> tuple[int]:
-    code: int = source.number("I", "unsubscribe.code")
-    return (code,)
-
-
-def _gecos_object_outcome_reply(source: _Decoder) -> OutcomeRecord:
-    return OutcomeRecord.decode(source.block("outcome"))
-
-
-def _gecos_object_outcome_arguments(source: _Decoder) -> tuple[int, int, int]:
-    boot: int = source.number("Q", "outcome.boot")
-    session: int = source.number("Q", "outcome.session")
-    counter: int = source.number("Q", "outcome.counter")
-    return boot, session, counter
-
-
-def _gecos_object_outcome_result(value: OutcomeRecord) -> _Parts:
-    out: _Parts = []
-    _wire.put_block(value, OutcomeRecord, out, "outcome")
-    return out
-
-
-_GECOS_OBJECT_HOLDERS: _Method[list[Holder], None] = _Method(
+_GECOS_OBJECT_HOLDERS: _Method[list[Holder], None] = _method(
     _Operation(
-        code=0x00000001,
-        name="holders",
-        access=_Access.SENSOR,
+        0x00000001,
+        "holders",
+        _Access.SENSOR,
         presence=False,
         idempotent=True,
         hash=0x925E85279B993071,
     ),
-    _gecos_object_holders_reply,
+    gives=_layout.items(Holder),
 )
-_GECOS_OBJECT_STOP: _Method[None, None] = _Method(
+_GECOS_OBJECT_STOP: _Method[None, None] = _method(
     _Operation(
-        code=0x00000002,
-        name="stop",
-        access=_Access.SENSOR,
+        0x00000002,
+        "stop",
+        _Access.SENSOR,
         presence=False,
         safety=True,
         hash=0xF664BF51DED3968E,
     ),
-    _nothing,
 )
-_GECOS_OBJECT_PING: _Method[None, None] = _Method(
+_GECOS_OBJECT_PING: _Method[None, None] = _method(
     _Operation(
-        code=0x00000003,
-        name="ping",
-        access=_Access.SENSOR,
+        0x00000003,
+        "ping",
+        _Access.SENSOR,
         presence=False,
         idempotent=True,
         hash=0x68B8E2D615F1B365,
     ),
-    _nothing,
 )
-_GECOS_OBJECT_DESCRIBE: _Method[Description, None] = _Method(
+_GECOS_OBJECT_DESCRIBE: _Method[Description, None] = _method(
     _Operation(
-        code=0x00000004,
-        name="describe",
-        access=_Access.SENSOR,
+        0x00000004,
+        "describe",
+        _Access.SENSOR,
         presence=False,
         idempotent=True,
         hash=0x340A23DD95A29A96,
     ),
-    _gecos_object_describe_reply,
+    gives=Description,
 )
-_GECOS_OBJECT_ACQUIRE: _Method[Grant, None] = _Method(
-    _Operation(
-        code=0x00000005,
-        name="acquire",
-        access=_Access.SENSOR,
-        presence=False,
-        hash=0x0D62D737597BCAEA,
+_GECOS_OBJECT_ACQUIRE: _Method[Grant, None] = _method(
+    _Operation(0x00000005, "acquire", _Access.SENSOR, presence=False, hash=0x0D62D737597BCAEA),
+    takes=_values(
+        "wanted password",
+        Status,
+        _layout.secret(_layout.optional(_layout.text())),
+        defaults=(None,),
     ),
-    _gecos_object_acquire_reply,
+    gives=Grant,
     raises=(StatusRefused,),
 )
-_GECOS_OBJECT_RELEASE: _Method[None, None] = _Method(
-    _Operation(
-        code=0x00000006,
-        name="release",
-        access=_Access.SENSOR,
-        presence=False,
-        hash=0xD6F3249E5E699D99,
-    ),
-    _nothing,
+_GECOS_OBJECT_RELEASE: _Method[None, None] = _method(
+    _Operation(0x00000006, "release", _Access.SENSOR, presence=False, hash=0xD6F3249E5E699D99),
+    takes=_values("epoch now", "Q?"),
 )
-_GECOS_OBJECT_SUBSCRIBE: _Method[int, None] = _Method(
-    _Operation(
-        code=0x00000007,
-        name="subscribe",
-        access=_Access.SENSOR,
-        presence=False,
-        hash=0x58A229726F12910A,
-    ),
-    _gecos_object_subscribe_reply,
+_GECOS_OBJECT_SUBSCRIBE: _Method[int, None] = _method(
+    _Operation(0x00000007, "subscribe", _Access.SENSOR, presence=False, hash=0x58A229726F12910A),
+    takes=_values("code", "I"),
+    gives="I",
 )
-_GECOS_OBJECT_UNSUBSCRIBE: _Method[None, None] = _Method(
-    _Operation(
-        code=0x00000008,
-        name="unsubscribe",
-        access=_Access.SENSOR,
-        presence=False,
-        hash=0x48017B544AF97223,
-    ),
-    _nothing,
+_GECOS_OBJECT_UNSUBSCRIBE: _Method[None, None] = _method(
+    _Operation(0x00000008, "unsubscribe", _Access.SENSOR, presence=False, hash=0x48017B544AF97223),
+    takes=_values("code", "I"),
 )
-_GECOS_OBJECT_OUTCOME: _Method[OutcomeRecord, None] = _Method(
+_GECOS_OBJECT_OUTCOME: _Method[OutcomeRecord, None] = _method(
     _Operation(
-        code=0x00000009,
-        name="outcome",
-        access=_Access.SENSOR,
+        0x00000009,
+        "outcome",
+        _Access.SENSOR,
         presence=False,
         idempotent=True,
         hash=0xF1DB02CD55068515,
     ),
-    _gecos_object_outcome_reply,
+    takes=_values("boot session counter", "QQQ"),
+    gives=OutcomeRecord,
 )
-_GECOS_OBJECT = _Interface(
-    name="gecos::GecosObject",
-    version="1.0",
-    hash=0x80A2BDB69DCDCC1E,
-    bases=(
+_GECOS_OBJECT = _interface(
+    "gecos::GecosObject",
+    "1.0",
+    0x80A2BDB69DCDCC1E,
+    (),
+    (
+        _GECOS_OBJECT_HOLDERS,
+        _GECOS_OBJECT_STOP,
+        _GECOS_OBJECT_PING,
+        _GECOS_OBJECT_DESCRIBE,
+        _GECOS_OBJECT_ACQUIRE,
+        _GECOS_OBJECT_RELEASE,
+        _GECOS_OBJECT_SUBSCRIBE,
+        _GECOS_OBJECT_UNSUBSCRIBE,
+        _GECOS_OBJECT_OUTCOME,
     ),
-    operations=(
-        _GECOS_OBJECT_HOLDERS.operation,
-        _GECOS_OBJECT_STOP.operation,
-        _GECOS_OBJECT_PING.operation,
-        _GECOS_OBJECT_DESCRIBE.operation,
-        _GECOS_OBJECT_ACQUIRE.operation,
-        _GECOS_OBJECT_RELEASE.operation,
-        _GECOS_OBJECT_SUBSCRIBE.operation,
-        _GECOS_OBJECT_UNSUBSCRIBE.operation,
-        _GECOS_OBJECT_OUTCOME.operation,
-    ),
-    streams=(
-    ),
-    quality=_Quality(),
 )
 
 
@@ -291,34 +163,25 @@ class GecosObject(_Object):
 
         May raise StatusRefused.
         """
-        out: _Parts = []
-        out.append(_wire.number(wanted, "i", "acquire.wanted"))
-        _wire.expect_enumerator(wanted, Status, "acquire.wanted")
-        if password is None:
-            out.append(b"\0")
-        else:
-            out.append(b"\1")
-            out.append(_wire.secret_string(password, _wire.MAX_TEXT, "acquire.password"))
-        return self._gecos_call(_GECOS_OBJECT_ACQUIRE, out)
+        return self._gecos_call(
+            _GECOS_OBJECT_ACQUIRE,
+            _GECOS_OBJECT_ACQUIRE.arguments(wanted, password),
+        )
 
     def release(self, epoch: int, now: bool) -> _Command[None]:
         """Gives status back. Queued commands of the holder finish first unless `now`."""
-        out: _Parts = []
-        out.append(_wire.number(epoch, "Q", "release.epoch"))
-        out.append(_wire.number(now, "?", "release.now"))
-        return self._gecos_call(_GECOS_OBJECT_RELEASE, out)
+        return self._gecos_call(_GECOS_OBJECT_RELEASE, _GECOS_OBJECT_RELEASE.arguments(epoch, now))
 
     def subscribe(self, code: int) -> _Command[int]:
         """Opens the outward stream of attribute `code` for this session."""
-        out: _Parts = []
-        out.append(_wire.number(code, "I", "subscribe.code"))
-        return self._gecos_call(_GECOS_OBJECT_SUBSCRIBE, out)
+        return self._gecos_call(_GECOS_OBJECT_SUBSCRIBE, _GECOS_OBJECT_SUBSCRIBE.arguments(code))
 
     def unsubscribe(self, code: int) -> _Command[None]:
         """Closes the outward stream of attribute `code` for this session."""
-        out: _Parts = []
-        out.append(_wire.number(code, "I", "unsubscribe.code"))
-        return self._gecos_call(_GECOS_OBJECT_UNSUBSCRIBE, out)
+        return self._gecos_call(
+            _GECOS_OBJECT_UNSUBSCRIBE,
+            _GECOS_OBJECT_UNSUBSCRIBE.arguments(code),
+        )
 
     def outcome(self, boot: int, session: int, counter: int) -> _Command[OutcomeRecord]:
         """What became of an actor command that its caller lost: it was given `counter` in
@@ -326,82 +189,17 @@ class GecosObject(_Object):
         by the process that `boot` stands for. One that has not arrived never starts
         afterwards.
         """
-        out: _Parts = []
-        out.append(_wire.number(boot, "Q", "outcome.boot"))
-        out.append(_wire.number(session, "Q", "outcome.session"))
-        out.append(_wire.number(counter, "Q", "outcome.counter"))
-        return self._gecos_call(_GECOS_OBJECT_OUTCOME, out)
+        return self._gecos_call(
+            _GECOS_OBJECT_OUTCOME,
+            _GECOS_OBJECT_OUTCOME.arguments(boot, session, counter),
+        )
 
 
 class GecosObjectServant(_Servant):
     """What every object answers."""
 
     _gecos_interface = _GECOS_OBJECT
-    _gecos_handlers: _ClassVar[_Mapping[int, _Handler]] = {
-        0x00000001: _Handler(
-            _GECOS_OBJECT_HOLDERS.operation,
-            "holders",
-            _no_arguments,
-            _gecos_object_holders_result,
-            _GECOS_OBJECT_HOLDERS.raises,
-        ),
-        0x00000002: _Handler(
-            _GECOS_OBJECT_STOP.operation,
-            "stop",
-            _no_arguments,
-            _no_result,
-            _GECOS_OBJECT_STOP.raises,
-        ),
-        0x00000003: _Handler(
-            _GECOS_OBJECT_PING.operation,
-            "ping",
-            _no_arguments,
-            _no_result,
-            _GECOS_OBJECT_PING.raises,
-        ),
-        0x00000004: _Handler(
-            _GECOS_OBJECT_DESCRIBE.operation,
-            "describe",
-            _no_arguments,
-            _gecos_object_describe_result,
-            _GECOS_OBJECT_DESCRIBE.raises,
-        ),
-        0x00000005: _Handler(
-            _GECOS_OBJECT_ACQUIRE.operation,
-            "acquire",
-            _gecos_object_acquire_arguments,
-            _gecos_object_acquire_result,
-            _GECOS_OBJECT_ACQUIRE.raises,
-        ),
-        0x00000006: _Handler(
-            _GECOS_OBJECT_RELEASE.operation,
-            "release",
-            _gecos_object_release_arguments,
-            _no_result,
-            _GECOS_OBJECT_RELEASE.raises,
-        ),
-        0x00000007: _Handler(
-            _GECOS_OBJECT_SUBSCRIBE.operation,
-            "subscribe",
-            _gecos_object_subscribe_arguments,
-            _gecos_object_subscribe_result,
-            _GECOS_OBJECT_SUBSCRIBE.raises,
-        ),
-        0x00000008: _Handler(
-            _GECOS_OBJECT_UNSUBSCRIBE.operation,
-            "unsubscribe",
-            _gecos_object_unsubscribe_arguments,
-            _no_result,
-            _GECOS_OBJECT_UNSUBSCRIBE.raises,
-        ),
-        0x00000009: _Handler(
-            _GECOS_OBJECT_OUTCOME.operation,
-            "outcome",
-            _gecos_object_outcome_arguments,
-            _gecos_object_outcome_result,
-            _GECOS_OBJECT_OUTCOME.raises,
-        ),
-    }
+    _gecos_handlers = _GECOS_OBJECT.handlers
 
     @_abstractmethod
     def holders(self) -> list[Holder]:

@@ -5,28 +5,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass as _dataclass
-from typing import Self as _Self
 
-from gecos import wire as _wire
-from gecos.wire import plans as _plans
-from gecos.wire import shapes as _shapes
+from gecos.wire import layout as _layout
 
 __all__ = [
     "ObjectRef",
 ]
 
-_OBJECT_REF_LAYOUT = _wire.Fields(
-    "QQ",
-    (
-        "ObjectRef.interface_hash",
-        "ObjectRef.boot",
-    ),
-)
 
-
-@_plans.planned(_plans.text(_wire.MAX_TEXT), "QQ", _plans.text(_wire.MAX_TEXT))
+@_layout.struct(0xFB7CBC28B0DFA33D, _layout.text(), "QQ", _layout.text())
 @_dataclass(slots=True)
-class ObjectRef:
+class ObjectRef(_layout.Struct):
     """Which object is meant: what a value of an interface's type is. An empty name is nil,
     no
     object.
@@ -41,31 +30,3 @@ class ObjectRef:
     """life of the server process that is meant; a restart has another"""
     where: str = ""
     """how its maker reached it, for people: "shm: uid 1000, pid 4711\""""
-
-    def encode(self, out: _wire.Parts, /) -> None:
-        out.append(_wire.string(self.name, _wire.MAX_TEXT, "ObjectRef.name"))
-        out.append(_OBJECT_REF_LAYOUT.pack(self.interface_hash, self.boot))
-        out.append(_wire.string(self.where, _wire.MAX_TEXT, "ObjectRef.where"))
-
-    @classmethod
-    def decode(cls, source: _wire.Decoder, /) -> _Self:
-        name = source.string(_wire.MAX_COUNT, "ObjectRef.name")
-        interface_hash, boot = _OBJECT_REF_LAYOUT.unpack(source)
-        where = source.string(_wire.MAX_COUNT, "ObjectRef.where")
-        return cls(name, interface_hash, boot, where)
-
-    @staticmethod
-    def fingerprint() -> int:
-        return 0xFB7CBC28B0DFA33D
-
-    @staticmethod
-    def _gecos_shape() -> _shapes.Shape:
-        return _shapes.Members(
-            ObjectRef,
-            (
-                _shapes.Member("name", _shapes.Text()),
-                _shapes.Member("interface_hash", _shapes.Number("Q")),
-                _shapes.Member("boot", _shapes.Number("Q")),
-                _shapes.Member("where", _shapes.Text()),
-            ),
-        )

@@ -7,13 +7,9 @@ from __future__ import annotations
 from dataclasses import dataclass as _dataclass
 from dataclasses import field as _field
 from enum import IntEnum as _IntEnum
-from typing import ClassVar as _ClassVar
-from typing import Self as _Self
 
-from gecos import wire as _wire
 from gecos.errors import DeclaredError as _DeclaredError
-from gecos.wire import plans as _plans
-from gecos.wire import shapes as _shapes
+from gecos.wire import layout as _layout
 
 __all__ = [
     "Description",
@@ -26,39 +22,24 @@ __all__ = [
 ]
 
 
+@_layout.enumeration("i", "SENSOR")
 class Status(_IntEnum):
     SENSOR = 0
     ACTOR = 1
     MASTER = 2
 
 
-_HOLDER_LAYOUT_1 = _wire.Fields(
-    "i",
-    (
-        "Holder.status",
-    ),
-)
-_HOLDER_LAYOUT_2 = _wire.Fields(
-    "idd?",
-    (
-        "Holder.pid",
-        "Holder.held_for",
-        "Holder.expires_in",
-        "Holder.releasing",
-    ),
-)
-
-
-@_plans.planned(
-    _plans.enumerator("i", Status, Status.SENSOR),
-    _plans.text(64),
-    _plans.text(64),
-    _plans.text(128),
+@_layout.struct(
+    0x698A6B2FE41FD109,
+    Status,
+    _layout.text(64),
+    _layout.text(64),
+    _layout.text(128),
     "idd?",
     open=True,
 )
 @_dataclass(slots=True)
-class Holder:
+class Holder(_layout.Struct):
     """A client that holds actor or master status of an object."""
 
     status: Status = Status.SENSOR
@@ -76,72 +57,20 @@ class Holder:
     releasing: bool = False
     """released; its last commands are still running"""
 
-    def encode(self, out: _wire.Parts, /) -> None:
-        out.append(_HOLDER_LAYOUT_1.pack(self.status))
-        _wire.expect_enumerator(self.status, Status, "Holder.status")
-        out.append(_wire.string(self.user, 64, "Holder.user"))
-        out.append(_wire.string(self.host, 64, "Holder.host"))
-        out.append(_wire.string(self.program, 128, "Holder.program"))
-        out.append(_HOLDER_LAYOUT_2.pack(self.pid, self.held_for, self.expires_in, self.releasing))
 
-    @classmethod
-    def decode(cls, source: _wire.Decoder, /) -> _Self:
-        (status,) = _HOLDER_LAYOUT_1.unpack(source)
-        status_value = source.enumerator(Status, status, Status.SENSOR, "Holder.status", 4)
-        user = source.string(64, "Holder.user")
-        host = source.string(64, "Holder.host")
-        program = source.string(128, "Holder.program")
-        pid, held_for, expires_in, releasing = _HOLDER_LAYOUT_2.unpack(source)
-        source.offset = source.end  # what a newer writer added is skipped
-        return cls(status_value, user, host, program, pid, held_for, expires_in, releasing)
-
-    @staticmethod
-    def fingerprint() -> int:
-        return 0x698A6B2FE41FD109
-
-    @staticmethod
-    def _gecos_shape() -> _shapes.Shape:
-        return _shapes.Members(
-            Holder,
-            (
-                _shapes.Member("status", _shapes.Enumerators(Status)),
-                _shapes.Member("user", _shapes.Text()),
-                _shapes.Member("host", _shapes.Text()),
-                _shapes.Member("program", _shapes.Text()),
-                _shapes.Member("pid", _shapes.Number("i")),
-                _shapes.Member("held_for", _shapes.Number("d")),
-                _shapes.Member("expires_in", _shapes.Number("d")),
-                _shapes.Member("releasing", _shapes.Number("?")),
-            ),
-        )
-
-
-_RUNNING_HANDLER_LAYOUT_1 = _wire.Fields(
+@_layout.struct(
+    0x70D7283D0F4193B5,
+    _layout.text(),
     "d",
-    (
-        "RunningHandler.running_for",
-    ),
-)
-_RUNNING_HANDLER_LAYOUT_2 = _wire.Fields(
+    _layout.text(),
+    _layout.text(),
+    _layout.text(),
     "i",
-    (
-        "RunningHandler.pid",
-    ),
-)
-
-
-@_plans.planned(
-    _plans.text(_wire.MAX_TEXT),
-    "d",
-    _plans.text(_wire.MAX_TEXT),
-    _plans.text(_wire.MAX_TEXT),
-    _plans.text(_wire.MAX_TEXT),
-    "i",
-    _plans.text(_wire.MAX_TEXT),
+    _layout.text(),
     open=True,
 )
 @_dataclass(slots=True)
-class RunningHandler:
+class RunningHandler(_layout.Struct):
     """A handler of an object that has begun and has not ended."""
 
     operation: str = ""
@@ -155,85 +84,24 @@ class RunningHandler:
     waits_for: str = ""
     """the call that its thread waits for without a bound, `RX90.move`; empty when none"""
 
-    def encode(self, out: _wire.Parts, /) -> None:
-        out.append(_wire.string(self.operation, _wire.MAX_TEXT, "RunningHandler.operation"))
-        out.append(_RUNNING_HANDLER_LAYOUT_1.pack(self.running_for))
-        out.append(_wire.string(self.user, _wire.MAX_TEXT, "RunningHandler.user"))
-        out.append(_wire.string(self.host, _wire.MAX_TEXT, "RunningHandler.host"))
-        out.append(_wire.string(self.program, _wire.MAX_TEXT, "RunningHandler.program"))
-        out.append(_RUNNING_HANDLER_LAYOUT_2.pack(self.pid))
-        out.append(_wire.string(self.waits_for, _wire.MAX_TEXT, "RunningHandler.waits_for"))
 
-    @classmethod
-    def decode(cls, source: _wire.Decoder, /) -> _Self:
-        operation = source.string(_wire.MAX_COUNT, "RunningHandler.operation")
-        (running_for,) = _RUNNING_HANDLER_LAYOUT_1.unpack(source)
-        user = source.string(_wire.MAX_COUNT, "RunningHandler.user")
-        host = source.string(_wire.MAX_COUNT, "RunningHandler.host")
-        program = source.string(_wire.MAX_COUNT, "RunningHandler.program")
-        (pid,) = _RUNNING_HANDLER_LAYOUT_2.unpack(source)
-        waits_for = source.string(_wire.MAX_COUNT, "RunningHandler.waits_for")
-        source.offset = source.end  # what a newer writer added is skipped
-        return cls(operation, running_for, user, host, program, pid, waits_for)
-
-    @staticmethod
-    def fingerprint() -> int:
-        return 0x70D7283D0F4193B5
-
-    @staticmethod
-    def _gecos_shape() -> _shapes.Shape:
-        return _shapes.Members(
-            RunningHandler,
-            (
-                _shapes.Member("operation", _shapes.Text()),
-                _shapes.Member("running_for", _shapes.Number("d")),
-                _shapes.Member("user", _shapes.Text()),
-                _shapes.Member("host", _shapes.Text()),
-                _shapes.Member("program", _shapes.Text()),
-                _shapes.Member("pid", _shapes.Number("i")),
-                _shapes.Member("waits_for", _shapes.Text()),
-            ),
-        )
-
-
-_DESCRIPTION_LAYOUT_1 = _wire.Fields(
+@_layout.struct(
+    0x156CC33D6B1EFE30,
+    _layout.text(),
+    _layout.text(),
+    _layout.text(),
     "Q?",
-    (
-        "Description.interface_hash",
-        "Description.simulated",
-    ),
-)
-_DESCRIPTION_LAYOUT_2 = _wire.Fields(
+    _layout.text(),
+    _layout.text(),
     "QI",
-    (
-        "Description.epoch",
-        "Description.queued",
-    ),
-)
-_DESCRIPTION_LAYOUT_3 = _wire.Fields(
+    _layout.text(),
     "i",
-    (
-        "Description.pid",
-    ),
-)
-
-
-@_plans.planned(
-    _plans.text(_wire.MAX_TEXT),
-    _plans.text(_wire.MAX_TEXT),
-    _plans.text(_wire.MAX_TEXT),
-    "Q?",
-    _plans.text(_wire.MAX_TEXT),
-    _plans.text(_wire.MAX_TEXT),
-    "QI",
-    _plans.text(_wire.MAX_TEXT),
-    "i",
-    _plans.text(_wire.MAX_TEXT),
-    _plans.items(_plans.block(RunningHandler), 4, _wire.MAX_COUNT),
+    _layout.text(),
+    _layout.items(RunningHandler),
     open=True,
 )
 @_dataclass(slots=True)
-class Description:
+class Description(_layout.Struct):
     """What an object is and what state it is in."""
 
     name: str = ""
@@ -258,201 +126,36 @@ class Description:
     handlers: list[RunningHandler] = _field(default_factory=list)
     """that have begun and have not ended, the oldest first"""
 
-    def encode(self, out: _wire.Parts, /) -> None:
-        out.append(_wire.string(self.name, _wire.MAX_TEXT, "Description.name"))
-        out.append(_wire.string(self.interface_name, _wire.MAX_TEXT, "Description.interface_name"))
-        out.append(_wire.string(self.version, _wire.MAX_TEXT, "Description.version"))
-        out.append(_DESCRIPTION_LAYOUT_1.pack(self.interface_hash, self.simulated))
-        out.append(_wire.string(self.presence, _wire.MAX_TEXT, "Description.presence"))
-        out.append(_wire.string(self.authentication, _wire.MAX_TEXT, "Description.authentication"))
-        out.append(_DESCRIPTION_LAYOUT_2.pack(self.epoch, self.queued))
-        out.append(_wire.string(self.executing, _wire.MAX_TEXT, "Description.executing"))
-        out.append(_DESCRIPTION_LAYOUT_3.pack(self.pid))
-        out.append(_wire.string(self.registration, _wire.MAX_TEXT, "Description.registration"))
-        out.append(_wire.counted(self.handlers, _wire.MAX_COUNT, "Description.handlers"))
-        for item in self.handlers:
-            _wire.put_block(item, RunningHandler, out, "Description.handlers")
 
-    @classmethod
-    def decode(cls, source: _wire.Decoder, /) -> _Self:
-        name = source.string(_wire.MAX_COUNT, "Description.name")
-        interface_name = source.string(_wire.MAX_COUNT, "Description.interface_name")
-        version = source.string(_wire.MAX_COUNT, "Description.version")
-        interface_hash, simulated = _DESCRIPTION_LAYOUT_1.unpack(source)
-        presence = source.string(_wire.MAX_COUNT, "Description.presence")
-        authentication = source.string(_wire.MAX_COUNT, "Description.authentication")
-        epoch, queued = _DESCRIPTION_LAYOUT_2.unpack(source)
-        executing = source.string(_wire.MAX_COUNT, "Description.executing")
-        (pid,) = _DESCRIPTION_LAYOUT_3.unpack(source)
-        registration = source.string(_wire.MAX_COUNT, "Description.registration")
-        handlers = [
-            RunningHandler.decode(source.block("Description.handlers"))
-            for _ in range(source.count(4, _wire.MAX_COUNT, "Description.handlers"))
-        ]
-        source.offset = source.end  # what a newer writer added is skipped
-        return cls(
-            name,
-            interface_name,
-            version,
-            interface_hash,
-            simulated,
-            presence,
-            authentication,
-            epoch,
-            queued,
-            executing,
-            pid,
-            registration,
-            handlers,
-        )
-
-    @staticmethod
-    def fingerprint() -> int:
-        return 0x156CC33D6B1EFE30
-
-    @staticmethod
-    def _gecos_shape() -> _shapes.Shape:
-        return _shapes.Members(
-            Description,
-            (
-                _shapes.Member("name", _shapes.Text()),
-                _shapes.Member("interface_name", _shapes.Text()),
-                _shapes.Member("version", _shapes.Text()),
-                _shapes.Member("interface_hash", _shapes.Number("Q")),
-                _shapes.Member("simulated", _shapes.Number("?")),
-                _shapes.Member("presence", _shapes.Text()),
-                _shapes.Member("authentication", _shapes.Text()),
-                _shapes.Member("epoch", _shapes.Number("Q")),
-                _shapes.Member("queued", _shapes.Number("I")),
-                _shapes.Member("executing", _shapes.Text()),
-                _shapes.Member("pid", _shapes.Number("i")),
-                _shapes.Member("registration", _shapes.Text()),
-                _shapes.Member("handlers", _shapes.Items(_shapes.Value(RunningHandler))),
-            ),
-        )
-
-
+@_layout.exception(
+    "gecos::StatusRefused",
+    0xB6FF0198C8E03F2A,
+    _layout.text(),
+    _layout.items(Holder),
+)
 @_dataclass(slots=True, eq=False)
-class StatusRefused(_DeclaredError):
+class StatusRefused(_layout.Struct, _DeclaredError):
     """Actor or master status was not given; `holders` says who has it."""
-
-    _gecos_name: _ClassVar[str] = "gecos::StatusRefused"
 
     reason: str = ""
     holders: list[Holder] = _field(default_factory=list)
 
-    def encode(self, out: _wire.Parts, /) -> None:
-        out.append(_wire.string(self.reason, _wire.MAX_TEXT, "StatusRefused.reason"))
-        out.append(_wire.counted(self.holders, _wire.MAX_COUNT, "StatusRefused.holders"))
-        for item in self.holders:
-            _wire.put_block(item, Holder, out, "StatusRefused.holders")
 
-    @classmethod
-    def decode(cls, source: _wire.Decoder, /) -> _Self:
-        reason = source.string(_wire.MAX_COUNT, "StatusRefused.reason")
-        holders = [
-            Holder.decode(source.block("StatusRefused.holders"))
-            for _ in range(source.count(4, _wire.MAX_COUNT, "StatusRefused.holders"))
-        ]
-        return cls(reason, holders)
-
-    @staticmethod
-    def fingerprint() -> int:
-        return 0xB6FF0198C8E03F2A
-
-    @staticmethod
-    def _gecos_shape() -> _shapes.Shape:
-        return _shapes.Members(
-            StatusRefused,
-            (
-                _shapes.Member("reason", _shapes.Text()),
-                _shapes.Member("holders", _shapes.Items(_shapes.Value(Holder))),
-            ),
-        )
-
-
-_GRANT_LAYOUT = _wire.Fields(
-    "iQ",
-    (
-        "Grant.status",
-        "Grant.epoch",
-    ),
-)
-
-
-@_plans.planned(_plans.enumerator("i", Status, Status.SENSOR), "Q", open=True)
+@_layout.struct(0x1741290F0C97C441, Status, "Q", open=True)
 @_dataclass(slots=True)
-class Grant:
+class Grant(_layout.Struct):
     """Status that was given, fenced by `epoch`."""
 
     status: Status = Status.SENSOR
     epoch: int = 0
 
-    def encode(self, out: _wire.Parts, /) -> None:
-        out.append(_GRANT_LAYOUT.pack(self.status, self.epoch))
-        _wire.expect_enumerator(self.status, Status, "Grant.status")
 
-    @classmethod
-    def decode(cls, source: _wire.Decoder, /) -> _Self:
-        status, epoch = _GRANT_LAYOUT.unpack(source)
-        status_value = source.enumerator(Status, status, Status.SENSOR, "Grant.status", 12)
-        source.offset = source.end  # what a newer writer added is skipped
-        return cls(status_value, epoch)
-
-    @staticmethod
-    def fingerprint() -> int:
-        return 0x1741290F0C97C441
-
-    @staticmethod
-    def _gecos_shape() -> _shapes.Shape:
-        return _shapes.Members(
-            Grant,
-            (
-                _shapes.Member("status", _shapes.Enumerators(Status)),
-                _shapes.Member("epoch", _shapes.Number("Q")),
-            ),
-        )
-
-
-_OUTCOME_RECORD_LAYOUT = _wire.Fields(
-    "B",
-    (
-        "OutcomeRecord.detail",
-    ),
-)
-
-
-@_plans.planned("B", _plans.text(_wire.MAX_TEXT), open=True)
+@_layout.struct(0x5FDE1F5AF18CF320, "B", _layout.text(), open=True)
 @_dataclass(slots=True)
-class OutcomeRecord:
+class OutcomeRecord(_layout.Struct):
     """What became of a command, or where it stands."""
 
     detail: int = 0
     """as in the flags of a reply"""
     text: str = ""
     """why, when it is not DONE"""
-
-    def encode(self, out: _wire.Parts, /) -> None:
-        out.append(_OUTCOME_RECORD_LAYOUT.pack(self.detail))
-        out.append(_wire.string(self.text, _wire.MAX_TEXT, "OutcomeRecord.text"))
-
-    @classmethod
-    def decode(cls, source: _wire.Decoder, /) -> _Self:
-        (detail,) = _OUTCOME_RECORD_LAYOUT.unpack(source)
-        text = source.string(_wire.MAX_COUNT, "OutcomeRecord.text")
-        source.offset = source.end  # what a newer writer added is skipped
-        return cls(detail, text)
-
-    @staticmethod
-    def fingerprint() -> int:
-        return 0x5FDE1F5AF18CF320
-
-    @staticmethod
-    def _gecos_shape() -> _shapes.Shape:
-        return _shapes.Members(
-            OutcomeRecord,
-            (
-                _shapes.Member("detail", _shapes.Number("B")),
-                _shapes.Member("text", _shapes.Text()),
-            ),
-        )

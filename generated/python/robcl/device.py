@@ -5,25 +5,18 @@
 from __future__ import annotations
 
 from abc import abstractmethod as _abstractmethod
-from collections.abc import Mapping as _Mapping
-from typing import ClassVar as _ClassVar
 
-from gecos import wire as _wire
 from gecos.command import Command as _Command
 from gecos.interface import Access as _Access
-from gecos.interface import Handler as _Handler
-from gecos.interface import Interface as _Interface
-from gecos.interface import Kind as _Kind
 from gecos.interface import Method as _Method
 from gecos.interface import Operation as _Operation
-from gecos.interface import Quality as _Quality
-from gecos.interface import no_arguments as _no_arguments
-from gecos.interface import no_result as _no_result
-from gecos.interface import nothing as _nothing
+from gecos.interface import getter as _getter
+from gecos.interface import interface as _interface
+from gecos.interface import method as _method
+from gecos.interface import values as _values
 from gecos.proxy import Object as _Object
 from gecos.servant import Servant as _Servant
-from gecos.wire import Decoder as _Decoder
-from gecos.wire import Parts as _Parts
+from gecos.wire import layout as _layout
 from robcl.device_types import MountRefused
 from robcl.geometry_types import Frame
 
@@ -33,78 +26,25 @@ __all__ = [
     "MountRefused",
 ]
 
-
-def _device_base_result(value: Frame) -> _Parts:
-    out: _Parts = []
-    _wire.put(value, Frame, out, "base")
-    return out
-
-
-def _device_parent_reply(source: _Decoder) -> str:
-    value: str = source.string(_wire.MAX_COUNT, "parent")
-    return value
-
-
-def _device_parent_result(value: str) -> _Parts:
-    out: _Parts = []
-    out.append(_wire.string(value, _wire.MAX_TEXT, "parent"))
-    return out
-
-
-def _device_mount_arguments(source: _Decoder) -> tuple[str, Frame]:
-    carrier: str = source.string(_wire.MAX_COUNT, "mount.carrier")
-    offset: Frame = Frame.decode(source)
-    return carrier, offset
-
-
-_DEVICE_BASE: _Method[Frame, None] = _Method(
-    _Operation(
-        code=0xD85EEC1C,
-        name="base",
-        kind=_Kind.GETTER,
-        access=_Access.SENSOR,
-        presence=False,
-        idempotent=True,
-        hash=0x6C7E67C50B389010,
-    ),
-    Frame.decode,
+_DEVICE_BASE: _Method[Frame, None] = _method(
+    _getter(0xD85EEC1C, "base", _Access.SENSOR, hash=0x6C7E67C50B389010),
+    gives=Frame,
 )
-_DEVICE_PARENT: _Method[str, None] = _Method(
-    _Operation(
-        code=0x8FD39271,
-        name="parent",
-        kind=_Kind.GETTER,
-        access=_Access.SENSOR,
-        presence=False,
-        idempotent=True,
-        hash=0xA8E7EE76D3BF5589,
-    ),
-    _device_parent_reply,
+_DEVICE_PARENT: _Method[str, None] = _method(
+    _getter(0x8FD39271, "parent", _Access.SENSOR, hash=0xA8E7EE76D3BF5589),
+    gives=_layout.text(),
 )
-_DEVICE_MOUNT: _Method[None, None] = _Method(
-    _Operation(
-        code=0xEB6DA7E6,
-        name="mount",
-        access=_Access.ACTOR,
-        hash=0x40840A23E20BCA46,
-    ),
-    _nothing,
+_DEVICE_MOUNT: _Method[None, None] = _method(
+    _Operation(0xEB6DA7E6, "mount", _Access.ACTOR, hash=0x40840A23E20BCA46),
+    takes=_values("carrier offset", _layout.text(), Frame),
     raises=(MountRefused,),
 )
-_DEVICE = _Interface(
-    name="robcl::Device",
-    version="1.0",
-    hash=0x93AD599693441813,
-    bases=(
-    ),
-    operations=(
-        _DEVICE_BASE.operation,
-        _DEVICE_PARENT.operation,
-        _DEVICE_MOUNT.operation,
-    ),
-    streams=(
-    ),
-    quality=_Quality(),
+_DEVICE = _interface(
+    "robcl::Device",
+    "1.0",
+    0x93AD599693441813,
+    (),
+    (_DEVICE_BASE, _DEVICE_PARENT, _DEVICE_MOUNT),
 )
 
 
@@ -127,39 +67,14 @@ class Device(_Object):
 
         May raise MountRefused.
         """
-        out: _Parts = []
-        out.append(_wire.string(carrier, _wire.MAX_TEXT, "mount.carrier"))
-        _wire.put(offset, Frame, out, "mount.offset")
-        return self._gecos_call(_DEVICE_MOUNT, out)
+        return self._gecos_call(_DEVICE_MOUNT, _DEVICE_MOUNT.arguments(carrier, offset))
 
 
 class DeviceServant(_Servant):
     """Anything that has a place in the laboratory."""
 
     _gecos_interface = _DEVICE
-    _gecos_handlers: _ClassVar[_Mapping[int, _Handler]] = {
-        0xD85EEC1C: _Handler(
-            _DEVICE_BASE.operation,
-            "base",
-            _no_arguments,
-            _device_base_result,
-            _DEVICE_BASE.raises,
-        ),
-        0x8FD39271: _Handler(
-            _DEVICE_PARENT.operation,
-            "parent",
-            _no_arguments,
-            _device_parent_result,
-            _DEVICE_PARENT.raises,
-        ),
-        0xEB6DA7E6: _Handler(
-            _DEVICE_MOUNT.operation,
-            "mount",
-            _device_mount_arguments,
-            _no_result,
-            _DEVICE_MOUNT.raises,
-        ),
-    }
+    _gecos_handlers = _DEVICE.handlers
 
     @_abstractmethod
     def base(self) -> Frame:

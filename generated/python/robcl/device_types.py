@@ -5,41 +5,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass as _dataclass
-from typing import ClassVar as _ClassVar
-from typing import Self as _Self
 
-from gecos import wire as _wire
 from gecos.errors import DeclaredError as _DeclaredError
-from gecos.wire import shapes as _shapes
+from gecos.wire import layout as _layout
 
 __all__ = [
     "MountRefused",
 ]
 
 
+@_layout.exception("robcl::MountRefused", 0xED00B27A58C49395, _layout.text())
 @_dataclass(slots=True, eq=False)
-class MountRefused(_DeclaredError):
-    _gecos_name: _ClassVar[str] = "robcl::MountRefused"
-
+class MountRefused(_layout.Struct, _DeclaredError):
     reason: str = ""
-
-    def encode(self, out: _wire.Parts, /) -> None:
-        out.append(_wire.string(self.reason, _wire.MAX_TEXT, "MountRefused.reason"))
-
-    @classmethod
-    def decode(cls, source: _wire.Decoder, /) -> _Self:
-        reason = source.string(_wire.MAX_COUNT, "MountRefused.reason")
-        return cls(reason)
-
-    @staticmethod
-    def fingerprint() -> int:
-        return 0xED00B27A58C49395
-
-    @staticmethod
-    def _gecos_shape() -> _shapes.Shape:
-        return _shapes.Members(
-            MountRefused,
-            (
-                _shapes.Member("reason", _shapes.Text()),
-            ),
-        )

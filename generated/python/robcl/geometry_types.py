@@ -6,11 +6,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass as _dataclass
 from dataclasses import field as _field
-from typing import Self as _Self
 
-from gecos import wire as _wire
-from gecos.wire import plans as _plans
-from gecos.wire import shapes as _shapes
+from gecos.wire import layout as _layout
 from robcl.frames import Frame
 
 __all__ = [
@@ -19,19 +16,10 @@ __all__ = [
     "Vector",
 ]
 
-_VECTOR_LAYOUT = _wire.Fields(
-    "ddd",
-    (
-        "Vector.x",
-        "Vector.y",
-        "Vector.z",
-    ),
-)
 
-
-@_plans.planned("ddd")
+@_layout.struct(0xAE7E5FBA5EECA11E, "ddd")
 @_dataclass(slots=True)
-class Vector:
+class Vector(_layout.Struct):
     x: float = 0.0
     """[m]"""
     y: float = 0.0
@@ -39,43 +27,10 @@ class Vector:
     z: float = 0.0
     """[m]"""
 
-    def encode(self, out: _wire.Parts, /) -> None:
-        out.append(_VECTOR_LAYOUT.pack(self.x, self.y, self.z))
 
-    @classmethod
-    def decode(cls, source: _wire.Decoder, /) -> _Self:
-        return cls(*_VECTOR_LAYOUT.unpack(source))
-
-    @staticmethod
-    def fingerprint() -> int:
-        return 0xAE7E5FBA5EECA11E
-
-    @staticmethod
-    def _gecos_shape() -> _shapes.Shape:
-        return _shapes.Members(
-            Vector,
-            (
-                _shapes.Member("x", _shapes.Number("d")),
-                _shapes.Member("y", _shapes.Number("d")),
-                _shapes.Member("z", _shapes.Number("d")),
-            ),
-        )
-
-
-_QUATERNION_LAYOUT = _wire.Fields(
-    "dddd",
-    (
-        "Quaternion.w",
-        "Quaternion.x",
-        "Quaternion.y",
-        "Quaternion.z",
-    ),
-)
-
-
-@_plans.planned("dddd")
+@_layout.struct(0x365BDD4BF9100A1F, "dddd")
 @_dataclass(slots=True)
-class Quaternion:
+class Quaternion(_layout.Struct):
     """Unit quaternion, w + xi + yj + zk."""
 
     w: float = 0.0
@@ -83,90 +38,11 @@ class Quaternion:
     y: float = 0.0
     z: float = 0.0
 
-    def encode(self, out: _wire.Parts, /) -> None:
-        out.append(_QUATERNION_LAYOUT.pack(self.w, self.x, self.y, self.z))
 
-    @classmethod
-    def decode(cls, source: _wire.Decoder, /) -> _Self:
-        return cls(*_QUATERNION_LAYOUT.unpack(source))
-
-    @staticmethod
-    def fingerprint() -> int:
-        return 0x365BDD4BF9100A1F
-
-    @staticmethod
-    def _gecos_shape() -> _shapes.Shape:
-        return _shapes.Members(
-            Quaternion,
-            (
-                _shapes.Member("w", _shapes.Number("d")),
-                _shapes.Member("x", _shapes.Number("d")),
-                _shapes.Member("y", _shapes.Number("d")),
-                _shapes.Member("z", _shapes.Number("d")),
-            ),
-        )
-
-
-_FRAME_LAYOUT_LAYOUT = _wire.Fields(
-    "ddddddd",
-    (
-        "Vector.x",
-        "Vector.y",
-        "Vector.z",
-        "Quaternion.w",
-        "Quaternion.x",
-        "Quaternion.y",
-        "Quaternion.z",
-    ),
-)
-
-
+@_layout.twin(Frame, Vector, Quaternion)
 @_dataclass(slots=True)
-class _FrameLayout:
+class _FrameLayout(_layout.Encoded):
     """Position and orientation of a coordinate system, seen from another."""
 
     position: Vector = _field(default_factory=Vector)
     orientation: Quaternion = _field(default_factory=Quaternion)
-
-    def encode(self, out: _wire.Parts, /) -> None:
-        _wire.expect(self.position, Vector, "_FrameLayout.position")
-        _wire.expect(self.orientation, Quaternion, "_FrameLayout.orientation")
-        out.append(
-            _FRAME_LAYOUT_LAYOUT.pack(
-                self.position.x,
-                self.position.y,
-                self.position.z,
-                self.orientation.w,
-                self.orientation.x,
-                self.orientation.y,
-                self.orientation.z,
-            ),
-        )
-
-    @classmethod
-    def decode(cls, source: _wire.Decoder, /) -> _Self:
-        (
-            position_x,
-            position_y,
-            position_z,
-            orientation_w,
-            orientation_x,
-            orientation_y,
-            orientation_z,
-        ) = _FRAME_LAYOUT_LAYOUT.unpack(source)
-        position_value = Vector(position_x, position_y, position_z)
-        orientation_value = Quaternion(orientation_w, orientation_x, orientation_y, orientation_z)
-        return cls(position_value, orientation_value)
-
-    @staticmethod
-    def _gecos_shape() -> _shapes.Shape:
-        return _shapes.Members(
-            _FrameLayout,
-            (
-                _shapes.Member("position", _shapes.Value(Vector)),
-                _shapes.Member("orientation", _shapes.Value(Quaternion)),
-            ),
-        )
-
-
-_shapes.described[Frame] = _shapes.Layout(Frame, _FrameLayout)

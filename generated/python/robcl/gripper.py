@@ -5,26 +5,18 @@
 from __future__ import annotations
 
 from abc import abstractmethod as _abstractmethod
-from collections.abc import Mapping as _Mapping
-from typing import ClassVar as _ClassVar
 
-from gecos import wire as _wire
 from gecos.command import Command as _Command
 from gecos.execution import Execution as _Execution
 from gecos.interface import Access as _Access
-from gecos.interface import Handler as _Handler
-from gecos.interface import Interface as _Interface
-from gecos.interface import Kind as _Kind
 from gecos.interface import Method as _Method
 from gecos.interface import Operation as _Operation
-from gecos.interface import OutwardStream as _OutwardStream
-from gecos.interface import Quality as _Quality
-from gecos.interface import no_arguments as _no_arguments
-from gecos.interface import no_result as _no_result
-from gecos.interface import nothing as _nothing
+from gecos.interface import getter as _getter
+from gecos.interface import interface as _interface
+from gecos.interface import method as _method
+from gecos.interface import values as _values
 from gecos.proxy import StreamAttribute as _StreamAttribute
-from gecos.wire import Decoder as _Decoder
-from gecos.wire import Parts as _Parts
+from gecos.wire import layout as _layout
 from robcl.device import Device, DeviceServant
 from robcl.geometry_types import Frame
 from robcl.gripper_types import GripperState, OutOfRange
@@ -36,155 +28,48 @@ __all__ = [
     "OutOfRange",
 ]
 
-
-def _gripper_jaws_reply(source: _Decoder) -> GripperState:
-    return GripperState.decode(source.block("jaws"))
-
-
-def _gripper_jaws_result(value: GripperState) -> _Parts:
-    out: _Parts = []
-    _wire.put_block(value, GripperState, out, "jaws")
-    return out
-
-
-def _gripper_grip_point_result(value: Frame) -> _Parts:
-    out: _Parts = []
-    _wire.put(value, Frame, out, "grip_point")
-    return out
-
-
-def _gripper_max_width_reply(source: _Decoder) -> float:
-    value: float = source.number("d", "max_width")
-    return value
-
-
-def _gripper_max_width_result(value: float) -> _Parts:
-    out: _Parts = []
-    out.append(_wire.number(value, "d", "max_width"))
-    return out
-
-
-def _gripper_max_force_reply(source: _Decoder) -> float:
-    value: float = source.number("d", "max_force")
-    return value
-
-
-def _gripper_max_force_result(value: float) -> _Parts:
-    out: _Parts = []
-    out.append(_wire.number(value, "d", "max_force"))
-    return out
-
-
-def _gripper_open_arguments(source: _Decoder) -> tuple[float]:
-    width: float = source.ranged("d", 0.0, None, "open.width")
-    return (width,)
-
-
-def _gripper_close_arguments(source: _Decoder) -> tuple[float]:
-    force: float = source.ranged("d", 0.0, None, "close.force")
-    return (force,)
-
-
-_GRIPPER_JAWS: _Method[GripperState, None] = _Method(
-    _Operation(
-        code=0x6755A361,
-        name="jaws",
-        kind=_Kind.GETTER,
-        access=_Access.SENSOR,
-        presence=False,
-        idempotent=True,
-        hash=0x0FB970AC2BFD2F26,
-    ),
-    _gripper_jaws_reply,
+_GRIPPER_JAWS: _Method[GripperState, None] = _method(
+    _getter(0x6755A361, "jaws", _Access.SENSOR, hash=0x0FB970AC2BFD2F26),
+    gives=GripperState,
+    stream=(50.0, 0),
 )
-_GRIPPER_GRIP_POINT: _Method[Frame, None] = _Method(
-    _Operation(
-        code=0x8BB8A207,
-        name="grip_point",
-        kind=_Kind.GETTER,
-        access=_Access.SENSOR,
-        presence=False,
-        idempotent=True,
-        hash=0xA38F858FFE2B47E6,
-    ),
-    Frame.decode,
+_GRIPPER_GRIP_POINT: _Method[Frame, None] = _method(
+    _getter(0x8BB8A207, "grip_point", _Access.SENSOR, hash=0xA38F858FFE2B47E6),
+    gives=Frame,
 )
-_GRIPPER_MAX_WIDTH: _Method[float, None] = _Method(
-    _Operation(
-        code=0x8B02F9AF,
-        name="max_width",
-        kind=_Kind.GETTER,
-        access=_Access.SENSOR,
-        presence=False,
-        idempotent=True,
-        hash=0xC9B12C311DA8FF15,
-    ),
-    _gripper_max_width_reply,
+_GRIPPER_MAX_WIDTH: _Method[float, None] = _method(
+    _getter(0x8B02F9AF, "max_width", _Access.SENSOR, hash=0xC9B12C311DA8FF15),
+    gives="d",
 )
-_GRIPPER_MAX_FORCE: _Method[float, None] = _Method(
-    _Operation(
-        code=0x2BA48834,
-        name="max_force",
-        kind=_Kind.GETTER,
-        access=_Access.SENSOR,
-        presence=False,
-        idempotent=True,
-        hash=0xF34EE4DADAAD5D51,
-    ),
-    _gripper_max_force_reply,
+_GRIPPER_MAX_FORCE: _Method[float, None] = _method(
+    _getter(0x2BA48834, "max_force", _Access.SENSOR, hash=0xF34EE4DADAAD5D51),
+    gives="d",
 )
-_GRIPPER_OPEN: _Method[None, GripperState] = _Method(
-    _Operation(
-        code=0x7BC932D6,
-        name="open",
-        access=_Access.ACTOR,
-        cancelable=True,
-        hash=0x26B349E727725D66,
-    ),
-    _nothing,
-    feedback=GripperState.decode,
+_GRIPPER_OPEN: _Method[None, GripperState] = _method(
+    _Operation(0x7BC932D6, "open", _Access.ACTOR, cancelable=True, hash=0x26B349E727725D66),
+    takes=_values("width", _layout.ranged("d", 0.0)),
+    feedback=GripperState,
     raises=(OutOfRange,),
 )
-_GRIPPER_CLOSE: _Method[None, GripperState] = _Method(
-    _Operation(
-        code=0xD12A65B2,
-        name="close",
-        access=_Access.ACTOR,
-        cancelable=True,
-        hash=0x432E6B27BBEFBA1A,
-    ),
-    _nothing,
-    feedback=GripperState.decode,
+_GRIPPER_CLOSE: _Method[None, GripperState] = _method(
+    _Operation(0xD12A65B2, "close", _Access.ACTOR, cancelable=True, hash=0x432E6B27BBEFBA1A),
+    takes=_values("force", _layout.ranged("d", 0.0)),
+    feedback=GripperState,
     raises=(OutOfRange,),
 )
-_GRIPPER_JAWS_STREAM = _OutwardStream(
-    code=0x6755A361,
-    name="jaws",
-    access=_Access.SENSOR,
-    rate_hz=50.0,
-    largest=0,
-)
-_GRIPPER = _Interface(
-    name="robcl::Gripper",
-    version="1.0",
-    hash=0xA2CB25259A928F38,
-    bases=(
-        "robcl::Device",
+_GRIPPER = _interface(
+    "robcl::Gripper",
+    "1.0",
+    0xA2CB25259A928F38,
+    (Device,),
+    (
+        _GRIPPER_JAWS,
+        _GRIPPER_GRIP_POINT,
+        _GRIPPER_MAX_WIDTH,
+        _GRIPPER_MAX_FORCE,
+        _GRIPPER_OPEN,
+        _GRIPPER_CLOSE,
     ),
-    operations=(
-        *Device._gecos_interface.operations,
-        _GRIPPER_JAWS.operation,
-        _GRIPPER_GRIP_POINT.operation,
-        _GRIPPER_MAX_WIDTH.operation,
-        _GRIPPER_MAX_FORCE.operation,
-        _GRIPPER_OPEN.operation,
-        _GRIPPER_CLOSE.operation,
-    ),
-    streams=(
-        *Device._gecos_interface.streams,
-        _GRIPPER_JAWS_STREAM,
-    ),
-    quality=_Quality(),
 )
 
 
@@ -196,7 +81,7 @@ class Gripper(Device):
     @property
     def jaws(self) -> _StreamAttribute[GripperState]:
         """Published 50 times a second."""
-        return _StreamAttribute(self, _GRIPPER_JAWS, _GRIPPER_JAWS_STREAM)
+        return _StreamAttribute(self, _GRIPPER_JAWS)
 
     def grip_point(self) -> _Command[Frame]:
         """Point between the finger tips, in the world: approach along z, jaws close along y."""
@@ -216,11 +101,7 @@ class Gripper(Device):
         width: [m, at least 0.0]
         May raise OutOfRange.
         """
-        out: _Parts = []
-        out.append(_wire.number(width, "d", "open.width"))
-        if not width >= 0.0:
-            raise _wire.out_of_range("open.width", width, "[0.0, inf]")
-        return self._gecos_call(_GRIPPER_OPEN, out)
+        return self._gecos_call(_GRIPPER_OPEN, _GRIPPER_OPEN.arguments(width))
 
     def close(self, force: float) -> _Command[None, GripperState]:
         """Closes until the jaws meet something with `force`, or each other.
@@ -228,62 +109,14 @@ class Gripper(Device):
         force: [N, at least 0.0]
         May raise OutOfRange.
         """
-        out: _Parts = []
-        out.append(_wire.number(force, "d", "close.force"))
-        if not force >= 0.0:
-            raise _wire.out_of_range("close.force", force, "[0.0, inf]")
-        return self._gecos_call(_GRIPPER_CLOSE, out)
+        return self._gecos_call(_GRIPPER_CLOSE, _GRIPPER_CLOSE.arguments(force))
 
 
 class GripperServant(DeviceServant):
     """Two parallel jaws."""
 
     _gecos_interface = _GRIPPER
-    _gecos_handlers: _ClassVar[_Mapping[int, _Handler]] = {
-        **DeviceServant._gecos_handlers,
-        0x6755A361: _Handler(
-            _GRIPPER_JAWS.operation,
-            "jaws",
-            _no_arguments,
-            _gripper_jaws_result,
-            _GRIPPER_JAWS.raises,
-        ),
-        0x8BB8A207: _Handler(
-            _GRIPPER_GRIP_POINT.operation,
-            "grip_point",
-            _no_arguments,
-            _gripper_grip_point_result,
-            _GRIPPER_GRIP_POINT.raises,
-        ),
-        0x8B02F9AF: _Handler(
-            _GRIPPER_MAX_WIDTH.operation,
-            "max_width",
-            _no_arguments,
-            _gripper_max_width_result,
-            _GRIPPER_MAX_WIDTH.raises,
-        ),
-        0x2BA48834: _Handler(
-            _GRIPPER_MAX_FORCE.operation,
-            "max_force",
-            _no_arguments,
-            _gripper_max_force_result,
-            _GRIPPER_MAX_FORCE.raises,
-        ),
-        0x7BC932D6: _Handler(
-            _GRIPPER_OPEN.operation,
-            "open",
-            _gripper_open_arguments,
-            _no_result,
-            _GRIPPER_OPEN.raises,
-        ),
-        0xD12A65B2: _Handler(
-            _GRIPPER_CLOSE.operation,
-            "close",
-            _gripper_close_arguments,
-            _no_result,
-            _GRIPPER_CLOSE.raises,
-        ),
-    }
+    _gecos_handlers = _GRIPPER.handlers
 
     @_abstractmethod
     def jaws(self) -> GripperState:
@@ -319,6 +152,4 @@ class GripperServant(DeviceServant):
 
     def publish_jaws(self, value: GripperState, stamp: float | None = None) -> None:
         """A new sample of `jaws`, measured at `stamp` (Unix time in s; now)."""
-        out: _Parts = []
-        _wire.put_block(value, GripperState, out, "jaws")
-        self._gecos_publish(0x6755A361, out, stamp)
+        self._gecos_publish(0x6755A361, _GRIPPER_JAWS.body(value), stamp)

@@ -5,33 +5,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass as _dataclass
-from typing import ClassVar as _ClassVar
-from typing import Self as _Self
 
-from gecos import wire as _wire
 from gecos.errors import DeclaredError as _DeclaredError
-from gecos.wire import plans as _plans
-from gecos.wire import shapes as _shapes
+from gecos.wire import layout as _layout
 
 __all__ = [
     "GripperState",
     "OutOfRange",
 ]
 
-_GRIPPER_STATE_LAYOUT = _wire.Fields(
-    "dd??",
-    (
-        "GripperState.width",
-        "GripperState.force",
-        "GripperState.moving",
-        "GripperState.holding",
-    ),
-)
 
-
-@_plans.planned("dd??", _plans.text(_wire.MAX_TEXT), open=True)
+@_layout.struct(0xE3695E149ACAA4EA, "dd??", _layout.text(), open=True)
 @_dataclass(slots=True)
-class GripperState:
+class GripperState(_layout.Struct):
     """What the jaws do and hold."""
 
     width: float = 0.0
@@ -43,78 +29,13 @@ class GripperState:
     held: str = ""
     """name of the body that is held, where it is known"""
 
-    def encode(self, out: _wire.Parts, /) -> None:
-        out.append(_GRIPPER_STATE_LAYOUT.pack(self.width, self.force, self.moving, self.holding))
-        out.append(_wire.string(self.held, _wire.MAX_TEXT, "GripperState.held"))
 
-    @classmethod
-    def decode(cls, source: _wire.Decoder, /) -> _Self:
-        width, force, moving, holding = _GRIPPER_STATE_LAYOUT.unpack(source)
-        held = source.string(_wire.MAX_COUNT, "GripperState.held")
-        source.offset = source.end  # what a newer writer added is skipped
-        return cls(width, force, moving, holding, held)
-
-    @staticmethod
-    def fingerprint() -> int:
-        return 0xE3695E149ACAA4EA
-
-    @staticmethod
-    def _gecos_shape() -> _shapes.Shape:
-        return _shapes.Members(
-            GripperState,
-            (
-                _shapes.Member("width", _shapes.Number("d")),
-                _shapes.Member("force", _shapes.Number("d")),
-                _shapes.Member("moving", _shapes.Number("?")),
-                _shapes.Member("holding", _shapes.Number("?")),
-                _shapes.Member("held", _shapes.Text()),
-            ),
-        )
-
-
-_OUT_OF_RANGE_LAYOUT = _wire.Fields(
-    "ddd",
-    (
-        "OutOfRange.value",
-        "OutOfRange.lower",
-        "OutOfRange.upper",
-    ),
-)
-
-
+@_layout.exception("robcl::OutOfRange", 0x8809D953DA8D5F46, _layout.text(), "ddd")
 @_dataclass(slots=True, eq=False)
-class OutOfRange(_DeclaredError):
+class OutOfRange(_layout.Struct, _DeclaredError):
     """The asked value is outside what this gripper can do."""
-
-    _gecos_name: _ClassVar[str] = "robcl::OutOfRange"
 
     what: str = ""
     value: float = 0.0
     lower: float = 0.0
     upper: float = 0.0
-
-    def encode(self, out: _wire.Parts, /) -> None:
-        out.append(_wire.string(self.what, _wire.MAX_TEXT, "OutOfRange.what"))
-        out.append(_OUT_OF_RANGE_LAYOUT.pack(self.value, self.lower, self.upper))
-
-    @classmethod
-    def decode(cls, source: _wire.Decoder, /) -> _Self:
-        what = source.string(_wire.MAX_COUNT, "OutOfRange.what")
-        value, lower, upper = _OUT_OF_RANGE_LAYOUT.unpack(source)
-        return cls(what, value, lower, upper)
-
-    @staticmethod
-    def fingerprint() -> int:
-        return 0x8809D953DA8D5F46
-
-    @staticmethod
-    def _gecos_shape() -> _shapes.Shape:
-        return _shapes.Members(
-            OutOfRange,
-            (
-                _shapes.Member("what", _shapes.Text()),
-                _shapes.Member("value", _shapes.Number("d")),
-                _shapes.Member("lower", _shapes.Number("d")),
-                _shapes.Member("upper", _shapes.Number("d")),
-            ),
-        )

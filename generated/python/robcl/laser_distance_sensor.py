@@ -5,25 +5,16 @@
 from __future__ import annotations
 
 from abc import abstractmethod as _abstractmethod
-from collections.abc import Mapping as _Mapping
-from typing import ClassVar as _ClassVar
 
-from gecos import wire as _wire
 from gecos.command import Command as _Command
 from gecos.interface import Access as _Access
-from gecos.interface import Handler as _Handler
-from gecos.interface import Interface as _Interface
-from gecos.interface import Kind as _Kind
 from gecos.interface import Method as _Method
 from gecos.interface import Operation as _Operation
-from gecos.interface import OutwardStream as _OutwardStream
-from gecos.interface import Quality as _Quality
-from gecos.interface import no_arguments as _no_arguments
-from gecos.interface import no_result as _no_result
-from gecos.interface import nothing as _nothing
+from gecos.interface import getter as _getter
+from gecos.interface import interface as _interface
+from gecos.interface import method as _method
+from gecos.interface import values as _values
 from gecos.proxy import StreamAttribute as _StreamAttribute
-from gecos.wire import Decoder as _Decoder
-from gecos.wire import Parts as _Parts
 from robcl.device import Device, DeviceServant
 from robcl.laser_distance_sensor_types import Distance, SensorFault
 
@@ -34,82 +25,33 @@ __all__ = [
     "SensorFault",
 ]
 
-
-def _laser_distance_sensor_beam_result(value: Distance) -> _Parts:
-    out: _Parts = []
-    _wire.put(value, Distance, out, "beam")
-    return out
-
-
-def _laser_distance_sensor_measure_result(value: Distance) -> _Parts:
-    out: _Parts = []
-    _wire.put(value, Distance, out, "measure")
-    return out
-
-
-def _laser_distance_sensor_power_arguments(source: _Decoder) -> tuple[bool]:
-    on: bool = source.number("?", "power.on")
-    return (on,)
-
-
-_LASER_DISTANCE_SENSOR_BEAM: _Method[Distance, None] = _Method(
-    _Operation(
-        code=0x43A6C344,
-        name="beam",
-        kind=_Kind.GETTER,
-        access=_Access.SENSOR,
-        presence=False,
-        idempotent=True,
-        hash=0x926D6ED0FEBD6A3F,
-    ),
-    Distance.decode,
+_LASER_DISTANCE_SENSOR_BEAM: _Method[Distance, None] = _method(
+    _getter(0x43A6C344, "beam", _Access.SENSOR, hash=0x926D6ED0FEBD6A3F),
+    gives=Distance,
+    stream=(50.0, 33),
 )
-_LASER_DISTANCE_SENSOR_MEASURE: _Method[Distance, None] = _Method(
+_LASER_DISTANCE_SENSOR_MEASURE: _Method[Distance, None] = _method(
     _Operation(
-        code=0x3FF05271,
-        name="measure",
-        access=_Access.SENSOR,
+        0x3FF05271,
+        "measure",
+        _Access.SENSOR,
         presence=False,
         idempotent=True,
         hash=0x80955AF0C37D3E42,
     ),
-    Distance.decode,
+    gives=Distance,
     raises=(SensorFault,),
 )
-_LASER_DISTANCE_SENSOR_POWER: _Method[None, None] = _Method(
-    _Operation(
-        code=0x05F38E6C,
-        name="power",
-        access=_Access.ACTOR,
-        hash=0x16968196D2C3127A,
-    ),
-    _nothing,
+_LASER_DISTANCE_SENSOR_POWER: _Method[None, None] = _method(
+    _Operation(0x05F38E6C, "power", _Access.ACTOR, hash=0x16968196D2C3127A),
+    takes=_values("on", "?"),
 )
-_LASER_DISTANCE_SENSOR_BEAM_STREAM = _OutwardStream(
-    code=0x43A6C344,
-    name="beam",
-    access=_Access.SENSOR,
-    rate_hz=50.0,
-    largest=33,
-)
-_LASER_DISTANCE_SENSOR = _Interface(
-    name="robcl::LaserDistanceSensor",
-    version="1.0",
-    hash=0x133C47F4AE41F5E0,
-    bases=(
-        "robcl::Device",
-    ),
-    operations=(
-        *Device._gecos_interface.operations,
-        _LASER_DISTANCE_SENSOR_BEAM.operation,
-        _LASER_DISTANCE_SENSOR_MEASURE.operation,
-        _LASER_DISTANCE_SENSOR_POWER.operation,
-    ),
-    streams=(
-        *Device._gecos_interface.streams,
-        _LASER_DISTANCE_SENSOR_BEAM_STREAM,
-    ),
-    quality=_Quality(),
+_LASER_DISTANCE_SENSOR = _interface(
+    "robcl::LaserDistanceSensor",
+    "1.0",
+    0x133C47F4AE41F5E0,
+    (Device,),
+    (_LASER_DISTANCE_SENSOR_BEAM, _LASER_DISTANCE_SENSOR_MEASURE, _LASER_DISTANCE_SENSOR_POWER),
 )
 
 
@@ -121,11 +63,7 @@ class LaserDistanceSensor(Device):
     @property
     def beam(self) -> _StreamAttribute[Distance]:
         """Published 50 times a second."""
-        return _StreamAttribute(
-            self,
-            _LASER_DISTANCE_SENSOR_BEAM,
-            _LASER_DISTANCE_SENSOR_BEAM_STREAM,
-        )
+        return _StreamAttribute(self, _LASER_DISTANCE_SENSOR_BEAM)
 
     def measure(self) -> _Command[Distance]:
         """Takes a measurement now.
@@ -136,39 +74,17 @@ class LaserDistanceSensor(Device):
 
     def power(self, on: bool) -> _Command[None]:
         """Switches the laser."""
-        out: _Parts = []
-        out.append(_wire.number(on, "?", "power.on"))
-        return self._gecos_call(_LASER_DISTANCE_SENSOR_POWER, out)
+        return self._gecos_call(
+            _LASER_DISTANCE_SENSOR_POWER,
+            _LASER_DISTANCE_SENSOR_POWER.arguments(on),
+        )
 
 
 class LaserDistanceSensorServant(DeviceServant):
     """Measures the distance along the z axis of its base."""
 
     _gecos_interface = _LASER_DISTANCE_SENSOR
-    _gecos_handlers: _ClassVar[_Mapping[int, _Handler]] = {
-        **DeviceServant._gecos_handlers,
-        0x43A6C344: _Handler(
-            _LASER_DISTANCE_SENSOR_BEAM.operation,
-            "beam",
-            _no_arguments,
-            _laser_distance_sensor_beam_result,
-            _LASER_DISTANCE_SENSOR_BEAM.raises,
-        ),
-        0x3FF05271: _Handler(
-            _LASER_DISTANCE_SENSOR_MEASURE.operation,
-            "measure",
-            _no_arguments,
-            _laser_distance_sensor_measure_result,
-            _LASER_DISTANCE_SENSOR_MEASURE.raises,
-        ),
-        0x05F38E6C: _Handler(
-            _LASER_DISTANCE_SENSOR_POWER.operation,
-            "power",
-            _laser_distance_sensor_power_arguments,
-            _no_result,
-            _LASER_DISTANCE_SENSOR_POWER.raises,
-        ),
-    }
+    _gecos_handlers = _LASER_DISTANCE_SENSOR.handlers
 
     @_abstractmethod
     def beam(self) -> Distance:
@@ -187,6 +103,4 @@ class LaserDistanceSensorServant(DeviceServant):
 
     def publish_beam(self, value: Distance, stamp: float | None = None) -> None:
         """A new sample of `beam`, measured at `stamp` (Unix time in s; now)."""
-        out: _Parts = []
-        _wire.put(value, Distance, out, "beam")
-        self._gecos_publish(0x43A6C344, out, stamp)
+        self._gecos_publish(0x43A6C344, _LASER_DISTANCE_SENSOR_BEAM.body(value), stamp)

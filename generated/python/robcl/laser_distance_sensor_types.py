@@ -5,34 +5,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass as _dataclass
-from typing import ClassVar as _ClassVar
-from typing import Self as _Self
 
-from gecos import wire as _wire
 from gecos.errors import DeclaredError as _DeclaredError
-from gecos.wire import plans as _plans
-from gecos.wire import shapes as _shapes
+from gecos.wire import layout as _layout
 
 __all__ = [
     "Distance",
     "SensorFault",
 ]
 
-_DISTANCE_LAYOUT = _wire.Fields(
-    "d?ddd",
-    (
-        "Distance.value",
-        "Distance.valid",
-        "Distance.lower",
-        "Distance.upper",
-        "Distance.stamp",
-    ),
-)
 
-
-@_plans.planned("d?ddd")
+@_layout.struct(0xBE9649CF1136FC5F, "d?ddd")
 @_dataclass(slots=True)
-class Distance:
+class Distance(_layout.Struct):
     """One measurement. Out of range is `valid == FALSE`, never a distance of 0."""
 
     value: float = 0.0
@@ -45,58 +30,10 @@ class Distance:
     stamp: float = 0.0
     """when it was measured: Unix time [s]"""
 
-    def encode(self, out: _wire.Parts, /) -> None:
-        out.append(
-            _DISTANCE_LAYOUT.pack(self.value, self.valid, self.lower, self.upper, self.stamp),
-        )
 
-    @classmethod
-    def decode(cls, source: _wire.Decoder, /) -> _Self:
-        return cls(*_DISTANCE_LAYOUT.unpack(source))
-
-    @staticmethod
-    def fingerprint() -> int:
-        return 0xBE9649CF1136FC5F
-
-    @staticmethod
-    def _gecos_shape() -> _shapes.Shape:
-        return _shapes.Members(
-            Distance,
-            (
-                _shapes.Member("value", _shapes.Number("d")),
-                _shapes.Member("valid", _shapes.Number("?")),
-                _shapes.Member("lower", _shapes.Number("d")),
-                _shapes.Member("upper", _shapes.Number("d")),
-                _shapes.Member("stamp", _shapes.Number("d")),
-            ),
-        )
-
-
+@_layout.exception("robcl::SensorFault", 0xED00B27A58C49395, _layout.text())
 @_dataclass(slots=True, eq=False)
-class SensorFault(_DeclaredError):
+class SensorFault(_layout.Struct, _DeclaredError):
     """The laser is off, or the sensor cannot measure at all."""
 
-    _gecos_name: _ClassVar[str] = "robcl::SensorFault"
-
     reason: str = ""
-
-    def encode(self, out: _wire.Parts, /) -> None:
-        out.append(_wire.string(self.reason, _wire.MAX_TEXT, "SensorFault.reason"))
-
-    @classmethod
-    def decode(cls, source: _wire.Decoder, /) -> _Self:
-        reason = source.string(_wire.MAX_COUNT, "SensorFault.reason")
-        return cls(reason)
-
-    @staticmethod
-    def fingerprint() -> int:
-        return 0xED00B27A58C49395
-
-    @staticmethod
-    def _gecos_shape() -> _shapes.Shape:
-        return _shapes.Members(
-            SensorFault,
-            (
-                _shapes.Member("reason", _shapes.Text()),
-            ),
-        )

@@ -5,21 +5,13 @@
 from __future__ import annotations
 
 from abc import abstractmethod as _abstractmethod
-from collections.abc import Mapping as _Mapping
-from typing import ClassVar as _ClassVar
 
-from gecos import wire as _wire
 from gecos.command import Command as _Command
 from gecos.interface import Access as _Access
-from gecos.interface import Handler as _Handler
-from gecos.interface import Interface as _Interface
-from gecos.interface import Kind as _Kind
 from gecos.interface import Method as _Method
-from gecos.interface import Operation as _Operation
-from gecos.interface import Quality as _Quality
-from gecos.interface import no_arguments as _no_arguments
-from gecos.wire import Decoder as _Decoder
-from gecos.wire import Parts as _Parts
+from gecos.interface import getter as _getter
+from gecos.interface import interface as _interface
+from gecos.interface import method as _method
 from robcl.rx90_types import Configuration, Elbow, Shoulder, Wrist
 from robcl.six_axis import SixAxis, SixAxisServant
 
@@ -32,47 +24,11 @@ __all__ = [
     "Wrist",
 ]
 
-
-def _rx90_posture_reply(source: _Decoder) -> Configuration:
-    return Configuration.decode(source.block("posture"))
-
-
-def _rx90_posture_result(value: Configuration) -> _Parts:
-    out: _Parts = []
-    _wire.put_block(value, Configuration, out, "posture")
-    return out
-
-
-_RX90_POSTURE: _Method[Configuration, None] = _Method(
-    _Operation(
-        code=0xE1CE9BDC,
-        name="posture",
-        kind=_Kind.GETTER,
-        access=_Access.SENSOR,
-        presence=False,
-        idempotent=True,
-        hash=0xDF0E37E344B71B58,
-    ),
-    _rx90_posture_reply,
+_RX90_POSTURE: _Method[Configuration, None] = _method(
+    _getter(0xE1CE9BDC, "posture", _Access.SENSOR, hash=0xDF0E37E344B71B58),
+    gives=Configuration,
 )
-_RX90 = _Interface(
-    name="robcl::Rx90",
-    version="1.0",
-    hash=0xAD388E8BA24ADAEA,
-    bases=(
-        "robcl::Device",
-        "robcl::Manipulator",
-        "robcl::SixAxis",
-    ),
-    operations=(
-        *SixAxis._gecos_interface.operations,
-        _RX90_POSTURE.operation,
-    ),
-    streams=(
-        *SixAxis._gecos_interface.streams,
-    ),
-    quality=_Quality(),
-)
+_RX90 = _interface("robcl::Rx90", "1.0", 0xAD388E8BA24ADAEA, (SixAxis,), (_RX90_POSTURE,))
 
 
 class Rx90(SixAxis):
@@ -89,16 +45,7 @@ class Rx90Servant(SixAxisServant):
     """Staeubli RX90."""
 
     _gecos_interface = _RX90
-    _gecos_handlers: _ClassVar[_Mapping[int, _Handler]] = {
-        **SixAxisServant._gecos_handlers,
-        0xE1CE9BDC: _Handler(
-            _RX90_POSTURE.operation,
-            "posture",
-            _no_arguments,
-            _rx90_posture_result,
-            _RX90_POSTURE.raises,
-        ),
-    }
+    _gecos_handlers = _RX90.handlers
 
     @_abstractmethod
     def posture(self) -> Configuration:

@@ -6,11 +6,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass as _dataclass
 from enum import IntEnum as _IntEnum
-from typing import Self as _Self
 
-from gecos import wire as _wire
-from gecos.wire import plans as _plans
-from gecos.wire import shapes as _shapes
+from gecos.wire import layout as _layout
 
 __all__ = [
     "Configuration",
@@ -20,71 +17,29 @@ __all__ = [
 ]
 
 
+@_layout.enumeration("i", "RIGHTY")
 class Shoulder(_IntEnum):
     RIGHTY = 0
     LEFTY = 1
 
 
+@_layout.enumeration("i", "ABOVE")
 class Elbow(_IntEnum):
     ABOVE = 0
     BELOW = 1
 
 
+@_layout.enumeration("i", "NOFLIP")
 class Wrist(_IntEnum):
     NOFLIP = 0
     FLIP = 1
 
 
-_CONFIGURATION_LAYOUT = _wire.Fields(
-    "iii",
-    (
-        "Configuration.arm",
-        "Configuration.bend",
-        "Configuration.hand",
-    ),
-)
-
-
-@_plans.planned(
-    _plans.enumerator("i", Shoulder, Shoulder.RIGHTY),
-    _plans.enumerator("i", Elbow, Elbow.ABOVE),
-    _plans.enumerator("i", Wrist, Wrist.NOFLIP),
-    open=True,
-)
+@_layout.struct(0x1728D4F1BB29BF27, Shoulder, Elbow, Wrist, open=True)
 @_dataclass(slots=True)
-class Configuration:
+class Configuration(_layout.Struct):
     """Which of the eight inverse solutions the arm is in."""
 
     arm: Shoulder = Shoulder.RIGHTY
     bend: Elbow = Elbow.ABOVE
     hand: Wrist = Wrist.NOFLIP
-
-    def encode(self, out: _wire.Parts, /) -> None:
-        out.append(_CONFIGURATION_LAYOUT.pack(self.arm, self.bend, self.hand))
-        _wire.expect_enumerator(self.arm, Shoulder, "Configuration.arm")
-        _wire.expect_enumerator(self.bend, Elbow, "Configuration.bend")
-        _wire.expect_enumerator(self.hand, Wrist, "Configuration.hand")
-
-    @classmethod
-    def decode(cls, source: _wire.Decoder, /) -> _Self:
-        arm, bend, hand = _CONFIGURATION_LAYOUT.unpack(source)
-        arm_value = source.enumerator(Shoulder, arm, Shoulder.RIGHTY, "Configuration.arm", 12)
-        bend_value = source.enumerator(Elbow, bend, Elbow.ABOVE, "Configuration.bend", 8)
-        hand_value = source.enumerator(Wrist, hand, Wrist.NOFLIP, "Configuration.hand", 4)
-        source.offset = source.end  # what a newer writer added is skipped
-        return cls(arm_value, bend_value, hand_value)
-
-    @staticmethod
-    def fingerprint() -> int:
-        return 0x1728D4F1BB29BF27
-
-    @staticmethod
-    def _gecos_shape() -> _shapes.Shape:
-        return _shapes.Members(
-            Configuration,
-            (
-                _shapes.Member("arm", _shapes.Enumerators(Shoulder)),
-                _shapes.Member("bend", _shapes.Enumerators(Elbow)),
-                _shapes.Member("hand", _shapes.Enumerators(Wrist)),
-            ),
-        )

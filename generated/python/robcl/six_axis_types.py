@@ -7,12 +7,10 @@ from __future__ import annotations
 from dataclasses import dataclass as _dataclass
 from dataclasses import field as _field
 from typing import TYPE_CHECKING as _TYPE_CHECKING
-from typing import Self as _Self
 from typing import TypeAlias as _TypeAlias
 
 from gecos import wire as _wire
-from gecos.wire import plans as _plans
-from gecos.wire import shapes as _shapes
+from gecos.wire import layout as _layout
 
 if _TYPE_CHECKING:
     import numpy as _np
@@ -26,40 +24,10 @@ __all__ = [
 JointVector: _TypeAlias = "_npt.NDArray[_np.float64]"
 
 
-@_plans.planned(_plans.array("d", 6))
-@_dataclass(slots=True, eq=False)
-class Joints:
+@_layout.struct(0xDEB28047FC62F5C4, _layout.array("d", 6))
+@_dataclass(slots=True)
+class Joints(_layout.Struct):
     """Joint positions of a six-axis arm."""
 
     position: _npt.NDArray[_np.float64] = _field(default_factory=lambda: _wire.zeros("d", 6))
     """[rad]"""
-
-    def encode(self, out: _wire.Parts, /) -> None:
-        out.append(_wire.fixed(self.position, "d", (6,), "Joints.position"))
-
-    @classmethod
-    def decode(cls, source: _wire.Decoder, /) -> _Self:
-        position = source.array("d", 6, "Joints.position")
-        return cls(position)
-
-    @staticmethod
-    def fingerprint() -> int:
-        return 0xDEB28047FC62F5C4
-
-    @staticmethod
-    def _gecos_shape() -> _shapes.Shape:
-        return _shapes.Members(
-            Joints,
-            (
-                _shapes.Member("position", _shapes.Array("d", (6,))),
-            ),
-        )
-
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Joints):
-            return NotImplemented
-        return (
-            _wire.same(self.position, other.position)
-        )
-
-    __hash__ = None  # type: ignore[assignment]  # a value that can change

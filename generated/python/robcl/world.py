@@ -7,24 +7,17 @@ moves what they carry.
 from __future__ import annotations
 
 from abc import abstractmethod as _abstractmethod
-from collections.abc import Mapping as _Mapping
-from typing import ClassVar as _ClassVar
 
-from gecos import wire as _wire
 from gecos.command import Command as _Command
 from gecos.interface import Access as _Access
-from gecos.interface import Handler as _Handler
-from gecos.interface import Interface as _Interface
 from gecos.interface import Method as _Method
 from gecos.interface import Operation as _Operation
-from gecos.interface import Quality as _Quality
-from gecos.interface import no_arguments as _no_arguments
-from gecos.interface import no_result as _no_result
-from gecos.interface import nothing as _nothing
+from gecos.interface import interface as _interface
+from gecos.interface import method as _method
+from gecos.interface import values as _values
 from gecos.proxy import Object as _Object
 from gecos.servant import Servant as _Servant
-from gecos.wire import Decoder as _Decoder
-from gecos.wire import Parts as _Parts
+from gecos.wire import layout as _layout
 from robcl.geometry_types import Frame
 from robcl.world_types import Body, Contact, RayHit, UnknownBody
 
@@ -37,147 +30,65 @@ __all__ = [
     "WorldServant",
 ]
 
-
-def _world_bodies_reply(source: _Decoder) -> list[Body]:
-    value: list[Body] = [
-        Body.decode(source.block("bodies"))
-        for _ in range(source.count(4, _wire.MAX_COUNT, "bodies"))
-    ]
-    return value
-
-
-def _world_bodies_result(value: list[Body]) -> _Parts:
-    out: _Parts = []
-    out.append(_wire.counted(value, _wire.MAX_COUNT, "bodies"))
-    for item in value:
-        _wire.put_block(item, Body, out, "bodies")
-    return out
-
-
-def _world_find_reply(source: _Decoder) -> Body:
-    return Body.decode(source.block("find"))
-
-
-def _world_find_arguments(source: _Decoder) -> tuple[str]:
-    name: str = source.string(_wire.MAX_COUNT, "find.name")
-    return (name,)
-
-
-def _world_find_result(value: Body) -> _Parts:
-    out: _Parts = []
-    _wire.put_block(value, Body, out, "find")
-    return out
-
-
-def _world_cast_reply(source: _Decoder) -> RayHit:
-    return RayHit.decode(source.block("cast"))
-
-
-def _world_cast_arguments(source: _Decoder) -> tuple[Frame, float]:
-    origin: Frame = Frame.decode(source)
-    reach: float = source.number("d", "cast.reach")
-    return origin, reach
-
-
-def _world_cast_result(value: RayHit) -> _Parts:
-    out: _Parts = []
-    _wire.put_block(value, RayHit, out, "cast")
-    return out
-
-
-def _world_between_reply(source: _Decoder) -> Contact:
-    return Contact.decode(source.block("between"))
-
-
-def _world_between_arguments(source: _Decoder) -> tuple[Frame, float]:
-    jaws: Frame = Frame.decode(source)
-    opening: float = source.number("d", "between.opening")
-    return jaws, opening
-
-
-def _world_between_result(value: Contact) -> _Parts:
-    out: _Parts = []
-    _wire.put_block(value, Contact, out, "between")
-    return out
-
-
-def _world_place_arguments(source: _Decoder) -> tuple[str, Frame]:
-    name: str = source.string(_wire.MAX_COUNT, "place.name")
-    pose: Frame = Frame.decode(source)
-    return name, pose
-
-
-_WORLD_BODIES: _Method[list[Body], None] = _Method(
+_WORLD_BODIES: _Method[list[Body], None] = _method(
     _Operation(
-        code=0x25DF273D,
-        name="bodies",
-        access=_Access.SENSOR,
+        0x25DF273D,
+        "bodies",
+        _Access.SENSOR,
         presence=False,
         idempotent=True,
         hash=0x69DF8049812B05F7,
     ),
-    _world_bodies_reply,
+    gives=_layout.items(Body),
 )
-_WORLD_FIND: _Method[Body, None] = _Method(
+_WORLD_FIND: _Method[Body, None] = _method(
     _Operation(
-        code=0x288EDD9E,
-        name="find",
-        access=_Access.SENSOR,
+        0x288EDD9E,
+        "find",
+        _Access.SENSOR,
         presence=False,
         idempotent=True,
         hash=0x14EF6719D5498FCB,
     ),
-    _world_find_reply,
+    takes=_values("name", _layout.text()),
+    gives=Body,
     raises=(UnknownBody,),
 )
-_WORLD_CAST: _Method[RayHit, None] = _Method(
+_WORLD_CAST: _Method[RayHit, None] = _method(
     _Operation(
-        code=0xBFA68292,
-        name="cast",
-        access=_Access.SENSOR,
+        0xBFA68292,
+        "cast",
+        _Access.SENSOR,
         presence=False,
         idempotent=True,
         hash=0xECBE62DCE8AB00DB,
     ),
-    _world_cast_reply,
+    takes=_values("origin reach", Frame, "d"),
+    gives=RayHit,
 )
-_WORLD_BETWEEN: _Method[Contact, None] = _Method(
+_WORLD_BETWEEN: _Method[Contact, None] = _method(
     _Operation(
-        code=0xE92DA823,
-        name="between",
-        access=_Access.SENSOR,
+        0xE92DA823,
+        "between",
+        _Access.SENSOR,
         presence=False,
         idempotent=True,
         hash=0x8905B0F412A0D8B8,
     ),
-    _world_between_reply,
+    takes=_values("jaws opening", Frame, "d"),
+    gives=Contact,
 )
-_WORLD_PLACE: _Method[None, None] = _Method(
-    _Operation(
-        code=0x72EB48A0,
-        name="place",
-        access=_Access.ACTOR,
-        hash=0xB8CDD7E92E8F35C2,
-    ),
-    _nothing,
+_WORLD_PLACE: _Method[None, None] = _method(
+    _Operation(0x72EB48A0, "place", _Access.ACTOR, hash=0xB8CDD7E92E8F35C2),
+    takes=_values("name pose", _layout.text(), Frame),
     raises=(UnknownBody,),
 )
-_WORLD = _Interface(
-    name="robcl::World",
-    version="1.0",
-    hash=0xACE7AA6D15AE74EE,
-    bases=(
-    ),
-    operations=(
-        _WORLD_BODIES.operation,
-        _WORLD_FIND.operation,
-        _WORLD_CAST.operation,
-        _WORLD_BETWEEN.operation,
-        _WORLD_PLACE.operation,
-    ),
-    streams=(
-    ),
-    quality=_Quality(),
+_WORLD = _interface(
+    "robcl::World",
+    "1.0",
+    0xACE7AA6D15AE74EE,
+    (),
+    (_WORLD_BODIES, _WORLD_FIND, _WORLD_CAST, _WORLD_BETWEEN, _WORLD_PLACE),
 )
 
 
@@ -197,19 +108,14 @@ class World(_Object):
 
         May raise UnknownBody.
         """
-        out: _Parts = []
-        out.append(_wire.string(name, _wire.MAX_TEXT, "find.name"))
-        return self._gecos_call(_WORLD_FIND, out)
+        return self._gecos_call(_WORLD_FIND, _WORLD_FIND.arguments(name))
 
     def cast(self, origin: Frame, reach: float) -> _Command[RayHit]:
         """First body on the ray from `origin` along its z axis.
 
         reach: [m]
         """
-        out: _Parts = []
-        _wire.put(origin, Frame, out, "cast.origin")
-        out.append(_wire.number(reach, "d", "cast.reach"))
-        return self._gecos_call(_WORLD_CAST, out)
+        return self._gecos_call(_WORLD_CAST, _WORLD_CAST.arguments(origin, reach))
 
     def between(self, jaws: Frame, opening: float) -> _Command[Contact]:
         """Width at which jaws meet a body when they close along y of `jaws` around it, from
@@ -217,20 +123,14 @@ class World(_Object):
 
         opening: [m]
         """
-        out: _Parts = []
-        _wire.put(jaws, Frame, out, "between.jaws")
-        out.append(_wire.number(opening, "d", "between.opening"))
-        return self._gecos_call(_WORLD_BETWEEN, out)
+        return self._gecos_call(_WORLD_BETWEEN, _WORLD_BETWEEN.arguments(jaws, opening))
 
     def place(self, name: str, pose: Frame) -> _Command[None]:
         """Puts a body somewhere, for preparing an experiment. Refused while it is held.
 
         May raise UnknownBody.
         """
-        out: _Parts = []
-        out.append(_wire.string(name, _wire.MAX_TEXT, "place.name"))
-        _wire.put(pose, Frame, out, "place.pose")
-        return self._gecos_call(_WORLD_PLACE, out)
+        return self._gecos_call(_WORLD_PLACE, _WORLD_PLACE.arguments(name, pose))
 
 
 class WorldServant(_Servant):
@@ -239,43 +139,7 @@ class WorldServant(_Servant):
     """
 
     _gecos_interface = _WORLD
-    _gecos_handlers: _ClassVar[_Mapping[int, _Handler]] = {
-        0x25DF273D: _Handler(
-            _WORLD_BODIES.operation,
-            "bodies",
-            _no_arguments,
-            _world_bodies_result,
-            _WORLD_BODIES.raises,
-        ),
-        0x288EDD9E: _Handler(
-            _WORLD_FIND.operation,
-            "find",
-            _world_find_arguments,
-            _world_find_result,
-            _WORLD_FIND.raises,
-        ),
-        0xBFA68292: _Handler(
-            _WORLD_CAST.operation,
-            "cast",
-            _world_cast_arguments,
-            _world_cast_result,
-            _WORLD_CAST.raises,
-        ),
-        0xE92DA823: _Handler(
-            _WORLD_BETWEEN.operation,
-            "between",
-            _world_between_arguments,
-            _world_between_result,
-            _WORLD_BETWEEN.raises,
-        ),
-        0x72EB48A0: _Handler(
-            _WORLD_PLACE.operation,
-            "place",
-            _world_place_arguments,
-            _no_result,
-            _WORLD_PLACE.raises,
-        ),
-    }
+    _gecos_handlers = _WORLD.handlers
 
     @_abstractmethod
     def bodies(self) -> list[Body]:

@@ -6,13 +6,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass as _dataclass
 from dataclasses import field as _field
-from typing import ClassVar as _ClassVar
-from typing import Self as _Self
 
-from gecos import wire as _wire
 from gecos.errors import DeclaredError as _DeclaredError
-from gecos.wire import plans as _plans
-from gecos.wire import shapes as _shapes
+from gecos.wire import layout as _layout
 from robcl.geometry_types import Frame, Vector
 
 __all__ = [
@@ -22,19 +18,10 @@ __all__ = [
     "UnknownBody",
 ]
 
-_BODY_LAYOUT = _wire.Fields(
-    "ddd?",
-    (
-        "Vector.x",
-        "Vector.y",
-        "Vector.z",
-        "Body.fixed",
-    ),
-)
 
-
+@_layout.struct(0x6B8048C6826A69EB, _layout.text(), Frame, Vector, "?", _layout.text(), open=True)
 @_dataclass(slots=True)
-class Body:
+class Body(_layout.Struct):
     """A box that things can meet, grip and measure. Its frame is in its middle."""
 
     name: str = ""
@@ -47,53 +34,10 @@ class Body:
     held_by: str = ""
     """gripper that carries it, empty when none"""
 
-    def encode(self, out: _wire.Parts, /) -> None:
-        out.append(_wire.string(self.name, _wire.MAX_TEXT, "Body.name"))
-        _wire.put(self.pose, Frame, out, "Body.pose")
-        _wire.expect(self.size, Vector, "Body.size")
-        out.append(_BODY_LAYOUT.pack(self.size.x, self.size.y, self.size.z, self.fixed))
-        out.append(_wire.string(self.held_by, _wire.MAX_TEXT, "Body.held_by"))
 
-    @classmethod
-    def decode(cls, source: _wire.Decoder, /) -> _Self:
-        name = source.string(_wire.MAX_COUNT, "Body.name")
-        pose = Frame.decode(source)
-        size_x, size_y, size_z, fixed = _BODY_LAYOUT.unpack(source)
-        size_value = Vector(size_x, size_y, size_z)
-        held_by = source.string(_wire.MAX_COUNT, "Body.held_by")
-        source.offset = source.end  # what a newer writer added is skipped
-        return cls(name, pose, size_value, fixed, held_by)
-
-    @staticmethod
-    def fingerprint() -> int:
-        return 0x6B8048C6826A69EB
-
-    @staticmethod
-    def _gecos_shape() -> _shapes.Shape:
-        return _shapes.Members(
-            Body,
-            (
-                _shapes.Member("name", _shapes.Text()),
-                _shapes.Member("pose", _shapes.Value(Frame)),
-                _shapes.Member("size", _shapes.Value(Vector)),
-                _shapes.Member("fixed", _shapes.Number("?")),
-                _shapes.Member("held_by", _shapes.Text()),
-            ),
-        )
-
-
-_RAY_HIT_LAYOUT = _wire.Fields(
-    "?d",
-    (
-        "RayHit.hit",
-        "RayHit.range",
-    ),
-)
-
-
-@_plans.planned("?d", _plans.text(_wire.MAX_TEXT), open=True)
+@_layout.struct(0x93C7ADEF79860A8F, "?d", _layout.text(), open=True)
 @_dataclass(slots=True)
-class RayHit:
+class RayHit(_layout.Struct):
     """What a ray meets first."""
 
     hit: bool = False
@@ -101,45 +45,10 @@ class RayHit:
     """[m]"""
     body_name: str = ""
 
-    def encode(self, out: _wire.Parts, /) -> None:
-        out.append(_RAY_HIT_LAYOUT.pack(self.hit, self.range))
-        out.append(_wire.string(self.body_name, _wire.MAX_TEXT, "RayHit.body_name"))
 
-    @classmethod
-    def decode(cls, source: _wire.Decoder, /) -> _Self:
-        hit, range_ = _RAY_HIT_LAYOUT.unpack(source)
-        body_name = source.string(_wire.MAX_COUNT, "RayHit.body_name")
-        source.offset = source.end  # what a newer writer added is skipped
-        return cls(hit, range_, body_name)
-
-    @staticmethod
-    def fingerprint() -> int:
-        return 0x93C7ADEF79860A8F
-
-    @staticmethod
-    def _gecos_shape() -> _shapes.Shape:
-        return _shapes.Members(
-            RayHit,
-            (
-                _shapes.Member("hit", _shapes.Number("?")),
-                _shapes.Member("range", _shapes.Number("d")),
-                _shapes.Member("body_name", _shapes.Text()),
-            ),
-        )
-
-
-_CONTACT_LAYOUT = _wire.Fields(
-    "?d",
-    (
-        "Contact.hit",
-        "Contact.width",
-    ),
-)
-
-
-@_plans.planned("?d", _plans.text(_wire.MAX_TEXT), open=True)
+@_layout.struct(0x94172E9049560A8F, "?d", _layout.text(), open=True)
 @_dataclass(slots=True)
-class Contact:
+class Contact(_layout.Struct):
     """What closing jaws would meet."""
 
     hit: bool = False
@@ -147,65 +56,14 @@ class Contact:
     """[m]"""
     body_name: str = ""
 
-    def encode(self, out: _wire.Parts, /) -> None:
-        out.append(_CONTACT_LAYOUT.pack(self.hit, self.width))
-        out.append(_wire.string(self.body_name, _wire.MAX_TEXT, "Contact.body_name"))
 
-    @classmethod
-    def decode(cls, source: _wire.Decoder, /) -> _Self:
-        hit, width = _CONTACT_LAYOUT.unpack(source)
-        body_name = source.string(_wire.MAX_COUNT, "Contact.body_name")
-        source.offset = source.end  # what a newer writer added is skipped
-        return cls(hit, width, body_name)
-
-    @staticmethod
-    def fingerprint() -> int:
-        return 0x94172E9049560A8F
-
-    @staticmethod
-    def _gecos_shape() -> _shapes.Shape:
-        return _shapes.Members(
-            Contact,
-            (
-                _shapes.Member("hit", _shapes.Number("?")),
-                _shapes.Member("width", _shapes.Number("d")),
-                _shapes.Member("body_name", _shapes.Text()),
-            ),
-        )
-
-
+@_layout.exception(
+    "robcl::UnknownBody",
+    0x7CD6BC0789C32AB9,
+    _layout.text(),
+    _layout.items(_layout.text()),
+)
 @_dataclass(slots=True, eq=False)
-class UnknownBody(_DeclaredError):
-    _gecos_name: _ClassVar[str] = "robcl::UnknownBody"
-
+class UnknownBody(_layout.Struct, _DeclaredError):
     name: str = ""
     known: list[str] = _field(default_factory=list)
-
-    def encode(self, out: _wire.Parts, /) -> None:
-        out.append(_wire.string(self.name, _wire.MAX_TEXT, "UnknownBody.name"))
-        out.append(_wire.counted(self.known, _wire.MAX_COUNT, "UnknownBody.known"))
-        for item in self.known:
-            out.append(_wire.string(item, _wire.MAX_TEXT, "UnknownBody.known"))
-
-    @classmethod
-    def decode(cls, source: _wire.Decoder, /) -> _Self:
-        name = source.string(_wire.MAX_COUNT, "UnknownBody.name")
-        known = [
-            source.string(_wire.MAX_COUNT, "UnknownBody.known")
-            for _ in range(source.count(5, _wire.MAX_COUNT, "UnknownBody.known"))
-        ]
-        return cls(name, known)
-
-    @staticmethod
-    def fingerprint() -> int:
-        return 0x7CD6BC0789C32AB9
-
-    @staticmethod
-    def _gecos_shape() -> _shapes.Shape:
-        return _shapes.Members(
-            UnknownBody,
-            (
-                _shapes.Member("name", _shapes.Text()),
-                _shapes.Member("known", _shapes.Items(_shapes.Text())),
-            ),
-        )

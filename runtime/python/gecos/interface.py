@@ -1,17 +1,23 @@
 """What the session needs to know of an interface: constant tables that gidl generates.
 
-The twin of `gecos/description.hpp`; `_core` reads these objects by their attributes.
+An operation says once what it carries, by steps of `gecos.wire.layout`; how a proxy and a servant
+write and read that follows. The twin of `gecos/description.hpp`; `_core` reads these
+objects by their attributes.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import KW_ONLY, dataclass, field
 from enum import IntEnum, IntFlag
 from typing import Any, Generic, TypeVar
 
 from gecos.errors import DeclaredError
 from gecos.wire import Decoder, Parts
+from gecos.wire.kinds import Kind as Carried
+from gecos.wire.kinds import Nested, kind_of
+from gecos.wire.layout import Step
+from gecos.wire.members import Arguments
 
 T = TypeVar("T")
 F = TypeVar("F")
@@ -77,12 +83,16 @@ class Quality:
     media: Media = ANY_MEDIUM
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+ASKED_NOTHING = Quality()
+
+
+@dataclass(frozen=True, slots=True)
 class Operation:
     code: int
     name: str  # "move", "tool", "tool=" for a setter
-    kind: Kind = Kind.OPERATION
     access: Access = Access.ACTOR
+    _: KW_ONLY
+    kind: Kind = Kind.OPERATION
     safety: bool = False
     presence: bool = True
     idempotent: bool = False
@@ -91,7 +101,7 @@ class Operation:
     ordered: bool = False
     on_new: OnNew = OnNew.QUEUE
     on_loss: OnLoss = OnLoss.STOP
-    quality: Quality = field(default_factory=Quality)
+    quality: Quality = ASKED_NOTHING
     hash: int = 0
 
 
@@ -104,7 +114,7 @@ class OutwardStream:
     access: Access = Access.SENSOR
     rate_hz: float = 0.0
     largest: int = 0  # bytes of the largest sample; 0 when unbounded
-    quality: Quality = field(default_factory=Quality)
+    quality: Quality = ASKED_NOTHING
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -115,33 +125,13 @@ class Interface:
     bases: tuple[str, ...] = ()  # every interface it also is
     operations: tuple[Operation, ...] = ()  # own and all inherited
     streams: tuple[OutwardStream, ...] = ()  # likewise
-    quality: Quality = field(default_factory=Quality)
+    quality: Quality = ASKED_NOTHING
+    handlers: Mapping[int, Handler] = field(default_factory=dict, compare=False, repr=False)
 
     def __post_init__(self) -> None:
         """Several bases may bring the same ones, which it has once."""
         object.__setattr__(self, "operations", tuple(dict.fromkeys(self.operations)))
         object.__setattr__(self, "streams", tuple(dict.fromkeys(self.streams)))
-
-
-@dataclass(frozen=True)  # no slots: Method[T, F](…) writes an attribute of its own
-class Method(Generic[T, F]):
-    """How a proxy calls an operation: reads its reply body, its feedback, its exceptions."""
-
-    operation: Operation
-    result: Callable[[Decoder], T]
-    feedback: Callable[[Decoder], F] | None = None
-    raises: tuple[type[DeclaredError], ...] = ()
-
-
-@dataclass(frozen=True, slots=True)
-class Handler:
-    """How a servant answers an operation: which of its methods, with which bytes in and out."""
-
-    operation: Operation
-    method: str  # of the servant; it takes `run` last when the operation is cancelable
-    arguments: Callable[[Decoder], tuple[Any, ...]]
-    result: Callable[[Any], Parts]
-    raises: tuple[type[DeclaredError], ...] | None = None  # None: whatever the servant raises
 
 
 def nothing(source: Decoder) -> None:
@@ -156,3 +146,150 @@ def no_arguments(source: Decoder) -> tuple[()]:
 def no_result(value: None) -> Parts:
     """Writes the reply of an operation without result."""
     return []
+
+
+_NO_ARGUMENTS = Arguments("", (), (), ())
+
+
+@dataclass(frozen=True)  # no slots: Method[T, F](…) writes an attribute of its own
+class Method(Generic[T, F]):
+    """How a proxy calls an operation: reads its reply body, its feedback, its exceptions. One that
+    `method` made also knows its arguments, and how a servant answers it."""
+
+    operation: Operation
+    result: Callable[[Decoder], T]
+    feedback: Callable[[Decoder], F] | None = None
+    raises: tuple[type[DeclaredError], ...] = ()
+    arguments: Arguments = _NO_ARGUMENTS
+    body: Callable[[Any], Parts] = no_result  # writes what `result` reads
+    stream: OutwardStream | None = None
+    handler: str = ""  # the servant's method
+
+
+@dataclass(frozen=True, slots=True)
+class Handler:
+    """How a servant answers an operation: which of its methods, with which bytes in and out."""
+
+    operation: Operation
+    method: str  # of the servant; it takes `run` last when the operation is cancelable
+    arguments: Callable[[Decoder], tuple[Any, ...]]
+    result: Callable[[Any], Parts]
+    raises: tuple[type[DeclaredError], ...] | None = None  # None: whatever the servant raises
+
+
+def values(names: str, *steps: Step, defaults: tuple[Any, ...] = ()) -> tuple[Any, ...]:
+    """What an operation takes: the names of its parameters, and a step of a layout for each. An
+    older caller leaves out as many of the last as there are `defaults`."""
+    return names.split(), steps, defaults
+
+
+def method(
+    operation: Operation,
+    *,
+    takes: tuple[Any, ...] | None = None,
+    gives: Step | None = None,
+    feedback: type | None = None,
+    raises: tuple[type[DeclaredError], ...] = (),
+    stream: tuple[float, int] | None = None,
+    handler: str = "",
+) -> Method[Any, Any]:
+    """How an operation is called and answered. A `stream` has samples of what it gives: at what
+    rate in Hz, and bytes of the largest, 0 when unbounded. `handler` is what the servant's method
+    is called where that is not the name of the operation."""
+    name, sender = operation.name, operation.name.removesuffix("=")
+    result, body = (nothing, no_result) if gives is None else _answer(kind_of(gives), name)
+    outward = None
+    if stream is not None:
+        rate, largest = stream
+        outward = OutwardStream(
+            code=operation.code,
+            name=name,
+            access=operation.access,
+            rate_hz=rate,
+            largest=largest,
+            quality=operation.quality,
+        )
+    return Method(
+        operation,
+        result,
+        None if feedback is None else feedback.decode,  # type: ignore[attr-defined]
+        raises,
+        _NO_ARGUMENTS if takes is None else Arguments(sender, *takes),
+        body,
+        outward,
+        handler or (name if name == sender else f"set_{sender}"),
+    )
+
+
+def _answer(kind: Carried, label: str) -> tuple[Callable[[Decoder], Any], Callable[[Any], Parts]]:
+    """Reads and writes a reply body."""
+
+    def read(source: Decoder) -> Any:
+        return kind.take(source, label)
+
+    def written(value: Any) -> Parts:
+        out: Parts = []
+        kind.put(value, out, label)
+        return out
+
+    if isinstance(kind, Nested) and not kind.layout.open:
+        return kind.kind.decode, written
+    return read, written
+
+
+def getter(
+    code: int,
+    name: str,
+    access: Access,
+    *,
+    parallel: bool = False,
+    on_new: OnNew = OnNew.QUEUE,
+    on_loss: OnLoss = OnLoss.STOP,
+    quality: Quality = ASKED_NOTHING,
+    hash: int,
+) -> Operation:
+    """The operation that gives an attribute."""
+    return Operation(
+        code,
+        name,
+        access,
+        kind=Kind.GETTER,
+        presence=False,
+        idempotent=True,
+        parallel=parallel,
+        on_new=on_new,
+        on_loss=on_loss,
+        quality=quality,
+        hash=hash,
+    )
+
+
+def interface(
+    name: str,
+    version: str,
+    hash: int,
+    bases: Iterable[type],
+    methods: Iterable[Method[Any, Any]],
+    quality: Quality = ASKED_NOTHING,
+) -> Interface:
+    """An interface, with all that its bases have; those are proxies."""
+    inherited: list[Interface] = [base._gecos_interface for base in bases]  # type: ignore[attr-defined]
+    own = tuple(methods)
+    handlers = {code: each for base in inherited for code, each in base.handlers.items()}
+    for each in own:
+        handlers[each.operation.code] = Handler(
+            each.operation, each.handler, each.arguments.decode, each.body, each.raises
+        )
+    names = dict.fromkeys(n for base in inherited for n in (*base.bases, base.name))
+    operations = [o for base in inherited for o in base.operations]
+    streams = [s for base in inherited for s in base.streams]
+    return Interface(
+        name=name,
+        version=version,
+        hash=hash,
+        bases=tuple(names),
+        operations=(*operations, *(each.operation for each in own)),
+        streams=(*streams, *(each.stream for each in own if each.stream is not None)),
+        quality=quality,
+        handlers=handlers,
+    )

@@ -3,23 +3,24 @@
 A generated proxy has exactly the members of its interface; what every object answers is reached by
 functions (`gecos.stop(robot)`). What this module brings begins with `_gecos`. What gidl generates:
 
-    _MOVE = Method(Operation(code=0x…, name="move", cancelable=True),
-                   nothing, MotionProgress.decode, (OutOfReach, JointLimit))
-    _TOOL = Method(Operation(code=0x…, name="tool", kind=Kind.GETTER, …), Frame.decode)
-    _TOOL_STREAM = OutwardStream(code=0x…, name="tool", rate_hz=250.0)
+    _MOVE = method(
+        Operation(0x…, "move", Access.ACTOR, cancelable=True),
+        takes=values("goal how", Frame, optional(Trajectory), defaults=(None,)),
+        feedback=MotionProgress,
+        raises=(OutOfReach, JointLimit),
+    )
+    _TOOL = method(getter(0x…, "tool", Access.SENSOR), gives=Frame, stream=(250.0, 56))
+    _MANIPULATOR = interface("robcl::Manipulator", "1.0", 0x…, (Device,), (_MOVE, _TOOL))
 
     class Manipulator(Device):
-        _gecos_interface = Interface(name="robcl::Manipulator", …)
+        _gecos_interface = _MANIPULATOR
 
         def move(self, goal: Frame, how: Trajectory | None = None) -> Command[None, MotionProgress]:
-            out: Parts = []
-            wire.put(goal, Frame, out, "move.goal")
-            …
-            return self._gecos_call(_MOVE, out)
+            return self._gecos_call(_MOVE, _MOVE.arguments(goal, how))
 
         @property
         def tool(self) -> StreamAttribute[Frame]:
-            return StreamAttribute(self, _TOOL, _TOOL_STREAM)
+            return StreamAttribute(self, _TOOL)
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ from typing import TYPE_CHECKING, ClassVar, Generic, TypeVar
 
 from gecos.command import Command
 from gecos.errors import CommandFailed, ConnectionFailed, Detail, State
-from gecos.interface import Interface, Method, OutwardStream
+from gecos.interface import Interface, Method
 from gecos.stream import Stream
 from gecos.wire import Parts
 
@@ -77,12 +78,11 @@ class Object:
 class StreamAttribute(Generic[T]):
     """An attribute that is published continuously: call it for one value, or open its stream."""
 
-    __slots__ = ("_method", "_object", "_stream")
+    __slots__ = ("_method", "_object")
 
-    def __init__(self, owner: Object, method: Method[T, None], stream: OutwardStream) -> None:
+    def __init__(self, owner: Object, method: Method[T, None]) -> None:
         self._object = owner
         self._method = method
-        self._stream = stream
 
     def __call__(self) -> Command[T, None]:
         """Asks the server for the value once."""
@@ -91,8 +91,8 @@ class StreamAttribute(Generic[T]):
     def stream(self) -> Stream[T]:
         """Subscribes. Raises ConnectionFailed or CommandFailed when the server does not let us."""
         session = self._object._gecos_session
-        opened = session.subscribe(self._stream.code)
-        name = f"{session.object_name}.{self._stream.name}"
+        opened = session.subscribe(self._method.operation.code)
+        name = f"{session.object_name}.{self._method.operation.name}"
         if isinstance(opened, tuple):
             detail, text = Detail(opened[0]), f"{name}: {opened[1]}"
             if detail.state is State.CONNECTION_FAILED:

@@ -4,10 +4,7 @@ What gidl generates for a server:
 
     class ManipulatorServant(DeviceServant):
         _gecos_interface = _MANIPULATOR
-        _gecos_handlers = {
-            **DeviceServant._gecos_handlers,
-            0x…: Handler(_MOVE.operation, "move", _move_arguments, no_result),
-        }
+        _gecos_handlers = _MANIPULATOR.handlers
 
         @abstractmethod
         def move(
@@ -18,9 +15,7 @@ What gidl generates for a server:
         def tool(self) -> Frame: …
 
         def publish_tool(self, value: Frame, stamp: float | None = None) -> None:
-            out: Parts = []
-            wire.put(value, Frame, out, "tool")
-            self._gecos_publish(0x…, out, stamp)
+            self._gecos_publish(0x…, _TOOL.body(value), stamp)
 """
 
 from __future__ import annotations

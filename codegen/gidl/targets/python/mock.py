@@ -14,6 +14,7 @@ from gidl.targets.groups import call
 from gidl.targets.naming import LocalNames, snake_case
 from gidl.targets.python import names
 from gidl.targets.python.calls.members import Members
+from gidl.targets.python.calls.views import HandlerView
 from gidl.targets.python.homes import NamesAsUsed
 from gidl.targets.python.imports import import_lines
 from gidl.targets.python.lower import Lowering
@@ -33,7 +34,7 @@ class HeldView:
 
 @dataclass(frozen=True, slots=True)
 class MethodView:
-    head: str
+    handler: HandlerView
     body: tuple[str, ...]
 
 
@@ -51,7 +52,7 @@ class MockView:
     object: str  # what it is served as
     variable: str
     beats: str  # method that gives its streams
-    beats_head: str
+    beats_hint: str
     held: tuple[HeldView, ...]
     methods: tuple[MethodView, ...]
     streams: tuple[StreamView, ...]
@@ -81,7 +82,10 @@ def mocks_view(lowering: Lowering, path: str, interfaces: Sequence[Interface]) -
     served = LocalNames()
     views = tuple(_Mock(printing, interface, own).view(served) for interface in interfaces)
     text = "\n".join(
-        [*(m.head for v in views for m in v.methods), *(h.hint for v in views for h in v.held)]
+        [each.hint for v in views for m in v.methods for each in m.handler.parameters]
+        + [m.handler.result for v in views for m in v.methods]
+        + [h.hint for v in views for h in v.held]
+        + [v.beats_hint for v in views]
         + [line for v in views for m in v.methods for line in m.body]
         + [h.value for v in views for h in v.held]
     )
@@ -124,6 +128,9 @@ class _Facts(Members):
     def _in_class(self, hint: str) -> str:
         return plain_hint(hint, self._own_names, self._beside & PYTHON_CLASS_WORDS)
 
+    def _execution(self) -> str:
+        return f"{self._own_names['gecos']}.Execution"
+
 
 class _Mock(MockValues):
     def __init__(self, lowering: Lowering, interface: Interface, own: OwnNames) -> None:
@@ -141,9 +148,8 @@ class _Mock(MockValues):
             facts.hidden_by(self._methods)
             for layout in self._layout.interfaces[interface.name].calls:
                 member = facts._member(layout)
-                head = facts._handler_head(layout)
-                head = head.replace(" _Execution[", f" {self._own['gecos']}.Execution[")
-                methods.append(MethodView(head, tuple(self._body(facts, layout, member))))
+                body = tuple(self._body(facts, layout, member))
+                methods.append(MethodView(facts._handler(layout), body))
                 if isinstance(member, Attribute) and layout.kind is CallKind.GETTER:
                     node = layout.reply[0].node
                     held.append(HeldView(_held(member), self._hint(node), self._value(node)))
@@ -161,7 +167,7 @@ class _Mock(MockValues):
             called.upper(),
             f"mock_{called}",
             beats,
-            f"def {beats}(self) -> {hint}:",
+            hint,
             tuple(held),
             tuple(methods),
             tuple(streams),

@@ -40,14 +40,14 @@ from gecos.wire.errors import (
     DecodeError,
     DecodeProblem,
     EncodeError,
+    JsonError,
     WrongTypeError,
     expect,
     expect_enumerator,
     out_of_range,
 )
 from gecos.wire.fields import Fields
-from gecos.wire.shapes import JsonError
-from gecos.wire.values import same, shown, signed, zeros
+from gecos.wire.values import same, signed, zeros
 
 __all__ = [
     "HIDDEN",
@@ -85,7 +85,6 @@ __all__ = [
     "put_block",
     "same",
     "secret_string",
-    "shown",
     "signed",
     "string",
     "to_bytes",

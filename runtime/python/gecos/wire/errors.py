@@ -43,6 +43,18 @@ class DecodeError(ValueError):
         return DecodeError, (self.problem, self.offset, self.field)
 
 
+class JsonError(ValueError):
+    """Text that is not the JSON of its type: where in the value, and why."""
+
+    def __init__(self, path: str, why: str) -> None:
+        super().__init__(f"{path}: {why}" if path else why)
+        self.path = path
+        self.why = why
+
+    def __reduce__(self) -> tuple[type[JsonError], tuple[str, str]]:
+        return JsonError, (self.path, self.why)
+
+
 class EncodeError(ValueError):
     """A value that its field cannot carry: which field, and why."""
 

@@ -12,8 +12,8 @@ import math
 from typing import Any, TypeVar
 
 from gecos.wire.contents import Contents, to_bytes
-from gecos.wire.errors import EncodeError
-from gecos.wire.shapes import JsonError, Value
+from gecos.wire.errors import EncodeError, JsonError
+from gecos.wire.kinds import kind_of
 
 __all__ = ["JsonError", "dumps", "loads"]
 
@@ -23,7 +23,7 @@ _LONGEST_DOUBLE = 308  # digits that fit for certain
 
 
 def dumps(value: Contents, indent: int | None = None) -> str:
-    plain = Value(type(value)).plain(value)
+    plain = kind_of(type(value)).plain(value)
     return json.dumps(plain, indent=indent, ensure_ascii=False, allow_nan=False)
 
 
@@ -44,7 +44,7 @@ def loads(kind: type[_ContentsT], text: str | bytes) -> _ContentsT:
         raise JsonError("", f"nested deeper than {MAX_DEPTH}") from None
     if _is_deeper(data, MAX_DEPTH):
         raise JsonError("", f"nested deeper than {MAX_DEPTH}")
-    value: _ContentsT = Value(kind).made(data, "")
+    value: _ContentsT = kind_of(kind).made(data, "")
     try:
         to_bytes(value)
     except EncodeError as error:

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from gecos.wire.codes import native
-from gecos.wire.errors import HIDDEN
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -38,19 +36,6 @@ def as_array(values: npt.ArrayLike, code: str) -> Array:
     if code == "B" and isinstance(values, bytes):
         return np.frombuffer(values, np.uint8)
     return np.asarray(values)
-
-
-def shown(union: Any, secret_arms: Collection[int]) -> str:
-    """`repr` of a union whose arms of these numbers are secret. A text under the tag of an arm that
-    is none, or of no arm, may be one."""
-    from gecos.wire.shapes import Text  # which needs this module
-
-    arm = union._arm(union.tag)
-    selected = union._gecos_shape().arms[arm - 1] if arm else None
-    misplaced = isinstance(union.value, str) and not isinstance(selected, Text)
-    secret = arm in secret_arms or misplaced
-    value = HIDDEN if secret else repr(union.value)
-    return f"{type(union).__name__}(tag={union.tag!r}, value={value})"
 
 
 def _numbers(value: Any) -> Any:

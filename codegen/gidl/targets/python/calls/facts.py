@@ -16,9 +16,8 @@ from gidl.targets.calls import (
 )
 from gidl.targets.python import names
 from gidl.targets.python.calls.bases import class_bases
-from gidl.targets.python.calls.views import FunctionView
 from gidl.targets.python.homes import Home
-from gidl.targets.python.lower import Lowering, Slot
+from gidl.targets.python.lower import Lowering
 from gidl.wire_layout import CallKind, CallLayout, FieldLayout, node_of
 from gidl.wire_nodes import Node
 
@@ -29,9 +28,6 @@ class Passed:
 
     value: CallValue
     node: Node
-
-    def slot(self, expression: str, label: str) -> Slot:
-        return Slot(expression, label, self.node, self.value.secret)
 
 
 class CallFacts:
@@ -46,7 +42,6 @@ class CallFacts:
         self._module = lowering.module
         self._name = self._layout.python_names.types[interface.name].name
         self._members = {m.scoped_name: m for m in interface.members}
-        self._functions: list[FunctionView] = []
         self._beside = {name for m in interface.members for name in names.method_names(m)}
         self.hidden: set[str] = set()
 
@@ -57,9 +52,6 @@ class CallFacts:
         short = short_name(call)
         words = ("set", short.removesuffix("=")) if short.endswith("=") else (short,)
         return self.constants.name(self._name, *words)
-
-    def _function(self, call: CallLayout, what: str) -> str:
-        return f"{self._constant(call).lower()}_{what}"
 
     def _method_name(self, call: CallLayout) -> str:
         member = self._member(call)
@@ -86,15 +78,16 @@ class CallFacts:
         return Passed(attribute_value(attribute), sample.node)
 
     def _parameter_names(self, call: CallLayout) -> list[str]:
-        """Of the inputs, in order: what else a body names is none of them."""
+        """Of the inputs, in order: none hides a type in the hints of another."""
         inputs = self._inputs(call)
-        words = PYTHON_WORDS | {"out"}
-        words = self._lowering.words_beside([each.node for each in inputs], words)
+        words = self._lowering.words_beside([each.node for each in inputs], PYTHON_WORDS)
         return [names.member_name(each.value.name, words) for each in inputs]
 
-    def _type_names(self, values: list[Passed]) -> set[str]:
-        """Of the classes that codecs of the values name."""
-        return {home.name for each in values for home in self._lowering.used(each.node)}
+    def _missing(self, each: Passed) -> str:
+        """What stands for a value that an older caller leaves out."""
+        if each.value.optional or each.value.default is None:
+            return "None"
+        return self._lowering.literal(each.value.default, each.node)
 
     def _gives_several(self, call: CallLayout) -> bool:
         return call.name in self._layout.python_names.results
@@ -126,9 +119,6 @@ class CallFacts:
     def _feedback_hint(self, call: CallLayout) -> str:
         node = self._feedback_node(self._member(call))
         return "None" if node is None else self._lowering.hint(node)
-
-    def _stream_constant(self, attribute: Attribute) -> str:
-        return self.constants.name(self._name, attribute.name, "stream")
 
 
 def classes_of(lowering: Lowering, interface: Interface) -> set[Home]:

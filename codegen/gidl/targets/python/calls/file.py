@@ -3,24 +3,28 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 
 from gidl.file_names import python_module
 from gidl.model import File, Interface
 from gidl.targets.calls import refuse_unsupported
-from gidl.targets.groups import group
+from gidl.targets.groups import flat
 from gidl.targets.python import names
 from gidl.targets.python.calls.bases import class_bases
 from gidl.targets.python.calls.facts import classes_of
 from gidl.targets.python.calls.members import Members
-from gidl.targets.python.calls.tables import Tables, quality
+from gidl.targets.python.calls.tables import quality
 from gidl.targets.python.calls.views import (
+    HandlerView,
     InterfacesView,
     InterfaceView,
+    ProxyMemberView,
 )
 from gidl.targets.python.homes import ModuleNames
 from gidl.targets.python.imports import export_order, import_lines, private
 from gidl.targets.python.lower import Lowering
 from gidl.targets.python.values.names import type_doc
+from gidl.wire_layout import CallKind
 
 
 def interfaces_view(lowering: Lowering, file: File, types: tuple[str, ...]) -> InterfacesView:
@@ -28,7 +32,7 @@ def interfaces_view(lowering: Lowering, file: File, types: tuple[str, ...]) -> I
     interfaces = [d for d in file.declarations if isinstance(d, Interface)]
     lowering = _in_module(lowering, file, interfaces)
     views = tuple(_Interface(lowering, interface, constants).view() for interface in interfaces)
-    text = "\n".join(_all_text(view) for view in views)
+    text = "\n".join(flat(part) for view in views for part in _texts(view))
     doc = tuple(line for view in views[:1] for line in view.doc)
     modules = lowering.module.imports()
     if types:
@@ -36,10 +40,18 @@ def interfaces_view(lowering: Lowering, file: File, types: tuple[str, ...]) -> I
     for module, words in _RUNTIME:
         used = private(word for word in words if _uses(text, f"_{word}"))
         modules.setdefault(module, set()).update(used)
+    members = [member for view in views for member in view.members]
+    if views:
+        modules["gecos.interface"].update(private(["interface"]))
+    if any(view.methods for view in views):
+        modules["gecos.interface"].update(private(["Method", "method"]))
+    if any(member.is_stream for member in members):
+        modules["gecos.proxy"].update(private(["StreamAttribute"]))
+    if any(not member.is_stream for member in members):
+        modules["gecos.command"].update(private(["Command"]))
     standard = {
-        "abc": private(["abstractmethod"] if "def " in text else []),
-        "collections.abc": private(["Mapping"]),
-        "typing": private(["ClassVar", *(["TYPE_CHECKING"] if "_npt." in text else [])]),
+        "abc": private(["abstractmethod"] if any(view.handlers for view in views) else []),
+        "typing": private(["TYPE_CHECKING"] if "_npt." in text else []),
     }
     given = [*types, *(name for view in views for name in (view.name, view.servant))]
     return InterfacesView(
@@ -61,22 +73,16 @@ def _in_module(lowering: Lowering, file: File, interfaces: list[Interface]) -> L
     return lowering.within(ModuleNames(homes, used, homes.names_of(file), [own, f"{own}_types"]))
 
 
-def _all_text(view: InterfaceView) -> str:
-    """Everything that the template prints of it, for finding out which names are used."""
-    parts: list[str] = [view.client_bases, view.server_bases, view.quality, "_Handler"]
-    for function in view.functions:
-        parts += [function.head, *function.body]
+def _texts(view: InterfaceView) -> Iterator[str]:
+    """What the views say of the runtime, for finding out which names of it are used."""
+    yield from (*view.client_bases, *view.server_bases, view.quality)
     for method in view.methods:
-        parts += [method.type, "_Operation(", *method.operation, *method.arguments]
-    for stream in view.streams:
-        parts += ["_OutwardStream(", *stream.arguments]
-    for member in view.members:
-        parts += [member.head, *member.body]
-    for handler in view.handlers:
-        parts += [handler.head, handler.arguments, handler.result]
-    for publisher in view.publishers:
-        parts += [publisher.head, *publisher.body]
-    return "\n".join([*parts, "_Interface("])
+        yield from (method.result, method.feedback, method.operation, *method.terms)
+    heads: list[ProxyMemberView | HandlerView] = [*view.members, *view.handlers]
+    for each in heads:
+        parameters = each.parameters
+        yield from (each.result, *(p.hint for p in parameters), *(p.default for p in parameters))
+    yield from (publisher.hint for publisher in view.publishers)
 
 
 def _uses(text: str, word: str) -> bool:
@@ -84,37 +90,30 @@ def _uses(text: str, word: str) -> bool:
 
 
 _RUNTIME = (
-    ("gecos", ("wire",)),
-    ("gecos.command", ("Command",)),
+    ("gecos.command", ()),
     ("gecos.execution", ("Execution",)),
     (
         "gecos.interface",
         (
-            "Access", "Handler", "Interface", "Kind", "Media", "Method", "OnLoss", "OnNew",
-            "Operation", "OutwardStream", "Quality", "QualityClass", "no_arguments", "no_result",
-            "nothing",
+            "Access", "Kind", "Media", "OnLoss", "OnNew", "Operation", "Quality", "QualityClass",
+            "getter", "values",
         ),
     ),
-    ("gecos.proxy", ("Object", "StreamAttribute")),
+    ("gecos.proxy", ("Object",)),
     ("gecos.servant", ("Servant",)),
-    ("gecos.wire", ("Decoder", "Parts")),
+    ("gecos.wire", ("layout",)),
 )  # fmt: skip
 
 
-class _Interface(Tables, Members):
+class _Interface(Members):
     def view(self) -> InterfaceView:
         interface = self.interface
         refuse_unsupported(interface)
-        methods, members, handlers = [], [], []
-        for call in self._layout.interfaces[interface.name].calls:
-            methods.append(self._table(call))
-            members.append(self._proxy_member(call))
-            handlers.append(self._handler(call))
+        calls = self._layout.interfaces[interface.name].calls
+        getters = {call.name: call for call in calls if call.kind is CallKind.GETTER}
         streamed = [a for a in interface.attributes if a.streams_out]
-        publishers = tuple(self._publisher(a) for a in streamed)
-        bases = [self._module.proxy(base) for base in interface.bases]
-        servants = [self._module.servant(base) for base in interface.bases]
         derived_from = class_bases(self._model, interface)
+        asked = quality(interface.qos)
         return InterfaceView(
             self._name,
             self._layout.python_names.servants[interface.name].name,
@@ -123,17 +122,13 @@ class _Interface(Tables, Members):
             interface.facts.version or "",
             f"0x{self._layout.interfaces[interface.name].hash:016X}",
             type_doc(interface.facts),
-            group([self._module.proxy(base) for base in derived_from] or ["_Object"]),
-            group([self._module.servant(base) for base in derived_from] or ["_Servant"]),
-            tuple(bases),
-            tuple(servants),
-            interface.all_bases,
-            quality(interface.qos),
-            tuple(sorted(self.hidden)),
-            tuple(self._functions),
-            tuple(methods),
-            tuple(self._stream_table(a) for a in streamed),
-            tuple(members),
-            tuple(handlers),
-            publishers,
+            tuple(self._module.proxy(base) for base in derived_from) or ("_Object",),
+            tuple(self._module.servant(base) for base in derived_from) or ("_Servant",),
+            tuple(self._module.proxy(base) for base in interface.bases),
+            "" if asked == "_Quality()" else asked,
+            methods=tuple(self._table(call) for call in calls),
+            members=tuple(self._proxy_member(call) for call in calls),
+            handlers=tuple(self._handler(call) for call in calls),
+            publishers=tuple(self._publisher(a, getters[a.scoped_name]) for a in streamed),
+            hidden=tuple(sorted(self.hidden)),
         )

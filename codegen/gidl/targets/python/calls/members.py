@@ -4,20 +4,20 @@ from __future__ import annotations
 
 from gidl.model import Attribute, Operation
 from gidl.targets.calls import first_missing, short_name
-from gidl.targets.groups import call, group
 from gidl.targets.naming import LocalNames, doc_lines, value_note
 from gidl.targets.python import names
-from gidl.targets.python.calls.bodies import Bodies
+from gidl.targets.python.calls.tables import Tables
 from gidl.targets.python.calls.views import (
     HandlerView,
+    ParameterView,
     ProxyMemberView,
     PublisherView,
 )
-from gidl.targets.python.values.names import LOCAL_WORDS, type_doc
+from gidl.targets.python.values.names import type_doc
 from gidl.wire_layout import CallKind, CallLayout
 
 
-class Members(Bodies):
+class Members(Tables):
     def _doc(self, layout: CallLayout) -> tuple[str, ...]:
         member = self._member(layout)
         if isinstance(member, Attribute):
@@ -38,88 +38,69 @@ class Members(Bodies):
             notes.append(f"May raise {listed}.")
         return names.docstring((*lines, *([""] if lines and notes else []), *notes))
 
-    def _parameters(self, layout: CallLayout, calling: bool) -> list[str]:
+    def _parameters(self, layout: CallLayout, calling: bool) -> tuple[ParameterView, ...]:
         """Of a proxy, or of a handler, which gets every one."""
         values = self._inputs(layout)
         missing = first_missing([each.value for each in values])
-        texts = []
-        called = self._parameter_names(layout)
-        for i, (name, each) in enumerate(zip(called, values, strict=True)):
-            default = f" = {self._missing(each)}" if calling and i >= missing else ""
-            hint = self._in_class(self._lowering.hint(each.node, sending=calling))
-            texts.append(f"{name}: {hint}{default}")
-        return texts
+        return tuple(
+            ParameterView(
+                name,
+                self._in_class(self._lowering.hint(each.node, sending=calling)),
+                self._missing(each) if calling and i >= missing else "",
+            )
+            for i, (name, each) in enumerate(
+                zip(self._parameter_names(layout), values, strict=True)
+            )
+        )
 
     def _proxy_member(self, layout: CallLayout) -> ProxyMemberView:
         member = self._member(layout)
-        result = self._in_class(self._result_hint(layout))
-        feedback = self._in_class(self._feedback_hint(layout))
-        name = self._method_name(layout)
-        if isinstance(member, Attribute) and member.streams_out and layout.kind is CallKind.GETTER:
+        doc = self._doc(layout)
+        getter = isinstance(member, Attribute) and layout.kind is CallKind.GETTER
+        streams = isinstance(member, Attribute) and getter and member.streams_out
+        if streams and isinstance(member, Attribute):
             rate = member.stream.rate_hz if member.stream else None
-            doc = self._doc(layout)
             if rate:
                 doc = (*doc, *([""] if doc else []), f"Published {rate:g} times a second.")
-            stream = self._stream_constant(member)
-            made = call("_StreamAttribute", "self", self._constant(layout), stream)
-            head = f"def {name}(self) -> _StreamAttribute[{result}]:"
-            return ProxyMemberView(True, head, doc, (f"return {made}",))
-        command = f"_Command[{result}]" if feedback == "None" else f"_Command[{result}, {feedback}]"
-        parameters = group(["self", *self._parameters(layout, calling=True)])
-        values = self._inputs(layout)
-        inputs = self._parameter_names(layout)
-        taken = LocalNames(LOCAL_WORDS | self._type_names(values) | set(inputs))
-        lines = []
-        label = short_name(layout).removesuffix("=")
-        out = "[]"
-        if values:
-            out = "out"
-            lines.append("out: _Parts = []")
-            for x, each in zip(inputs, values, strict=True):
-                slot = each.slot(x, f"{label}.{each.value.name}")
-                lines += self._lowering.encode(slot, taken)
-        lines.append(f"return {call('self._gecos_call', self._constant(layout), out)}")
         return ProxyMemberView(
-            False, f"def {name}{parameters} -> {command}:", self._doc(layout), tuple(lines)
+            streams,
+            self._method_name(layout),
+            self._parameters(layout, calling=True),
+            self._in_class(self._result_hint(layout)),
+            self._in_class(self._feedback_hint(layout)),
+            doc,
+            self._constant(layout),
         )
-
-    def _handler_head(self, layout: CallLayout) -> str:
-        member = self._member(layout)
-        parameters = ["self", *self._parameters(layout, calling=False)]
-        if isinstance(member, Operation) and member.cancelable:
-            feedback = self._in_class(self._feedback_hint(layout))
-            parameters.append(f"{self._run(layout)}: _Execution[{feedback}]")
-        result = self._in_class(self._result_hint(layout, sending=True))
-        return f"def {self._method_name(layout)}{group(parameters)} -> {result}:"
 
     def _run(self, layout: CallLayout) -> str:
         """What a handler calls its execution."""
         return LocalNames(self._parameter_names(layout)).fresh("run")
 
     def _handler(self, layout: CallLayout) -> HandlerView:
+        member = self._member(layout)
+        parameters = self._parameters(layout, calling=False)
+        if isinstance(member, Operation) and member.cancelable:
+            feedback = self._in_class(self._feedback_hint(layout))
+            run = ParameterView(self._run(layout), f"{self._execution()}[{feedback}]", "")
+            parameters = (*parameters, run)
         return HandlerView(
-            f"0x{layout.code:08X}",
-            self._constant(layout),
             self._method_name(layout),
-            self._arguments(layout),
-            self._writer(layout),
-            self._handler_head(layout),
+            parameters,
+            self._in_class(self._result_hint(layout, sending=True)),
             self._doc(layout) or (f"Answers {short_name(layout)}.",),
         )
 
-    def _publisher(self, attribute: Attribute) -> PublisherView:
-        sample = self._sample(attribute)
-        code = self._layout.stream(attribute.scoped_name).code
-        local = LocalNames(LOCAL_WORDS | self._type_names([sample]) | {"value", "stamp"})
-        hint = self._in_class(self._lowering.hint(sample.node, sending=True))
-        stamp = self._in_class("float | None")
-        parameters = group(["self", f"value: {hint}", f"stamp: {stamp} = None"])
+    def _execution(self) -> str:
+        """What the module calls gecos.Execution."""
+        return "_Execution"
+
+    def _publisher(self, attribute: Attribute, getter: CallLayout) -> PublisherView:
+        hint = self._lowering.hint(self._outputs(getter)[0].node, sending=True)
         return PublisherView(
-            f"def {names.publisher(attribute.name)}{parameters} -> None:",
-            f"A new sample of `{attribute.name}`, measured at `stamp` (Unix time in s; now).",
-            (
-                "out: _Parts = []",
-                *self._lowering.encode(sample.slot("value", attribute.name), local),
-                f"self._gecos_publish(0x{code:08X}, out, stamp)",
-            ),
+            names.publisher(attribute.name),
+            attribute.name,
+            self._in_class(hint),
+            self._in_class("float | None"),
+            f"0x{getter.code:08X}",
+            self._constant(getter),
         )

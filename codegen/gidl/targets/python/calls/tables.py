@@ -1,77 +1,101 @@
-"""The constants that say how operations are called and streams are read."""
+"""The constants that say how operations are called and answered."""
 
 from __future__ import annotations
 
 from gidl.model import Attribute, Operation
 from gidl.policy import OnLoss, OnNew, Qos, QualityClass, Reliability
-from gidl.targets.calls import short_name
-from gidl.targets.groups import group
-from gidl.targets.python.calls.bodies import Bodies
-from gidl.targets.python.calls.views import (
-    MethodTableView,
-    StreamTableView,
-)
+from gidl.targets.calls import first_missing, short_name
+from gidl.targets.groups import call, group
+from gidl.targets.python.calls.facts import CallFacts, Passed
+from gidl.targets.python.calls.views import MethodTableView
+from gidl.targets.python.lower.types import quoted
 from gidl.wire_layout import CallKind, CallLayout
 
+_NO_TERMS = "_Quality()"
 
-class Tables(Bodies):
-    def _table(self, call: CallLayout) -> MethodTableView:
-        member = self._member(call)
-        arguments = [self._reader(call)]
-        feedback = self._feedback_hint(call)
-        raises = [self._module.value(name) for name, _ in call.exceptions]
-        if feedback != "None":
-            arguments.append(f"feedback={feedback}.decode")
-        if raises:
-            listed = group(raises) if raises[1:] else f"({raises[0]},)"
-            arguments.append(f"raises={listed}")
-        result = self._result_hint(call)
+
+class Tables(CallFacts):
+    def _table(self, layout: CallLayout) -> MethodTableView:
+        member = self._member(layout)
+        feedback = self._feedback_hint(layout)
         return MethodTableView(
-            self._constant(call),
-            f"_Method[{result}, {feedback}]",
-            tuple(self._operation_arguments(call, member)),
-            tuple(arguments),
+            self._constant(layout),
+            self._result_hint(layout),
+            feedback,
+            self._operation(layout, member),
+            tuple(self._carried(layout, member, feedback)),
         )
 
-    def _operation_arguments(self, call: CallLayout, member: Operation | Attribute) -> list[str]:
-        """Only what differs from the defaults of gecos.interface.Operation, and the access."""
-        lines = [f"code=0x{call.code:08X}", f'name="{short_name(call)}"']
-        setter = call.kind is CallKind.SETTER
-        if isinstance(member, Attribute):
-            lines.append(f"kind=_Kind.{'SETTER' if setter else 'GETTER'}")
-            access = member.write_access if setter else member.read_access
-            presence = setter and member.write_needs_presence
-            idempotent = member.idempotent or not setter
-        else:
-            access, presence, idempotent = member.access, member.needs_presence, member.idempotent
-        lines.append(f"access=_Access.{access.name}")
-        flags = {"presence": presence, "idempotent": idempotent, "parallel": member.parallel}
-        if isinstance(member, Operation):
-            flags |= {"safety": member.safety, "cancelable": member.cancelable}
-            flags |= {"ordered": member.ordered}
-        lines += [
-            f"{name}={value}" for name, value in flags.items() if value != (name == "presence")
-        ]
-        if member.on_new is not OnNew.QUEUE:
-            lines.append(f"on_new=_OnNew.{member.on_new.name}")
-        if member.on_loss is not OnLoss.STOP:
-            lines.append(f"on_loss=_OnLoss.{member.on_loss.name}")
-        terms = quality(member.qos)
-        if terms != "_Quality()":
-            lines.append(f"quality={terms}")
-        return [*lines, f"hash=0x{call.hash:016X}"]
+    def _carried(
+        self, layout: CallLayout, member: Operation | Attribute, feedback: str
+    ) -> list[str]:
+        """What the call takes and gives, as far as it does."""
+        terms = []
+        if inputs := self._inputs(layout):
+            terms.append(f"takes={self._values(inputs)}")
+        if outputs := self._outputs(layout):
+            several = self._gives_several(layout)
+            one = outputs[0]
+            gives = self._result_hint(layout) if several else self._step(one)
+            terms.append(f"gives={gives}")
+        if feedback != "None":
+            terms.append(f"feedback={feedback}")
+        raises = [self._module.value(name) for name, _ in layout.exceptions]
+        if raises:
+            listed = group(raises) if raises[1:] else f"({raises[0]},)"
+            terms.append(f"raises={listed}")
+        getter = layout.kind is CallKind.GETTER
+        if getter and isinstance(member, Attribute) and member.streams_out:
+            terms.append(f"stream={self._stream(member)}")
+        called = self._method_name(layout)
+        short = short_name(layout)
+        expected = f"set_{short[:-1]}" if short.endswith("=") else short
+        return terms + ([f"handler={quoted(called)}"] if called != expected else [])
 
-    def _stream_table(self, attribute: Attribute) -> StreamTableView:
-        layout = self._layout.stream(attribute.scoped_name)
+    def _values(self, values: list[Passed]) -> str:
+        steps = self._lowering.steps((each.node, each.value.secret) for each in values)
+        passed = [each.value for each in values]
+        defaults = [self._missing(each) for each in values[first_missing(passed) :]]
+        listed = group(defaults) if defaults[1:] else f"({defaults[0]},)" if defaults else ""
+        terms = [f"defaults={listed}"] if defaults else []
+        return call("_values", quoted(" ".join(each.name for each in passed)), *steps, *terms)
+
+    def _step(self, each: Passed) -> str:
+        return self._lowering.step(each.node, each.value.secret)
+
+    def _stream(self, attribute: Attribute) -> str:
+        """Its rate, and the bytes of its largest sample."""
         assert attribute.stream is not None
-        lines = [f"code=0x{layout.code:08X}", f'name="{attribute.name}"']
-        lines.append(f"access=_Access.{attribute.read_access.name}")
-        lines.append(f"rate_hz={float(attribute.stream.rate_hz or 0)!r}")
-        lines.append(f"largest={layout.sample.fixed_size or 0}")
-        terms = quality(attribute.qos)
-        if terms != "_Quality()":
-            lines.append(f"quality={terms}")
-        return StreamTableView(self._stream_constant(attribute), tuple(lines))
+        largest = self._layout.stream(attribute.scoped_name).sample.fixed_size or 0
+        return group([repr(float(attribute.stream.rate_hz or 0)), str(largest)])
+
+    def _operation(self, layout: CallLayout, member: Operation | Attribute) -> str:
+        """Only what differs from the defaults of gecos.interface.Operation, and the access."""
+        setter = layout.kind is CallKind.SETTER
+        getter = isinstance(member, Attribute) and not setter
+        flags = {}
+        if isinstance(member, Operation):
+            access, presence = member.access, member.needs_presence
+            flags = {"idempotent": member.idempotent, "safety": member.safety}
+            flags |= {"cancelable": member.cancelable, "ordered": member.ordered}
+        elif setter:
+            access, presence = member.write_access, member.write_needs_presence
+            flags = {"idempotent": member.idempotent}
+        else:
+            access, presence = member.read_access, True  # a getter says so itself
+        terms = [f"0x{layout.code:08X}", quoted(short_name(layout)), f"_Access.{access.name}"]
+        terms += ["kind=_Kind.SETTER"] if setter else []
+        terms += [] if presence else ["presence=False"]
+        flags["parallel"] = member.parallel
+        terms += [f"{name}=True" for name, value in flags.items() if value]
+        if member.on_new is not OnNew.QUEUE:
+            terms.append(f"on_new=_OnNew.{member.on_new.name}")
+        if member.on_loss is not OnLoss.STOP:
+            terms.append(f"on_loss=_OnLoss.{member.on_loss.name}")
+        asked = quality(member.qos)
+        terms += [] if asked == _NO_TERMS else [f"quality={asked}"]
+        terms.append(f"hash=0x{layout.hash:016X}")
+        return call("_getter" if getter else "_Operation", *terms)
 
 
 def quality(qos: Qos) -> str:

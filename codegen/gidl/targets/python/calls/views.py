@@ -6,53 +6,50 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True)
-class FunctionView:
-    """A reader or writer of a body, as a function of the module."""
-
-    head: str  # "def _device_mount_arguments(source: _Decoder) -> tuple[str, Frame]:"
-    body: tuple[str, ...]
-
-
-@dataclass(frozen=True, slots=True)
 class MethodTableView:
-    """The constant that says how an operation is called."""
+    """The constant that says how an operation is called and answered."""
 
     name: str  # "_DEVICE_MOUNT"
-    type: str  # "_Method[None, None]"
-    operation: tuple[str, ...]  # arguments of _Operation(...)
-    arguments: tuple[str, ...]  # what follows it
+    result: str
+    feedback: str
+    operation: str  # "_Operation(…)"
+    terms: tuple[str, ...]  # what follows it
 
 
 @dataclass(frozen=True, slots=True)
-class StreamTableView:
+class ParameterView:
     name: str
-    arguments: tuple[str, ...]
+    hint: str
+    default: str  # "" for none
 
 
 @dataclass(frozen=True, slots=True)
 class ProxyMemberView:
     is_stream: bool
-    head: str
+    name: str
+    parameters: tuple[ParameterView, ...]
+    result: str
+    feedback: str  # "None" without
     doc: tuple[str, ...]
-    body: tuple[str, ...]
+    table: str
 
 
 @dataclass(frozen=True, slots=True)
 class HandlerView:
-    code: str
-    table: str
-    method: str
-    arguments: str
+    name: str
+    parameters: tuple[ParameterView, ...]
     result: str
-    head: str
     doc: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class PublisherView:
-    head: str
-    doc: str
-    body: tuple[str, ...]
+    name: str  # "publish_tool"
+    attribute: str
+    hint: str
+    stamp: str
+    code: str
+    table: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,16 +61,12 @@ class InterfaceView:
     version: str
     hash: str
     doc: tuple[str, ...]
-    client_bases: str  # "(Device)"
-    server_bases: str
+    client_bases: tuple[str, ...]  # of its classes
+    server_bases: tuple[str, ...]
     base_proxies: tuple[str, ...]  # classes whose operations it inherits
-    base_servants: tuple[str, ...]
-    bases: tuple[str, ...]
-    quality: str
+    quality: str  # "" where nothing is asked
     hidden: tuple[str, ...]  # by members; hints in its classes say `_list_`
-    functions: tuple[FunctionView, ...]
     methods: tuple[MethodTableView, ...]
-    streams: tuple[StreamTableView, ...]
     members: tuple[ProxyMemberView, ...]
     handlers: tuple[HandlerView, ...]
     publishers: tuple[PublisherView, ...]

@@ -1,9 +1,8 @@
-"""What a value is hinted as, and what values are written as."""
+"""What a value is hinted as, and how values stand in Python."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import Self
 
 from gidl.model import (
@@ -14,7 +13,6 @@ from gidl.model import (
     Member,
     Model,
     Primitive,
-    Range,
     Struct,
     Value,
 )
@@ -47,17 +45,6 @@ DTYPES = {
     "?": "bool_", "b": "int8", "B": "uint8", "h": "int16", "H": "uint16", "i": "int32",
     "I": "uint32", "q": "int64", "Q": "uint64", "f": "float32", "d": "float64",
 }  # fmt: skip
-SIZES = {"?": 1, "b": 1, "B": 1, "h": 2, "H": 2, "i": 4, "I": 4, "q": 8, "Q": 8, "f": 4, "d": 8}
-
-
-@dataclass(frozen=True, slots=True)
-class Slot:
-    """A value with a place; `label` is what messages call it."""
-
-    expression: str
-    label: str
-    node: Node
-    secret: bool = False
 
 
 class Types:
@@ -215,43 +202,6 @@ class Types:
                 return set()
 
 
-def holds_array(node: Node) -> bool:
-    """Whether `==` needs help: arrays compare element by element."""
-    match node:
-        case OptionalNode(element) | SequenceNode(element) | ArrayNode(element):
-            return is_bulk(node) or holds_array(element)
-        case MapNode(key, value):
-            return holds_array(key) or holds_array(value)
-        case _:
-            return False
-
-
-def is_bulk(node: Node) -> bool:
-    """Whether a value is an array of numpy."""
-    match node:
-        case SequenceNode(element):
-            return bulk_code(element) is not None and not is_octet(element)
-        case ArrayNode(element, dimensions):
-            octets = is_octet(element) and len(dimensions) == 1
-            return bulk_code(element) is not None and not octets
-        case _:
-            return False
-
-
-def sent_bounds(node: Node) -> Range | None:
-    """What a number is compared with before it is sent. A float of Python has more digits than the
-    declared one: both a limit as it is written and the nearest float, as it was received, are
-    within, and both are sent as the nearest float."""
-    if not isinstance(node, ScalarNode):
-        return None
-    exact, nearest = node.limits, node.bounds
-    if exact is None or nearest is None or node.primitive is not Primitive.FLOAT:
-        return nearest
-    low = [x for x in (exact.minimum, nearest.minimum) if x is not None]
-    high = [x for x in (exact.maximum, nearest.maximum) if x is not None]
-    return Range(min(low, default=None), max(high, default=None))
-
-
 def bulk_code(element: Node) -> str | None:
     """Code of elements that are kept in a numpy array."""
     if isinstance(element, ScalarNode) and element.primitive is not Primitive.CHAR:
@@ -263,21 +213,11 @@ def is_octet(element: Node) -> bool:
     return isinstance(element, ScalarNode) and element.primitive is Primitive.OCTET
 
 
-def most(bound: int | None, what: str) -> str:
-    if bound is not None:
-        return str(bound)
-    return "_wire.MAX_TEXT" if what == "string" else "_wire.MAX_COUNT"
-
-
 def repeated(text: str, dimensions: tuple[int, ...]) -> str:
     """Nested lists of values that `text` makes anew."""
     for size in reversed(dimensions):
         text = clauses([text, f"for _ in range({size})"], "[", "]")
     return text
-
-
-def indented(lines: list[str]) -> list[str]:
-    return [f"    {line}" for line in lines]
 
 
 def quoted(text: str) -> str:

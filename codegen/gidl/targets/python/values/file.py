@@ -11,6 +11,7 @@ from gidl.model import (
     EnumDeclaration,
     Facts,
     File,
+    Interface,
     Location,
     Model,
     Primitive,
@@ -18,28 +19,31 @@ from gidl.model import (
     Typedef,
     Union,
 )
+from gidl.targets.groups import call, group
 from gidl.targets.naming import value_note
 from gidl.targets.python import names
 from gidl.targets.python.homes import ModuleNames, mapped_import
 from gidl.targets.python.imports import export_order, import_lines, private
-from gidl.targets.python.lower import Lowering
+from gidl.targets.python.lower import CODES, Lowering
+from gidl.targets.python.lower.steps import renamed
+from gidl.targets.python.lower.types import quoted
 from gidl.targets.python.values.names import type_doc
 from gidl.targets.python.values.structs import Structs
 from gidl.targets.python.values.unions import Unions
 from gidl.targets.python.values.views import (
     AliasView,
-    BitsFieldView,
     BitsView,
     ConstantView,
     EnumeratorView,
     EnumView,
+    FieldView,
     StructView,
     TypesView,
     TypeView,
     UnionView,
 )
 from gidl.wire_layout import Layout, node_of
-from gidl.wire_nodes import Node, ScalarNode
+from gidl.wire_nodes import Node
 
 
 def types_view(lowering: Lowering, file: File) -> TypesView:
@@ -67,7 +71,7 @@ def _in_module(lowering: Lowering, file: File) -> Lowering:
     nodes = [n for d in file.declarations for n in _nodes(lowering.model, layout, d)]
     for operation in homes.results_of(file):
         nodes += [field.node for field in layout.call(operation.scoped_name).reply]
-    used = {home for node in nodes for home in lowering.used(node)}
+    used = {home for node in nodes for home in lowering.named(node)}
     own = f"{python_module(file.path)}_types"
     return lowering.within(ModuleNames(homes, used, homes.names_of(file), [own]))
 
@@ -91,6 +95,7 @@ def _standard(types: list[TypeView]) -> list[str]:
     structs = [t for t in types if isinstance(t, StructView)]
     coded = bool(kinds & {"struct", "union", "bits"})
     fields = any("_field(" in field.default for t in structs for field in t.fields)
+    unions = "union" in kinds
     modules: dict[str, list[str]] = {"dataclasses": [], "enum": [], "typing": []}
     for module, name, used in (
         ("dataclasses", "dataclass", coded),
@@ -98,10 +103,9 @@ def _standard(types: list[TypeView]) -> list[str]:
         ("enum", "IntEnum", "enum" in kinds),
         ("enum", "IntFlag", "mask" in kinds),
         ("typing", "TYPE_CHECKING", bool(_numpy(types))),
-        ("typing", "Any", "union" in kinds),
-        ("typing", "ClassVar", any(t.is_exception for t in structs)),
+        ("typing", "Any", unions),
         ("typing", "Final", "constant" in kinds),
-        ("typing", "Self", coded),
+        ("typing", "Self", unions),
         ("typing", "TypeAlias", "alias" in kinds),
     ):
         if used:
@@ -129,12 +133,12 @@ def _imports(
     module: ModuleNames, types: list[TypeView], hand_written: set[tuple[str, str]]
 ) -> list[str]:
     modules = module.imports()
-    if {t.kind for t in types} & {"struct", "union", "bits"}:
+    if {t.kind for t in types} - {"alias", "constant"}:
+        modules["gecos.wire"] = set(private(["layout"]))
+    structs = [t for t in types if isinstance(t, StructView)]
+    if any("_wire." in field.default for t in structs for field in t.fields):
         modules["gecos"] = set(private(["wire"]))
-        modules["gecos.wire"] = set(private(["shapes"]))
-    if any(isinstance(t, StructView) and t.plan for t in types):
-        modules["gecos.wire"].update(private(["plans"]))
-    if any(isinstance(t, StructView) and t.is_exception for t in types):
+    if any(t.role == "exception" for t in structs):
         modules["gecos.errors"] = set(private(["DeclaredError"]))
     for home, text in hand_written:
         modules.setdefault(home, set()).add(text)
@@ -155,8 +159,11 @@ class _Types(Structs, Unions):
         views: list[TypeView] = []
         later: list[TypeView] = []
         missing = self.module.homes.names_of(file)
+        pending = self._lowering.pending
+        pending.update(d.name for d in file.declarations if not isinstance(d, Interface))
         for declaration in file.declarations:
             view = self.type(declaration)
+            pending.discard(declaration.name)
             if view is None:
                 continue
             missing.discard(view.name)
@@ -168,15 +175,25 @@ class _Types(Structs, Unions):
     def type(self, declaration: AnyDeclaration) -> TypeView | None:
         match declaration:
             case EnumDeclaration():
+                enumerators = declaration.enumerators
+                unknown = declaration.default_literal
                 return self._enum(
                     "enum",
                     declaration,
-                    [(e.name, str(e.number), e.facts) for e in declaration.enumerators],
+                    "_layout.enumeration",
+                    [quoted("q" if declaration.bit_bound > 32 else "i")]
+                    + ([] if unknown is None else [quoted(names.enumerator(unknown))]),
+                    [(e.name, str(e.number), e.facts) for e in enumerators],
                 )
             case Bitmask():
                 return self._enum(
                     "mask",
                     declaration,
+                    "_layout.flags",
+                    [
+                        quoted("Q" if declaration.bit_bound > 32 else "I"),
+                        str(declaration.bit_bound),
+                    ],
                     [(f.name, f"1 << {f.position}", f.facts) for f in declaration.flags],
                 )
             case Bitset():
@@ -200,11 +217,15 @@ class _Types(Structs, Unions):
         self,
         kind: str,
         declaration: EnumDeclaration | Bitmask,
+        described: str,
+        terms: list[str],
         enumerators: list[tuple[str, str, Facts]],
     ) -> EnumView:
+        called = [(names.enumerator(name), name) for name, _, _ in enumerators]
         return EnumView(
             kind,
             self._name(declaration),
+            call(described, *terms, *renamed(called)),
             type_doc(declaration.facts),
             tuple(
                 EnumeratorView(names.enumerator(name), value, type_doc(facts))
@@ -223,33 +244,26 @@ class _Types(Structs, Unions):
         )
 
     def _bits(self, bitset: Bitset) -> BitsView:
-        fields, shape, used = [], [], 0
+        words = names.STRUCT_WORDS | {"pack", "unpack"}
+        fields, members, called = [], [], []
         for f in self._model.all_fields(bitset):
             if f.name is None:
                 continue
-            kind = f.type.kind
-            boolean = kind is Primitive.BOOLEAN
-            signed = not boolean and not kind.is_unsigned
-            member = names.member_name(f.name, names.STRUCT_WORDS | {"pack", "unpack"})
-            shape.append(self._lowering.member_shape(f.name, member, ScalarNode(kind)))
-            used |= ((1 << f.width) - 1) << f.position
+            boolean = f.type.kind is Primitive.BOOLEAN
+            member = names.member_name(f.name, words)
+            called.append((member, f.name))
+            code = quoted(CODES[f.type.kind])
+            members.append(group([str(f.position), str(f.width), code]))
             fields.append(
-                BitsFieldView(
+                FieldView(
                     member,
                     "bool" if boolean else "int",
                     "False" if boolean else "0",
                     type_doc(f.facts, f"{f.width} bits"),
-                    f.position,
-                    f.width,
-                    -(1 << (f.width - 1)) if signed else 0,
-                    (1 << (f.width - signed)) - 1,
-                    f"0x{(1 << f.width) - 1:x}",
-                    "bool" if boolean else "signed" if signed else "unsigned",
-                    f"{bitset.simple_name}.{f.name}",
                 )
             )
-        wide = bitset.bit_size > 32
-        return BitsView(
-            "bits", self._name(bitset), type_doc(bitset.facts), "Q" if wide else "I",
-            8 if wide else 4, f"0x{used:x}", tuple(fields), tuple(shape),
-        )  # fmt: skip
+        name = self._name(bitset)
+        label = [f"label={quoted(bitset.simple_name)}"] if bitset.simple_name != name else []
+        code = quoted("Q" if bitset.bit_size > 32 else "I")
+        described = call("_layout.bits", code, *members, *label, *renamed(called))
+        return BitsView("bits", name, described, type_doc(bitset.facts), tuple(fields))

@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from gidl.languages import PYTHON_BUILTINS
 from gidl.model import AnyDeclaration, Facts, Member
 from gidl.targets.naming import doc_lines
 from gidl.targets.python import names
 from gidl.targets.python.lower import Lowering
-
-# What a body calls something else, and so none of its locals.
-LOCAL_WORDS = PYTHON_BUILTINS | {"out", "source", "cls", "self"}
 
 
 class ValueNames:
@@ -17,7 +13,6 @@ class ValueNames:
         self._lowering = lowering
         self._model = lowering.model
         self._layout = lowering.layout
-        self._constants = names.Constants()  # one builder makes the views of one file
 
     def _name(self, declaration: AnyDeclaration) -> str:
         return self._layout.python_names.types[declaration.name].name

@@ -2,36 +2,53 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from gidl.model import ExceptionStruct, Member, Operation, Struct
 from gidl.targets.calls import result_struct
 from gidl.targets.groups import call
 from gidl.targets.naming import value_note
 from gidl.targets.python import names
-from gidl.targets.python.lower import Slot, holds_array
-from gidl.targets.python.values.names import ValueNames, type_doc
-from gidl.targets.python.values.plan import Class, Plan
+from gidl.targets.python.lower.steps import renamed
+from gidl.targets.python.lower.types import quoted
+from gidl.targets.python.values.names import ValueNames, may_be_missing, type_doc
 from gidl.targets.python.values.views import FieldView, StructView
 from gidl.targets.reach import type_reaches
 from gidl.wire_layout import FieldLayout
 from gidl.wire_nodes import Node
 
 
+@dataclass(frozen=True, slots=True)
+class _Class:
+    """A struct, what its class is called, and its members as they lie on the wire."""
+
+    struct: Struct
+    name: str
+    label: str  # what messages call it
+    members: tuple[Member, ...]
+    fields: tuple[FieldLayout, ...]
+
+
 class Structs(ValueNames):
     def _struct(self, struct: Struct) -> StructView:
         layout = self._layout.structs[struct.name]
-        members = self._model.all_members(struct)
-        label = struct.simple_name
-        printed = self._class(struct, members, layout.fields, self._name(struct), label)
-        recursive = type_reaches(self._model, struct.name, struct.name)
-        return self._view(printed, layout.fingerprint, recursive)
+        number = f"0x{layout.fingerprint & (1 << 64) - 1:016X}"
+        members, name = self._model.all_members(struct), self._name(struct)
+        printed = _Class(struct, name, struct.simple_name, members, layout.fields)
+        if isinstance(struct, ExceptionStruct):
+            return self._view(printed, "exception", [quoted(struct.name), number], [])
+        terms = ["open=True"] if struct.is_appendable else []
+        terms += ["deep=True"] if type_reaches(self._model, struct.name, struct.name) else []
+        return self._view(printed, "struct", [number], self._missing(printed) + terms)
 
     def _twin(self, struct: Struct) -> StructView:
         """What the declared members look like where a hand-written type has their bytes."""
+        called, members = self._name(struct), self._model.all_members(struct)
         fields = self._layout.structs[struct.name].fields
-        members = self._model.all_members(struct)
-        called = self._name(struct)
-        name, label = f"_{called}Layout", f"_{struct.simple_name}Layout"
-        return self._view(self._class(struct, members, fields, name, label), stands_for=called)
+        label = f"_{struct.simple_name}Layout"
+        printed = _Class(struct, f"_{called}Layout", label, members, fields)
+        terms = ["open=True"] if struct.is_appendable else []
+        return self._view(printed, "twin", [called], self._missing(printed) + terms)
 
     def _result(self, operation: Operation) -> StructView:
         """What an operation gives that gives several values."""
@@ -39,75 +56,43 @@ class Structs(ValueNames):
         assert struct is not None
         name = self._layout.python_names.results[operation.scoped_name].name
         fields = self._layout.call(operation.scoped_name).reply
-        return self._view(self._class(struct, struct.members, fields, name, name))
+        printed = _Class(struct, name, name, struct.members, fields)
+        return self._view(printed, "result", [], self._missing(printed))
 
-    def _class(
-        self,
-        struct: Struct,
-        members: tuple[Member, ...],
-        fields: tuple[FieldLayout, ...],
-        name: str,
-        label: str,
-    ) -> Class:
-        exception = isinstance(struct, ExceptionStruct)
-        words = names.EXCEPTION_WORDS if exception else names.STRUCT_WORDS
-        words = self._lowering.words_beside([f.node for f in fields], words)
-        attributes = tuple(names.member_name(m.name, words) for m in members)
-        slots = tuple(
-            Slot(f"self.{attribute}", f"{label}.{m.name}", field.node, m.secret)
-            for m, field, attribute in zip(members, fields, attributes, strict=True)
-        )
-        return Class(struct, name, members, attributes, slots)
+    def _missing(self, printed: _Class) -> list[str]:
+        """How many of the last members an older writer may leave out."""
+        members, count = printed.members, 0
+        while printed.struct.is_appendable and count < len(members):
+            if not may_be_missing(members[-1 - count]):
+                break
+            count += 1
+        return [f"missing={count}"] if count else []
 
-    def _view(
-        self,
-        printed: Class,
-        fingerprint: int | None = None,  # none for what is no declared type
-        recursive: bool = False,
-        stands_for: str = "",
-    ) -> StructView:
+    def _view(self, printed: _Class, kind: str, first: list[str], terms: list[str]) -> StructView:
         struct = printed.struct
-        is_exception = isinstance(struct, ExceptionStruct)
-        arrays = any(holds_array(slot.node) for slot in printed.slots)
-        by_hand = is_exception or arrays
-        plan = Plan(self._lowering, self._constants, printed)
-        each = list(zip(printed.members, printed.attributes, printed.slots, strict=True))
+        nodes = [field.node for field in printed.fields]
+        words = names.EXCEPTION_WORDS if kind == "exception" else names.STRUCT_WORDS
+        words = self._lowering.words_beside(nodes, words)
+        attributes = [names.member_name(m.name, words) for m in printed.members]
+        steps = self._lowering.steps(zip(nodes, (m.secret for m in printed.members), strict=True))
+        label = [f"label={quoted(printed.label)}"] if printed.label != printed.name else []
+        declared = zip(attributes, (m.name for m in printed.members), strict=True)
+        described = [*first, *steps, *terms, *label, *renamed(declared)]
         return StructView(
             "struct",
             printed.name,
-            "(_DeclaredError)" if is_exception else "",
-            "@_dataclass(slots=True, eq=False)" if by_hand else "@_dataclass(slots=True)",
-            struct.name,
-            is_exception,
+            kind,
+            call(f"_layout.{kind}", *described),
             type_doc(struct.facts),
-            tuple(self._field(m, attribute, slot.node) for m, attribute, slot in each),
-            tuple(plan.run_views()),
-            tuple(plan.encode_body()),
-            tuple(plan.decode_body(recursive)),
-            "" if fingerprint is None else f"0x{fingerprint & (1 << 64) - 1:016X}",
-            tuple(_comparisons(printed)) if arrays and not is_exception else (),
             tuple(
-                self._lowering.member_shape(m.name, attribute, slot.node, m.secret)
-                for m, attribute, slot in each
+                self._field(member, attribute, node)
+                for member, attribute, node in zip(printed.members, attributes, nodes, strict=True)
             ),
-            "" if fingerprint is None else self._plan(struct, plan.missing),
-            stands_for,
         )
-
-    def _plan(self, struct: Struct, missing: int) -> str:
-        steps = self._lowering.plan(struct)
-        if steps is None:
-            return ""
-        rest = [f"missing={missing}"] if missing else []
-        rest += ["open=True"] if struct.is_appendable else []
-        return call("@_plans.planned", *steps, *rest)
 
     def _field(self, member: Member, attribute: str, node: Node) -> FieldView:
         default, made = self._lowering.initial(member, node)
-        if member.secret:
-            kind = "default_factory" if made else "default"
-            default = call("_field", f"{kind}={default}", "repr=False")
-        elif made:
+        if made:
             default = call("_field", f"default_factory={default}")
         elif default.endswith(")"):
             default = call("_field", f"default={default}")
@@ -115,13 +100,3 @@ class Structs(ValueNames):
         return FieldView(
             attribute, self._lowering.hint(node), default, type_doc(member.facts, note)
         )
-
-
-def _comparisons(printed: Class) -> list[str]:
-    lines = []
-    for name, slot in zip(printed.attributes, printed.slots, strict=True):
-        if holds_array(slot.node):
-            lines.append(f"_wire.same(self.{name}, other.{name})")
-        else:
-            lines.append(f"self.{name} == other.{name}")
-    return lines

@@ -16,6 +16,7 @@ class EnumeratorView:
 class EnumView:
     kind: str  # "enum" or "mask"
     name: str
+    layout: str  # "_layout.enumeration(…)"
     doc: tuple[str, ...]
     enumerators: tuple[EnumeratorView, ...]
 
@@ -29,30 +30,13 @@ class FieldView:
 
 
 @dataclass(frozen=True, slots=True)
-class RunView:
-    name: str  # "_HOLDER_1"
-    codes: str
-    labels: tuple[str, ...]
-
-
-@dataclass(frozen=True, slots=True)
 class StructView:
     kind: str  # "struct"
     name: str
-    base: str  # "(_DeclaredError)" or ""
-    decorator: str
-    scoped_name: str
-    is_exception: bool
+    role: str  # "struct", "exception", "result" or "twin"
+    layout: str  # "_layout.struct(…)"
     doc: tuple[str, ...]
     fields: tuple[FieldView, ...]
-    runs: tuple[RunView, ...]
-    encode: tuple[str, ...]
-    decode: tuple[str, ...]
-    fingerprint: str  # "" for what is no declared type
-    equal: tuple[str, ...]  # comparisons, where arrays need help
-    shape: tuple[str, ...]  # its members as gecos.wire.shapes has them
-    plan: str  # decorator that tells gecos.wire.plans of its members; "" where it has no plan
-    stands_for: str  # the hand-written type whose layout it has, or ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,46 +54,21 @@ class ArmView:
 class UnionView:
     kind: str  # "union"
     name: str
+    layout: str  # "_layout.union(…)"
     doc: tuple[str, ...]
     tag_hint: str
     tag_default: str
     value_hint: str
     arms: tuple[ArmView, ...]
-    select: tuple[str, ...]
-    encode: tuple[str, ...]
-    decode: tuple[str, ...]
-    fingerprint: str
-    needs_same: bool
-    secret_arms: tuple[int, ...]
-    tag_shape: str
-    arm_shapes: tuple[str, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class BitsFieldView:
-    name: str
-    hint: str
-    default: str
-    doc: tuple[str, ...]
-    position: int
-    width: int
-    low: int
-    high: int
-    mask: str
-    kind: str  # "bool", "unsigned", "signed"
-    label: str
 
 
 @dataclass(frozen=True, slots=True)
 class BitsView:
     kind: str  # "bits"
     name: str
+    layout: str  # "_layout.bits(…)"
     doc: tuple[str, ...]
-    code: str
-    size: int
-    used: str
-    fields: tuple[BitsFieldView, ...]
-    shape: tuple[str, ...]
+    fields: tuple[FieldView, ...]
 
 
 @dataclass(frozen=True, slots=True)

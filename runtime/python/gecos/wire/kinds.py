@@ -1,0 +1,469 @@
+"""The kinds of values: how each is written, read, and shown in JSON, by its part of a layout.
+
+`plain` gives what the module json can dump; `made` is its inverse and raises `JsonError`. `step` is
+what the extension `_plans` is told, or None where only Python knows the kind.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from enum import IntEnum, IntFlag
+from typing import Any
+
+from gecos.wire.codes import CODE_MEANING, MAX_TEXT, READERS, WRITERS
+from gecos.wire.contents import from_bytes, put, put_block, to_bytes
+from gecos.wire.decode import Decoder
+from gecos.wire.encode import Parts, char, number, string
+from gecos.wire.errors import (
+    HIDDEN,
+    DecodeError,
+    EncodeError,
+    JsonError,
+    expect_enumerator,
+    out_of_range,
+)
+
+_NOT_FINITE = {"nan": math.nan, "inf": math.inf, "-inf": -math.inf}
+
+
+def expect_json(kind: type, data: Any, path: str, wanted: str) -> None:
+    if type(data) is not kind:
+        raise JsonError(path, f"{wanted} is expected, {_shown(data)} is there")
+
+
+def _shown(data: Any) -> str:
+    names = {dict: "an object", list: "a list", str: "a text", bool: "a boolean"}
+    return "null" if data is None else names.get(type(data), "a number")
+
+
+def below(path: str, name: str) -> str:
+    return f"{path}.{name}" if path else name
+
+
+class Kind:
+    """`label` is what messages call the value."""
+
+    __slots__ = ()
+
+    least = 0
+    """Bytes that every value takes at least."""
+    holds_array = False
+    """Arrays of numpy compare element by element, so `==` needs help."""
+
+    def put(self, value: Any, out: Parts, label: str) -> None:
+        raise NotImplementedError
+
+    def take(self, source: Decoder, label: str) -> Any:
+        raise NotImplementedError
+
+    def plain(self, value: Any) -> Any:
+        raise NotImplementedError
+
+    def made(self, data: Any, path: str) -> Any:
+        raise NotImplementedError
+
+    def step(self) -> Any:
+        return None
+
+
+class Number(Kind):
+    """`code` is that of `wire.Fields`. What JSON has no number for is "nan", "inf" or "-inf"."""
+
+    __slots__ = ("code", "least")
+
+    def __init__(self, code: str) -> None:
+        if code not in READERS:
+            raise TypeError(f"{code!r} is no code of numbers")
+        self.code = code
+        self.least = READERS[code].size
+
+    def put(self, value: Any, out: Parts, label: str) -> None:
+        out.append(number(value, self.code, label))
+
+    def take(self, source: Decoder, label: str) -> Any:
+        return source.number(self.code, label)
+
+    def step(self) -> Any:
+        return self.code
+
+    def plain(self, value: Any) -> Any:
+        if self.code == "?":
+            return bool(value)
+        if self.code not in "fd":
+            return int(value)
+        number = float(value)
+        return number if math.isfinite(number) else str(number)
+
+    def made(self, data: Any, path: str) -> Any:
+        if self.code == "?":
+            expect_json(bool, data, path, "a boolean")
+            return data
+        if self.code in "fd":
+            return self._floating(data, path)
+        expect_json(int, data, path, "a whole number")
+        low, high = limits_of(self.code)
+        if not low <= data <= high:
+            raise JsonError(path, f"{data} is not {CODE_MEANING[self.code]}")
+        return data
+
+    def _floating(self, data: Any, path: str) -> float:
+        if type(data) is str and data in _NOT_FINITE:
+            return _NOT_FINITE[data]
+        if type(data) not in (int, float):
+            raise JsonError(path, f"a number is expected, {_shown(data)} is there")
+        try:
+            WRITERS[self.code].pack(data)
+            return float(data)
+        except OverflowError:
+            raise JsonError(path, f"{data} is not {CODE_MEANING[self.code]}") from None
+
+
+def limits_of(code: str) -> tuple[int, int]:
+    """Of whole numbers."""
+    bits = 8 * READERS[code].size
+    return (0, (1 << bits) - 1) if code.isupper() else (-(1 << bits - 1), (1 << bits - 1) - 1)
+
+
+class Limits:
+    """What @range allows of numbers of a code; None leaves a side open.
+
+    A float of Python has more digits than one of single precision: both a limit as it is written
+    and the nearest single, as it was received, may be sent, and both are sent as that single.
+    """
+
+    __slots__ = ("high", "low", "received", "sent", "text")
+
+    def __init__(self, code: str, low: Any, high: Any) -> None:
+        self.low, self.high = low, high
+        self.sent: tuple[Any, Any] = (low, high)
+        self.received: tuple[Any, Any] = (low, high)
+        if code == "f":
+            self.received = (_single(low), _single(high))
+            self.sent = (_outer(min, low), _outer(max, high))
+        self.text = f"[{'-inf' if low is None else low}, {'inf' if high is None else high}]"
+
+    def planned(self, code: str) -> tuple[Any, Any]:
+        """Without the sides that no number of the code can pass."""
+        low, high = self.sent
+        if code not in "fd":
+            least, most = limits_of(code)
+            low = None if low is not None and low <= least else low
+            high = None if high is not None and high >= most else high
+        return low, high
+
+
+def _single(x: float | None) -> float | None:
+    return None if x is None else READERS["f"].unpack(WRITERS["f"].pack(x))[0]
+
+
+def _outer(choose: Callable[[Any, Any], Any], exact: float | None) -> float | None:
+    return None if exact is None else choose(exact, _single(exact))
+
+
+class Ranged(Number):
+    """A number within limits."""
+
+    __slots__ = ("limits",)
+
+    def __init__(self, code: str, low: Any, high: Any) -> None:
+        super().__init__(code)
+        self.limits = Limits(code, low, high)
+
+    def put(self, value: Any, out: Parts, label: str) -> None:
+        out.append(number(value, self.code, label))
+        low, high = self.limits.sent
+        if (low is not None and not value >= low) or (high is not None and not value <= high):
+            raise out_of_range(label, value, self.limits.text)
+
+    def take(self, source: Decoder, label: str) -> Any:
+        return source.ranged(self.code, *self.limits.received, label)
+
+    def step(self) -> Any:
+        low, high = self.limits.planned(self.code)
+        if low is None and high is None:
+            return self.code
+        return None if self.code == "Q" else ("ranged", self.code, low, high)
+
+
+class Text(Kind):
+    __slots__ = ("most",)
+    least = 5
+
+    def __init__(self, most: int = MAX_TEXT) -> None:
+        self.most = most
+
+    def put(self, value: Any, out: Parts, label: str) -> None:
+        out.append(string(value, self.most, label))
+
+    def take(self, source: Decoder, label: str) -> Any:
+        return source.string(self.most, label)
+
+    def step(self) -> Any:
+        return ("text", self.most)
+
+    def plain(self, value: Any) -> Any:
+        return value
+
+    def made(self, data: Any, path: str) -> Any:
+        expect_json(str, data, path, "a text")
+        return data
+
+
+class Char(Text):
+    """One character of Latin-1."""
+
+    __slots__ = ()
+    least = 1
+
+    def put(self, value: Any, out: Parts, label: str) -> None:
+        out.append(char(value, label))
+
+    def take(self, source: Decoder, label: str) -> Any:
+        return chr(source.number("B", label))
+
+    def step(self) -> Any:
+        return None
+
+    def made(self, data: Any, path: str) -> Any:
+        expect_json(str, data, path, "a text")
+        if len(data) != 1 or data > "\xff":
+            raise JsonError(path, "one character of Latin-1 is expected")
+        return data
+
+
+class Enumerators(Kind):
+    """By name in JSON; `names` are the interface's of those that Python calls otherwise.
+    `otherwise` stands for a number that no enumerator has."""
+
+    __slots__ = ("code", "kind", "least", "names", "otherwise")
+
+    def __init__(
+        self, kind: type[IntEnum], code: str, otherwise: IntEnum | None, names: Mapping[str, str]
+    ) -> None:
+        self.kind = kind
+        self.code = code
+        self.least = READERS[code].size
+        self.otherwise = otherwise
+        self.names = names
+
+    def put(self, value: Any, out: Parts, label: str) -> None:
+        out.append(number(value, self.code, label))
+        expect_enumerator(value, self.kind, label)
+
+    def take(self, source: Decoder, label: str) -> Any:
+        read = source.number(self.code, label)
+        return source.enumerator(self.kind, read, self.otherwise, label, self.least)
+
+    def step(self) -> Any:
+        return ("enumerator", self.code, self.kind, self.otherwise)
+
+    def plain(self, value: Any) -> Any:
+        name = self.kind(value).name
+        return self.names.get(name, name)
+
+    def made(self, data: Any, path: str) -> Any:
+        expect_json(str, data, path, "a name")
+        for each in self.kind:
+            if self.names.get(each.name, each.name) == data:
+                return each
+        known = ", ".join(self.plain(each) for each in self.kind)
+        raise JsonError(path, f"there is no {data}; there are {known}")
+
+
+class Flags(Kind):
+    """In JSON the list of the flags that are set. The lowest `bits` may be."""
+
+    __slots__ = ("bits", "code", "kind", "least", "names")
+
+    def __init__(self, kind: type[IntFlag], code: str, bits: int, names: Mapping[str, str]) -> None:
+        self.kind = kind
+        self.code = code
+        self.bits = bits
+        self.least = READERS[code].size
+        self.names = names
+
+    def put(self, value: Any, out: Parts, label: str) -> None:
+        out.append(number(value, self.code, label))
+        if value >> self.bits:
+            raise out_of_range(label, value, f"[0, {(1 << self.bits) - 1}]")
+
+    def take(self, source: Decoder, label: str) -> Any:
+        read = source.number(self.code, label)
+        return source.flags(self.kind, read, self.bits, label, self.least)
+
+    def _named(self) -> dict[str, IntFlag]:
+        members = self.kind.__members__.items()
+        return {self.names.get(name, name): flag for name, flag in members}
+
+    def plain(self, value: Any) -> Any:
+        return [name for name, flag in self._named().items() if flag in self.kind(value)]
+
+    def made(self, data: Any, path: str) -> Any:
+        expect_json(list, data, path, "a list of flags")
+        named, whole = self._named(), self.kind(0)
+        for i, each in enumerate(data):
+            if type(each) is not str or each not in named:
+                raise JsonError(f"{path}[{i}]", f"there is no {each}; there are {', '.join(named)}")
+            whole |= named[each]
+        return whole
+
+
+class Nested(Kind):
+    """A value of a type with a layout of its own; in a block where that may grow."""
+
+    __slots__ = ("_put", "kind", "layout")
+
+    def __init__(self, kind: Any, layout: Any) -> None:
+        self.kind = kind
+        self.layout = layout
+        self._put = put_block if layout.open else put
+
+    @property
+    def least(self) -> int:  # type: ignore[override]
+        return 4 if self.layout.open else self.layout.least
+
+    def put(self, value: Any, out: Parts, label: str) -> None:
+        self._put(value, self.kind, out, label)
+
+    def take(self, source: Decoder, label: str) -> Any:
+        return self.kind.decode(source.block(label) if self.layout.open else source)
+
+    def step(self) -> Any:
+        return (
+            ("block" if self.layout.open else "struct", self.kind) if self.layout.planned else None
+        )
+
+    def plain(self, value: Any) -> Any:
+        return self.layout.plain(value)
+
+    def made(self, data: Any, path: str) -> Any:
+        return self.layout.made(data, path)
+
+
+class Later(Kind):
+    """Of a type that Python does not know yet, which `known` gives."""
+
+    __slots__ = ("_known",)
+
+    def __init__(self, known: Callable[[], Any]) -> None:
+        self._known = known
+
+    def _kind(self) -> Kind:
+        return kind_of(self._known())
+
+    @property
+    def least(self) -> int:  # type: ignore[override]
+        return self._kind().least
+
+    def put(self, value: Any, out: Parts, label: str) -> None:
+        self._kind().put(value, out, label)
+
+    def take(self, source: Decoder, label: str) -> Any:
+        return self._kind().take(source, label)
+
+    def plain(self, value: Any) -> Any:
+        return self._kind().plain(value)
+
+    def made(self, data: Any, path: str) -> Any:
+        return self._kind().made(data, path)
+
+
+class Secret(Kind):
+    """What is nowhere shown."""
+
+    __slots__ = ("inner",)
+
+    def __init__(self, inner: Kind) -> None:
+        self.inner = inner
+
+    @property
+    def least(self) -> int:  # type: ignore[override]
+        return self.inner.least
+
+    @property
+    def holds_array(self) -> bool:  # type: ignore[override]
+        return self.inner.holds_array
+
+    def put(self, value: Any, out: Parts, label: str) -> None:
+        try:
+            self.inner.put(value, out, label)
+        except EncodeError as error:
+            why = error.why
+            for each in sorted(_inside(value), key=len, reverse=True):
+                why = why.replace(each, HIDDEN)
+            raise EncodeError(error.field, why) from None
+
+    def take(self, source: Decoder, label: str) -> Any:
+        return self.inner.take(source, label)
+
+    def step(self) -> Any:
+        return self.inner.step()
+
+    def plain(self, value: Any) -> Any:
+        return HIDDEN
+
+    def made(self, data: Any, path: str) -> Any:
+        if data == HIDDEN:
+            raise JsonError(path, "it was hidden when this was written; say it, or leave it out")
+        return self.inner.made(data, path)
+
+
+def _inside(value: Any) -> set[str]:
+    """How errors show a value, or one that it holds."""
+    shown = {repr(value), str(value)} - {""}
+    if isinstance(value, dict):
+        value = [*value.keys(), *value.values()]
+    if isinstance(value, list | tuple):
+        shown = shown.union(*map(_inside, value))
+    return shown
+
+
+class Twin:
+    """The layout of a hand-written type, by way of the bytes that it shares with `struct`."""
+
+    __slots__ = ("kind", "struct")
+    planned = False
+
+    def __init__(self, kind: Any, struct: Any) -> None:
+        self.kind = kind
+        self.struct = struct
+
+    @property
+    def open(self) -> bool:
+        return self.struct._gecos_layout.open  # type: ignore[no-any-return]
+
+    @property
+    def least(self) -> int:
+        return self.struct._gecos_layout.least  # type: ignore[no-any-return]
+
+    def plain(self, value: Any) -> Any:
+        return self.struct._gecos_layout.plain(from_bytes(self.struct, to_bytes(value)))
+
+    def made(self, data: Any, path: str) -> Any:
+        twin = self.struct._gecos_layout.made(data, path)
+        try:
+            return from_bytes(self.kind, to_bytes(twin))
+        except DecodeError as error:
+            raise JsonError(path, error.problem.value) from None
+
+
+twins: dict[Any, Twin] = {}
+"""Hand-written types, told by the generated module of the interface that maps to them."""
+
+_numbers = {code: Number(code) for code in READERS}
+
+
+def kind_of(step: Any) -> Kind:
+    """A step of a layout: the code of a number, a kind, a type with a layout of its own, or a
+    function that gives such a type, which Python does not know yet."""
+    if isinstance(step, Kind):
+        return step
+    if isinstance(step, str):
+        return _numbers.get(step) or Number(step)
+    if not isinstance(step, type):
+        return Later(step)
+    layout = twins.get(step) or getattr(step, "_gecos_layout", None)
+    if layout is None:
+        raise TypeError(f"{step!r} has no layout")
+    return layout if isinstance(layout, Kind) else Nested(step, layout)

@@ -1,0 +1,281 @@
+"""Values that follow each other: members of a struct, arguments of a call, fields of a bitset."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import fields
+from operator import attrgetter
+from typing import Any
+
+from gecos.wire.decode import Decoder
+from gecos.wire.encode import Parts, number
+from gecos.wire.errors import JsonError, expect, out_of_range
+from gecos.wire.fields import Fields
+from gecos.wire.kinds import Kind, Number, Secret, below, expect_json, kind_of
+from gecos.wire.values import same, signed
+
+
+class Members:
+    """`names` are those of the interface; messages call a member `label.name`.
+
+    Of the last, those with `defaults` may be left out by an older writer.
+    """
+
+    __slots__ = ("_groups", "defaults", "kinds", "label", "names")
+
+    def __init__(
+        self, label: str, names: Sequence[str], steps: Sequence[Any], defaults: Sequence[Any]
+    ) -> None:
+        self.label = label
+        self.names = names
+        self.kinds = [kind_of(each) for each in _single(steps)]
+        if len(self.kinds) != len(names):
+            raise TypeError(f"{label}: {len(self.kinds)} steps for {len(names)} members")
+        self.defaults = defaults
+        self._groups: list[tuple[int, int, Any, str]] | None = None
+
+    @property
+    def least(self) -> int:
+        return sum(kind.least for kind in self.kinds)
+
+    @property
+    def holds_array(self) -> bool:
+        return any(kind.holds_array for kind in self.kinds)
+
+    def _codecs(self) -> list[tuple[int, int, Any, str]]:
+        """First and last member of each group, which is a run of numbers, or a single one with its
+        label."""
+        if self._groups is None:
+            self._groups = list(self._grouped())
+        return self._groups
+
+    def _grouped(self) -> Iterator[tuple[int, int, Any, str]]:
+        kinds, labels = self.kinds, [f"{self.label}.{name}" for name in self.names]
+        at, required = 0, len(kinds) - len(self.defaults)
+        while at < len(kinds):
+            end = at
+            while end < required and type(kinds[end]) is Number:
+                end += 1
+            if end > at:
+                codes = "".join(kind.code for kind in kinds[at:end])  # type: ignore[attr-defined]
+                yield at, end, Fields(codes, labels[at:end]), ""
+                at = end
+            else:
+                yield at, at + 1, kinds[at], labels[at]
+                at += 1
+
+    def write(self, values: Sequence[Any], out: Parts) -> None:
+        for at, end, codec, label in self._codecs():
+            if label:
+                codec.put(values[at], out, label)
+            else:
+                out.append(codec.pack(*values[at:end]))
+
+    def read(self, source: Decoder) -> list[Any]:
+        values: list[Any] = []
+        required = len(self.kinds) - len(self.defaults)
+        for at, _, codec, label in self._codecs():
+            if not label:
+                values += codec.unpack(source)
+            elif at < required or source.offset < source.end:
+                values.append(codec.take(source, label))
+            else:
+                values.append(self.defaults[at - required])
+        return values
+
+    def plain(self, values: Sequence[Any]) -> dict[str, Any]:
+        """What the module json can dump."""
+        return {
+            name: kind.plain(value)
+            for name, kind, value in zip(self.names, self.kinds, values, strict=True)
+        }
+
+    def made(self, data: Any, path: str) -> list[tuple[int, Any]]:
+        """The inverse: those that are given, each with its place. What nobody knows is an error."""
+        expect_json(dict, data, path, "an object")
+        for name in sorted(data.keys() - set(self.names)):
+            why = f"there is no such member; there are {', '.join(self.names)}"
+            raise JsonError(below(path, name), why)
+        return [
+            (i, kind.made(data[name], below(path, name)))
+            for i, (name, kind) in enumerate(zip(self.names, self.kinds, strict=True))
+            if name in data
+        ]
+
+
+def _single(steps: Sequence[Any]) -> Iterator[Any]:
+    for step in steps:
+        if isinstance(step, str):
+            yield from step
+        else:
+            yield step
+
+
+class StructLayout(Members):
+    """The layout of a dataclass; `gecos.wire.layout.struct` explains the rest."""
+
+    __slots__ = ("_deep", "_values", "attributes", "fingerprint", "kind", "open", "planned")
+
+    def __init__(
+        self,
+        kind: Any,
+        fingerprint: int | None,
+        steps: Sequence[Any],
+        missing: int,
+        open: bool,
+        deep: bool,
+        label: str,
+        names: Mapping[str, str],
+    ) -> None:
+        members = fields(kind)
+        self.attributes = [member.name for member in members]
+        called = [names.get(name, name) for name in self.attributes]
+        defaults = [member.default for member in members[len(members) - missing :]]
+        super().__init__(label or kind.__name__, called, steps, defaults)
+        self.kind = kind
+        self.fingerprint = fingerprint
+        self.open = open
+        self.planned = False
+        self._deep = deep
+        self._values: Callable[[Any], Sequence[Any]] = _getter(self.attributes)
+
+    def encode(self, value: Any, out: Parts) -> None:
+        self.write(self._values(value), out)
+
+    def decode(self, kind: Any, source: Decoder) -> Any:
+        if self._deep:
+            source.enter(self.label)
+        values = self.read(source)
+        if self._deep:
+            source.leave()
+        if self.open:
+            source.offset = source.end  # what a newer writer added is skipped
+        return kind(*values)
+
+    def plain(self, value: Any) -> dict[str, Any]:
+        return super().plain(self._values(value))
+
+    def made(self, data: Any, path: str) -> Any:
+        """What is left out has its default."""
+        return self.kind(**{self.attributes[i]: each for i, each in super().made(data, path)})
+
+    @property
+    def has_secrets(self) -> bool:
+        return any(type(each) is Secret for each in self.kinds)
+
+    def printing(self) -> Callable[[Any], str]:
+        """`repr` without what is secret."""
+        for member, each in zip(fields(self.kind), self.kinds, strict=True):
+            member.repr = type(each) is not Secret
+
+        def __repr__(self: Any) -> str:
+            shown = (f"{m.name}={getattr(self, m.name)!r}" for m in fields(self) if m.repr)
+            return f"{type(self).__qualname__}({', '.join(shown)})"
+
+        return __repr__
+
+    def equality(self) -> Callable[[Any, object], bool]:
+        """`==` of values that hold arrays."""
+        kind, values = self.kind, self._values
+
+        def __eq__(self: Any, other: object) -> bool:
+            if not isinstance(other, kind):
+                return NotImplemented
+            return all(map(same, values(self), values(other)))
+
+        return __eq__
+
+
+def _getter(attributes: Sequence[str]) -> Callable[[Any], Sequence[Any]]:
+    if len(attributes) > 1:
+        return attrgetter(*attributes)
+    return lambda value: [getattr(value, name) for name in attributes]
+
+
+class Arguments(Members):
+    """What a call carries. Called with the values, it gives the bytes."""
+
+    __slots__ = ()
+
+    def __call__(self, *values: Any) -> Parts:
+        out: Parts = []
+        self.write(values, out)
+        return out
+
+    def decode(self, source: Decoder) -> tuple[Any, ...]:
+        return tuple(self.read(source))
+
+    def made_values(self, data: Any, path: str = "") -> tuple[Any, ...]:
+        """The inverse of `plain`; only those that have defaults may be left out."""
+        given = dict(super().made(data, path))
+        required = len(self.kinds) - len(self.defaults)
+        for i, name in enumerate(self.names):
+            if i not in given:
+                if i < required:
+                    raise JsonError(below(path, name), "it is missing")
+                given[i] = self.defaults[i - required]
+        return tuple(given[i] for i in range(len(self.names)))
+
+
+class BitsLayout(Kind):
+    """Position, width and code of each member of a bitset, in a number of `code`."""
+
+    __slots__ = ("_labels", "_members", "_number", "attributes", "kind", "least", "names", "used")
+
+    def __init__(
+        self,
+        kind: Any,
+        code: str,
+        members: Sequence[tuple[int, int, str]],
+        label: str,
+        names: Mapping[str, str],
+    ) -> None:
+        self.kind = kind
+        self._number = Number(code)
+        self.least = self._number.least
+        self.attributes = [member.name for member in fields(kind)]
+        self.names = [names.get(name, name) for name in self.attributes]
+        self._labels = [f"{label or kind.__name__}.{name}" for name in self.names]
+        self._members = members
+        self.used = sum(((1 << width) - 1) << position for position, width, _ in members)
+
+    def pack(self, value: Any) -> bytes:
+        bits = 0
+        for name, label, (position, width, code) in zip(
+            self.attributes, self._labels, self._members, strict=True
+        ):
+            member = getattr(value, name)
+            low = -(1 << width - 1) if code.islower() else 0
+            high = low + (1 << width) - 1
+            if not low <= member <= high:
+                raise out_of_range(label, member, f"[{low}, {high}]")
+            bits |= (member & (1 << width) - 1) << position
+        return number(bits, self._number.code)
+
+    def unpack(self, kind: Any, source: Decoder, label: str) -> Any:
+        bits: int = source.number(self._number.code, label)
+        if bits & ~self.used:
+            source.refuse_range(label, self.least)
+        values: list[int] = []
+        for position, width, code in self._members:
+            member = bits >> position & (1 << width) - 1
+            values.append(
+                member == 1 if code == "?" else signed(member, width) if code.islower() else member
+            )
+        return kind(*values)
+
+    def put(self, value: Any, out: Parts, label: str) -> None:
+        expect(value, self.kind, label)
+        out.append(value.pack())
+
+    def take(self, source: Decoder, label: str) -> Any:
+        return self.kind.unpack(source, label)
+
+    def _json(self) -> Members:
+        return Members("", self.names, [code for _, _, code in self._members], ())
+
+    def plain(self, value: Any) -> Any:
+        return self._json().plain([getattr(value, name) for name in self.attributes])
+
+    def made(self, data: Any, path: str) -> Any:
+        return self.kind(**{self.attributes[i]: v for i, v in self._json().made(data, path)})

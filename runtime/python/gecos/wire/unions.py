@@ -1,0 +1,176 @@
+"""Unions: which arm a tag selects, and how both are written and read."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from gecos.wire.decode import Decoder
+from gecos.wire.encode import Parts, char, number
+from gecos.wire.errors import HIDDEN, DecodeProblem, EncodeError, JsonError
+from gecos.wire.kinds import Char, Kind, Number, Secret, Text, below, expect_json, limits_of
+from gecos.wire.values import same
+
+
+class Arm:
+    """Without tags, all that select no other arm select it."""
+
+    __slots__ = ("kind", "name", "tags")
+
+    def __init__(self, name: str, kind: Kind, tags: Sequence[Any]) -> None:
+        self.name = name
+        self.kind = kind
+        self.tags = tags
+
+
+class _Tag:
+    """A tag that is no enum: a whole number, boolean or character, in 4 or 8 bytes."""
+
+    __slots__ = ("_char", "_code", "_wire", "least")
+
+    def __init__(self, kind: Kind) -> None:
+        assert isinstance(kind, Number | Char)
+        self._char = isinstance(kind, Char)
+        self._code = "B" if isinstance(kind, Char) else kind.code
+        self._wire = "Q" if self._code == "Q" else "q" if self._code in "Iq" else "i"
+        self.least = 4 if self._wire == "i" else 8
+
+    def put(self, tag: Any, out: Parts, label: str) -> None:
+        if self._char:
+            tag = char(tag)[0]
+        elif self._code == "?":
+            tag = int(tag)
+        out.append(number(tag, self._wire, label))
+
+    def take(self, source: Decoder, label: str) -> Any:
+        read: int = source.number(self._wire, label)
+        low, high = (0, 1) if self._code == "?" else limits_of(self._code)
+        if not low <= read <= high:
+            source.refuse(DecodeProblem.UNKNOWN_UNION_TAG, label, source.offset - self.least)
+        return chr(read) if self._char else read == 1 if self._code == "?" else read
+
+
+class UnionLayout:
+    """The layout of a dataclass with `tag` and `value`; `gecos.wire.layout.union` explains it."""
+
+    __slots__ = (
+        "_deep", "_otherwise", "_selected", "_tag", "arms", "fingerprint", "kind", "label", "open",
+        "tag",
+    )  # fmt: skip
+    planned = False
+
+    def __init__(
+        self,
+        kind: Any,
+        fingerprint: int,
+        tag: Kind,
+        arms: Sequence[Arm],
+        open: bool,
+        deep: bool,
+        label: str,
+    ) -> None:
+        self.kind = kind
+        self.fingerprint = fingerprint
+        self.tag = tag
+        self.arms = arms
+        self.open = open
+        self.label = label or kind.__name__
+        self._deep = deep
+        self._tag: Any = _Tag(tag) if isinstance(tag, Number | Char) else tag
+        self._selected = {each: i for i, arm in enumerate(arms, start=1) for each in arm.tags}
+        self._otherwise = next((i for i, arm in enumerate(arms, start=1) if not arm.tags), 0)
+
+    def selected(self, tag: Any) -> int:
+        """Number of the arm, from 1; 0 for none."""
+        try:
+            return self._selected.get(tag, self._otherwise)
+        except TypeError:  # what cannot be a key is no tag
+            return self._otherwise
+
+    @property
+    def least(self) -> int:
+        return self._tag.least + len(self.arms)  # type: ignore[no-any-return]
+
+    @property
+    def holds_array(self) -> bool:
+        return any(arm.kind.holds_array for arm in self.arms)
+
+    @property
+    def has_secrets(self) -> bool:
+        return any(isinstance(arm.kind, Secret) for arm in self.arms)
+
+    def encode(self, union: Any, out: Parts) -> None:
+        selected = self.selected(union.tag)
+        value = union.value
+        if (value is None) != (selected == 0):
+            raise EncodeError(self.label, "its tag does not select the arm that it holds")
+        self._tag.put(union.tag, out, f"{self.label}.tag")
+        for i, arm in enumerate(self.arms, start=1):
+            out.append(b"\1" if i == selected else b"\0")
+            if i == selected:
+                arm.kind.put(value, out, f"{self.label}.{arm.name}")
+
+    def decode(self, kind: Any, source: Decoder) -> Any:
+        if self._deep:
+            source.enter(self.label)
+        tag = self._tag.take(source, f"{self.label}.tag")
+        selected = self.selected(tag)
+        value: Any = None
+        for i, arm in enumerate(self.arms, start=1):
+            label = f"{self.label}.{arm.name}"
+            if source.arm(i == selected, label):
+                value = arm.kind.take(source, label)
+        if self.open:
+            source.offset = source.end
+        if self._deep:
+            source.leave()
+        return kind(tag, value)
+
+    def plain(self, union: Any) -> Any:
+        """{"tag": …, "value": …}, without value where the tag selects nothing."""
+        arm, tag = self.selected(union.tag), self.tag.plain(union.tag)
+        if not arm:
+            return {"tag": tag}
+        return {"tag": tag, "value": self.arms[arm - 1].kind.plain(union.value)}
+
+    def made(self, data: Any, path: str) -> Any:
+        expect_json(dict, data, path, "an object")
+        if "tag" not in data:
+            raise JsonError(path, "its tag is missing")
+        tag = self.tag.made(data["tag"], below(path, "tag"))
+        arm = self.selected(tag)
+        for name in sorted(data):
+            if name != "tag" and not (arm and name == "value"):
+                raise JsonError(below(path, name), "this tag has no such member")
+        if not arm:
+            return self.kind(tag)
+        if "value" not in data:
+            raise JsonError(path, "what its tag selects is missing: value")
+        return self.kind(tag, self.arms[arm - 1].kind.made(data["value"], below(path, "value")))
+
+    def printing(self) -> Callable[[Any], str]:
+        """`repr` without what is secret."""
+
+        def __repr__(union: Any) -> str:
+            return self._shown(union)
+
+        return __repr__
+
+    def _shown(self, union: Any) -> str:
+        """A text under the tag of an arm that is none, or of no arm, may be secret."""
+        arm = self.selected(union.tag)
+        kind = self.arms[arm - 1].kind if arm else None
+        misplaced = isinstance(union.value, str) and not isinstance(kind, Text)
+        value = HIDDEN if isinstance(kind, Secret) or misplaced else repr(union.value)
+        return f"{type(union).__name__}(tag={union.tag!r}, value={value})"
+
+    def equality(self) -> Callable[[Any, object], bool]:
+        """`==` of values that hold arrays."""
+        kind = self.kind
+
+        def __eq__(self: Any, other: object) -> bool:
+            if not isinstance(other, kind):
+                return NotImplemented
+            return bool(self.tag == other.tag) and same(self.value, other.value)
+
+        return __eq__
