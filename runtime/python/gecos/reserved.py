@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeVar
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
 
 from gecos.command import Command
 from gecos.errors import Detail, State
@@ -15,29 +14,29 @@ from gecos.wire import Decoder
 if TYPE_CHECKING:
     from gecos_idl.object_types import Description, Holder
 
-T = TypeVar("T")
+# These carry nothing, and no import delays a stop.
+_STOP = Method[None, None](Operation(2, "stop", Access.SENSOR), nothing)
+_PING = Method[None, None](Operation(3, "ping", Access.SENSOR), nothing)
 
 
 def stop(robot: Object) -> Command[None]:
     """Stops the device, whoever moves it: ends leases, drops the queue, interrupts what runs."""
-    return _call(robot, 2, "stop", nothing)
+    return _call(robot, _STOP)
 
 
 def ping(robot: Object) -> Command[None]:
     """Finishes when the object's session has answered."""
-    return _call(robot, 3, "ping", nothing)
+    return _call(robot, _PING)
 
 
 def describe(robot: Object) -> Command[Description]:
     """What the object is and what state it is in."""
-    from gecos_idl.object_types import Description
-
-    return _call(robot, 4, "describe", lambda body: Description.decode(body.block("describe")))
+    return _call(robot, _declared("describe"))
 
 
 def holders(robot: Object) -> Command[list[Holder]]:
     """Who holds actor or master status."""
-    return _call(robot, 1, "holders", _holders)
+    return _call(robot, _declared("holders"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,25 +60,22 @@ def outcome(robot: Object, command: str) -> Command[Outcome]:
     since, or keeps it no more (it keeps the last 1024 of each object). Raises ValueError for what
     is no id.
     """
-    operation = Operation(code=9, name="outcome", access=Access.SENSOR)
+    asked = _declared("outcome")
     core = robot._gecos_session.outcome(command)
-    return Command(core, Method[Outcome, None](operation, _outcome))
+
+    def told(source: Decoder) -> Outcome:
+        record = asked.result(source)
+        return Outcome(Detail(record.detail), record.text)
+
+    return Command(core, replace(asked, result=told))
 
 
-def _call(robot: Object, code: int, name: str, result: Callable[[Decoder], T]) -> Command[T]:
-    operation = Operation(code=code, name=name, access=Access.SENSOR)
-    return Command(robot._gecos_session.reserved(code), Method[T, None](operation, result))
+def _declared(name: str) -> Method[Any, Any]:
+    """As idl/gecos/object.gidl has it."""
+    from gecos_idl.object import GecosObject
+
+    return GecosObject._gecos_interface.methods[name]
 
 
-def _outcome(source: Decoder) -> Outcome:
-    from gecos_idl.object_types import OutcomeRecord
-
-    record = OutcomeRecord.decode(source.block("outcome"))
-    return Outcome(Detail(record.detail), record.text)
-
-
-def _holders(source: Decoder) -> list[Holder]:
-    from gecos_idl.object_types import Holder
-
-    count = source.count(4, field="holders")
-    return [Holder.decode(source.block("holders")) for _ in range(count)]
+def _call(robot: Object, method: Method[Any, Any]) -> Command[Any]:
+    return Command(robot._gecos_session.reserved(method.operation.code), method)

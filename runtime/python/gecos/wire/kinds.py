@@ -164,15 +164,16 @@ def _outer(choose: Callable[[Any, Any], Any], exact: float | None) -> float | No
 class Ranged(Number):
     """A number within limits."""
 
-    __slots__ = ("limits",)
+    __slots__ = ("high", "limits", "low")
 
     def __init__(self, code: str, low: Any, high: Any) -> None:
         super().__init__(code)
         self.limits = Limits(code, low, high)
+        self.low, self.high = self.limits.sent
 
     def put(self, value: Any, out: Parts, label: str) -> None:
         out.append(number(value, self.code, label))
-        low, high = self.limits.sent
+        low, high = self.low, self.high
         if (low is not None and not value >= low) or (high is not None and not value <= high):
             raise out_of_range(label, value, self.limits.text)
 

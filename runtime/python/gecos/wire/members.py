@@ -21,7 +21,7 @@ class Members:
     Of the last, those with `defaults` may be left out by an older writer.
     """
 
-    __slots__ = ("_groups", "defaults", "kinds", "label", "names")
+    __slots__ = ("_groups", "_needed", "defaults", "kinds", "label", "names")
 
     def __init__(
         self, label: str, names: Sequence[str], steps: Sequence[Any], defaults: Sequence[Any]
@@ -32,6 +32,7 @@ class Members:
         if len(self.kinds) != len(names):
             raise TypeError(f"{label}: {len(self.kinds)} steps for {len(names)} members")
         self.defaults = defaults
+        self._needed = len(names) - len(defaults)
         self._groups: list[tuple[int, int, Any, str]] | None = None
 
     @property
@@ -51,7 +52,7 @@ class Members:
 
     def _grouped(self) -> Iterator[tuple[int, int, Any, str]]:
         kinds, labels = self.kinds, [f"{self.label}.{name}" for name in self.names]
-        at, required = 0, len(kinds) - len(self.defaults)
+        at, required = 0, self._needed
         while at < len(kinds):
             end = at
             while end < required and type(kinds[end]) is Number:
@@ -65,7 +66,7 @@ class Members:
                 at += 1
 
     def write(self, values: Sequence[Any], out: Parts) -> None:
-        for at, end, codec, label in self._codecs():
+        for at, end, codec, label in self._groups or self._codecs():
             if label:
                 codec.put(values[at], out, label)
             else:
@@ -73,8 +74,8 @@ class Members:
 
     def read(self, source: Decoder) -> list[Any]:
         values: list[Any] = []
-        required = len(self.kinds) - len(self.defaults)
-        for at, _, codec, label in self._codecs():
+        required = self._needed
+        for at, _, codec, label in self._groups or self._codecs():
             if not label:
                 values += codec.unpack(source)
             elif at < required or source.offset < source.end:
@@ -199,7 +200,11 @@ class Arguments(Members):
 
     def __call__(self, *values: Any) -> Parts:
         out: Parts = []
-        self.write(values, out)
+        for at, end, codec, label in self._groups or self._codecs():  # `write`, for its speed
+            if label:
+                codec.put(values[at], out, label)
+            else:
+                out.append(codec.pack(*values[at:end]))
         return out
 
     def decode(self, source: Decoder) -> tuple[Any, ...]:
@@ -208,7 +213,7 @@ class Arguments(Members):
     def made_values(self, data: Any, path: str = "") -> tuple[Any, ...]:
         """The inverse of `plain`; only those that have defaults may be left out."""
         given = dict(super().made(data, path))
-        required = len(self.kinds) - len(self.defaults)
+        required = self._needed
         for i, name in enumerate(self.names):
             if i not in given:
                 if i < required:
