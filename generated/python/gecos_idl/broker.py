@@ -98,21 +98,21 @@ class Broker(_Object):
         settles_in: [s]
         May raise NameTaken.
         """
-        return self._gecos_call(_BROKER_ENLIST, _BROKER_ENLIST.arguments(what, served_for))
+        return self._gecos_call(_BROKER_ENLIST, _BROKER_ENLIST.request(what, served_for))
 
     def withdraw(self, name: str) -> _Command[None]:
         """Takes an object of the calling session off the list.
 
         May raise UnknownName.
         """
-        return self._gecos_call(_BROKER_WITHDRAW, _BROKER_WITHDRAW.arguments(name))
+        return self._gecos_call(_BROKER_WITHDRAW, _BROKER_WITHDRAW.request(name))
 
     def lookup(self, name: str) -> _Command[Entry]:
         """Where an object is that was enlisted.
 
         May raise UnknownName.
         """
-        return self._gecos_call(_BROKER_LOOKUP, _BROKER_LOOKUP.arguments(name))
+        return self._gecos_call(_BROKER_LOOKUP, _BROKER_LOOKUP.request(name))
 
     def list(self) -> _Command[_list_[Entry]]:
         """All that is enlisted now, in the order of names."""

@@ -165,23 +165,20 @@ class GecosObject(_Object):
         """
         return self._gecos_call(
             _GECOS_OBJECT_ACQUIRE,
-            _GECOS_OBJECT_ACQUIRE.arguments(wanted, password),
+            _GECOS_OBJECT_ACQUIRE.request(wanted, password),
         )
 
     def release(self, epoch: int, now: bool) -> _Command[None]:
         """Gives status back. Queued commands of the holder finish first unless `now`."""
-        return self._gecos_call(_GECOS_OBJECT_RELEASE, _GECOS_OBJECT_RELEASE.arguments(epoch, now))
+        return self._gecos_call(_GECOS_OBJECT_RELEASE, _GECOS_OBJECT_RELEASE.request(epoch, now))
 
     def subscribe(self, code: int) -> _Command[int]:
         """Opens the outward stream of attribute `code` for this session."""
-        return self._gecos_call(_GECOS_OBJECT_SUBSCRIBE, _GECOS_OBJECT_SUBSCRIBE.arguments(code))
+        return self._gecos_call(_GECOS_OBJECT_SUBSCRIBE, _GECOS_OBJECT_SUBSCRIBE.request(code))
 
     def unsubscribe(self, code: int) -> _Command[None]:
         """Closes the outward stream of attribute `code` for this session."""
-        return self._gecos_call(
-            _GECOS_OBJECT_UNSUBSCRIBE,
-            _GECOS_OBJECT_UNSUBSCRIBE.arguments(code),
-        )
+        return self._gecos_call(_GECOS_OBJECT_UNSUBSCRIBE, _GECOS_OBJECT_UNSUBSCRIBE.request(code))
 
     def outcome(self, boot: int, session: int, counter: int) -> _Command[OutcomeRecord]:
         """What became of an actor command that its caller lost: it was given `counter` in
@@ -191,7 +188,7 @@ class GecosObject(_Object):
         """
         return self._gecos_call(
             _GECOS_OBJECT_OUTCOME,
-            _GECOS_OBJECT_OUTCOME.arguments(boot, session, counter),
+            _GECOS_OBJECT_OUTCOME.request(boot, session, counter),
         )
 
 

@@ -67,7 +67,7 @@ class Device(_Object):
 
         May raise MountRefused.
         """
-        return self._gecos_call(_DEVICE_MOUNT, _DEVICE_MOUNT.arguments(carrier, offset))
+        return self._gecos_call(_DEVICE_MOUNT, _DEVICE_MOUNT.request(carrier, offset))
 
 
 class DeviceServant(_Servant):

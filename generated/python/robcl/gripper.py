@@ -101,7 +101,7 @@ class Gripper(Device):
         width: [m, at least 0.0]
         May raise OutOfRange.
         """
-        return self._gecos_call(_GRIPPER_OPEN, _GRIPPER_OPEN.arguments(width))
+        return self._gecos_call(_GRIPPER_OPEN, _GRIPPER_OPEN.request(width))
 
     def close(self, force: float) -> _Command[None, GripperState]:
         """Closes until the jaws meet something with `force`, or each other.
@@ -109,7 +109,7 @@ class Gripper(Device):
         force: [N, at least 0.0]
         May raise OutOfRange.
         """
-        return self._gecos_call(_GRIPPER_CLOSE, _GRIPPER_CLOSE.arguments(force))
+        return self._gecos_call(_GRIPPER_CLOSE, _GRIPPER_CLOSE.request(force))
 
 
 class GripperServant(DeviceServant):

@@ -76,7 +76,7 @@ class LaserDistanceSensor(Device):
         """Switches the laser."""
         return self._gecos_call(
             _LASER_DISTANCE_SENSOR_POWER,
-            _LASER_DISTANCE_SENSOR_POWER.arguments(on),
+            _LASER_DISTANCE_SENSOR_POWER.request(on),
         )
 
 

@@ -140,7 +140,7 @@ class Manipulator(Device):
         """Tool frame seen from the flange. Setting it is refused while moving."""
         return self._gecos_call(
             _MANIPULATOR_SET_TOOL_OFFSET,
-            _MANIPULATOR_SET_TOOL_OFFSET.arguments(value),
+            _MANIPULATOR_SET_TOOL_OFFSET.request(value),
         )
 
     def move(self, goal: Frame, how: Trajectory | None = None) -> _Command[None, MotionProgress]:
@@ -149,7 +149,7 @@ class Manipulator(Device):
 
         May raise OutOfReach, JointLimit, Singular.
         """
-        return self._gecos_call(_MANIPULATOR_MOVE, _MANIPULATOR_MOVE.arguments(goal, how))
+        return self._gecos_call(_MANIPULATOR_MOVE, _MANIPULATOR_MOVE.request(goal, how))
 
 
 class ManipulatorServant(DeviceServant):

@@ -70,7 +70,7 @@ class SixAxis(Manipulator):
 
         May raise JointLimit.
         """
-        return self._gecos_call(_SIX_AXIS_MOVE_JOINTS, _SIX_AXIS_MOVE_JOINTS.arguments(target, how))
+        return self._gecos_call(_SIX_AXIS_MOVE_JOINTS, _SIX_AXIS_MOVE_JOINTS.request(target, how))
 
 
 class SixAxisServant(ManipulatorServant):

@@ -108,14 +108,14 @@ class World(_Object):
 
         May raise UnknownBody.
         """
-        return self._gecos_call(_WORLD_FIND, _WORLD_FIND.arguments(name))
+        return self._gecos_call(_WORLD_FIND, _WORLD_FIND.request(name))
 
     def cast(self, origin: Frame, reach: float) -> _Command[RayHit]:
         """First body on the ray from `origin` along its z axis.
 
         reach: [m]
         """
-        return self._gecos_call(_WORLD_CAST, _WORLD_CAST.arguments(origin, reach))
+        return self._gecos_call(_WORLD_CAST, _WORLD_CAST.request(origin, reach))
 
     def between(self, jaws: Frame, opening: float) -> _Command[Contact]:
         """Width at which jaws meet a body when they close along y of `jaws` around it, from
@@ -123,14 +123,14 @@ class World(_Object):
 
         opening: [m]
         """
-        return self._gecos_call(_WORLD_BETWEEN, _WORLD_BETWEEN.arguments(jaws, opening))
+        return self._gecos_call(_WORLD_BETWEEN, _WORLD_BETWEEN.request(jaws, opening))
 
     def place(self, name: str, pose: Frame) -> _Command[None]:
         """Puts a body somewhere, for preparing an experiment. Refused while it is held.
 
         May raise UnknownBody.
         """
-        return self._gecos_call(_WORLD_PLACE, _WORLD_PLACE.arguments(name, pose))
+        return self._gecos_call(_WORLD_PLACE, _WORLD_PLACE.request(name, pose))
 
 
 class WorldServant(_Servant):

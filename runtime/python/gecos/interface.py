@@ -146,6 +146,11 @@ def no_arguments(source: Decoder) -> tuple[()]:
     return ()
 
 
+def no_parts() -> Parts:
+    """Writes the request of an operation without parameters."""
+    return []
+
+
 def no_result(value: None) -> Parts:
     """Writes the reply of an operation without result."""
     return []
@@ -163,6 +168,7 @@ class Method(Generic[T, F]):
     result: Callable[[Decoder], T]
     feedback: Callable[[Decoder], F] | None = None
     raises: tuple[type[DeclaredError], ...] = ()
+    request: Callable[..., Parts] = no_parts  # writes the arguments
     arguments: Arguments = _NO_ARGUMENTS
     body: Callable[[Any], Parts] = no_result  # writes what `result` reads
     stream: OutwardStream | None = None
@@ -212,12 +218,14 @@ def method(
             largest=largest,
             quality=operation.quality,
         )
+    arguments = _NO_ARGUMENTS if takes is None else Arguments(sender, *takes)
     return Method(
         operation,
         result,
         None if feedback is None else feedback.decode,  # type: ignore[attr-defined]
         raises,
-        _NO_ARGUMENTS if takes is None else Arguments(sender, *takes),
+        arguments.encode,
+        arguments,
         body,
         outward,
         handler or (name if name == sender else f"set_{sender}"),

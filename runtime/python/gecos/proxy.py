@@ -16,7 +16,7 @@ functions (`gecos.stop(robot)`). What this module brings begins with `_gecos`. W
         _gecos_interface = _MANIPULATOR
 
         def move(self, goal: Frame, how: Trajectory | None = None) -> Command[None, MotionProgress]:
-            return self._gecos_call(_MOVE, _MOVE.arguments(goal, how))
+            return self._gecos_call(_MOVE, _MOVE.request(goal, how))
 
         @property
         def tool(self) -> StreamAttribute[Frame]:

@@ -154,14 +154,12 @@ class Bits:
         return value
 
 
-def _give(kind: Any, layout: StructLayout | UnionLayout) -> None:
+def _describe(kind: Any, layout: StructLayout | UnionLayout) -> None:
     kind._gecos_layout = layout
-    if layout.holds_array:
+    if isinstance(layout, StructLayout):
+        kind.encode, kind.decode = layout.codecs()
+    if layout.holds_array and kind.__hash__ is None:  # else it is equal to itself alone
         kind.__eq__ = layout.equality()
-    _hide(kind, layout)
-
-
-def _hide(kind: Any, layout: StructLayout | UnionLayout) -> None:
     if layout.has_secrets:
         kind.__repr__ = layout.printing()
 
@@ -185,7 +183,7 @@ def struct(
 
     def tell(kind: _KindT) -> _KindT:
         layout = StructLayout(kind, fingerprint, steps, missing, open, deep, label, names or {})
-        _give(kind, layout)
+        _describe(kind, layout)
         if plans.COMPILED:
             plans.compile_struct(layout, fingerprint)
         return kind
@@ -199,7 +197,7 @@ def result(
     """The same of what an operation gives that gives several values."""
 
     def tell(kind: _KindT) -> _KindT:
-        _give(kind, StructLayout(kind, None, steps, missing, True, False, "", names or {}))
+        _describe(kind, StructLayout(kind, None, steps, missing, True, False, "", names or {}))
         return kind
 
     return tell
@@ -209,16 +207,18 @@ def exception(
     name: str,
     fingerprint: int,
     *steps: Step,
+    missing: int = 0,
+    open: bool = False,
     label: str = "",
     names: Mapping[str, str] | None = None,
 ) -> Callable[[_KindT], _KindT]:
     """The same of a declared exception with this scoped name, which is equal to itself alone."""
 
     def tell(kind: _KindT) -> _KindT:
-        layout = StructLayout(kind, fingerprint, steps, 0, False, False, label, names or {})
         kind._gecos_name = name
-        kind._gecos_layout = layout
-        _hide(kind, layout)
+        _describe(
+            kind, StructLayout(kind, fingerprint, steps, missing, open, False, label, names or {})
+        )
         return kind
 
     return tell
@@ -235,7 +235,7 @@ def twin(
     """The same of what stands for `of`, which is written by hand and has these bytes."""
 
     def tell(kind: _KindT) -> _KindT:
-        _give(kind, StructLayout(kind, None, steps, missing, open, False, label, names or {}))
+        _describe(kind, StructLayout(kind, None, steps, missing, open, False, label, names or {}))
         twins[of] = Twin(of, kind)
         return kind
 
@@ -254,7 +254,7 @@ def union(
 
     def tell(kind: _KindT) -> _KindT:
         layout = UnionLayout(kind, fingerprint, kind_of(tag), arms, open, deep, label)
-        _give(kind, layout)
+        _describe(kind, layout)
         return kind
 
     return tell

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import fields
 from operator import attrgetter
-from typing import Any
+from typing import Any, TypeAlias
 
 from gecos.wire.decode import Decoder
 from gecos.wire.encode import Parts, number
@@ -13,6 +13,10 @@ from gecos.wire.errors import JsonError, expect, out_of_range
 from gecos.wire.fields import Fields
 from gecos.wire.kinds import Kind, Number, Secret, below, expect_json, kind_of
 from gecos.wire.values import same, signed
+
+_Group: TypeAlias = tuple[int, int, Callable[..., Any], Callable[..., Any], str]
+"""First and last member of a run of numbers, or a single one with its label; what writes and reads
+them."""
 
 
 class Members:
@@ -33,7 +37,7 @@ class Members:
             raise TypeError(f"{label}: {len(self.kinds)} steps for {len(names)} members")
         self.defaults = defaults
         self._needed = len(names) - len(defaults)
-        self._groups: list[tuple[int, int, Any, str]] | None = None
+        self._groups: list[_Group] = []
 
     @property
     def least(self) -> int:
@@ -43,14 +47,12 @@ class Members:
     def holds_array(self) -> bool:
         return any(kind.holds_array for kind in self.kinds)
 
-    def _codecs(self) -> list[tuple[int, int, Any, str]]:
-        """First and last member of each group, which is a run of numbers, or a single one with its
-        label."""
-        if self._groups is None:
-            self._groups = list(self._grouped())
+    def _grouped(self) -> list[_Group]:
+        if not self._groups:
+            self._groups += self._each_group()
         return self._groups
 
-    def _grouped(self) -> Iterator[tuple[int, int, Any, str]]:
+    def _each_group(self) -> Iterator[_Group]:
         kinds, labels = self.kinds, [f"{self.label}.{name}" for name in self.names]
         at, required = 0, self._needed
         while at < len(kinds):
@@ -59,27 +61,28 @@ class Members:
                 end += 1
             if end > at:
                 codes = "".join(kind.code for kind in kinds[at:end])  # type: ignore[attr-defined]
-                yield at, end, Fields(codes, labels[at:end]), ""
+                run = Fields(codes, labels[at:end])
+                yield at, end, run.pack, run.unpack, ""
                 at = end
             else:
-                yield at, at + 1, kinds[at], labels[at]
+                yield at, at + 1, kinds[at].put, kinds[at].take, labels[at]
                 at += 1
 
     def write(self, values: Sequence[Any], out: Parts) -> None:
-        for at, end, codec, label in self._groups or self._codecs():
+        for at, end, put, _, label in self._groups or self._grouped():
             if label:
-                codec.put(values[at], out, label)
+                put(values[at], out, label)
             else:
-                out.append(codec.pack(*values[at:end]))
+                out.append(put(*values[at:end]))
 
     def read(self, source: Decoder) -> list[Any]:
         values: list[Any] = []
         required = self._needed
-        for at, _, codec, label in self._groups or self._codecs():
+        for at, _, _, take, label in self._groups or self._grouped():
             if not label:
-                values += codec.unpack(source)
+                values += take(source)
             elif at < required or source.offset < source.end:
-                values.append(codec.take(source, label))
+                values.append(take(source, label))
             else:
                 values.append(self.defaults[at - required])
         return values
@@ -140,18 +143,25 @@ class StructLayout(Members):
         self._deep = deep
         self._values: Callable[[Any], Sequence[Any]] = _getter(self.attributes)
 
-    def encode(self, value: Any, out: Parts) -> None:
-        self.write(self._values(value), out)
+    def codecs(self) -> tuple[Any, Any]:
+        """`encode` and `decode`."""
+        values, write, read = self._values, self.write, self.read
+        label, deep, open = self.label, self._deep, self.open
 
-    def decode(self, kind: Any, source: Decoder) -> Any:
-        if self._deep:
-            source.enter(self.label)
-        values = self.read(source)
-        if self._deep:
-            source.leave()
-        if self.open:
-            source.offset = source.end  # what a newer writer added is skipped
-        return kind(*values)
+        def encode(self: Any, out: Parts, /) -> None:
+            write(values(self), out)
+
+        def decode(cls: Any, source: Decoder, /) -> Any:
+            if deep:
+                source.enter(label)
+            members = read(source)
+            if deep:
+                source.leave()
+            if open:
+                source.offset = source.end  # what a newer writer added is skipped
+            return cls(*members)
+
+        return encode, classmethod(decode)
 
     def plain(self, value: Any) -> dict[str, Any]:
         return super().plain(self._values(value))
@@ -194,17 +204,17 @@ def _getter(attributes: Sequence[str]) -> Callable[[Any], Sequence[Any]]:
 
 
 class Arguments(Members):
-    """What a call carries. Called with the values, it gives the bytes."""
+    """What a call carries."""
 
     __slots__ = ()
 
-    def __call__(self, *values: Any) -> Parts:
+    def encode(self, *values: Any) -> Parts:
         out: Parts = []
-        for at, end, codec, label in self._groups or self._codecs():  # `write`, for its speed
+        for at, end, put, _, label in self._groups or self._grouped():  # `write`, for its speed
             if label:
-                codec.put(values[at], out, label)
+                put(values[at], out, label)
             else:
-                out.append(codec.pack(*values[at:end]))
+                out.append(put(*values[at:end]))
         return out
 
     def decode(self, source: Decoder) -> tuple[Any, ...]:

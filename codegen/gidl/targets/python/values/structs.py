@@ -35,9 +35,10 @@ class Structs(ValueNames):
         number = f"0x{layout.fingerprint & (1 << 64) - 1:016X}"
         members, name = self._model.all_members(struct), self._name(struct)
         printed = _Class(struct, name, struct.simple_name, members, layout.fields)
-        if isinstance(struct, ExceptionStruct):
-            return self._view(printed, "exception", [quoted(struct.name), number], [])
         terms = ["open=True"] if struct.is_appendable else []
+        if isinstance(struct, ExceptionStruct):
+            first = [quoted(struct.name), number]
+            return self._view(printed, "exception", first, self._missing(printed) + terms)
         terms += ["deep=True"] if type_reaches(self._model, struct.name, struct.name) else []
         return self._view(printed, "struct", [number], self._missing(printed) + terms)
 
