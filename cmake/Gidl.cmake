@@ -2,7 +2,7 @@
 #
 # Makes the static library <target> of the C++ types, clients and servers of .gidl and .idl files of your own, to be
 # linked by the programs that include them. ROOT is where your interfaces begin (default: the current source folder):
-# <ROOT>/my/lamp.gidl gives "my/lamp_types.hpp", "my/lamp_client.hpp" and "my/lamp_server.hpp". What your files
+# <ROOT>/my/lamp.gidl gives "my/lamp_types.hpp", "my/lamp_interface.hpp", "my/lamp_client.hpp" and "my/lamp_server.hpp". What your files
 # include is looked for below ROOT, below each of IMPORTS and in our own idl/ ("robcl/device.gidl").
 #
 # What your files include from IMPORTS is generated too, once for the whole build: <target> links the target that an

@@ -16,15 +16,25 @@ SUFFIXES = (".hpp", ".cpp", ".h", ".cc")
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
 # What media's users see: the contract, how to wait, and the door that opens what is here.
 CONTRACT = re.compile(r"^gecos/media/(?:(?:core|medium|quiet|waiting)\.[hc]pp|open\.hpp)$")
+# What an interface is in the words of the session; it stands below all of its rooms.
+DESCRIPTION = re.compile(r"^gecos/description\.[hc]pp$")
 # The headers that users and generated code include, and their sources.
 PUBLIC = re.compile(
-    r"^gecos/(?:binding|command|description|lab|object|reserved|servant|server|stream)\.[hc]pp$"
+    r"^gecos/(?:binding|command|lab|object|reserved|servant|server|stream)\.[hc]pp$"
 )
 HAND_WRITTEN = re.compile(
     r"^(?:gecos/(base|wire|qos|access|crypto|media|session/(?:protocol|process|client|server)|"
     r"broker)|robcl/(frames|arm|motion))/"
 )
-GENERATED = re.compile(r"^(?:[\w]+/)*\w+_(types|json|client|server)\.[hc]pp$")
+GENERATED = re.compile(r"^(?:[\w]+/)*\w+_(types|json|interface|client|server)\.[hc]pp$")
+
+GENERATED_ROOMS = {
+    "types": "generated-types",
+    "json": "generated-types",
+    "interface": "generated-interfaces",
+    "client": "generated-stubs",
+    "server": "generated-stubs",
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +49,9 @@ def _room(knows: str, why: str) -> Room:
     return Room(frozenset(knows.split()), why)
 
 
-_BELOW_SESSION = "base wire qos access crypto medium generated-types"
+_BELOW_SESSION = (
+    "base wire qos access crypto medium description generated-types generated-interfaces"
+)
 _SESSION = _BELOW_SESSION + " public"
 _INWARDS = "the rooms of the session stand on each other: public, protocol, process, client, server"
 _BY_CONTRACT = (
@@ -58,6 +70,7 @@ ROOMS: dict[str, Room] = {
         "base qos crypto medium",
         "a medium moves opaque bytes, sealed where others listen: base, qos, crypto, the contract",
     ),
+    "description": _room("base qos access", "a description knows status, quality and base alone"),
     "public": _room(_BELOW_SESSION, _BY_CONTRACT + _INWARDS),
     "session/protocol": _room(_SESSION, _BY_CONTRACT + _INWARDS),
     "session/process": _room(_SESSION + " session/protocol", _BY_CONTRACT + _INWARDS),
@@ -77,6 +90,9 @@ ROOMS: dict[str, Room] = {
     "motion": _room("base wire frames arm", "robcl/motion knows no session and no generated code"),
     "generated-types": _room(
         "base wire frames", "generated types know the codec and hand-written values"
+    ),
+    "generated-interfaces": _room(
+        "base qos access description", "descriptions of interfaces are tables below the session"
     ),
     "generated-stubs": _room(
         _BELOW_SESSION + " frames public",
@@ -184,6 +200,8 @@ def room_of_header(header: str) -> str | None:
     """Room of a header as it is written in an include; None when it is not one of ours."""
     if CONTRACT.match(header):
         return "medium"
+    if DESCRIPTION.match(header):
+        return "description"
     if PUBLIC.match(header):
         return "public"
     if header == "gecos/gecos.hpp":
@@ -193,7 +211,7 @@ def room_of_header(header: str) -> str | None:
         return hand_written[1] or hand_written[2]
     generated = GENERATED.match(header)
     if generated:
-        return "generated-stubs" if generated[1] in ("client", "server") else "generated-types"
+        return GENERATED_ROOMS[generated[1]]
     if header.startswith("devices/"):
         return "devices"
     return None

@@ -61,6 +61,7 @@ class TypeNames:
 
     types: dict[str, TypeName] = field(default_factory=dict)
     servants: dict[str, TypeName] = field(default_factory=dict)  # by interface
+    descriptions: dict[str, TypeName] = field(default_factory=dict)  # by interface, where classes
     results: dict[str, TypeName] = field(default_factory=dict)  # by operation
 
 
@@ -113,6 +114,9 @@ class _Naming:
         inside = self._language.members(self._model, interface)
         servant = _fresh(own.scope, f"{own.name}Servant", taken, inside)
         self.names.servants[interface.name] = servant
+        if not self._language.file_is_scope:
+            described = _fresh(own.scope, f"{own.name}Interface", taken, inside)
+            self.names.descriptions[interface.name] = described
         for operation in interface.operations:
             if len(operation.outputs) + (operation.result is not None) > 1:
                 wanted = f"{own.name}_{operation.name}_result"

@@ -2,7 +2,6 @@
 // Change the interface and run `gidl gen`.
 #include "gecos/broker_client.hpp"
 
-#include <string>
 #include <utility>
 
 #include "gecos/wire/check.hpp"
@@ -10,163 +9,53 @@
 
 namespace gecos {
 
-const gecos::InterfaceDescription& Broker::gecos_description() {
-  static constexpr gecos::OperationDescription operations[] = {
-      {.code = gecos::FunctionCode{0x17d413ce},
-       .name = "enlist",
-       .kind = gecos::OperationKind::Operation,
-       .status = gecos::access::Status::Sensor,
-       .safety = false,
-       .presence = false,
-       .idempotent = false,
-       .cancelable = false,
-       .parallel = false,
-       .ordered = false,
-       .on_new = gecos::OnNew::Queue,
-       .on_loss = gecos::OnLoss::Stop,
-       .quality = {},
-       .hash = 0xff7a6020c83edd81U},
-      {.code = gecos::FunctionCode{0x49e3d3e3},
-       .name = "lookup",
-       .kind = gecos::OperationKind::Operation,
-       .status = gecos::access::Status::Sensor,
-       .safety = false,
-       .presence = false,
-       .idempotent = true,
-       .cancelable = false,
-       .parallel = false,
-       .ordered = false,
-       .on_new = gecos::OnNew::Queue,
-       .on_loss = gecos::OnLoss::Stop,
-       .quality = {},
-       .hash = 0x5ed8113ab6d833d8U},
-      {.code = gecos::FunctionCode{0x8ce83919},
-       .name = "list",
-       .kind = gecos::OperationKind::Operation,
-       .status = gecos::access::Status::Sensor,
-       .safety = false,
-       .presence = false,
-       .idempotent = true,
-       .cancelable = false,
-       .parallel = false,
-       .ordered = false,
-       .on_new = gecos::OnNew::Queue,
-       .on_loss = gecos::OnLoss::Stop,
-       .quality = {},
-       .hash = 0xdf31bbf4a9abb156U},
-      {.code = gecos::FunctionCode{0xc5ebb42f},
-       .name = "withdraw",
-       .kind = gecos::OperationKind::Operation,
-       .status = gecos::access::Status::Sensor,
-       .safety = false,
-       .presence = false,
-       .idempotent = false,
-       .cancelable = false,
-       .parallel = false,
-       .ordered = false,
-       .on_new = gecos::OnNew::Queue,
-       .on_loss = gecos::OnLoss::Stop,
-       .quality = {},
-       .hash = 0x8875f2f1fe455040U},
-  };
-  static constexpr gecos::InterfaceDescription description{
-      .name = "gecos::Broker",
-      .version = "1.0",
-      .hash = 0x7af96f6f9acb0b67U,
-      .bases = {},
-      .operations = operations,
-      .streams = {},
-      .quality = {},
-  };
-  return description;
-}
-
 Broker::Broker(std::shared_ptr<gecos::session::ClientSession> session)
     : gecos::Object(std::move(session)) {}
 
 gecos::Command<std::optional<double>> Broker::enlist(
     const ::gecos::Entry& what,
     double served_for) const {
-  const std::string wrong = [&]() -> std::string {
-    if (auto why = ::gecos::gecos_violation(what); !why.empty()) return why;
-    return {};
-  }();
-  if (!wrong.empty()) {
-    return gecos::Command<std::optional<double>>(gecos::session::ended(
-        {gecos::Detail::BadParameter, wrong, {}, {}}),
-        [](gecos::wire::Decoder& from, std::optional<double>& value) {
-          return gecos::wire::get_optional(from, value, "enlist", [&](auto& value_) {
-                   return from.get(value_, "enlist");
-                 });
-        });
-  }
-  std::size_t size = 12;
-  size += what.encoded_size();
-  return gecos::Command<std::optional<double>>(gecos_session_->call(
-      gecos_description().operations[0], size,
-      [&](gecos::wire::Encoder& to) {
+  if (auto why = ::gecos::gecos_violation(what); !why.empty()) return gecos::session::Refused(why);
+  return gecos_call<std::optional<double>>(
+      BrokerInterface::enlist, 12 + what.encoded_size(),
+      [&](auto& to) {
         to.put_count(what.encoded_size());
         what.encode(to);
         to.put(served_for);
-      }, gecos_options_),
-        [](gecos::wire::Decoder& from, std::optional<double>& value) {
-          return gecos::wire::get_optional(from, value, "enlist", [&](auto& value_) {
-                   return from.get(value_, "enlist");
-                 });
-        });
+      },
+      [](auto& from, auto& value) {
+        return gecos::wire::get_optional(from, value, "enlist", [&](auto& value_) {
+                 return from.get(value_, "enlist");
+               });
+      });
 }
 
 gecos::Command<void> Broker::withdraw(const std::string& name) const {
-  const std::string wrong = [&]() -> std::string {
-    if (!gecos::wire::valid_text(name)) return gecos::wire::bad_text("withdraw.name");
-    return {};
-  }();
-  if (!wrong.empty()) {
-    return gecos::Command<void>(gecos::session::ended(
-        {gecos::Detail::BadParameter, wrong, {}, {}}));
-  }
-  std::size_t size = 5;
-  size += name.size();
-  return gecos::Command<void>(gecos_session_->call(
-      gecos_description().operations[3], size,
-      [&](gecos::wire::Encoder& to) {
-        to.put_string(name);
-      }, gecos_options_));
+  if (!gecos::wire::valid_text(name)) return gecos::session::Refused(
+      gecos::wire::bad_text("withdraw.name"));
+  return gecos_call<void>(
+      BrokerInterface::withdraw, 5 + name.size(),
+      [&](auto& to) { to.put_string(name); });
 }
 
 gecos::Command<::gecos::Entry> Broker::lookup(const std::string& name) const {
-  const std::string wrong = [&]() -> std::string {
-    if (!gecos::wire::valid_text(name)) return gecos::wire::bad_text("lookup.name");
-    return {};
-  }();
-  if (!wrong.empty()) {
-    return gecos::Command<::gecos::Entry>(gecos::session::ended(
-        {gecos::Detail::BadParameter, wrong, {}, {}}),
-        [](gecos::wire::Decoder& from, ::gecos::Entry& value) {
-          return gecos::wire::get_block(from, value, "lookup");
-        });
-  }
-  std::size_t size = 5;
-  size += name.size();
-  return gecos::Command<::gecos::Entry>(gecos_session_->call(
-      gecos_description().operations[1], size,
-      [&](gecos::wire::Encoder& to) {
-        to.put_string(name);
-      }, gecos_options_),
-        [](gecos::wire::Decoder& from, ::gecos::Entry& value) {
-          return gecos::wire::get_block(from, value, "lookup");
-        });
+  if (!gecos::wire::valid_text(name)) return gecos::session::Refused(
+      gecos::wire::bad_text("lookup.name"));
+  return gecos_call<::gecos::Entry>(
+      BrokerInterface::lookup, 5 + name.size(),
+      [&](auto& to) { to.put_string(name); },
+      [](auto& from, auto& value) { return gecos::wire::get_block(from, value, "lookup"); });
 }
 
 gecos::Command<std::vector<::gecos::Entry>> Broker::list() const {
-  return gecos::Command<std::vector<::gecos::Entry>>(gecos_session_->call(
-      gecos_description().operations[2], 0, [](gecos::wire::Encoder&) {}, gecos_options_),
-        [](gecos::wire::Decoder& from, std::vector<::gecos::Entry>& value) {
-          return gecos::wire::get_sequence(from, value, 4, gecos::wire::npos, "list",
-                     [&](auto& item) {
-                       return gecos::wire::get_block(from, item, "list");
-                     });
-        });
+  return gecos_call<std::vector<::gecos::Entry>>(
+      BrokerInterface::list,
+      [](auto& from, auto& value) {
+        return gecos::wire::get_sequence(from, value, 4, gecos::wire::npos, "list",
+                   [&](auto& item) {
+                     return gecos::wire::get_block(from, item, "list");
+                   });
+      });
 }
 
 }  // namespace gecos

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "gecos/object.hpp"
+#include "gecos/broker_interface.hpp"
 #include "gecos/broker_types.hpp"
 
 namespace gecos {
@@ -16,7 +17,9 @@ namespace gecos {
 /// it.
 class Broker : public virtual gecos::Object {
  public:
-  static const gecos::InterfaceDescription& gecos_description();
+  static const gecos::InterfaceDescription& gecos_description() {
+    return BrokerInterface::description;
+  }
 
   /// Nil: every call is CONNECTION_FAILED. Objects come from `gecos::Lab::create`.
   Broker() = default;

@@ -5,84 +5,41 @@
 #include <array>
 #include <cstdint>
 #include <string_view>
+#include <tuple>
 
 #include "gecos/wire/fields.hpp"
+#include "gecos/wire/json_members.hpp"
 
 namespace gecos::wire {
 
-void JsonShape<::gecos::Entry>::write(JsonWriter to, const ::gecos::Entry& value) {
-  to.open_object();
-  to.member("name", value.name);
-  to.member("interface_name", value.interface_name);
-  to.member("bases", value.bases);
-  to.member("interface_hash", value.interface_hash);
-  to.member("boot", value.boot);
-  to.member("pid", value.pid);
-  to.member("user", value.user);
-  to.member("host", value.host);
-  to.member("hostname", value.hostname);
-  to.member("addresses", value.addresses);
-  to.member("simulated", value.simulated);
-}
+template <>
+constexpr auto json_members<::gecos::Entry> = std::tuple{
+    JsonMember{"name", &::gecos::Entry::name},
+    JsonMember{"interface_name", &::gecos::Entry::interface_name},
+    JsonMember{"bases", &::gecos::Entry::bases},
+    JsonMember{"interface_hash", &::gecos::Entry::interface_hash},
+    JsonMember{"boot", &::gecos::Entry::boot},
+    JsonMember{"pid", &::gecos::Entry::pid},
+    JsonMember{"user", &::gecos::Entry::user},
+    JsonMember{"host", &::gecos::Entry::host},
+    JsonMember{"hostname", &::gecos::Entry::hostname},
+    JsonMember{"addresses", &::gecos::Entry::addresses},
+    JsonMember{"simulated", &::gecos::Entry::simulated},
+};
+template struct JsonStruct<::gecos::Entry>;
 
-bool JsonShape<::gecos::Entry>::read(const JsonReader& from, ::gecos::Entry& value) {
-  static constexpr std::array<std::string_view, 11> names{
-      "name",
-      "interface_name",
-      "bases",
-      "interface_hash",
-      "boot",
-      "pid",
-      "user",
-      "host",
-      "hostname",
-      "addresses",
-      "simulated",
-  };
-  return from.expect_object(names) &&
-         from.member("name", value.name) &&
-         from.member("interface_name", value.interface_name) &&
-         from.member("bases", value.bases) &&
-         from.member("interface_hash", value.interface_hash) &&
-         from.member("boot", value.boot) &&
-         from.member("pid", value.pid) &&
-         from.member("user", value.user) &&
-         from.member("host", value.host) &&
-         from.member("hostname", value.hostname) &&
-         from.member("addresses", value.addresses) &&
-         from.member("simulated", value.simulated);
-}
+template <>
+constexpr auto json_members<::gecos::UnknownName> = std::tuple{
+    JsonMember{"name", &::gecos::UnknownName::name},
+    JsonMember{"known", &::gecos::UnknownName::known},
+};
+template struct JsonStruct<::gecos::UnknownName>;
 
-void JsonShape<::gecos::UnknownName>::write(JsonWriter to, const ::gecos::UnknownName& value) {
-  to.open_object();
-  to.member("name", value.name);
-  to.member("known", value.known);
-}
-
-bool JsonShape<::gecos::UnknownName>::read(const JsonReader& from, ::gecos::UnknownName& value) {
-  static constexpr std::array<std::string_view, 2> names{
-      "name",
-      "known",
-  };
-  return from.expect_object(names) &&
-         from.member("name", value.name) &&
-         from.member("known", value.known);
-}
-
-void JsonShape<::gecos::NameTaken>::write(JsonWriter to, const ::gecos::NameTaken& value) {
-  to.open_object();
-  to.member("name", value.name);
-  to.member("by", value.by);
-}
-
-bool JsonShape<::gecos::NameTaken>::read(const JsonReader& from, ::gecos::NameTaken& value) {
-  static constexpr std::array<std::string_view, 2> names{
-      "name",
-      "by",
-  };
-  return from.expect_object(names) &&
-         from.member("name", value.name) &&
-         from.member("by", value.by);
-}
+template <>
+constexpr auto json_members<::gecos::NameTaken> = std::tuple{
+    JsonMember{"name", &::gecos::NameTaken::name},
+    JsonMember{"by", &::gecos::NameTaken::by},
+};
+template struct JsonStruct<::gecos::NameTaken>;
 
 }  // namespace gecos::wire

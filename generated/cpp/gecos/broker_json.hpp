@@ -8,21 +8,15 @@
 namespace gecos::wire {
 
 template <>
-struct JsonShape<::gecos::Entry> {
-  static void write(JsonWriter to, const ::gecos::Entry& value);
-  static bool read(const JsonReader& from, ::gecos::Entry& value);
-};
+struct JsonShape<::gecos::Entry> : JsonStruct<::gecos::Entry> {};
+extern template struct JsonStruct<::gecos::Entry>;
 
 template <>
-struct JsonShape<::gecos::UnknownName> {
-  static void write(JsonWriter to, const ::gecos::UnknownName& value);
-  static bool read(const JsonReader& from, ::gecos::UnknownName& value);
-};
+struct JsonShape<::gecos::UnknownName> : JsonStruct<::gecos::UnknownName> {};
+extern template struct JsonStruct<::gecos::UnknownName>;
 
 template <>
-struct JsonShape<::gecos::NameTaken> {
-  static void write(JsonWriter to, const ::gecos::NameTaken& value);
-  static bool read(const JsonReader& from, ::gecos::NameTaken& value);
-};
+struct JsonShape<::gecos::NameTaken> : JsonStruct<::gecos::NameTaken> {};
+extern template struct JsonStruct<::gecos::NameTaken>;
 
 }  // namespace gecos::wire

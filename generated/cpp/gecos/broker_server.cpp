@@ -2,130 +2,79 @@
 // Change the interface and run `gidl gen`.
 #include "gecos/broker_server.hpp"
 
-#include <array>
-#include <exception>
-#include <string>
-
-#include "gecos/base/log.hpp"
 #include "gecos/wire/check.hpp"
 #include "gecos/wire/fields.hpp"
-#include "gecos/broker_client.hpp"
+#include "gecos/broker_interface.hpp"
 
 namespace gecos {
 
 const gecos::InterfaceDescription& BrokerServant::gecos_interface() const {
-  return ::gecos::Broker::gecos_description();
+  return BrokerInterface::description;
 }
 
-void BrokerServant::gecos_dispatch(gecos::IncomingCall call) {
-  try {
-    switch (gecos::number(call.operation().code)) {
-      case 0x17d413ce:  // enlist
-        return gecos_call_enlist(call);
-      case 0x49e3d3e3:  // lookup
-        return gecos_call_lookup(call);
-      case 0x8ce83919:  // list
-        return gecos_call_list(call);
-      case 0xc5ebb42f:  // withdraw
-        return gecos_call_withdraw(call);
-      default:
-        return call.fail(
-            {gecos::Detail::UnknownOperation, "gecos::Broker has no such operation", {}, {}});
+bool BrokerServant::gecos_answer([[maybe_unused]] gecos::IncomingCall& call) {
+  switch (gecos::number(call.operation().code)) {
+    case 0x17d413ce: {  // enlist
+      gecos::wire::Decoder from(call.arguments());
+      ::gecos::Entry what{};
+      double served_for = 0.0;
+      const bool read = gecos::wire::get_block(from, what, "enlist.what") &&
+          (from.at_end() ||
+           from.get(served_for, "enlist.served_for"));
+      if (!read) return call.refuse(from.error());
+      return call.answer(
+          "gecos::Broker::enlist", this->enlist(
+              what,
+              served_for), {"gecos::NameTaken"}, [&](const auto& value) {
+            std::size_t size = 1;
+            if (value) {
+              size += 8;
+            }
+            call.finish(size, [&](auto& to) {
+              to.put(value.has_value());
+              if (value) {
+                to.put(*value);
+              }
+            });
+          });
     }
-  } catch (...) {
-    call.fail_as_thrown();
-  }
-}
-
-void BrokerServant::gecos_call_enlist(gecos::IncomingCall& call) {
-  gecos::wire::Decoder from(call.arguments());
-  ::gecos::Entry what{};
-  double served_for = 0.0;
-  const bool read = gecos::wire::get_block(from, what, "enlist.what") &&
-         (from.at_end() ||
-          from.get(served_for, "enlist.served_for"));
-  if (!read) {
-    return call.fail({gecos::Detail::BadParameter, from.error().message(), {}, {}});
-  }
-  const auto result = this->enlist(what, served_for);
-  if (!result) return call.fail(result.error(), {"gecos::NameTaken"});
-  const auto& value = *result;
-  std::size_t size = 1;
-  if (value) {
-    size += 8;
-  }
-  call.finish(size, [&](gecos::wire::Encoder& to) {
-    to.put(value.has_value());
-    if (value) {
-      to.put(*value);
+    case 0xc5ebb42f: {  // withdraw
+      gecos::wire::Decoder from(call.arguments());
+      std::string name{};
+      const bool read = from.get_string(name, gecos::wire::npos, "withdraw.name");
+      if (!read) return call.refuse(from.error());
+      return call.answer(this->withdraw(name), {"gecos::UnknownName"});
     }
-  });
-}
-
-void BrokerServant::gecos_call_withdraw(gecos::IncomingCall& call) {
-  gecos::wire::Decoder from(call.arguments());
-  std::string name{};
-  const bool read = from.get_string(name, gecos::wire::npos, "withdraw.name");
-  if (!read) {
-    return call.fail({gecos::Detail::BadParameter, from.error().message(), {}, {}});
-  }
-  const auto result = this->withdraw(name);
-  if (!result) return call.fail(result.error(), {"gecos::UnknownName"});
-  call.finish(0, [](gecos::wire::Encoder&) {});
-}
-
-void BrokerServant::gecos_call_lookup(gecos::IncomingCall& call) {
-  gecos::wire::Decoder from(call.arguments());
-  std::string name{};
-  const bool read = from.get_string(name, gecos::wire::npos, "lookup.name");
-  if (!read) {
-    return call.fail({gecos::Detail::BadParameter, from.error().message(), {}, {}});
-  }
-  const auto result = this->lookup(name);
-  if (!result) return call.fail(result.error(), {"gecos::UnknownName"});
-  const auto& value = *result;
-  const std::string wrong = [&]() -> std::string {
-    if (auto why = ::gecos::gecos_violation(value); !why.empty()) return why;
-    return {};
-  }();
-  if (!wrong.empty()) {
-    return call.fail(
-        {gecos::Detail::Fault, "the handler of gecos::Broker::lookup gave " + wrong, {}, {}});
-  }
-  std::size_t size = 4;
-  size += value.encoded_size();
-  call.finish(size, [&](gecos::wire::Encoder& to) {
-    to.put_count(value.encoded_size());
-    value.encode(to);
-  });
-}
-
-void BrokerServant::gecos_call_list(gecos::IncomingCall& call) {
-  const auto result = this->list();
-  if (!result) return call.fail(result.error(), {});
-  const auto& value = *result;
-  const std::string wrong = [&]() -> std::string {
-    for (const auto& item : value) {
-      if (auto why = ::gecos::gecos_violation(item); !why.empty()) return why;
+    case 0x49e3d3e3: {  // lookup
+      gecos::wire::Decoder from(call.arguments());
+      std::string name{};
+      const bool read = from.get_string(name, gecos::wire::npos, "lookup.name");
+      if (!read) return call.refuse(from.error());
+      return call.answer_block("gecos::Broker::lookup", this->lookup(name), {"gecos::UnknownName"});
     }
-    return {};
-  }();
-  if (!wrong.empty()) {
-    return call.fail(
-        {gecos::Detail::Fault, "the handler of gecos::Broker::list gave " + wrong, {}, {}});
+    case 0x8ce83919:  // list
+      return call.answer(
+          "gecos::Broker::list", this->list(), {}, [&](const auto& value) {
+            for (const auto& item : value) {
+              if (auto why = ::gecos::gecos_violation(item); !why.empty()) return call.fail_result(
+                  "gecos::Broker::list",
+                  why);
+            }
+            std::size_t size = 4;
+            size += 4 * value.size();
+            for (const auto& item : value) {
+              size += item.encoded_size();
+            }
+            call.finish(size, [&](auto& to) {
+              to.put_count(value.size());
+              for (const auto& item : value) {
+                to.put_count(item.encoded_size());
+                item.encode(to);
+              }
+            });
+          });
   }
-  std::size_t size = 4;
-  size += 4 * value.size();
-  for (const auto& item : value) {
-    size += item.encoded_size();
-  }
-  call.finish(size, [&](gecos::wire::Encoder& to) {
-    to.put_count(value.size());
-    for (const auto& item : value) {
-      to.put_count(item.encoded_size());
-      item.encode(to);
-    }
-  });
+  return false;
 }
 
 }  // namespace gecos

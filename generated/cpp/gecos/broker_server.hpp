@@ -17,7 +17,6 @@ namespace gecos {
 class BrokerServant : public virtual gecos::Servant {
  public:
   const gecos::InterfaceDescription& gecos_interface() const override;
-  void gecos_dispatch(gecos::IncomingCall call) override;
 
  protected:
   /// Makes an object findable until the calling session ends. Named enlist because `register`
@@ -46,10 +45,7 @@ class BrokerServant : public virtual gecos::Servant {
   /// All that is enlisted now, in the order of names.
   virtual gecos::Result<std::vector<::gecos::Entry>> list() = 0;
 
-  void gecos_call_enlist(gecos::IncomingCall& call);
-  void gecos_call_withdraw(gecos::IncomingCall& call);
-  void gecos_call_lookup(gecos::IncomingCall& call);
-  void gecos_call_list(gecos::IncomingCall& call);
+  bool gecos_answer(gecos::IncomingCall& call) override;
 };
 
 }  // namespace gecos

@@ -87,31 +87,12 @@ std::string gecos_violation(const Entry& value) {
   return {};
 }
 
-std::ostream& operator<<(std::ostream& out, [[maybe_unused]] const Entry& value) {
-  out << "Entry{";
-  out << "name=";
-  gecos::wire::print(out, value.name);
-  out << ", interface_name=";
-  gecos::wire::print(out, value.interface_name);
-  out << ", bases=";
-  gecos::wire::print(out, value.bases);
-  out << ", interface_hash=";
-  gecos::wire::print(out, value.interface_hash);
-  out << ", boot=";
-  gecos::wire::print(out, value.boot);
-  out << ", pid=";
-  gecos::wire::print(out, value.pid);
-  out << ", user=";
-  gecos::wire::print(out, value.user);
-  out << ", host=";
-  gecos::wire::print(out, value.host);
-  out << ", hostname=";
-  gecos::wire::print(out, value.hostname);
-  out << ", addresses=";
-  gecos::wire::print(out, value.addresses);
-  out << ", simulated=";
-  gecos::wire::print(out, value.simulated);
-  return out << '}';
+std::ostream& operator<<(std::ostream& out, const Entry& value) {
+  return gecos::wire::print_all(out,
+      "Entry{name=", value.name, ", interface_name=", value.interface_name, ", bases=",
+      value.bases, ", interface_hash=", value.interface_hash, ", boot=", value.boot, ", pid=",
+      value.pid, ", user=", value.user, ", host=", value.host, ", hostname=", value.hostname,
+      ", addresses=", value.addresses, ", simulated=", value.simulated, "}");
 }
 
 std::size_t UnknownName::encoded_size() const {
@@ -150,21 +131,12 @@ std::string gecos_violation(const UnknownName& value) {
   return {};
 }
 
-std::ostream& operator<<(std::ostream& out, [[maybe_unused]] const UnknownName& value) {
-  out << "UnknownName{";
-  out << "name=";
-  gecos::wire::print(out, value.name);
-  out << ", known=";
-  gecos::wire::print(out, value.known);
-  return out << '}';
+std::ostream& operator<<(std::ostream& out, const UnknownName& value) {
+  return gecos::wire::print_all(out,
+      "UnknownName{name=", value.name, ", known=", value.known, "}");
 }
 
-std::size_t NameTaken::encoded_size() const {
-  std::size_t size = 10;
-  size += name.size();
-  size += by.size();
-  return size;
-}
+std::size_t NameTaken::encoded_size() const { return 10 + name.size() + by.size(); }
 
 void NameTaken::encode(gecos::wire::Encoder& to) const {
   to.put_string(name);
@@ -182,13 +154,9 @@ std::string gecos_violation(const NameTaken& value) {
   return {};
 }
 
-std::ostream& operator<<(std::ostream& out, [[maybe_unused]] const NameTaken& value) {
-  out << "NameTaken{";
-  out << "name=";
-  gecos::wire::print(out, value.name);
-  out << ", by=";
-  gecos::wire::print(out, value.by);
-  return out << '}';
+std::ostream& operator<<(std::ostream& out, const NameTaken& value) {
+  return gecos::wire::print_all(out,
+      "NameTaken{name=", value.name, ", by=", value.by, "}");
 }
 
 }  // namespace gecos

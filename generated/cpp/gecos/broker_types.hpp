@@ -35,9 +35,7 @@ struct Entry {
   bool simulated = false;
 
   static constexpr std::string_view type_name() { return "gecos::Entry"; }
-  static constexpr std::int64_t fingerprint() {
-    return static_cast<std::int64_t>(0xa4b1e0e2e68ad9cdU);
-  }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0xa4b1e0e2e68ad9cdU); }
   std::size_t encoded_size() const;
   void encode(gecos::wire::Encoder& to) const;
   [[nodiscard]] bool decode(gecos::wire::Decoder& from);
@@ -54,9 +52,7 @@ struct UnknownName {
   std::vector<std::string> known{};
 
   static constexpr std::string_view type_name() { return "gecos::UnknownName"; }
-  static constexpr std::int64_t fingerprint() {
-    return static_cast<std::int64_t>(0x7cd6bc0789c32ab9U);
-  }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0x7cd6bc0789c32ab9U); }
   std::size_t encoded_size() const;
   void encode(gecos::wire::Encoder& to) const;
   [[nodiscard]] bool decode(gecos::wire::Decoder& from);
@@ -73,9 +69,7 @@ struct NameTaken {
   std::string by{};
 
   static constexpr std::string_view type_name() { return "gecos::NameTaken"; }
-  static constexpr std::int64_t fingerprint() {
-    return static_cast<std::int64_t>(0xf9ffaded7a4ca4f9U);
-  }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0xf9ffaded7a4ca4f9U); }
   std::size_t encoded_size() const;
   void encode(gecos::wire::Encoder& to) const;
   [[nodiscard]] bool decode(gecos::wire::Decoder& from);

@@ -2,7 +2,6 @@
 // Change the interface and run `gidl gen`.
 #include "gecos/object_client.hpp"
 
-#include <string>
 #include <utility>
 
 #include "gecos/wire/check.hpp"
@@ -10,256 +9,84 @@
 
 namespace gecos {
 
-const gecos::InterfaceDescription& GecosObject::gecos_description() {
-  static constexpr gecos::OperationDescription operations[] = {
-      {.code = gecos::FunctionCode{0x00000001},
-       .name = "holders",
-       .kind = gecos::OperationKind::Operation,
-       .status = gecos::access::Status::Sensor,
-       .safety = false,
-       .presence = false,
-       .idempotent = true,
-       .cancelable = false,
-       .parallel = false,
-       .ordered = false,
-       .on_new = gecos::OnNew::Queue,
-       .on_loss = gecos::OnLoss::Stop,
-       .quality = {},
-       .hash = 0x925e85279b993071U},
-      {.code = gecos::FunctionCode{0x00000002},
-       .name = "stop",
-       .kind = gecos::OperationKind::Operation,
-       .status = gecos::access::Status::Sensor,
-       .safety = true,
-       .presence = false,
-       .idempotent = false,
-       .cancelable = false,
-       .parallel = false,
-       .ordered = false,
-       .on_new = gecos::OnNew::Queue,
-       .on_loss = gecos::OnLoss::Stop,
-       .quality = {},
-       .hash = 0xf664bf51ded3968eU},
-      {.code = gecos::FunctionCode{0x00000003},
-       .name = "ping",
-       .kind = gecos::OperationKind::Operation,
-       .status = gecos::access::Status::Sensor,
-       .safety = false,
-       .presence = false,
-       .idempotent = true,
-       .cancelable = false,
-       .parallel = false,
-       .ordered = false,
-       .on_new = gecos::OnNew::Queue,
-       .on_loss = gecos::OnLoss::Stop,
-       .quality = {},
-       .hash = 0x68b8e2d615f1b365U},
-      {.code = gecos::FunctionCode{0x00000004},
-       .name = "describe",
-       .kind = gecos::OperationKind::Operation,
-       .status = gecos::access::Status::Sensor,
-       .safety = false,
-       .presence = false,
-       .idempotent = true,
-       .cancelable = false,
-       .parallel = false,
-       .ordered = false,
-       .on_new = gecos::OnNew::Queue,
-       .on_loss = gecos::OnLoss::Stop,
-       .quality = {},
-       .hash = 0x340a23dd95a29a96U},
-      {.code = gecos::FunctionCode{0x00000005},
-       .name = "acquire",
-       .kind = gecos::OperationKind::Operation,
-       .status = gecos::access::Status::Sensor,
-       .safety = false,
-       .presence = false,
-       .idempotent = false,
-       .cancelable = false,
-       .parallel = false,
-       .ordered = false,
-       .on_new = gecos::OnNew::Queue,
-       .on_loss = gecos::OnLoss::Stop,
-       .quality = {},
-       .hash = 0x0d62d737597bcaeaU},
-      {.code = gecos::FunctionCode{0x00000006},
-       .name = "release",
-       .kind = gecos::OperationKind::Operation,
-       .status = gecos::access::Status::Sensor,
-       .safety = false,
-       .presence = false,
-       .idempotent = false,
-       .cancelable = false,
-       .parallel = false,
-       .ordered = false,
-       .on_new = gecos::OnNew::Queue,
-       .on_loss = gecos::OnLoss::Stop,
-       .quality = {},
-       .hash = 0xd6f3249e5e699d99U},
-      {.code = gecos::FunctionCode{0x00000007},
-       .name = "subscribe",
-       .kind = gecos::OperationKind::Operation,
-       .status = gecos::access::Status::Sensor,
-       .safety = false,
-       .presence = false,
-       .idempotent = false,
-       .cancelable = false,
-       .parallel = false,
-       .ordered = false,
-       .on_new = gecos::OnNew::Queue,
-       .on_loss = gecos::OnLoss::Stop,
-       .quality = {},
-       .hash = 0x58a229726f12910aU},
-      {.code = gecos::FunctionCode{0x00000008},
-       .name = "unsubscribe",
-       .kind = gecos::OperationKind::Operation,
-       .status = gecos::access::Status::Sensor,
-       .safety = false,
-       .presence = false,
-       .idempotent = false,
-       .cancelable = false,
-       .parallel = false,
-       .ordered = false,
-       .on_new = gecos::OnNew::Queue,
-       .on_loss = gecos::OnLoss::Stop,
-       .quality = {},
-       .hash = 0x48017b544af97223U},
-      {.code = gecos::FunctionCode{0x00000009},
-       .name = "outcome",
-       .kind = gecos::OperationKind::Operation,
-       .status = gecos::access::Status::Sensor,
-       .safety = false,
-       .presence = false,
-       .idempotent = true,
-       .cancelable = false,
-       .parallel = false,
-       .ordered = false,
-       .on_new = gecos::OnNew::Queue,
-       .on_loss = gecos::OnLoss::Stop,
-       .quality = {},
-       .hash = 0xf1db02cd55068515U},
-  };
-  static constexpr gecos::InterfaceDescription description{
-      .name = "gecos::GecosObject",
-      .version = "1.0",
-      .hash = 0x80a2bdb69dcdcc1eU,
-      .bases = {},
-      .operations = operations,
-      .streams = {},
-      .quality = {},
-  };
-  return description;
-}
-
 GecosObject::GecosObject(std::shared_ptr<gecos::session::ClientSession> session)
     : gecos::Object(std::move(session)) {}
 
 gecos::Command<std::vector<::gecos::Holder>> GecosObject::holders() const {
-  return gecos::Command<std::vector<::gecos::Holder>>(gecos_session_->call(
-      gecos_description().operations[0], 0, [](gecos::wire::Encoder&) {}, gecos_options_),
-        [](gecos::wire::Decoder& from, std::vector<::gecos::Holder>& value) {
-          return gecos::wire::get_sequence(from, value, 4, gecos::wire::npos, "holders",
-                     [&](auto& item) {
-                       return gecos::wire::get_block(from, item, "holders");
-                     });
-        });
+  return gecos_call<std::vector<::gecos::Holder>>(
+      GecosObjectInterface::holders,
+      [](auto& from, auto& value) {
+        return gecos::wire::get_sequence(from, value, 4, gecos::wire::npos, "holders",
+                   [&](auto& item) {
+                     return gecos::wire::get_block(from, item, "holders");
+                   });
+      });
 }
 
 gecos::Command<void> GecosObject::stop() const {
-  return gecos::Command<void>(gecos_session_->call(
-      gecos_description().operations[1], 0, [](gecos::wire::Encoder&) {}, gecos_options_));
+  return gecos_call<void>(GecosObjectInterface::stop);
 }
 
 gecos::Command<void> GecosObject::ping() const {
-  return gecos::Command<void>(gecos_session_->call(
-      gecos_description().operations[2], 0, [](gecos::wire::Encoder&) {}, gecos_options_));
+  return gecos_call<void>(GecosObjectInterface::ping);
 }
 
 gecos::Command<::gecos::Description> GecosObject::describe() const {
-  return gecos::Command<::gecos::Description>(gecos_session_->call(
-      gecos_description().operations[3], 0, [](gecos::wire::Encoder&) {}, gecos_options_),
-        [](gecos::wire::Decoder& from, ::gecos::Description& value) {
-          return gecos::wire::get_block(from, value, "describe");
-        });
+  return gecos_call<::gecos::Description>(
+      GecosObjectInterface::describe,
+      [](auto& from, auto& value) { return gecos::wire::get_block(from, value, "describe"); });
 }
 
 gecos::Command<::gecos::Grant> GecosObject::acquire(
     ::gecos::Status wanted,
     const std::optional<std::string>& password) const {
-  const std::string wrong = [&]() -> std::string {
-    if (password) {
-      if (!gecos::wire::valid_text(*password)) return gecos::wire::bad_text("acquire.password");
-    }
-    return {};
-  }();
-  if (!wrong.empty()) {
-    return gecos::Command<::gecos::Grant>(gecos::session::ended(
-        {gecos::Detail::BadParameter, wrong, {}, {}}),
-        [](gecos::wire::Decoder& from, ::gecos::Grant& value) {
-          return gecos::wire::get_block(from, value, "acquire");
-        });
+  if (password) {
+    if (!gecos::wire::valid_text(*password)) return gecos::session::Refused(
+        gecos::wire::bad_text("acquire.password"));
   }
   std::size_t size = 5;
   if (password) {
     size += 5;
     size += password->size();
   }
-  return gecos::Command<::gecos::Grant>(gecos_session_->call(
-      gecos_description().operations[4], size,
-      [&](gecos::wire::Encoder& to) {
-        to.put(static_cast<std::int32_t>(wanted));
-        to.put(password.has_value());
+  return gecos_call<::gecos::Grant>(
+      GecosObjectInterface::acquire, size,
+      [&](auto& to) {
+        to.put(static_cast<std::int32_t>(wanted), password.has_value());
         if (password) {
           to.put_string(*password);
         }
-      }, gecos_options_),
-        [](gecos::wire::Decoder& from, ::gecos::Grant& value) {
-          return gecos::wire::get_block(from, value, "acquire");
-        });
+      },
+      [](auto& from, auto& value) { return gecos::wire::get_block(from, value, "acquire"); });
 }
 
 gecos::Command<void> GecosObject::release(std::uint64_t epoch, bool now) const {
-  return gecos::Command<void>(gecos_session_->call(
-      gecos_description().operations[5], 9,
-      [&](gecos::wire::Encoder& to) {
-        to.put(epoch);
-        to.put(now);
-      }, gecos_options_));
+  return gecos_call<void>(
+      GecosObjectInterface::release, 9,
+      [&](auto& to) { to.put(epoch, now); });
 }
 
 gecos::Command<std::uint32_t> GecosObject::subscribe(std::uint32_t code) const {
-  return gecos::Command<std::uint32_t>(gecos_session_->call(
-      gecos_description().operations[6], 4,
-      [&](gecos::wire::Encoder& to) {
-        to.put(code);
-      }, gecos_options_),
-        [](gecos::wire::Decoder& from, std::uint32_t& value) {
-          return from.get(value, "subscribe");
-        });
+  return gecos_call<std::uint32_t>(
+      GecosObjectInterface::subscribe, 4,
+      [&](auto& to) { to.put(code); },
+      [](auto& from, auto& value) { return from.get(value, "subscribe"); });
 }
 
 gecos::Command<void> GecosObject::unsubscribe(std::uint32_t code) const {
-  return gecos::Command<void>(gecos_session_->call(
-      gecos_description().operations[7], 4,
-      [&](gecos::wire::Encoder& to) {
-        to.put(code);
-      }, gecos_options_));
+  return gecos_call<void>(
+      GecosObjectInterface::unsubscribe, 4,
+      [&](auto& to) { to.put(code); });
 }
 
 gecos::Command<::gecos::OutcomeRecord> GecosObject::outcome(
     std::uint64_t boot,
     std::uint64_t session,
     std::uint64_t counter) const {
-  return gecos::Command<::gecos::OutcomeRecord>(gecos_session_->call(
-      gecos_description().operations[8], 24,
-      [&](gecos::wire::Encoder& to) {
-        to.put(boot);
-        to.put(session);
-        to.put(counter);
-      }, gecos_options_),
-        [](gecos::wire::Decoder& from, ::gecos::OutcomeRecord& value) {
-          return gecos::wire::get_block(from, value, "outcome");
-        });
+  return gecos_call<::gecos::OutcomeRecord>(
+      GecosObjectInterface::outcome, 24,
+      [&](auto& to) { to.put(boot, session, counter); },
+      [](auto& from, auto& value) { return gecos::wire::get_block(from, value, "outcome"); });
 }
 
 }  // namespace gecos

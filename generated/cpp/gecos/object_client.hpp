@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "gecos/object.hpp"
+#include "gecos/object_interface.hpp"
 #include "gecos/object_types.hpp"
 
 namespace gecos {
@@ -16,7 +17,9 @@ namespace gecos {
 /// What every object answers.
 class GecosObject : public virtual gecos::Object {
  public:
-  static const gecos::InterfaceDescription& gecos_description();
+  static const gecos::InterfaceDescription& gecos_description() {
+    return GecosObjectInterface::description;
+  }
 
   /// Nil: every call is CONNECTION_FAILED. Objects come from `gecos::Lab::create`.
   GecosObject() = default;

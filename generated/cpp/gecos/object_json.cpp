@@ -5,8 +5,10 @@
 #include <array>
 #include <cstdint>
 #include <string_view>
+#include <tuple>
 
 #include "gecos/wire/fields.hpp"
+#include "gecos/wire/json_members.hpp"
 
 namespace gecos::wire {
 
@@ -30,174 +32,68 @@ bool JsonShape<::gecos::Status>::read(const JsonReader& from, ::gecos::Status& v
   return true;
 }
 
-void JsonShape<::gecos::Holder>::write(JsonWriter to, const ::gecos::Holder& value) {
-  to.open_object();
-  to.member("status", value.status);
-  to.member("user", value.user);
-  to.member("host", value.host);
-  to.member("program", value.program);
-  to.member("pid", value.pid);
-  to.member("held_for", value.held_for);
-  to.member("expires_in", value.expires_in);
-  to.member("releasing", value.releasing);
-}
+template <>
+constexpr auto json_members<::gecos::Holder> = std::tuple{
+    JsonMember{"status", &::gecos::Holder::status},
+    JsonMember{"user", &::gecos::Holder::user},
+    JsonMember{"host", &::gecos::Holder::host},
+    JsonMember{"program", &::gecos::Holder::program},
+    JsonMember{"pid", &::gecos::Holder::pid},
+    JsonMember{"held_for", &::gecos::Holder::held_for},
+    JsonMember{"expires_in", &::gecos::Holder::expires_in},
+    JsonMember{"releasing", &::gecos::Holder::releasing},
+};
+template struct JsonStruct<::gecos::Holder>;
 
-bool JsonShape<::gecos::Holder>::read(const JsonReader& from, ::gecos::Holder& value) {
-  static constexpr std::array<std::string_view, 8> names{
-      "status",
-      "user",
-      "host",
-      "program",
-      "pid",
-      "held_for",
-      "expires_in",
-      "releasing",
-  };
-  return from.expect_object(names) &&
-         from.member("status", value.status) &&
-         from.member("user", value.user) &&
-         from.member("host", value.host) &&
-         from.member("program", value.program) &&
-         from.member("pid", value.pid) &&
-         from.member("held_for", value.held_for) &&
-         from.member("expires_in", value.expires_in) &&
-         from.member("releasing", value.releasing);
-}
+template <>
+constexpr auto json_members<::gecos::RunningHandler> = std::tuple{
+    JsonMember{"operation", &::gecos::RunningHandler::operation},
+    JsonMember{"running_for", &::gecos::RunningHandler::running_for},
+    JsonMember{"user", &::gecos::RunningHandler::user},
+    JsonMember{"host", &::gecos::RunningHandler::host},
+    JsonMember{"program", &::gecos::RunningHandler::program},
+    JsonMember{"pid", &::gecos::RunningHandler::pid},
+    JsonMember{"waits_for", &::gecos::RunningHandler::waits_for},
+};
+template struct JsonStruct<::gecos::RunningHandler>;
 
-void JsonShape<::gecos::RunningHandler>::write(
-    JsonWriter to,
-    const ::gecos::RunningHandler& value) {
-  to.open_object();
-  to.member("operation", value.operation);
-  to.member("running_for", value.running_for);
-  to.member("user", value.user);
-  to.member("host", value.host);
-  to.member("program", value.program);
-  to.member("pid", value.pid);
-  to.member("waits_for", value.waits_for);
-}
+template <>
+constexpr auto json_members<::gecos::Description> = std::tuple{
+    JsonMember{"name", &::gecos::Description::name},
+    JsonMember{"interface_name", &::gecos::Description::interface_name},
+    JsonMember{"version", &::gecos::Description::version},
+    JsonMember{"interface_hash", &::gecos::Description::interface_hash},
+    JsonMember{"simulated", &::gecos::Description::simulated},
+    JsonMember{"presence", &::gecos::Description::presence},
+    JsonMember{"authentication", &::gecos::Description::authentication},
+    JsonMember{"epoch", &::gecos::Description::epoch},
+    JsonMember{"queued", &::gecos::Description::queued},
+    JsonMember{"executing", &::gecos::Description::executing},
+    JsonMember{"pid", &::gecos::Description::pid},
+    JsonMember{"registration", &::gecos::Description::registration},
+    JsonMember{"handlers", &::gecos::Description::handlers},
+};
+template struct JsonStruct<::gecos::Description>;
 
-bool JsonShape<::gecos::RunningHandler>::read(
-    const JsonReader& from,
-    ::gecos::RunningHandler& value) {
-  static constexpr std::array<std::string_view, 7> names{
-      "operation",
-      "running_for",
-      "user",
-      "host",
-      "program",
-      "pid",
-      "waits_for",
-  };
-  return from.expect_object(names) &&
-         from.member("operation", value.operation) &&
-         from.member("running_for", value.running_for) &&
-         from.member("user", value.user) &&
-         from.member("host", value.host) &&
-         from.member("program", value.program) &&
-         from.member("pid", value.pid) &&
-         from.member("waits_for", value.waits_for);
-}
+template <>
+constexpr auto json_members<::gecos::StatusRefused> = std::tuple{
+    JsonMember{"reason", &::gecos::StatusRefused::reason},
+    JsonMember{"holders", &::gecos::StatusRefused::holders},
+};
+template struct JsonStruct<::gecos::StatusRefused>;
 
-void JsonShape<::gecos::Description>::write(JsonWriter to, const ::gecos::Description& value) {
-  to.open_object();
-  to.member("name", value.name);
-  to.member("interface_name", value.interface_name);
-  to.member("version", value.version);
-  to.member("interface_hash", value.interface_hash);
-  to.member("simulated", value.simulated);
-  to.member("presence", value.presence);
-  to.member("authentication", value.authentication);
-  to.member("epoch", value.epoch);
-  to.member("queued", value.queued);
-  to.member("executing", value.executing);
-  to.member("pid", value.pid);
-  to.member("registration", value.registration);
-  to.member("handlers", value.handlers);
-}
+template <>
+constexpr auto json_members<::gecos::Grant> = std::tuple{
+    JsonMember{"status", &::gecos::Grant::status},
+    JsonMember{"epoch", &::gecos::Grant::epoch},
+};
+template struct JsonStruct<::gecos::Grant>;
 
-bool JsonShape<::gecos::Description>::read(const JsonReader& from, ::gecos::Description& value) {
-  static constexpr std::array<std::string_view, 13> names{
-      "name",
-      "interface_name",
-      "version",
-      "interface_hash",
-      "simulated",
-      "presence",
-      "authentication",
-      "epoch",
-      "queued",
-      "executing",
-      "pid",
-      "registration",
-      "handlers",
-  };
-  return from.expect_object(names) &&
-         from.member("name", value.name) &&
-         from.member("interface_name", value.interface_name) &&
-         from.member("version", value.version) &&
-         from.member("interface_hash", value.interface_hash) &&
-         from.member("simulated", value.simulated) &&
-         from.member("presence", value.presence) &&
-         from.member("authentication", value.authentication) &&
-         from.member("epoch", value.epoch) &&
-         from.member("queued", value.queued) &&
-         from.member("executing", value.executing) &&
-         from.member("pid", value.pid) &&
-         from.member("registration", value.registration) &&
-         from.member("handlers", value.handlers);
-}
-
-void JsonShape<::gecos::StatusRefused>::write(JsonWriter to, const ::gecos::StatusRefused& value) {
-  to.open_object();
-  to.member("reason", value.reason);
-  to.member("holders", value.holders);
-}
-
-bool JsonShape<::gecos::StatusRefused>::read(
-    const JsonReader& from,
-    ::gecos::StatusRefused& value) {
-  static constexpr std::array<std::string_view, 2> names{
-      "reason",
-      "holders",
-  };
-  return from.expect_object(names) &&
-         from.member("reason", value.reason) &&
-         from.member("holders", value.holders);
-}
-
-void JsonShape<::gecos::Grant>::write(JsonWriter to, const ::gecos::Grant& value) {
-  to.open_object();
-  to.member("status", value.status);
-  to.member("epoch", value.epoch);
-}
-
-bool JsonShape<::gecos::Grant>::read(const JsonReader& from, ::gecos::Grant& value) {
-  static constexpr std::array<std::string_view, 2> names{
-      "status",
-      "epoch",
-  };
-  return from.expect_object(names) &&
-         from.member("status", value.status) &&
-         from.member("epoch", value.epoch);
-}
-
-void JsonShape<::gecos::OutcomeRecord>::write(JsonWriter to, const ::gecos::OutcomeRecord& value) {
-  to.open_object();
-  to.member("detail", value.detail);
-  to.member("text", value.text);
-}
-
-bool JsonShape<::gecos::OutcomeRecord>::read(
-    const JsonReader& from,
-    ::gecos::OutcomeRecord& value) {
-  static constexpr std::array<std::string_view, 2> names{
-      "detail",
-      "text",
-  };
-  return from.expect_object(names) &&
-         from.member("detail", value.detail) &&
-         from.member("text", value.text);
-}
+template <>
+constexpr auto json_members<::gecos::OutcomeRecord> = std::tuple{
+    JsonMember{"detail", &::gecos::OutcomeRecord::detail},
+    JsonMember{"text", &::gecos::OutcomeRecord::text},
+};
+template struct JsonStruct<::gecos::OutcomeRecord>;
 
 }  // namespace gecos::wire

@@ -15,39 +15,27 @@ struct JsonShape<::gecos::Status> {
 };
 
 template <>
-struct JsonShape<::gecos::Holder> {
-  static void write(JsonWriter to, const ::gecos::Holder& value);
-  static bool read(const JsonReader& from, ::gecos::Holder& value);
-};
+struct JsonShape<::gecos::Holder> : JsonStruct<::gecos::Holder> {};
+extern template struct JsonStruct<::gecos::Holder>;
 
 template <>
-struct JsonShape<::gecos::RunningHandler> {
-  static void write(JsonWriter to, const ::gecos::RunningHandler& value);
-  static bool read(const JsonReader& from, ::gecos::RunningHandler& value);
-};
+struct JsonShape<::gecos::RunningHandler> : JsonStruct<::gecos::RunningHandler> {};
+extern template struct JsonStruct<::gecos::RunningHandler>;
 
 template <>
-struct JsonShape<::gecos::Description> {
-  static void write(JsonWriter to, const ::gecos::Description& value);
-  static bool read(const JsonReader& from, ::gecos::Description& value);
-};
+struct JsonShape<::gecos::Description> : JsonStruct<::gecos::Description> {};
+extern template struct JsonStruct<::gecos::Description>;
 
 template <>
-struct JsonShape<::gecos::StatusRefused> {
-  static void write(JsonWriter to, const ::gecos::StatusRefused& value);
-  static bool read(const JsonReader& from, ::gecos::StatusRefused& value);
-};
+struct JsonShape<::gecos::StatusRefused> : JsonStruct<::gecos::StatusRefused> {};
+extern template struct JsonStruct<::gecos::StatusRefused>;
 
 template <>
-struct JsonShape<::gecos::Grant> {
-  static void write(JsonWriter to, const ::gecos::Grant& value);
-  static bool read(const JsonReader& from, ::gecos::Grant& value);
-};
+struct JsonShape<::gecos::Grant> : JsonStruct<::gecos::Grant> {};
+extern template struct JsonStruct<::gecos::Grant>;
 
 template <>
-struct JsonShape<::gecos::OutcomeRecord> {
-  static void write(JsonWriter to, const ::gecos::OutcomeRecord& value);
-  static bool read(const JsonReader& from, ::gecos::OutcomeRecord& value);
-};
+struct JsonShape<::gecos::OutcomeRecord> : JsonStruct<::gecos::OutcomeRecord> {};
+extern template struct JsonStruct<::gecos::OutcomeRecord>;
 
 }  // namespace gecos::wire

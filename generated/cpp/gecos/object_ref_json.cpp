@@ -5,31 +5,20 @@
 #include <array>
 #include <cstdint>
 #include <string_view>
+#include <tuple>
 
 #include "gecos/wire/fields.hpp"
+#include "gecos/wire/json_members.hpp"
 
 namespace gecos::wire {
 
-void JsonShape<::gecos::ObjectRef>::write(JsonWriter to, const ::gecos::ObjectRef& value) {
-  to.open_object();
-  to.member("name", value.name);
-  to.member("interface_hash", value.interface_hash);
-  to.member("boot", value.boot);
-  to.member("where", value.where);
-}
-
-bool JsonShape<::gecos::ObjectRef>::read(const JsonReader& from, ::gecos::ObjectRef& value) {
-  static constexpr std::array<std::string_view, 4> names{
-      "name",
-      "interface_hash",
-      "boot",
-      "where",
-  };
-  return from.expect_object(names) &&
-         from.member("name", value.name) &&
-         from.member("interface_hash", value.interface_hash) &&
-         from.member("boot", value.boot) &&
-         from.member("where", value.where);
-}
+template <>
+constexpr auto json_members<::gecos::ObjectRef> = std::tuple{
+    JsonMember{"name", &::gecos::ObjectRef::name},
+    JsonMember{"interface_hash", &::gecos::ObjectRef::interface_hash},
+    JsonMember{"boot", &::gecos::ObjectRef::boot},
+    JsonMember{"where", &::gecos::ObjectRef::where},
+};
+template struct JsonStruct<::gecos::ObjectRef>;
 
 }  // namespace gecos::wire

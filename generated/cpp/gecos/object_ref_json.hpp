@@ -8,9 +8,7 @@
 namespace gecos::wire {
 
 template <>
-struct JsonShape<::gecos::ObjectRef> {
-  static void write(JsonWriter to, const ::gecos::ObjectRef& value);
-  static bool read(const JsonReader& from, ::gecos::ObjectRef& value);
-};
+struct JsonShape<::gecos::ObjectRef> : JsonStruct<::gecos::ObjectRef> {};
+extern template struct JsonStruct<::gecos::ObjectRef>;
 
 }  // namespace gecos::wire

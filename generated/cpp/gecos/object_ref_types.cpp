@@ -11,12 +11,7 @@
 
 namespace gecos {
 
-std::size_t ObjectRef::encoded_size() const {
-  std::size_t size = 26;
-  size += name.size();
-  size += where.size();
-  return size;
-}
+std::size_t ObjectRef::encoded_size() const { return 26 + name.size() + where.size(); }
 
 void ObjectRef::encode(gecos::wire::Encoder& to) const {
   to.put_string(name);
@@ -39,17 +34,10 @@ std::string gecos_violation(const ObjectRef& value) {
   return {};
 }
 
-std::ostream& operator<<(std::ostream& out, [[maybe_unused]] const ObjectRef& value) {
-  out << "ObjectRef{";
-  out << "name=";
-  gecos::wire::print(out, value.name);
-  out << ", interface_hash=";
-  gecos::wire::print(out, value.interface_hash);
-  out << ", boot=";
-  gecos::wire::print(out, value.boot);
-  out << ", where=";
-  gecos::wire::print(out, value.where);
-  return out << '}';
+std::ostream& operator<<(std::ostream& out, const ObjectRef& value) {
+  return gecos::wire::print_all(out,
+      "ObjectRef{name=", value.name, ", interface_hash=", value.interface_hash, ", boot=",
+      value.boot, ", where=", value.where, "}");
 }
 
 }  // namespace gecos

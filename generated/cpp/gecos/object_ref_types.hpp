@@ -26,9 +26,7 @@ struct ObjectRef {
   std::string where{};
 
   static constexpr std::string_view type_name() { return "gecos::ObjectRef"; }
-  static constexpr std::int64_t fingerprint() {
-    return static_cast<std::int64_t>(0xfb7cbc28b0dfa33dU);
-  }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0xfb7cbc28b0dfa33dU); }
   std::size_t encoded_size() const;
   void encode(gecos::wire::Encoder& to) const;
   [[nodiscard]] bool decode(gecos::wire::Decoder& from);

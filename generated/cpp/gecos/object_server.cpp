@@ -2,205 +2,99 @@
 // Change the interface and run `gidl gen`.
 #include "gecos/object_server.hpp"
 
-#include <array>
-#include <exception>
-#include <string>
-
-#include "gecos/base/log.hpp"
 #include "gecos/wire/check.hpp"
 #include "gecos/wire/fields.hpp"
-#include "gecos/object_client.hpp"
+#include "gecos/object_interface.hpp"
 
 namespace gecos {
 
 const gecos::InterfaceDescription& GecosObjectServant::gecos_interface() const {
-  return ::gecos::GecosObject::gecos_description();
+  return GecosObjectInterface::description;
 }
 
-void GecosObjectServant::gecos_dispatch(gecos::IncomingCall call) {
-  try {
-    switch (gecos::number(call.operation().code)) {
-      case 0x00000001:  // holders
-        return gecos_call_holders(call);
-      case 0x00000002:  // stop
-        return gecos_call_stop(call);
-      case 0x00000003:  // ping
-        return gecos_call_ping(call);
-      case 0x00000004:  // describe
-        return gecos_call_describe(call);
-      case 0x00000005:  // acquire
-        return gecos_call_acquire(call);
-      case 0x00000006:  // release
-        return gecos_call_release(call);
-      case 0x00000007:  // subscribe
-        return gecos_call_subscribe(call);
-      case 0x00000008:  // unsubscribe
-        return gecos_call_unsubscribe(call);
-      case 0x00000009:  // outcome
-        return gecos_call_outcome(call);
-      default:
-        return call.fail(
-            {gecos::Detail::UnknownOperation, "gecos::GecosObject has no such operation", {}, {}});
+bool GecosObjectServant::gecos_answer([[maybe_unused]] gecos::IncomingCall& call) {
+  switch (gecos::number(call.operation().code)) {
+    case 0x00000001:  // holders
+      return call.answer(
+          "gecos::GecosObject::holders", this->holders(), {}, [&](const auto& value) {
+            for (const auto& item : value) {
+              if (auto why = ::gecos::gecos_violation(item); !why.empty()) return call.fail_result(
+                  "gecos::GecosObject::holders",
+                  why);
+            }
+            std::size_t size = 4;
+            size += 4 * value.size();
+            for (const auto& item : value) {
+              size += item.encoded_size();
+            }
+            call.finish(size, [&](auto& to) {
+              to.put_count(value.size());
+              for (const auto& item : value) {
+                to.put_count(item.encoded_size());
+                item.encode(to);
+              }
+            });
+          });
+    case 0x00000002:  // stop
+      return call.answer(this->stop(), {});
+    case 0x00000003:  // ping
+      return call.answer(this->ping(), {});
+    case 0x00000004:  // describe
+      return call.answer_block("gecos::GecosObject::describe", this->describe(), {});
+    case 0x00000005: {  // acquire
+      gecos::wire::Decoder from(call.arguments());
+      ::gecos::Status wanted{};
+      std::optional<std::string> password{};
+      const bool read = ::gecos::decode_enum(from, wanted, "acquire.wanted") &&
+          (from.at_end() ||
+           gecos::wire::get_optional(from, password, "acquire.password", [&](auto& value) {
+             return from.get_string(value, gecos::wire::npos, "acquire.password");
+           }));
+      if (!read) return call.refuse(from.error());
+      return call.answer_block(
+          "gecos::GecosObject::acquire",
+          this->acquire(wanted, password),
+          {"gecos::StatusRefused"});
     }
-  } catch (...) {
-    call.fail_as_thrown();
-  }
-}
-
-void GecosObjectServant::gecos_call_holders(gecos::IncomingCall& call) {
-  const auto result = this->holders();
-  if (!result) return call.fail(result.error(), {});
-  const auto& value = *result;
-  const std::string wrong = [&]() -> std::string {
-    for (const auto& item : value) {
-      if (auto why = ::gecos::gecos_violation(item); !why.empty()) return why;
+    case 0x00000006: {  // release
+      gecos::wire::Decoder from(call.arguments());
+      std::uint64_t epoch{};
+      bool now{};
+      const bool read = from.get(epoch, "release.epoch") &&
+          from.get(now, "release.now");
+      if (!read) return call.refuse(from.error());
+      return call.answer(this->release(epoch, now), {});
     }
-    return {};
-  }();
-  if (!wrong.empty()) {
-    return call.fail(
-        {gecos::Detail::Fault, "the handler of gecos::GecosObject::holders gave " + wrong, {}, {}});
-  }
-  std::size_t size = 4;
-  size += 4 * value.size();
-  for (const auto& item : value) {
-    size += item.encoded_size();
-  }
-  call.finish(size, [&](gecos::wire::Encoder& to) {
-    to.put_count(value.size());
-    for (const auto& item : value) {
-      to.put_count(item.encoded_size());
-      item.encode(to);
+    case 0x00000007: {  // subscribe
+      gecos::wire::Decoder from(call.arguments());
+      std::uint32_t code{};
+      const bool read = from.get(code, "subscribe.code");
+      if (!read) return call.refuse(from.error());
+      return call.answer("gecos::GecosObject::subscribe", this->subscribe(code), {});
     }
-  });
-}
-
-void GecosObjectServant::gecos_call_stop(gecos::IncomingCall& call) {
-  const auto result = this->stop();
-  if (!result) return call.fail(result.error(), {});
-  call.finish(0, [](gecos::wire::Encoder&) {});
-}
-
-void GecosObjectServant::gecos_call_ping(gecos::IncomingCall& call) {
-  const auto result = this->ping();
-  if (!result) return call.fail(result.error(), {});
-  call.finish(0, [](gecos::wire::Encoder&) {});
-}
-
-void GecosObjectServant::gecos_call_describe(gecos::IncomingCall& call) {
-  const auto result = this->describe();
-  if (!result) return call.fail(result.error(), {});
-  const auto& value = *result;
-  const std::string wrong = [&]() -> std::string {
-    if (auto why = ::gecos::gecos_violation(value); !why.empty()) return why;
-    return {};
-  }();
-  if (!wrong.empty()) {
-    return call.fail(
-        {
-            gecos::Detail::Fault,
-            "the handler of gecos::GecosObject::describe gave " + wrong,
-            {},
-            {}});
+    case 0x00000008: {  // unsubscribe
+      gecos::wire::Decoder from(call.arguments());
+      std::uint32_t code{};
+      const bool read = from.get(code, "unsubscribe.code");
+      if (!read) return call.refuse(from.error());
+      return call.answer(this->unsubscribe(code), {});
+    }
+    case 0x00000009: {  // outcome
+      gecos::wire::Decoder from(call.arguments());
+      std::uint64_t boot{};
+      std::uint64_t session{};
+      std::uint64_t counter{};
+      const bool read = from.get(boot, "outcome.boot") &&
+          from.get(session, "outcome.session") &&
+          from.get(counter, "outcome.counter");
+      if (!read) return call.refuse(from.error());
+      return call.answer_block(
+          "gecos::GecosObject::outcome",
+          this->outcome(boot, session, counter),
+          {});
+    }
   }
-  std::size_t size = 4;
-  size += value.encoded_size();
-  call.finish(size, [&](gecos::wire::Encoder& to) {
-    to.put_count(value.encoded_size());
-    value.encode(to);
-  });
-}
-
-void GecosObjectServant::gecos_call_acquire(gecos::IncomingCall& call) {
-  gecos::wire::Decoder from(call.arguments());
-  ::gecos::Status wanted{};
-  std::optional<std::string> password{};
-  const bool read = ::gecos::decode_enum(from, wanted, "acquire.wanted") &&
-         (from.at_end() ||
-          gecos::wire::get_optional(from, password, "acquire.password", [&](auto& value) {
-            return from.get_string(value, gecos::wire::npos, "acquire.password");
-          }));
-  if (!read) {
-    return call.fail({gecos::Detail::BadParameter, from.error().message(), {}, {}});
-  }
-  const auto result = this->acquire(wanted, password);
-  if (!result) return call.fail(result.error(), {"gecos::StatusRefused"});
-  const auto& value = *result;
-  std::size_t size = 4;
-  size += value.encoded_size();
-  call.finish(size, [&](gecos::wire::Encoder& to) {
-    to.put_count(value.encoded_size());
-    value.encode(to);
-  });
-}
-
-void GecosObjectServant::gecos_call_release(gecos::IncomingCall& call) {
-  gecos::wire::Decoder from(call.arguments());
-  std::uint64_t epoch{};
-  bool now{};
-  const bool read = from.get(epoch, "release.epoch") &&
-         from.get(now, "release.now");
-  if (!read) {
-    return call.fail({gecos::Detail::BadParameter, from.error().message(), {}, {}});
-  }
-  const auto result = this->release(epoch, now);
-  if (!result) return call.fail(result.error(), {});
-  call.finish(0, [](gecos::wire::Encoder&) {});
-}
-
-void GecosObjectServant::gecos_call_subscribe(gecos::IncomingCall& call) {
-  gecos::wire::Decoder from(call.arguments());
-  std::uint32_t code{};
-  const bool read = from.get(code, "subscribe.code");
-  if (!read) {
-    return call.fail({gecos::Detail::BadParameter, from.error().message(), {}, {}});
-  }
-  const auto result = this->subscribe(code);
-  if (!result) return call.fail(result.error(), {});
-  const auto& value = *result;
-  call.finish(4, [&](gecos::wire::Encoder& to) { to.put(value); });
-}
-
-void GecosObjectServant::gecos_call_unsubscribe(gecos::IncomingCall& call) {
-  gecos::wire::Decoder from(call.arguments());
-  std::uint32_t code{};
-  const bool read = from.get(code, "unsubscribe.code");
-  if (!read) {
-    return call.fail({gecos::Detail::BadParameter, from.error().message(), {}, {}});
-  }
-  const auto result = this->unsubscribe(code);
-  if (!result) return call.fail(result.error(), {});
-  call.finish(0, [](gecos::wire::Encoder&) {});
-}
-
-void GecosObjectServant::gecos_call_outcome(gecos::IncomingCall& call) {
-  gecos::wire::Decoder from(call.arguments());
-  std::uint64_t boot{};
-  std::uint64_t session{};
-  std::uint64_t counter{};
-  const bool read = from.get(boot, "outcome.boot") &&
-         from.get(session, "outcome.session") &&
-         from.get(counter, "outcome.counter");
-  if (!read) {
-    return call.fail({gecos::Detail::BadParameter, from.error().message(), {}, {}});
-  }
-  const auto result = this->outcome(boot, session, counter);
-  if (!result) return call.fail(result.error(), {});
-  const auto& value = *result;
-  const std::string wrong = [&]() -> std::string {
-    if (auto why = ::gecos::gecos_violation(value); !why.empty()) return why;
-    return {};
-  }();
-  if (!wrong.empty()) {
-    return call.fail(
-        {gecos::Detail::Fault, "the handler of gecos::GecosObject::outcome gave " + wrong, {}, {}});
-  }
-  std::size_t size = 4;
-  size += value.encoded_size();
-  call.finish(size, [&](gecos::wire::Encoder& to) {
-    to.put_count(value.encoded_size());
-    value.encode(to);
-  });
+  return false;
 }
 
 }  // namespace gecos

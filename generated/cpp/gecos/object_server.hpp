@@ -16,7 +16,6 @@ namespace gecos {
 class GecosObjectServant : public virtual gecos::Servant {
  public:
   const gecos::InterfaceDescription& gecos_interface() const override;
-  void gecos_dispatch(gecos::IncomingCall call) override;
 
  protected:
   /// Who holds actor or master status now.
@@ -54,15 +53,7 @@ class GecosObjectServant : public virtual gecos::Servant {
       std::uint64_t session,
       std::uint64_t counter) = 0;
 
-  void gecos_call_holders(gecos::IncomingCall& call);
-  void gecos_call_stop(gecos::IncomingCall& call);
-  void gecos_call_ping(gecos::IncomingCall& call);
-  void gecos_call_describe(gecos::IncomingCall& call);
-  void gecos_call_acquire(gecos::IncomingCall& call);
-  void gecos_call_release(gecos::IncomingCall& call);
-  void gecos_call_subscribe(gecos::IncomingCall& call);
-  void gecos_call_unsubscribe(gecos::IncomingCall& call);
-  void gecos_call_outcome(gecos::IncomingCall& call);
+  bool gecos_answer(gecos::IncomingCall& call) override;
 };
 
 }  // namespace gecos

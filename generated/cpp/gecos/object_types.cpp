@@ -41,11 +41,7 @@ bool decode_enum(gecos::wire::Decoder& from, Status& value, const char* field) {
 }
 
 std::size_t Holder::encoded_size() const {
-  std::size_t size = 40;
-  size += user.size();
-  size += host.size();
-  size += program.size();
-  return size;
+  return 40 + user.size() + host.size() + program.size();
 }
 
 void Holder::encode(gecos::wire::Encoder& to) const {
@@ -86,37 +82,15 @@ std::string gecos_violation(const Holder& value) {
   return {};
 }
 
-std::ostream& operator<<(std::ostream& out, [[maybe_unused]] const Holder& value) {
-  out << "Holder{";
-  out << "status=";
-  gecos::wire::print(out, value.status);
-  out << ", user=";
-  gecos::wire::print(out, value.user);
-  out << ", host=";
-  gecos::wire::print(out, value.host);
-  out << ", program=";
-  gecos::wire::print(out, value.program);
-  out << ", pid=";
-  gecos::wire::print(out, value.pid);
-  out << ", held_for=";
-  gecos::wire::print(out, value.held_for);
-  out << " s";
-  out << ", expires_in=";
-  gecos::wire::print(out, value.expires_in);
-  out << " s";
-  out << ", releasing=";
-  gecos::wire::print(out, value.releasing);
-  return out << '}';
+std::ostream& operator<<(std::ostream& out, const Holder& value) {
+  return gecos::wire::print_all(out,
+      "Holder{status=", value.status, ", user=", value.user, ", host=", value.host, ", program=",
+      value.program, ", pid=", value.pid, ", held_for=", value.held_for, " s, expires_in=",
+      value.expires_in, " s, releasing=", value.releasing, "}");
 }
 
 std::size_t RunningHandler::encoded_size() const {
-  std::size_t size = 37;
-  size += operation.size();
-  size += user.size();
-  size += host.size();
-  size += program.size();
-  size += waits_for.size();
-  return size;
+  return 37 + operation.size() + user.size() + host.size() + program.size() + waits_for.size();
 }
 
 void RunningHandler::encode(gecos::wire::Encoder& to) const {
@@ -159,24 +133,11 @@ std::string gecos_violation(const RunningHandler& value) {
   return {};
 }
 
-std::ostream& operator<<(std::ostream& out, [[maybe_unused]] const RunningHandler& value) {
-  out << "RunningHandler{";
-  out << "operation=";
-  gecos::wire::print(out, value.operation);
-  out << ", running_for=";
-  gecos::wire::print(out, value.running_for);
-  out << " s";
-  out << ", user=";
-  gecos::wire::print(out, value.user);
-  out << ", host=";
-  gecos::wire::print(out, value.host);
-  out << ", program=";
-  gecos::wire::print(out, value.program);
-  out << ", pid=";
-  gecos::wire::print(out, value.pid);
-  out << ", waits_for=";
-  gecos::wire::print(out, value.waits_for);
-  return out << '}';
+std::ostream& operator<<(std::ostream& out, const RunningHandler& value) {
+  return gecos::wire::print_all(out,
+      "RunningHandler{operation=", value.operation, ", running_for=", value.running_for,
+      " s, user=", value.user, ", host=", value.host, ", program=", value.program, ", pid=",
+      value.pid, ", waits_for=", value.waits_for, "}");
 }
 
 std::size_t Description::encoded_size() const {
@@ -261,35 +222,13 @@ std::string gecos_violation(const Description& value) {
   return {};
 }
 
-std::ostream& operator<<(std::ostream& out, [[maybe_unused]] const Description& value) {
-  out << "Description{";
-  out << "name=";
-  gecos::wire::print(out, value.name);
-  out << ", interface_name=";
-  gecos::wire::print(out, value.interface_name);
-  out << ", version=";
-  gecos::wire::print(out, value.version);
-  out << ", interface_hash=";
-  gecos::wire::print(out, value.interface_hash);
-  out << ", simulated=";
-  gecos::wire::print(out, value.simulated);
-  out << ", presence=";
-  gecos::wire::print(out, value.presence);
-  out << ", authentication=";
-  gecos::wire::print(out, value.authentication);
-  out << ", epoch=";
-  gecos::wire::print(out, value.epoch);
-  out << ", queued=";
-  gecos::wire::print(out, value.queued);
-  out << ", executing=";
-  gecos::wire::print(out, value.executing);
-  out << ", pid=";
-  gecos::wire::print(out, value.pid);
-  out << ", registration=";
-  gecos::wire::print(out, value.registration);
-  out << ", handlers=";
-  gecos::wire::print(out, value.handlers);
-  return out << '}';
+std::ostream& operator<<(std::ostream& out, const Description& value) {
+  return gecos::wire::print_all(out,
+      "Description{name=", value.name, ", interface_name=", value.interface_name, ", version=",
+      value.version, ", interface_hash=", value.interface_hash, ", simulated=", value.simulated,
+      ", presence=", value.presence, ", authentication=", value.authentication, ", epoch=",
+      value.epoch, ", queued=", value.queued, ", executing=", value.executing, ", pid=", value.pid,
+      ", registration=", value.registration, ", handlers=", value.handlers, "}");
 }
 
 std::size_t StatusRefused::encoded_size() const {
@@ -329,18 +268,12 @@ std::string gecos_violation(const StatusRefused& value) {
   return {};
 }
 
-std::ostream& operator<<(std::ostream& out, [[maybe_unused]] const StatusRefused& value) {
-  out << "StatusRefused{";
-  out << "reason=";
-  gecos::wire::print(out, value.reason);
-  out << ", holders=";
-  gecos::wire::print(out, value.holders);
-  return out << '}';
+std::ostream& operator<<(std::ostream& out, const StatusRefused& value) {
+  return gecos::wire::print_all(out,
+      "StatusRefused{reason=", value.reason, ", holders=", value.holders, "}");
 }
 
-std::size_t Grant::encoded_size() const {
-  return 12;
-}
+std::size_t Grant::encoded_size() const { return 12; }
 
 void Grant::encode(gecos::wire::Encoder& to) const {
   to.put(static_cast<std::int32_t>(status), epoch);
@@ -352,20 +285,12 @@ bool Grant::decode([[maybe_unused]] gecos::wire::Decoder& from) {
          gecos::wire::skip_rest(from);
 }
 
-std::ostream& operator<<(std::ostream& out, [[maybe_unused]] const Grant& value) {
-  out << "Grant{";
-  out << "status=";
-  gecos::wire::print(out, value.status);
-  out << ", epoch=";
-  gecos::wire::print(out, value.epoch);
-  return out << '}';
+std::ostream& operator<<(std::ostream& out, const Grant& value) {
+  return gecos::wire::print_all(out,
+      "Grant{status=", value.status, ", epoch=", value.epoch, "}");
 }
 
-std::size_t OutcomeRecord::encoded_size() const {
-  std::size_t size = 6;
-  size += text.size();
-  return size;
-}
+std::size_t OutcomeRecord::encoded_size() const { return 6 + text.size(); }
 
 void OutcomeRecord::encode(gecos::wire::Encoder& to) const {
   to.put(detail);
@@ -385,13 +310,9 @@ std::string gecos_violation(const OutcomeRecord& value) {
   return {};
 }
 
-std::ostream& operator<<(std::ostream& out, [[maybe_unused]] const OutcomeRecord& value) {
-  out << "OutcomeRecord{";
-  out << "detail=";
-  gecos::wire::print(out, value.detail);
-  out << ", text=";
-  gecos::wire::print(out, value.text);
-  return out << '}';
+std::ostream& operator<<(std::ostream& out, const OutcomeRecord& value) {
+  return gecos::wire::print_all(out,
+      "OutcomeRecord{detail=", value.detail, ", text=", value.text, "}");
 }
 
 }  // namespace gecos

@@ -41,9 +41,7 @@ struct Holder {
   bool releasing = false;
 
   static constexpr std::string_view type_name() { return "gecos::Holder"; }
-  static constexpr std::int64_t fingerprint() {
-    return static_cast<std::int64_t>(0x698a6b2fe41fd109U);
-  }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0x698a6b2fe41fd109U); }
   std::size_t encoded_size() const;
   void encode(gecos::wire::Encoder& to) const;
   [[nodiscard]] bool decode(gecos::wire::Decoder& from);
@@ -68,9 +66,7 @@ struct RunningHandler {
   std::string waits_for{};
 
   static constexpr std::string_view type_name() { return "gecos::RunningHandler"; }
-  static constexpr std::int64_t fingerprint() {
-    return static_cast<std::int64_t>(0x70d7283d0f4193b5U);
-  }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0x70d7283d0f4193b5U); }
   std::size_t encoded_size() const;
   void encode(gecos::wire::Encoder& to) const;
   [[nodiscard]] bool decode(gecos::wire::Decoder& from);
@@ -106,9 +102,7 @@ struct Description {
   std::vector<::gecos::RunningHandler> handlers{};
 
   static constexpr std::string_view type_name() { return "gecos::Description"; }
-  static constexpr std::int64_t fingerprint() {
-    return static_cast<std::int64_t>(0x156cc33d6b1efe30U);
-  }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0x156cc33d6b1efe30U); }
   std::size_t encoded_size() const;
   void encode(gecos::wire::Encoder& to) const;
   [[nodiscard]] bool decode(gecos::wire::Decoder& from);
@@ -125,9 +119,7 @@ struct StatusRefused {
   std::vector<::gecos::Holder> holders{};
 
   static constexpr std::string_view type_name() { return "gecos::StatusRefused"; }
-  static constexpr std::int64_t fingerprint() {
-    return static_cast<std::int64_t>(0xb6ff0198c8e03f2aU);
-  }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0xb6ff0198c8e03f2aU); }
   std::size_t encoded_size() const;
   void encode(gecos::wire::Encoder& to) const;
   [[nodiscard]] bool decode(gecos::wire::Decoder& from);
@@ -144,9 +136,7 @@ struct Grant {
   std::uint64_t epoch = 0;
 
   static constexpr std::string_view type_name() { return "gecos::Grant"; }
-  static constexpr std::int64_t fingerprint() {
-    return static_cast<std::int64_t>(0x1741290f0c97c441U);
-  }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0x1741290f0c97c441U); }
   std::size_t encoded_size() const;
   void encode(gecos::wire::Encoder& to) const;
   [[nodiscard]] bool decode(gecos::wire::Decoder& from);
@@ -163,9 +153,7 @@ struct OutcomeRecord {
   std::string text{};
 
   static constexpr std::string_view type_name() { return "gecos::OutcomeRecord"; }
-  static constexpr std::int64_t fingerprint() {
-    return static_cast<std::int64_t>(0x5fde1f5af18cf320U);
-  }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0x5fde1f5af18cf320U); }
   std::size_t encoded_size() const;
   void encode(gecos::wire::Encoder& to) const;
   [[nodiscard]] bool decode(gecos::wire::Decoder& from);

@@ -2,7 +2,6 @@
 // Change the interface and run `gidl gen`.
 #include "robcl/device_client.hpp"
 
-#include <string>
 #include <utility>
 
 #include "gecos/wire/check.hpp"
@@ -10,97 +9,32 @@
 
 namespace robcl {
 
-const gecos::InterfaceDescription& Device::gecos_description() {
-  static constexpr gecos::OperationDescription operations[] = {
-      {.code = gecos::FunctionCode{0x8fd39271},
-       .name = "parent",
-       .kind = gecos::OperationKind::Getter,
-       .status = gecos::access::Status::Sensor,
-       .safety = false,
-       .presence = false,
-       .idempotent = true,
-       .cancelable = false,
-       .parallel = false,
-       .ordered = false,
-       .on_new = gecos::OnNew::Queue,
-       .on_loss = gecos::OnLoss::Stop,
-       .quality = {},
-       .hash = 0xa8e7ee76d3bf5589U},
-      {.code = gecos::FunctionCode{0xd85eec1c},
-       .name = "base",
-       .kind = gecos::OperationKind::Getter,
-       .status = gecos::access::Status::Sensor,
-       .safety = false,
-       .presence = false,
-       .idempotent = true,
-       .cancelable = false,
-       .parallel = false,
-       .ordered = false,
-       .on_new = gecos::OnNew::Queue,
-       .on_loss = gecos::OnLoss::Stop,
-       .quality = {},
-       .hash = 0x6c7e67c50b389010U},
-      {.code = gecos::FunctionCode{0xeb6da7e6},
-       .name = "mount",
-       .kind = gecos::OperationKind::Operation,
-       .status = gecos::access::Status::Actor,
-       .safety = false,
-       .presence = true,
-       .idempotent = false,
-       .cancelable = false,
-       .parallel = false,
-       .ordered = false,
-       .on_new = gecos::OnNew::Queue,
-       .on_loss = gecos::OnLoss::Stop,
-       .quality = {},
-       .hash = 0x40840a23e20bca46U},
-  };
-  static constexpr gecos::InterfaceDescription description{
-      .name = "robcl::Device",
-      .version = "1.0",
-      .hash = 0x93ad599693441813U,
-      .bases = {},
-      .operations = operations,
-      .streams = {},
-      .quality = {},
-  };
-  return description;
-}
-
 Device::Device(std::shared_ptr<gecos::session::ClientSession> session)
     : gecos::Object(std::move(session)) {}
 
 gecos::Command<::robcl::Frame> Device::base() const {
-  return gecos::Command<::robcl::Frame>(gecos_session_->call(
-      gecos_description().operations[1], 0, [](gecos::wire::Encoder&) {}, gecos_options_),
-        [](gecos::wire::Decoder& from, ::robcl::Frame& value) { return value.decode(from); });
+  return gecos_call<::robcl::Frame>(
+      DeviceInterface::base,
+      [](auto& from, auto& value) { return value.decode(from); });
 }
 
 gecos::Command<std::string> Device::parent() const {
-  return gecos::Command<std::string>(gecos_session_->call(
-      gecos_description().operations[0], 0, [](gecos::wire::Encoder&) {}, gecos_options_),
-        [](gecos::wire::Decoder& from, std::string& value) {
-          return from.get_string(value, gecos::wire::npos, "parent");
-        });
+  return gecos_call<std::string>(
+      DeviceInterface::parent,
+      [](auto& from, auto& value) {
+        return from.get_string(value, gecos::wire::npos, "parent");
+      });
 }
 
 gecos::Command<void> Device::mount(const std::string& carrier, const ::robcl::Frame& offset) const {
-  const std::string wrong = [&]() -> std::string {
-    if (!gecos::wire::valid_text(carrier)) return gecos::wire::bad_text("mount.carrier");
-    return {};
-  }();
-  if (!wrong.empty()) {
-    return gecos::Command<void>(gecos::session::ended(
-        {gecos::Detail::BadParameter, wrong, {}, {}}));
-  }
-  std::size_t size = 61;
-  size += carrier.size();
-  return gecos::Command<void>(gecos_session_->call(
-      gecos_description().operations[2], size,
-      [&](gecos::wire::Encoder& to) {
+  if (!gecos::wire::valid_text(carrier)) return gecos::session::Refused(
+      gecos::wire::bad_text("mount.carrier"));
+  return gecos_call<void>(
+      DeviceInterface::mount, 61 + carrier.size(),
+      [&](auto& to) {
         to.put_string(carrier);
         offset.encode(to);
-      }, gecos_options_));
+      });
 }
 
 }  // namespace robcl

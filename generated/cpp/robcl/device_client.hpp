@@ -6,6 +6,7 @@
 #include <string>
 
 #include "gecos/object.hpp"
+#include "robcl/device_interface.hpp"
 #include "robcl/device_types.hpp"
 
 namespace robcl {
@@ -13,7 +14,9 @@ namespace robcl {
 /// Anything that has a place in the laboratory.
 class Device : public virtual gecos::Object {
  public:
-  static const gecos::InterfaceDescription& gecos_description();
+  static const gecos::InterfaceDescription& gecos_description() {
+    return DeviceInterface::description;
+  }
 
   /// Nil: every call is CONNECTION_FAILED. Objects come from `gecos::Lab::create`.
   Device() = default;

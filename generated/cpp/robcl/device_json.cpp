@@ -5,22 +5,17 @@
 #include <array>
 #include <cstdint>
 #include <string_view>
+#include <tuple>
 
 #include "gecos/wire/fields.hpp"
+#include "gecos/wire/json_members.hpp"
 
 namespace gecos::wire {
 
-void JsonShape<::robcl::MountRefused>::write(JsonWriter to, const ::robcl::MountRefused& value) {
-  to.open_object();
-  to.member("reason", value.reason);
-}
-
-bool JsonShape<::robcl::MountRefused>::read(const JsonReader& from, ::robcl::MountRefused& value) {
-  static constexpr std::array<std::string_view, 1> names{
-      "reason",
-  };
-  return from.expect_object(names) &&
-         from.member("reason", value.reason);
-}
+template <>
+constexpr auto json_members<::robcl::MountRefused> = std::tuple{
+    JsonMember{"reason", &::robcl::MountRefused::reason},
+};
+template struct JsonStruct<::robcl::MountRefused>;
 
 }  // namespace gecos::wire

@@ -9,9 +9,7 @@
 namespace gecos::wire {
 
 template <>
-struct JsonShape<::robcl::MountRefused> {
-  static void write(JsonWriter to, const ::robcl::MountRefused& value);
-  static bool read(const JsonReader& from, ::robcl::MountRefused& value);
-};
+struct JsonShape<::robcl::MountRefused> : JsonStruct<::robcl::MountRefused> {};
+extern template struct JsonStruct<::robcl::MountRefused>;
 
 }  // namespace gecos::wire

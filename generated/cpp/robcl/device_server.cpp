@@ -2,75 +2,39 @@
 // Change the interface and run `gidl gen`.
 #include "robcl/device_server.hpp"
 
-#include <array>
-#include <exception>
-#include <string>
-
-#include "gecos/base/log.hpp"
 #include "gecos/wire/check.hpp"
 #include "gecos/wire/fields.hpp"
-#include "robcl/device_client.hpp"
+#include "robcl/device_interface.hpp"
 
 namespace robcl {
 
 const gecos::InterfaceDescription& DeviceServant::gecos_interface() const {
-  return ::robcl::Device::gecos_description();
+  return DeviceInterface::description;
 }
 
-void DeviceServant::gecos_dispatch(gecos::IncomingCall call) {
-  try {
-    switch (gecos::number(call.operation().code)) {
-      case 0x8fd39271:  // parent
-        return gecos_call_parent(call);
-      case 0xd85eec1c:  // base
-        return gecos_call_base(call);
-      case 0xeb6da7e6:  // mount
-        return gecos_call_mount(call);
-      default:
-        return call.fail(
-            {gecos::Detail::UnknownOperation, "robcl::Device has no such operation", {}, {}});
+bool DeviceServant::gecos_answer([[maybe_unused]] gecos::IncomingCall& call) {
+  switch (gecos::number(call.operation().code)) {
+    case 0xd85eec1c:  // base
+      return call.answer("robcl::Device::base", this->base(), {});
+    case 0x8fd39271:  // parent
+      return call.answer(
+          "robcl::Device::parent", this->parent(), {}, [&](const auto& value) {
+            if (!gecos::wire::valid_text(value)) return call.fail_result(
+                "robcl::Device::parent",
+                gecos::wire::bad_text("parent"));
+            call.finish(5 + value.size(), [&](auto& to) { to.put_string(value); });
+          });
+    case 0xeb6da7e6: {  // mount
+      gecos::wire::Decoder from(call.arguments());
+      std::string carrier{};
+      ::robcl::Frame offset{};
+      const bool read = from.get_string(carrier, gecos::wire::npos, "mount.carrier") &&
+          offset.decode(from);
+      if (!read) return call.refuse(from.error());
+      return call.answer(this->mount(carrier, offset), {"robcl::MountRefused"});
     }
-  } catch (...) {
-    call.fail_as_thrown();
   }
-}
-
-void DeviceServant::gecos_call_base(gecos::IncomingCall& call) {
-  const auto result = this->base();
-  if (!result) return call.fail(result.error(), {});
-  const auto& value = *result;
-  call.finish(56, [&](gecos::wire::Encoder& to) { value.encode(to); });
-}
-
-void DeviceServant::gecos_call_parent(gecos::IncomingCall& call) {
-  const auto result = this->parent();
-  if (!result) return call.fail(result.error(), {});
-  const auto& value = *result;
-  const std::string wrong = [&]() -> std::string {
-    if (!gecos::wire::valid_text(value)) return gecos::wire::bad_text("parent");
-    return {};
-  }();
-  if (!wrong.empty()) {
-    return call.fail(
-        {gecos::Detail::Fault, "the handler of robcl::Device::parent gave " + wrong, {}, {}});
-  }
-  std::size_t size = 5;
-  size += value.size();
-  call.finish(size, [&](gecos::wire::Encoder& to) { to.put_string(value); });
-}
-
-void DeviceServant::gecos_call_mount(gecos::IncomingCall& call) {
-  gecos::wire::Decoder from(call.arguments());
-  std::string carrier{};
-  ::robcl::Frame offset{};
-  const bool read = from.get_string(carrier, gecos::wire::npos, "mount.carrier") &&
-         offset.decode(from);
-  if (!read) {
-    return call.fail({gecos::Detail::BadParameter, from.error().message(), {}, {}});
-  }
-  const auto result = this->mount(carrier, offset);
-  if (!result) return call.fail(result.error(), {"robcl::MountRefused"});
-  call.finish(0, [](gecos::wire::Encoder&) {});
+  return false;
 }
 
 }  // namespace robcl

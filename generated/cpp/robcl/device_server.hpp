@@ -14,7 +14,6 @@ namespace robcl {
 class DeviceServant : public virtual gecos::Servant {
  public:
   const gecos::InterfaceDescription& gecos_interface() const override;
-  void gecos_dispatch(gecos::IncomingCall call) override;
 
  protected:
   /// Base of the device in the world.
@@ -28,9 +27,7 @@ class DeviceServant : public virtual gecos::Servant {
   /// May fail with robcl::MountRefused.
   virtual gecos::Result<void> mount(const std::string& carrier, const ::robcl::Frame& offset) = 0;
 
-  void gecos_call_base(gecos::IncomingCall& call);
-  void gecos_call_parent(gecos::IncomingCall& call);
-  void gecos_call_mount(gecos::IncomingCall& call);
+  bool gecos_answer(gecos::IncomingCall& call) override;
 };
 
 }  // namespace robcl

@@ -11,15 +11,9 @@
 
 namespace robcl {
 
-std::size_t MountRefused::encoded_size() const {
-  std::size_t size = 5;
-  size += reason.size();
-  return size;
-}
+std::size_t MountRefused::encoded_size() const { return 5 + reason.size(); }
 
-void MountRefused::encode(gecos::wire::Encoder& to) const {
-  to.put_string(reason);
-}
+void MountRefused::encode(gecos::wire::Encoder& to) const { to.put_string(reason); }
 
 bool MountRefused::decode([[maybe_unused]] gecos::wire::Decoder& from) {
   return from.get_string(reason, gecos::wire::npos, "MountRefused.reason");
@@ -32,11 +26,9 @@ std::string gecos_violation(const MountRefused& value) {
   return {};
 }
 
-std::ostream& operator<<(std::ostream& out, [[maybe_unused]] const MountRefused& value) {
-  out << "MountRefused{";
-  out << "reason=";
-  gecos::wire::print(out, value.reason);
-  return out << '}';
+std::ostream& operator<<(std::ostream& out, const MountRefused& value) {
+  return gecos::wire::print_all(out,
+      "MountRefused{reason=", value.reason, "}");
 }
 
 }  // namespace robcl

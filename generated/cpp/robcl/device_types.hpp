@@ -18,9 +18,7 @@ struct MountRefused {
   std::string reason{};
 
   static constexpr std::string_view type_name() { return "robcl::MountRefused"; }
-  static constexpr std::int64_t fingerprint() {
-    return static_cast<std::int64_t>(0xed00b27a58c49395U);
-  }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0xed00b27a58c49395U); }
   std::size_t encoded_size() const;
   void encode(gecos::wire::Encoder& to) const;
   [[nodiscard]] bool decode(gecos::wire::Decoder& from);

@@ -5,51 +5,29 @@
 #include <array>
 #include <cstdint>
 #include <string_view>
+#include <tuple>
 
 #include "gecos/wire/fields.hpp"
+#include "gecos/wire/json_members.hpp"
 
 namespace gecos::wire {
 
-void JsonShape<::robcl::Vector>::write(JsonWriter to, const ::robcl::Vector& value) {
-  to.open_object();
-  to.member("x", value.x);
-  to.member("y", value.y);
-  to.member("z", value.z);
-}
+template <>
+constexpr auto json_members<::robcl::Vector> = std::tuple{
+    JsonMember{"x", &::robcl::Vector::x},
+    JsonMember{"y", &::robcl::Vector::y},
+    JsonMember{"z", &::robcl::Vector::z},
+};
+template struct JsonStruct<::robcl::Vector>;
 
-bool JsonShape<::robcl::Vector>::read(const JsonReader& from, ::robcl::Vector& value) {
-  static constexpr std::array<std::string_view, 3> names{
-      "x",
-      "y",
-      "z",
-  };
-  return from.expect_object(names) &&
-         from.member("x", value.x) &&
-         from.member("y", value.y) &&
-         from.member("z", value.z);
-}
-
-void JsonShape<::robcl::Quaternion>::write(JsonWriter to, const ::robcl::Quaternion& value) {
-  to.open_object();
-  to.member("w", value.w);
-  to.member("x", value.x);
-  to.member("y", value.y);
-  to.member("z", value.z);
-}
-
-bool JsonShape<::robcl::Quaternion>::read(const JsonReader& from, ::robcl::Quaternion& value) {
-  static constexpr std::array<std::string_view, 4> names{
-      "w",
-      "x",
-      "y",
-      "z",
-  };
-  return from.expect_object(names) &&
-         from.member("w", value.w) &&
-         from.member("x", value.x) &&
-         from.member("y", value.y) &&
-         from.member("z", value.z);
-}
+template <>
+constexpr auto json_members<::robcl::Quaternion> = std::tuple{
+    JsonMember{"w", &::robcl::Quaternion::w},
+    JsonMember{"x", &::robcl::Quaternion::x},
+    JsonMember{"y", &::robcl::Quaternion::y},
+    JsonMember{"z", &::robcl::Quaternion::z},
+};
+template struct JsonStruct<::robcl::Quaternion>;
 
 template <>
 struct JsonLayout<::robcl::Frame> {
@@ -62,9 +40,7 @@ struct JsonLayout<::robcl::Frame> {
   [[nodiscard]] bool decode(Decoder& from);
 };
 
-std::size_t JsonLayout<::robcl::Frame>::encoded_size() const {
-  return 56;
-}
+std::size_t JsonLayout<::robcl::Frame>::encoded_size() const { return 56; }
 
 void JsonLayout<::robcl::Frame>::encode(gecos::wire::Encoder& to) const {
   position.encode(to);
@@ -77,30 +53,14 @@ bool JsonLayout<::robcl::Frame>::decode([[maybe_unused]] gecos::wire::Decoder& f
 }
 
 template <>
-struct JsonShape<JsonLayout<::robcl::Frame>> {
-  static void write(JsonWriter to, const JsonLayout<::robcl::Frame>& value);
-  static bool read(const JsonReader& from, JsonLayout<::robcl::Frame>& value);
+struct JsonShape<JsonLayout<::robcl::Frame>> : JsonStruct<JsonLayout<::robcl::Frame>> {};
+
+template <>
+constexpr auto json_members<JsonLayout<::robcl::Frame>> = std::tuple{
+    JsonMember{"position", &JsonLayout<::robcl::Frame>::position},
+    JsonMember{"orientation", &JsonLayout<::robcl::Frame>::orientation},
 };
-
-void JsonShape<JsonLayout<::robcl::Frame>>::write(
-    JsonWriter to,
-    const JsonLayout<::robcl::Frame>& value) {
-  to.open_object();
-  to.member("position", value.position);
-  to.member("orientation", value.orientation);
-}
-
-bool JsonShape<JsonLayout<::robcl::Frame>>::read(
-    const JsonReader& from,
-    JsonLayout<::robcl::Frame>& value) {
-  static constexpr std::array<std::string_view, 2> names{
-      "position",
-      "orientation",
-  };
-  return from.expect_object(names) &&
-         from.member("position", value.position) &&
-         from.member("orientation", value.orientation);
-}
+template struct JsonStruct<JsonLayout<::robcl::Frame>>;
 
 void JsonShape<::robcl::Frame>::write(JsonWriter to, const ::robcl::Frame& value) {
   write_json_as<JsonLayout<::robcl::Frame>>(to, value);

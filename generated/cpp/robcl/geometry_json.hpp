@@ -8,16 +8,12 @@
 namespace gecos::wire {
 
 template <>
-struct JsonShape<::robcl::Vector> {
-  static void write(JsonWriter to, const ::robcl::Vector& value);
-  static bool read(const JsonReader& from, ::robcl::Vector& value);
-};
+struct JsonShape<::robcl::Vector> : JsonStruct<::robcl::Vector> {};
+extern template struct JsonStruct<::robcl::Vector>;
 
 template <>
-struct JsonShape<::robcl::Quaternion> {
-  static void write(JsonWriter to, const ::robcl::Quaternion& value);
-  static bool read(const JsonReader& from, ::robcl::Quaternion& value);
-};
+struct JsonShape<::robcl::Quaternion> : JsonStruct<::robcl::Quaternion> {};
+extern template struct JsonStruct<::robcl::Quaternion>;
 
 template <>
 struct JsonShape<::robcl::Frame> {

@@ -11,13 +11,9 @@
 
 namespace robcl {
 
-std::size_t Vector::encoded_size() const {
-  return 24;
-}
+std::size_t Vector::encoded_size() const { return 24; }
 
-void Vector::encode(gecos::wire::Encoder& to) const {
-  to.put(x, y, z);
-}
+void Vector::encode(gecos::wire::Encoder& to) const { to.put(x, y, z); }
 
 bool Vector::decode([[maybe_unused]] gecos::wire::Decoder& from) {
   return from.get(x, "Vector.x") &&
@@ -25,27 +21,14 @@ bool Vector::decode([[maybe_unused]] gecos::wire::Decoder& from) {
          from.get(z, "Vector.z");
 }
 
-std::ostream& operator<<(std::ostream& out, [[maybe_unused]] const Vector& value) {
-  out << "Vector{";
-  out << "x=";
-  gecos::wire::print(out, value.x);
-  out << " m";
-  out << ", y=";
-  gecos::wire::print(out, value.y);
-  out << " m";
-  out << ", z=";
-  gecos::wire::print(out, value.z);
-  out << " m";
-  return out << '}';
+std::ostream& operator<<(std::ostream& out, const Vector& value) {
+  return gecos::wire::print_all(out,
+      "Vector{x=", value.x, " m, y=", value.y, " m, z=", value.z, " m}");
 }
 
-std::size_t Quaternion::encoded_size() const {
-  return 32;
-}
+std::size_t Quaternion::encoded_size() const { return 32; }
 
-void Quaternion::encode(gecos::wire::Encoder& to) const {
-  to.put(w, x, y, z);
-}
+void Quaternion::encode(gecos::wire::Encoder& to) const { to.put(w, x, y, z); }
 
 bool Quaternion::decode([[maybe_unused]] gecos::wire::Decoder& from) {
   return from.get(w, "Quaternion.w") &&
@@ -54,17 +37,9 @@ bool Quaternion::decode([[maybe_unused]] gecos::wire::Decoder& from) {
          from.get(z, "Quaternion.z");
 }
 
-std::ostream& operator<<(std::ostream& out, [[maybe_unused]] const Quaternion& value) {
-  out << "Quaternion{";
-  out << "w=";
-  gecos::wire::print(out, value.w);
-  out << ", x=";
-  gecos::wire::print(out, value.x);
-  out << ", y=";
-  gecos::wire::print(out, value.y);
-  out << ", z=";
-  gecos::wire::print(out, value.z);
-  return out << '}';
+std::ostream& operator<<(std::ostream& out, const Quaternion& value) {
+  return gecos::wire::print_all(out,
+      "Quaternion{w=", value.w, ", x=", value.x, ", y=", value.y, ", z=", value.z, "}");
 }
 
 }  // namespace robcl

@@ -22,9 +22,7 @@ struct Vector {
   double z = 0;
 
   static constexpr std::string_view type_name() { return "robcl::Vector"; }
-  static constexpr std::int64_t fingerprint() {
-    return static_cast<std::int64_t>(0xae7e5fba5eeca11eU);
-  }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0xae7e5fba5eeca11eU); }
   std::size_t encoded_size() const;
   void encode(gecos::wire::Encoder& to) const;
   [[nodiscard]] bool decode(gecos::wire::Decoder& from);
@@ -41,9 +39,7 @@ struct Quaternion {
   double z = 0;
 
   static constexpr std::string_view type_name() { return "robcl::Quaternion"; }
-  static constexpr std::int64_t fingerprint() {
-    return static_cast<std::int64_t>(0x365bdd4bf9100a1fU);
-  }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0x365bdd4bf9100a1fU); }
   std::size_t encoded_size() const;
   void encode(gecos::wire::Encoder& to) const;
   [[nodiscard]] bool decode(gecos::wire::Decoder& from);

@@ -2,7 +2,6 @@
 // Change the interface and run `gidl gen`.
 #include "robcl/gripper_client.hpp"
 
-#include <string>
 #include <utility>
 
 #include "gecos/wire/check.hpp"
@@ -10,231 +9,56 @@
 
 namespace robcl {
 
-const gecos::InterfaceDescription& Gripper::gecos_description() {
-  static constexpr std::string_view bases[] = {
-      "robcl::Device",
-  };
-  static constexpr gecos::OperationDescription operations[] = {
-      {.code = gecos::FunctionCode{0x2ba48834},
-       .name = "max_force",
-       .kind = gecos::OperationKind::Getter,
-       .status = gecos::access::Status::Sensor,
-       .safety = false,
-       .presence = false,
-       .idempotent = true,
-       .cancelable = false,
-       .parallel = false,
-       .ordered = false,
-       .on_new = gecos::OnNew::Queue,
-       .on_loss = gecos::OnLoss::Stop,
-       .quality = {},
-       .hash = 0xf34ee4dadaad5d51U},
-      {.code = gecos::FunctionCode{0x6755a361},
-       .name = "jaws",
-       .kind = gecos::OperationKind::Getter,
-       .status = gecos::access::Status::Sensor,
-       .safety = false,
-       .presence = false,
-       .idempotent = true,
-       .cancelable = false,
-       .parallel = false,
-       .ordered = false,
-       .on_new = gecos::OnNew::Queue,
-       .on_loss = gecos::OnLoss::Stop,
-       .quality = {},
-       .hash = 0x0fb970ac2bfd2f26U},
-      {.code = gecos::FunctionCode{0x7bc932d6},
-       .name = "open",
-       .kind = gecos::OperationKind::Operation,
-       .status = gecos::access::Status::Actor,
-       .safety = false,
-       .presence = true,
-       .idempotent = false,
-       .cancelable = true,
-       .parallel = false,
-       .ordered = false,
-       .on_new = gecos::OnNew::Queue,
-       .on_loss = gecos::OnLoss::Stop,
-       .quality = {},
-       .hash = 0x26b349e727725d66U},
-      {.code = gecos::FunctionCode{0x8b02f9af},
-       .name = "max_width",
-       .kind = gecos::OperationKind::Getter,
-       .status = gecos::access::Status::Sensor,
-       .safety = false,
-       .presence = false,
-       .idempotent = true,
-       .cancelable = false,
-       .parallel = false,
-       .ordered = false,
-       .on_new = gecos::OnNew::Queue,
-       .on_loss = gecos::OnLoss::Stop,
-       .quality = {},
-       .hash = 0xc9b12c311da8ff15U},
-      {.code = gecos::FunctionCode{0x8bb8a207},
-       .name = "grip_point",
-       .kind = gecos::OperationKind::Getter,
-       .status = gecos::access::Status::Sensor,
-       .safety = false,
-       .presence = false,
-       .idempotent = true,
-       .cancelable = false,
-       .parallel = false,
-       .ordered = false,
-       .on_new = gecos::OnNew::Queue,
-       .on_loss = gecos::OnLoss::Stop,
-       .quality = {},
-       .hash = 0xa38f858ffe2b47e6U},
-      {.code = gecos::FunctionCode{0x8fd39271},
-       .name = "parent",
-       .kind = gecos::OperationKind::Getter,
-       .status = gecos::access::Status::Sensor,
-       .safety = false,
-       .presence = false,
-       .idempotent = true,
-       .cancelable = false,
-       .parallel = false,
-       .ordered = false,
-       .on_new = gecos::OnNew::Queue,
-       .on_loss = gecos::OnLoss::Stop,
-       .quality = {},
-       .hash = 0xa8e7ee76d3bf5589U},
-      {.code = gecos::FunctionCode{0xd12a65b2},
-       .name = "close",
-       .kind = gecos::OperationKind::Operation,
-       .status = gecos::access::Status::Actor,
-       .safety = false,
-       .presence = true,
-       .idempotent = false,
-       .cancelable = true,
-       .parallel = false,
-       .ordered = false,
-       .on_new = gecos::OnNew::Queue,
-       .on_loss = gecos::OnLoss::Stop,
-       .quality = {},
-       .hash = 0x432e6b27bbefba1aU},
-      {.code = gecos::FunctionCode{0xd85eec1c},
-       .name = "base",
-       .kind = gecos::OperationKind::Getter,
-       .status = gecos::access::Status::Sensor,
-       .safety = false,
-       .presence = false,
-       .idempotent = true,
-       .cancelable = false,
-       .parallel = false,
-       .ordered = false,
-       .on_new = gecos::OnNew::Queue,
-       .on_loss = gecos::OnLoss::Stop,
-       .quality = {},
-       .hash = 0x6c7e67c50b389010U},
-      {.code = gecos::FunctionCode{0xeb6da7e6},
-       .name = "mount",
-       .kind = gecos::OperationKind::Operation,
-       .status = gecos::access::Status::Actor,
-       .safety = false,
-       .presence = true,
-       .idempotent = false,
-       .cancelable = false,
-       .parallel = false,
-       .ordered = false,
-       .on_new = gecos::OnNew::Queue,
-       .on_loss = gecos::OnLoss::Stop,
-       .quality = {},
-       .hash = 0x40840a23e20bca46U},
-  };
-  static constexpr gecos::StreamDescription streams[] = {
-      {.code = gecos::FunctionCode{0x6755a361},
-       .name = "jaws",
-       .status = gecos::access::Status::Sensor,
-       .rate_hz = 50.0,
-       .largest = 0,
-       .quality = {}},
-  };
-  static constexpr gecos::InterfaceDescription description{
-      .name = "robcl::Gripper",
-      .version = "1.0",
-      .hash = 0xa2cb25259a928f38U,
-      .bases = bases,
-      .operations = operations,
-      .streams = streams,
-      .quality = {},
-  };
-  return description;
-}
-
 Gripper::Gripper(std::shared_ptr<gecos::session::ClientSession> session)
     : gecos::Object(std::move(session)) {}
 
 gecos::Command<::robcl::GripperState> Gripper::jaws() const {
-  return gecos::Command<::robcl::GripperState>(gecos_session_->call(
-      gecos_description().operations[1], 0, [](gecos::wire::Encoder&) {}, gecos_options_),
-        [](gecos::wire::Decoder& from, ::robcl::GripperState& value) {
-          return gecos::wire::get_block(from, value, "jaws");
-        });
+  return gecos_call<::robcl::GripperState>(
+      GripperInterface::jaws,
+      [](auto& from, auto& value) { return gecos::wire::get_block(from, value, "jaws"); });
 }
 
 tl::expected<gecos::Stream<::robcl::GripperState>, gecos::Failure> Gripper::jaws(
     gecos::StreamTag) const {
-  auto core = gecos_session_->subscribe(gecos_description().streams[0]);
-  if (!core) return tl::unexpected(std::move(core.error()));
-  return gecos::Stream<::robcl::GripperState>(std::move(*core),
-        [](gecos::wire::Decoder& from, ::robcl::GripperState& value) {
-          return gecos::wire::get_block(from, value, "jaws");
-        });
+  return gecos_subscribe<::robcl::GripperState>(
+      GripperInterface::jaws_stream,
+      [](auto& from, auto& value) { return gecos::wire::get_block(from, value, "jaws"); });
 }
 
 gecos::Command<::robcl::Frame> Gripper::grip_point() const {
-  return gecos::Command<::robcl::Frame>(gecos_session_->call(
-      gecos_description().operations[4], 0, [](gecos::wire::Encoder&) {}, gecos_options_),
-        [](gecos::wire::Decoder& from, ::robcl::Frame& value) { return value.decode(from); });
+  return gecos_call<::robcl::Frame>(
+      GripperInterface::grip_point,
+      [](auto& from, auto& value) { return value.decode(from); });
 }
 
 gecos::Command<double> Gripper::max_width() const {
-  return gecos::Command<double>(gecos_session_->call(
-      gecos_description().operations[3], 0, [](gecos::wire::Encoder&) {}, gecos_options_),
-        [](gecos::wire::Decoder& from, double& value) { return from.get(value, "max_width"); });
+  return gecos_call<double>(
+      GripperInterface::max_width,
+      [](auto& from, auto& value) { return from.get(value, "max_width"); });
 }
 
 gecos::Command<double> Gripper::max_force() const {
-  return gecos::Command<double>(gecos_session_->call(
-      gecos_description().operations[0], 0, [](gecos::wire::Encoder&) {}, gecos_options_),
-        [](gecos::wire::Decoder& from, double& value) { return from.get(value, "max_force"); });
+  return gecos_call<double>(
+      GripperInterface::max_force,
+      [](auto& from, auto& value) { return from.get(value, "max_force"); });
 }
 
 gecos::Command<void, ::robcl::GripperState> Gripper::open(double width) const {
-  const std::string wrong = [&]() -> std::string {
-    if (!(width >= 0.0)) {
-      return gecos::wire::out_of_range("open.width", width, "[0.0, inf]");
-    }
-    return {};
-  }();
-  if (!wrong.empty()) {
-    return gecos::Command<void, ::robcl::GripperState>(gecos::session::ended(
-        {gecos::Detail::BadParameter, wrong, {}, {}}));
+  if (!(width >= 0.0)) {
+    return gecos::session::Refused(gecos::wire::out_of_range("open.width", width, "[0.0, inf]"));
   }
-  return gecos::Command<void, ::robcl::GripperState>(gecos_session_->call(
-      gecos_description().operations[2], 8,
-      [&](gecos::wire::Encoder& to) {
-        to.put(width);
-      }, gecos_options_));
+  return gecos_call<void, ::robcl::GripperState>(
+      GripperInterface::open, 8,
+      [&](auto& to) { to.put(width); });
 }
 
 gecos::Command<void, ::robcl::GripperState> Gripper::close(double force) const {
-  const std::string wrong = [&]() -> std::string {
-    if (!(force >= 0.0)) {
-      return gecos::wire::out_of_range("close.force", force, "[0.0, inf]");
-    }
-    return {};
-  }();
-  if (!wrong.empty()) {
-    return gecos::Command<void, ::robcl::GripperState>(gecos::session::ended(
-        {gecos::Detail::BadParameter, wrong, {}, {}}));
+  if (!(force >= 0.0)) {
+    return gecos::session::Refused(gecos::wire::out_of_range("close.force", force, "[0.0, inf]"));
   }
-  return gecos::Command<void, ::robcl::GripperState>(gecos_session_->call(
-      gecos_description().operations[6], 8,
-      [&](gecos::wire::Encoder& to) {
-        to.put(force);
-      }, gecos_options_));
+  return gecos_call<void, ::robcl::GripperState>(
+      GripperInterface::close, 8,
+      [&](auto& to) { to.put(force); });
 }
 
 }  // namespace robcl

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "gecos/object.hpp"
+#include "robcl/gripper_interface.hpp"
 #include "robcl/gripper_types.hpp"
 #include "robcl/device_client.hpp"
 
@@ -13,7 +14,9 @@ namespace robcl {
 /// Two parallel jaws.
 class Gripper : public virtual ::robcl::Device {
  public:
-  static const gecos::InterfaceDescription& gecos_description();
+  static const gecos::InterfaceDescription& gecos_description() {
+    return GripperInterface::description;
+  }
 
   /// Nil: every call is CONNECTION_FAILED. Objects come from `gecos::Lab::create`.
   Gripper() = default;

@@ -5,56 +5,30 @@
 #include <array>
 #include <cstdint>
 #include <string_view>
+#include <tuple>
 
 #include "gecos/wire/fields.hpp"
+#include "gecos/wire/json_members.hpp"
 
 namespace gecos::wire {
 
-void JsonShape<::robcl::GripperState>::write(JsonWriter to, const ::robcl::GripperState& value) {
-  to.open_object();
-  to.member("width", value.width);
-  to.member("force", value.force);
-  to.member("moving", value.moving);
-  to.member("holding", value.holding);
-  to.member("held", value.held);
-}
+template <>
+constexpr auto json_members<::robcl::GripperState> = std::tuple{
+    JsonMember{"width", &::robcl::GripperState::width},
+    JsonMember{"force", &::robcl::GripperState::force},
+    JsonMember{"moving", &::robcl::GripperState::moving},
+    JsonMember{"holding", &::robcl::GripperState::holding},
+    JsonMember{"held", &::robcl::GripperState::held},
+};
+template struct JsonStruct<::robcl::GripperState>;
 
-bool JsonShape<::robcl::GripperState>::read(const JsonReader& from, ::robcl::GripperState& value) {
-  static constexpr std::array<std::string_view, 5> names{
-      "width",
-      "force",
-      "moving",
-      "holding",
-      "held",
-  };
-  return from.expect_object(names) &&
-         from.member("width", value.width) &&
-         from.member("force", value.force) &&
-         from.member("moving", value.moving) &&
-         from.member("holding", value.holding) &&
-         from.member("held", value.held);
-}
-
-void JsonShape<::robcl::OutOfRange>::write(JsonWriter to, const ::robcl::OutOfRange& value) {
-  to.open_object();
-  to.member("what", value.what);
-  to.member("value", value.value);
-  to.member("lower", value.lower);
-  to.member("upper", value.upper);
-}
-
-bool JsonShape<::robcl::OutOfRange>::read(const JsonReader& from, ::robcl::OutOfRange& value) {
-  static constexpr std::array<std::string_view, 4> names{
-      "what",
-      "value",
-      "lower",
-      "upper",
-  };
-  return from.expect_object(names) &&
-         from.member("what", value.what) &&
-         from.member("value", value.value) &&
-         from.member("lower", value.lower) &&
-         from.member("upper", value.upper);
-}
+template <>
+constexpr auto json_members<::robcl::OutOfRange> = std::tuple{
+    JsonMember{"what", &::robcl::OutOfRange::what},
+    JsonMember{"value", &::robcl::OutOfRange::value},
+    JsonMember{"lower", &::robcl::OutOfRange::lower},
+    JsonMember{"upper", &::robcl::OutOfRange::upper},
+};
+template struct JsonStruct<::robcl::OutOfRange>;
 
 }  // namespace gecos::wire

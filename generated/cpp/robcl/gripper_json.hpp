@@ -9,15 +9,11 @@
 namespace gecos::wire {
 
 template <>
-struct JsonShape<::robcl::GripperState> {
-  static void write(JsonWriter to, const ::robcl::GripperState& value);
-  static bool read(const JsonReader& from, ::robcl::GripperState& value);
-};
+struct JsonShape<::robcl::GripperState> : JsonStruct<::robcl::GripperState> {};
+extern template struct JsonStruct<::robcl::GripperState>;
 
 template <>
-struct JsonShape<::robcl::OutOfRange> {
-  static void write(JsonWriter to, const ::robcl::OutOfRange& value);
-  static bool read(const JsonReader& from, ::robcl::OutOfRange& value);
-};
+struct JsonShape<::robcl::OutOfRange> : JsonStruct<::robcl::OutOfRange> {};
+extern template struct JsonStruct<::robcl::OutOfRange>;
 
 }  // namespace gecos::wire

@@ -2,137 +2,50 @@
 // Change the interface and run `gidl gen`.
 #include "robcl/gripper_server.hpp"
 
-#include <array>
-#include <exception>
-#include <string>
-
-#include "gecos/base/log.hpp"
 #include "gecos/wire/check.hpp"
 #include "gecos/wire/fields.hpp"
-#include "robcl/gripper_client.hpp"
+#include "robcl/gripper_interface.hpp"
 
 namespace robcl {
 
 const gecos::InterfaceDescription& GripperServant::gecos_interface() const {
-  return ::robcl::Gripper::gecos_description();
+  return GripperInterface::description;
 }
 
-void GripperServant::gecos_dispatch(gecos::IncomingCall call) {
-  try {
-    switch (gecos::number(call.operation().code)) {
-      case 0x2ba48834:  // max_force
-        return gecos_call_max_force(call);
-      case 0x6755a361:  // jaws
-        return gecos_call_jaws(call);
-      case 0x7bc932d6:  // open
-        return gecos_call_open(call);
-      case 0x8b02f9af:  // max_width
-        return gecos_call_max_width(call);
-      case 0x8bb8a207:  // grip_point
-        return gecos_call_grip_point(call);
-      case 0x8fd39271:  // parent
-        return gecos_call_parent(call);
-      case 0xd12a65b2:  // close
-        return gecos_call_close(call);
-      case 0xd85eec1c:  // base
-        return gecos_call_base(call);
-      case 0xeb6da7e6:  // mount
-        return gecos_call_mount(call);
-      default:
-        return call.fail(
-            {gecos::Detail::UnknownOperation, "robcl::Gripper has no such operation", {}, {}});
+bool GripperServant::gecos_answer([[maybe_unused]] gecos::IncomingCall& call) {
+  switch (gecos::number(call.operation().code)) {
+    case 0x6755a361:  // jaws
+      return call.answer_block("robcl::Gripper::jaws", this->jaws(), {});
+    case 0x8bb8a207:  // grip_point
+      return call.answer("robcl::Gripper::grip_point", this->grip_point(), {});
+    case 0x8b02f9af:  // max_width
+      return call.answer("robcl::Gripper::max_width", this->max_width(), {});
+    case 0x2ba48834:  // max_force
+      return call.answer("robcl::Gripper::max_force", this->max_force(), {});
+    case 0x7bc932d6: {  // open
+      gecos::wire::Decoder from(call.arguments());
+      double width{};
+      const bool read = from.get(width, "open.width") &&
+          gecos::wire::in_range(from, (width >= 0.0), 8, "open.width");
+      if (!read) return call.refuse(from.error());
+      gecos::Execution<::robcl::GripperState> run(call);
+      return call.answer(this->open(width, run), {"robcl::OutOfRange"});
     }
-  } catch (...) {
-    call.fail_as_thrown();
+    case 0xd12a65b2: {  // close
+      gecos::wire::Decoder from(call.arguments());
+      double force{};
+      const bool read = from.get(force, "close.force") &&
+          gecos::wire::in_range(from, (force >= 0.0), 8, "close.force");
+      if (!read) return call.refuse(from.error());
+      gecos::Execution<::robcl::GripperState> run(call);
+      return call.answer(this->close(force, run), {"robcl::OutOfRange"});
+    }
   }
-}
-
-void GripperServant::gecos_call_jaws(gecos::IncomingCall& call) {
-  const auto result = this->jaws();
-  if (!result) return call.fail(result.error(), {});
-  const auto& value = *result;
-  const std::string wrong = [&]() -> std::string {
-    if (auto why = ::robcl::gecos_violation(value); !why.empty()) return why;
-    return {};
-  }();
-  if (!wrong.empty()) {
-    return call.fail(
-        {gecos::Detail::Fault, "the handler of robcl::Gripper::jaws gave " + wrong, {}, {}});
-  }
-  std::size_t size = 4;
-  size += value.encoded_size();
-  call.finish(size, [&](gecos::wire::Encoder& to) {
-    to.put_count(value.encoded_size());
-    value.encode(to);
-  });
-}
-
-void GripperServant::gecos_call_grip_point(gecos::IncomingCall& call) {
-  const auto result = this->grip_point();
-  if (!result) return call.fail(result.error(), {});
-  const auto& value = *result;
-  call.finish(56, [&](gecos::wire::Encoder& to) { value.encode(to); });
-}
-
-void GripperServant::gecos_call_max_width(gecos::IncomingCall& call) {
-  const auto result = this->max_width();
-  if (!result) return call.fail(result.error(), {});
-  const auto& value = *result;
-  call.finish(8, [&](gecos::wire::Encoder& to) { to.put(value); });
-}
-
-void GripperServant::gecos_call_max_force(gecos::IncomingCall& call) {
-  const auto result = this->max_force();
-  if (!result) return call.fail(result.error(), {});
-  const auto& value = *result;
-  call.finish(8, [&](gecos::wire::Encoder& to) { to.put(value); });
-}
-
-void GripperServant::gecos_call_open(gecos::IncomingCall& call) {
-  gecos::wire::Decoder from(call.arguments());
-  double width{};
-  const bool read = from.get(width, "open.width") &&
-         gecos::wire::in_range(from, (width >= 0.0), 8, "open.width");
-  if (!read) {
-    return call.fail({gecos::Detail::BadParameter, from.error().message(), {}, {}});
-  }
-  gecos::Execution<::robcl::GripperState> run(call);
-  const auto result = this->open(width, run);
-  if (!result) return call.fail(result.error(), {"robcl::OutOfRange"});
-  call.finish(0, [](gecos::wire::Encoder&) {});
-}
-
-void GripperServant::gecos_call_close(gecos::IncomingCall& call) {
-  gecos::wire::Decoder from(call.arguments());
-  double force{};
-  const bool read = from.get(force, "close.force") &&
-         gecos::wire::in_range(from, (force >= 0.0), 8, "close.force");
-  if (!read) {
-    return call.fail({gecos::Detail::BadParameter, from.error().message(), {}, {}});
-  }
-  gecos::Execution<::robcl::GripperState> run(call);
-  const auto result = this->close(force, run);
-  if (!result) return call.fail(result.error(), {"robcl::OutOfRange"});
-  call.finish(0, [](gecos::wire::Encoder&) {});
+  return ::robcl::DeviceServant::gecos_answer(call);
 }
 
 void GripperServant::publish_jaws(const ::robcl::GripperState& value, std::int64_t stamp_ns) {
-  if (gecos_publisher_ == nullptr) return;
-  const std::string wrong = [&]() -> std::string {
-    if (auto why = ::robcl::gecos_violation(value); !why.empty()) return why;
-    return {};
-  }();
-  if (!wrong.empty()) {
-    gecos::log_error("robcl::Gripper::jaws", "not published: " + wrong);
-    return;
-  }
-  std::size_t size = 4;
-  size += value.encoded_size();
-  gecos::Bytes sample(size);
-  gecos::wire::Encoder to(sample);
-  to.put_count(value.encoded_size());
-  value.encode(to);
-  gecos_publisher_->publish(::robcl::Gripper::gecos_description().streams[0], sample, stamp_ns);
+  gecos_publish_block(GripperInterface::jaws_stream, "robcl::Gripper::jaws", value, stamp_ns);
 }
 
 }  // namespace robcl

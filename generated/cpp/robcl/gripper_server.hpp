@@ -14,7 +14,6 @@ namespace robcl {
 class GripperServant : public virtual ::robcl::DeviceServant {
  public:
   const gecos::InterfaceDescription& gecos_interface() const override;
-  void gecos_dispatch(gecos::IncomingCall call) override;
 
   /// A new sample of `jaws`, measured at `stamp_ns`. One thread at a time.
   void publish_jaws(
@@ -43,12 +42,7 @@ class GripperServant : public virtual ::robcl::DeviceServant {
   /// May fail with robcl::OutOfRange.
   virtual gecos::Result<void> close(double force, gecos::Execution<::robcl::GripperState>& run) = 0;
 
-  void gecos_call_jaws(gecos::IncomingCall& call);
-  void gecos_call_grip_point(gecos::IncomingCall& call);
-  void gecos_call_max_width(gecos::IncomingCall& call);
-  void gecos_call_max_force(gecos::IncomingCall& call);
-  void gecos_call_open(gecos::IncomingCall& call);
-  void gecos_call_close(gecos::IncomingCall& call);
+  bool gecos_answer(gecos::IncomingCall& call) override;
 };
 
 }  // namespace robcl

@@ -11,11 +11,7 @@
 
 namespace robcl {
 
-std::size_t GripperState::encoded_size() const {
-  std::size_t size = 23;
-  size += held.size();
-  return size;
-}
+std::size_t GripperState::encoded_size() const { return 23 + held.size(); }
 
 void GripperState::encode(gecos::wire::Encoder& to) const {
   to.put(width, force, moving, holding);
@@ -38,28 +34,13 @@ std::string gecos_violation(const GripperState& value) {
   return {};
 }
 
-std::ostream& operator<<(std::ostream& out, [[maybe_unused]] const GripperState& value) {
-  out << "GripperState{";
-  out << "width=";
-  gecos::wire::print(out, value.width);
-  out << " m";
-  out << ", force=";
-  gecos::wire::print(out, value.force);
-  out << " N";
-  out << ", moving=";
-  gecos::wire::print(out, value.moving);
-  out << ", holding=";
-  gecos::wire::print(out, value.holding);
-  out << ", held=";
-  gecos::wire::print(out, value.held);
-  return out << '}';
+std::ostream& operator<<(std::ostream& out, const GripperState& value) {
+  return gecos::wire::print_all(out,
+      "GripperState{width=", value.width, " m, force=", value.force, " N, moving=", value.moving,
+      ", holding=", value.holding, ", held=", value.held, "}");
 }
 
-std::size_t OutOfRange::encoded_size() const {
-  std::size_t size = 29;
-  size += what.size();
-  return size;
-}
+std::size_t OutOfRange::encoded_size() const { return 29 + what.size(); }
 
 void OutOfRange::encode(gecos::wire::Encoder& to) const {
   to.put_string(what);
@@ -78,17 +59,10 @@ std::string gecos_violation(const OutOfRange& value) {
   return {};
 }
 
-std::ostream& operator<<(std::ostream& out, [[maybe_unused]] const OutOfRange& value) {
-  out << "OutOfRange{";
-  out << "what=";
-  gecos::wire::print(out, value.what);
-  out << ", value=";
-  gecos::wire::print(out, value.value);
-  out << ", lower=";
-  gecos::wire::print(out, value.lower);
-  out << ", upper=";
-  gecos::wire::print(out, value.upper);
-  return out << '}';
+std::ostream& operator<<(std::ostream& out, const OutOfRange& value) {
+  return gecos::wire::print_all(out,
+      "OutOfRange{what=", value.what, ", value=", value.value, ", lower=", value.lower, ", upper=",
+      value.upper, "}");
 }
 
 }  // namespace robcl

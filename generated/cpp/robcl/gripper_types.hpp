@@ -25,9 +25,7 @@ struct GripperState {
   std::string held{};
 
   static constexpr std::string_view type_name() { return "robcl::GripperState"; }
-  static constexpr std::int64_t fingerprint() {
-    return static_cast<std::int64_t>(0xe3695e149acaa4eaU);
-  }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0xe3695e149acaa4eaU); }
   std::size_t encoded_size() const;
   void encode(gecos::wire::Encoder& to) const;
   [[nodiscard]] bool decode(gecos::wire::Decoder& from);
@@ -46,9 +44,7 @@ struct OutOfRange {
   double upper = 0;
 
   static constexpr std::string_view type_name() { return "robcl::OutOfRange"; }
-  static constexpr std::int64_t fingerprint() {
-    return static_cast<std::int64_t>(0x8809d953da8d5f46U);
-  }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0x8809d953da8d5f46U); }
   std::size_t encoded_size() const;
   void encode(gecos::wire::Encoder& to) const;
   [[nodiscard]] bool decode(gecos::wire::Decoder& from);

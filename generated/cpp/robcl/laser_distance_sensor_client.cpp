@@ -2,7 +2,6 @@
 // Change the interface and run `gidl gen`.
 #include "robcl/laser_distance_sensor_client.hpp"
 
-#include <string>
 #include <utility>
 
 #include "gecos/wire/check.hpp"
@@ -10,145 +9,32 @@
 
 namespace robcl {
 
-const gecos::InterfaceDescription& LaserDistanceSensor::gecos_description() {
-  static constexpr std::string_view bases[] = {
-      "robcl::Device",
-  };
-  static constexpr gecos::OperationDescription operations[] = {
-      {.code = gecos::FunctionCode{0x05f38e6c},
-       .name = "power",
-       .kind = gecos::OperationKind::Operation,
-       .status = gecos::access::Status::Actor,
-       .safety = false,
-       .presence = true,
-       .idempotent = false,
-       .cancelable = false,
-       .parallel = false,
-       .ordered = false,
-       .on_new = gecos::OnNew::Queue,
-       .on_loss = gecos::OnLoss::Stop,
-       .quality = {},
-       .hash = 0x16968196d2c3127aU},
-      {.code = gecos::FunctionCode{0x3ff05271},
-       .name = "measure",
-       .kind = gecos::OperationKind::Operation,
-       .status = gecos::access::Status::Sensor,
-       .safety = false,
-       .presence = false,
-       .idempotent = true,
-       .cancelable = false,
-       .parallel = false,
-       .ordered = false,
-       .on_new = gecos::OnNew::Queue,
-       .on_loss = gecos::OnLoss::Stop,
-       .quality = {},
-       .hash = 0x80955af0c37d3e42U},
-      {.code = gecos::FunctionCode{0x43a6c344},
-       .name = "beam",
-       .kind = gecos::OperationKind::Getter,
-       .status = gecos::access::Status::Sensor,
-       .safety = false,
-       .presence = false,
-       .idempotent = true,
-       .cancelable = false,
-       .parallel = false,
-       .ordered = false,
-       .on_new = gecos::OnNew::Queue,
-       .on_loss = gecos::OnLoss::Stop,
-       .quality = {},
-       .hash = 0x926d6ed0febd6a3fU},
-      {.code = gecos::FunctionCode{0x8fd39271},
-       .name = "parent",
-       .kind = gecos::OperationKind::Getter,
-       .status = gecos::access::Status::Sensor,
-       .safety = false,
-       .presence = false,
-       .idempotent = true,
-       .cancelable = false,
-       .parallel = false,
-       .ordered = false,
-       .on_new = gecos::OnNew::Queue,
-       .on_loss = gecos::OnLoss::Stop,
-       .quality = {},
-       .hash = 0xa8e7ee76d3bf5589U},
-      {.code = gecos::FunctionCode{0xd85eec1c},
-       .name = "base",
-       .kind = gecos::OperationKind::Getter,
-       .status = gecos::access::Status::Sensor,
-       .safety = false,
-       .presence = false,
-       .idempotent = true,
-       .cancelable = false,
-       .parallel = false,
-       .ordered = false,
-       .on_new = gecos::OnNew::Queue,
-       .on_loss = gecos::OnLoss::Stop,
-       .quality = {},
-       .hash = 0x6c7e67c50b389010U},
-      {.code = gecos::FunctionCode{0xeb6da7e6},
-       .name = "mount",
-       .kind = gecos::OperationKind::Operation,
-       .status = gecos::access::Status::Actor,
-       .safety = false,
-       .presence = true,
-       .idempotent = false,
-       .cancelable = false,
-       .parallel = false,
-       .ordered = false,
-       .on_new = gecos::OnNew::Queue,
-       .on_loss = gecos::OnLoss::Stop,
-       .quality = {},
-       .hash = 0x40840a23e20bca46U},
-  };
-  static constexpr gecos::StreamDescription streams[] = {
-      {.code = gecos::FunctionCode{0x43a6c344},
-       .name = "beam",
-       .status = gecos::access::Status::Sensor,
-       .rate_hz = 50.0,
-       .largest = 33,
-       .quality = {}},
-  };
-  static constexpr gecos::InterfaceDescription description{
-      .name = "robcl::LaserDistanceSensor",
-      .version = "1.0",
-      .hash = 0x133c47f4ae41f5e0U,
-      .bases = bases,
-      .operations = operations,
-      .streams = streams,
-      .quality = {},
-  };
-  return description;
-}
-
 LaserDistanceSensor::LaserDistanceSensor(std::shared_ptr<gecos::session::ClientSession> session)
     : gecos::Object(std::move(session)) {}
 
 gecos::Command<::robcl::Distance> LaserDistanceSensor::beam() const {
-  return gecos::Command<::robcl::Distance>(gecos_session_->call(
-      gecos_description().operations[2], 0, [](gecos::wire::Encoder&) {}, gecos_options_),
-        [](gecos::wire::Decoder& from, ::robcl::Distance& value) { return value.decode(from); });
+  return gecos_call<::robcl::Distance>(
+      LaserDistanceSensorInterface::beam,
+      [](auto& from, auto& value) { return value.decode(from); });
 }
 
 tl::expected<gecos::Stream<::robcl::Distance>, gecos::Failure> LaserDistanceSensor::beam(
     gecos::StreamTag) const {
-  auto core = gecos_session_->subscribe(gecos_description().streams[0]);
-  if (!core) return tl::unexpected(std::move(core.error()));
-  return gecos::Stream<::robcl::Distance>(std::move(*core),
-        [](gecos::wire::Decoder& from, ::robcl::Distance& value) { return value.decode(from); });
+  return gecos_subscribe<::robcl::Distance>(
+      LaserDistanceSensorInterface::beam_stream,
+      [](auto& from, auto& value) { return value.decode(from); });
 }
 
 gecos::Command<::robcl::Distance> LaserDistanceSensor::measure() const {
-  return gecos::Command<::robcl::Distance>(gecos_session_->call(
-      gecos_description().operations[1], 0, [](gecos::wire::Encoder&) {}, gecos_options_),
-        [](gecos::wire::Decoder& from, ::robcl::Distance& value) { return value.decode(from); });
+  return gecos_call<::robcl::Distance>(
+      LaserDistanceSensorInterface::measure,
+      [](auto& from, auto& value) { return value.decode(from); });
 }
 
 gecos::Command<void> LaserDistanceSensor::power(bool on) const {
-  return gecos::Command<void>(gecos_session_->call(
-      gecos_description().operations[0], 1,
-      [&](gecos::wire::Encoder& to) {
-        to.put(on);
-      }, gecos_options_));
+  return gecos_call<void>(
+      LaserDistanceSensorInterface::power, 1,
+      [&](auto& to) { to.put(on); });
 }
 
 }  // namespace robcl

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "gecos/object.hpp"
+#include "robcl/laser_distance_sensor_interface.hpp"
 #include "robcl/laser_distance_sensor_types.hpp"
 #include "robcl/device_client.hpp"
 
@@ -13,7 +14,9 @@ namespace robcl {
 /// Measures the distance along the z axis of its base.
 class LaserDistanceSensor : public virtual ::robcl::Device {
  public:
-  static const gecos::InterfaceDescription& gecos_description();
+  static const gecos::InterfaceDescription& gecos_description() {
+    return LaserDistanceSensorInterface::description;
+  }
 
   /// Nil: every call is CONNECTION_FAILED. Objects come from `gecos::Lab::create`.
   LaserDistanceSensor() = default;

@@ -5,47 +5,27 @@
 #include <array>
 #include <cstdint>
 #include <string_view>
+#include <tuple>
 
 #include "gecos/wire/fields.hpp"
+#include "gecos/wire/json_members.hpp"
 
 namespace gecos::wire {
 
-void JsonShape<::robcl::Distance>::write(JsonWriter to, const ::robcl::Distance& value) {
-  to.open_object();
-  to.member("value", value.value);
-  to.member("valid", value.valid);
-  to.member("lower", value.lower);
-  to.member("upper", value.upper);
-  to.member("stamp", value.stamp);
-}
+template <>
+constexpr auto json_members<::robcl::Distance> = std::tuple{
+    JsonMember{"value", &::robcl::Distance::value},
+    JsonMember{"valid", &::robcl::Distance::valid},
+    JsonMember{"lower", &::robcl::Distance::lower},
+    JsonMember{"upper", &::robcl::Distance::upper},
+    JsonMember{"stamp", &::robcl::Distance::stamp},
+};
+template struct JsonStruct<::robcl::Distance>;
 
-bool JsonShape<::robcl::Distance>::read(const JsonReader& from, ::robcl::Distance& value) {
-  static constexpr std::array<std::string_view, 5> names{
-      "value",
-      "valid",
-      "lower",
-      "upper",
-      "stamp",
-  };
-  return from.expect_object(names) &&
-         from.member("value", value.value) &&
-         from.member("valid", value.valid) &&
-         from.member("lower", value.lower) &&
-         from.member("upper", value.upper) &&
-         from.member("stamp", value.stamp);
-}
-
-void JsonShape<::robcl::SensorFault>::write(JsonWriter to, const ::robcl::SensorFault& value) {
-  to.open_object();
-  to.member("reason", value.reason);
-}
-
-bool JsonShape<::robcl::SensorFault>::read(const JsonReader& from, ::robcl::SensorFault& value) {
-  static constexpr std::array<std::string_view, 1> names{
-      "reason",
-  };
-  return from.expect_object(names) &&
-         from.member("reason", value.reason);
-}
+template <>
+constexpr auto json_members<::robcl::SensorFault> = std::tuple{
+    JsonMember{"reason", &::robcl::SensorFault::reason},
+};
+template struct JsonStruct<::robcl::SensorFault>;
 
 }  // namespace gecos::wire

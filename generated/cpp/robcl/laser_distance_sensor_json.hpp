@@ -9,15 +9,11 @@
 namespace gecos::wire {
 
 template <>
-struct JsonShape<::robcl::Distance> {
-  static void write(JsonWriter to, const ::robcl::Distance& value);
-  static bool read(const JsonReader& from, ::robcl::Distance& value);
-};
+struct JsonShape<::robcl::Distance> : JsonStruct<::robcl::Distance> {};
+extern template struct JsonStruct<::robcl::Distance>;
 
 template <>
-struct JsonShape<::robcl::SensorFault> {
-  static void write(JsonWriter to, const ::robcl::SensorFault& value);
-  static bool read(const JsonReader& from, ::robcl::SensorFault& value);
-};
+struct JsonShape<::robcl::SensorFault> : JsonStruct<::robcl::SensorFault> {};
+extern template struct JsonStruct<::robcl::SensorFault>;
 
 }  // namespace gecos::wire

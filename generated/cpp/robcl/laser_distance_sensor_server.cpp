@@ -2,85 +2,43 @@
 // Change the interface and run `gidl gen`.
 #include "robcl/laser_distance_sensor_server.hpp"
 
-#include <array>
-#include <exception>
-#include <string>
-
-#include "gecos/base/log.hpp"
 #include "gecos/wire/check.hpp"
 #include "gecos/wire/fields.hpp"
-#include "robcl/laser_distance_sensor_client.hpp"
+#include "robcl/laser_distance_sensor_interface.hpp"
 
 namespace robcl {
 
 const gecos::InterfaceDescription& LaserDistanceSensorServant::gecos_interface() const {
-  return ::robcl::LaserDistanceSensor::gecos_description();
+  return LaserDistanceSensorInterface::description;
 }
 
-void LaserDistanceSensorServant::gecos_dispatch(gecos::IncomingCall call) {
-  try {
-    switch (gecos::number(call.operation().code)) {
-      case 0x05f38e6c:  // power
-        return gecos_call_power(call);
-      case 0x3ff05271:  // measure
-        return gecos_call_measure(call);
-      case 0x43a6c344:  // beam
-        return gecos_call_beam(call);
-      case 0x8fd39271:  // parent
-        return gecos_call_parent(call);
-      case 0xd85eec1c:  // base
-        return gecos_call_base(call);
-      case 0xeb6da7e6:  // mount
-        return gecos_call_mount(call);
-      default:
-        return call.fail(
-            {
-                gecos::Detail::UnknownOperation,
-                "robcl::LaserDistanceSensor has no such operation",
-                {},
-                {}});
+bool LaserDistanceSensorServant::gecos_answer([[maybe_unused]] gecos::IncomingCall& call) {
+  switch (gecos::number(call.operation().code)) {
+    case 0x43a6c344:  // beam
+      return call.answer("robcl::LaserDistanceSensor::beam", this->beam(), {});
+    case 0x3ff05271:  // measure
+      return call.answer(
+          "robcl::LaserDistanceSensor::measure",
+          this->measure(),
+          {"robcl::SensorFault"});
+    case 0x05f38e6c: {  // power
+      gecos::wire::Decoder from(call.arguments());
+      bool on{};
+      const bool read = from.get(on, "power.on");
+      if (!read) return call.refuse(from.error());
+      return call.answer(this->power(on), {});
     }
-  } catch (...) {
-    call.fail_as_thrown();
   }
-}
-
-void LaserDistanceSensorServant::gecos_call_beam(gecos::IncomingCall& call) {
-  const auto result = this->beam();
-  if (!result) return call.fail(result.error(), {});
-  const auto& value = *result;
-  call.finish(33, [&](gecos::wire::Encoder& to) { value.encode(to); });
-}
-
-void LaserDistanceSensorServant::gecos_call_measure(gecos::IncomingCall& call) {
-  const auto result = this->measure();
-  if (!result) return call.fail(result.error(), {"robcl::SensorFault"});
-  const auto& value = *result;
-  call.finish(33, [&](gecos::wire::Encoder& to) { value.encode(to); });
-}
-
-void LaserDistanceSensorServant::gecos_call_power(gecos::IncomingCall& call) {
-  gecos::wire::Decoder from(call.arguments());
-  bool on{};
-  const bool read = from.get(on, "power.on");
-  if (!read) {
-    return call.fail({gecos::Detail::BadParameter, from.error().message(), {}, {}});
-  }
-  const auto result = this->power(on);
-  if (!result) return call.fail(result.error(), {});
-  call.finish(0, [](gecos::wire::Encoder&) {});
+  return ::robcl::DeviceServant::gecos_answer(call);
 }
 
 void LaserDistanceSensorServant::publish_beam(
     const ::robcl::Distance& value,
     std::int64_t stamp_ns) {
-  if (gecos_publisher_ == nullptr) return;
-  std::array<std::byte, 33> sample;
-  gecos::wire::Encoder to(sample);
-  value.encode(to);
-  gecos_publisher_->publish(
-      ::robcl::LaserDistanceSensor::gecos_description().streams[0],
-      sample,
+  gecos_publish(
+      LaserDistanceSensorInterface::beam_stream,
+      "robcl::LaserDistanceSensor::beam",
+      value,
       stamp_ns);
 }
 

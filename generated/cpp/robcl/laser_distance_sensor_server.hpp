@@ -14,7 +14,6 @@ namespace robcl {
 class LaserDistanceSensorServant : public virtual ::robcl::DeviceServant {
  public:
   const gecos::InterfaceDescription& gecos_interface() const override;
-  void gecos_dispatch(gecos::IncomingCall call) override;
 
   /// A new sample of `beam`, measured at `stamp_ns`. One thread at a time.
   void publish_beam(const ::robcl::Distance& value, std::int64_t stamp_ns = gecos::unix_now_ns());
@@ -29,9 +28,7 @@ class LaserDistanceSensorServant : public virtual ::robcl::DeviceServant {
   /// Switches the laser.
   virtual gecos::Result<void> power(bool on) = 0;
 
-  void gecos_call_beam(gecos::IncomingCall& call);
-  void gecos_call_measure(gecos::IncomingCall& call);
-  void gecos_call_power(gecos::IncomingCall& call);
+  bool gecos_answer(gecos::IncomingCall& call) override;
 };
 
 }  // namespace robcl

@@ -11,9 +11,7 @@
 
 namespace robcl {
 
-std::size_t Distance::encoded_size() const {
-  return 33;
-}
+std::size_t Distance::encoded_size() const { return 33; }
 
 void Distance::encode(gecos::wire::Encoder& to) const {
   to.put(value, valid, lower, upper, stamp);
@@ -27,34 +25,15 @@ bool Distance::decode([[maybe_unused]] gecos::wire::Decoder& from) {
          from.get(stamp, "Distance.stamp");
 }
 
-std::ostream& operator<<(std::ostream& out, [[maybe_unused]] const Distance& value) {
-  out << "Distance{";
-  out << "value=";
-  gecos::wire::print(out, value.value);
-  out << " m";
-  out << ", valid=";
-  gecos::wire::print(out, value.valid);
-  out << ", lower=";
-  gecos::wire::print(out, value.lower);
-  out << " m";
-  out << ", upper=";
-  gecos::wire::print(out, value.upper);
-  out << " m";
-  out << ", stamp=";
-  gecos::wire::print(out, value.stamp);
-  out << " s";
-  return out << '}';
+std::ostream& operator<<(std::ostream& out, const Distance& value) {
+  return gecos::wire::print_all(out,
+      "Distance{value=", value.value, " m, valid=", value.valid, ", lower=", value.lower,
+      " m, upper=", value.upper, " m, stamp=", value.stamp, " s}");
 }
 
-std::size_t SensorFault::encoded_size() const {
-  std::size_t size = 5;
-  size += reason.size();
-  return size;
-}
+std::size_t SensorFault::encoded_size() const { return 5 + reason.size(); }
 
-void SensorFault::encode(gecos::wire::Encoder& to) const {
-  to.put_string(reason);
-}
+void SensorFault::encode(gecos::wire::Encoder& to) const { to.put_string(reason); }
 
 bool SensorFault::decode([[maybe_unused]] gecos::wire::Decoder& from) {
   return from.get_string(reason, gecos::wire::npos, "SensorFault.reason");
@@ -67,11 +46,9 @@ std::string gecos_violation(const SensorFault& value) {
   return {};
 }
 
-std::ostream& operator<<(std::ostream& out, [[maybe_unused]] const SensorFault& value) {
-  out << "SensorFault{";
-  out << "reason=";
-  gecos::wire::print(out, value.reason);
-  return out << '}';
+std::ostream& operator<<(std::ostream& out, const SensorFault& value) {
+  return gecos::wire::print_all(out,
+      "SensorFault{reason=", value.reason, "}");
 }
 
 }  // namespace robcl

@@ -26,9 +26,7 @@ struct Distance {
   double stamp = 0;
 
   static constexpr std::string_view type_name() { return "robcl::Distance"; }
-  static constexpr std::int64_t fingerprint() {
-    return static_cast<std::int64_t>(0xbe9649cf1136fc5fU);
-  }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0xbe9649cf1136fc5fU); }
   std::size_t encoded_size() const;
   void encode(gecos::wire::Encoder& to) const;
   [[nodiscard]] bool decode(gecos::wire::Decoder& from);
@@ -42,9 +40,7 @@ struct SensorFault {
   std::string reason{};
 
   static constexpr std::string_view type_name() { return "robcl::SensorFault"; }
-  static constexpr std::int64_t fingerprint() {
-    return static_cast<std::int64_t>(0xed00b27a58c49395U);
-  }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0xed00b27a58c49395U); }
   std::size_t encoded_size() const;
   void encode(gecos::wire::Encoder& to) const;
   [[nodiscard]] bool decode(gecos::wire::Decoder& from);

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "gecos/object.hpp"
+#include "robcl/manipulator_interface.hpp"
 #include "robcl/manipulator_types.hpp"
 #include "robcl/device_client.hpp"
 
@@ -14,7 +15,9 @@ namespace robcl {
 /// Any arm, number of joints unknown: a program written to this runs on every robot.
 class Manipulator : public virtual ::robcl::Device {
  public:
-  static const gecos::InterfaceDescription& gecos_description();
+  static const gecos::InterfaceDescription& gecos_description() {
+    return ManipulatorInterface::description;
+  }
 
   /// Nil: every call is CONNECTION_FAILED. Objects come from `gecos::Lab::create`.
   Manipulator() = default;

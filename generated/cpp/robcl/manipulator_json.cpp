@@ -5,8 +5,10 @@
 #include <array>
 #include <cstdint>
 #include <string_view>
+#include <tuple>
 
 #include "gecos/wire/fields.hpp"
+#include "gecos/wire/json_members.hpp"
 
 namespace gecos::wire {
 
@@ -48,100 +50,43 @@ bool JsonShape<::robcl::Blend>::read(const JsonReader& from, ::robcl::Blend& val
   return true;
 }
 
-void JsonShape<::robcl::Trajectory>::write(JsonWriter to, const ::robcl::Trajectory& value) {
-  to.open_object();
-  to.member("speed", value.speed);
-  to.member("acceleration", value.acceleration);
-  to.member("path", value.path);
-  to.member("at_goal", value.at_goal);
-  to.member("tool_speed", value.tool_speed);
-  to.member("turn_speed", value.turn_speed);
-}
+template <>
+constexpr auto json_members<::robcl::Trajectory> = std::tuple{
+    JsonMember{"speed", &::robcl::Trajectory::speed},
+    JsonMember{"acceleration", &::robcl::Trajectory::acceleration},
+    JsonMember{"path", &::robcl::Trajectory::path},
+    JsonMember{"at_goal", &::robcl::Trajectory::at_goal},
+    JsonMember{"tool_speed", &::robcl::Trajectory::tool_speed},
+    JsonMember{"turn_speed", &::robcl::Trajectory::turn_speed},
+};
+template struct JsonStruct<::robcl::Trajectory>;
 
-bool JsonShape<::robcl::Trajectory>::read(const JsonReader& from, ::robcl::Trajectory& value) {
-  static constexpr std::array<std::string_view, 6> names{
-      "speed",
-      "acceleration",
-      "path",
-      "at_goal",
-      "tool_speed",
-      "turn_speed",
-  };
-  return from.expect_object(names) &&
-         from.member("speed", value.speed) &&
-         from.member("acceleration", value.acceleration) &&
-         from.member("path", value.path) &&
-         from.member("at_goal", value.at_goal) &&
-         from.member("tool_speed", value.tool_speed) &&
-         from.member("turn_speed", value.turn_speed);
-}
+template <>
+constexpr auto json_members<::robcl::MotionProgress> = std::tuple{
+    JsonMember{"fraction", &::robcl::MotionProgress::fraction},
+    JsonMember{"remaining", &::robcl::MotionProgress::remaining},
+};
+template struct JsonStruct<::robcl::MotionProgress>;
 
-void JsonShape<::robcl::MotionProgress>::write(
-    JsonWriter to,
-    const ::robcl::MotionProgress& value) {
-  to.open_object();
-  to.member("fraction", value.fraction);
-  to.member("remaining", value.remaining);
-}
+template <>
+constexpr auto json_members<::robcl::OutOfReach> = std::tuple{
+    JsonMember{"reason", &::robcl::OutOfReach::reason},
+};
+template struct JsonStruct<::robcl::OutOfReach>;
 
-bool JsonShape<::robcl::MotionProgress>::read(
-    const JsonReader& from,
-    ::robcl::MotionProgress& value) {
-  static constexpr std::array<std::string_view, 2> names{
-      "fraction",
-      "remaining",
-  };
-  return from.expect_object(names) &&
-         from.member("fraction", value.fraction) &&
-         from.member("remaining", value.remaining);
-}
+template <>
+constexpr auto json_members<::robcl::JointLimit> = std::tuple{
+    JsonMember{"axis", &::robcl::JointLimit::axis},
+    JsonMember{"value", &::robcl::JointLimit::value},
+    JsonMember{"lower", &::robcl::JointLimit::lower},
+    JsonMember{"upper", &::robcl::JointLimit::upper},
+};
+template struct JsonStruct<::robcl::JointLimit>;
 
-void JsonShape<::robcl::OutOfReach>::write(JsonWriter to, const ::robcl::OutOfReach& value) {
-  to.open_object();
-  to.member("reason", value.reason);
-}
-
-bool JsonShape<::robcl::OutOfReach>::read(const JsonReader& from, ::robcl::OutOfReach& value) {
-  static constexpr std::array<std::string_view, 1> names{
-      "reason",
-  };
-  return from.expect_object(names) &&
-         from.member("reason", value.reason);
-}
-
-void JsonShape<::robcl::JointLimit>::write(JsonWriter to, const ::robcl::JointLimit& value) {
-  to.open_object();
-  to.member("axis", value.axis);
-  to.member("value", value.value);
-  to.member("lower", value.lower);
-  to.member("upper", value.upper);
-}
-
-bool JsonShape<::robcl::JointLimit>::read(const JsonReader& from, ::robcl::JointLimit& value) {
-  static constexpr std::array<std::string_view, 4> names{
-      "axis",
-      "value",
-      "lower",
-      "upper",
-  };
-  return from.expect_object(names) &&
-         from.member("axis", value.axis) &&
-         from.member("value", value.value) &&
-         from.member("lower", value.lower) &&
-         from.member("upper", value.upper);
-}
-
-void JsonShape<::robcl::Singular>::write(JsonWriter to, const ::robcl::Singular& value) {
-  to.open_object();
-  to.member("reason", value.reason);
-}
-
-bool JsonShape<::robcl::Singular>::read(const JsonReader& from, ::robcl::Singular& value) {
-  static constexpr std::array<std::string_view, 1> names{
-      "reason",
-  };
-  return from.expect_object(names) &&
-         from.member("reason", value.reason);
-}
+template <>
+constexpr auto json_members<::robcl::Singular> = std::tuple{
+    JsonMember{"reason", &::robcl::Singular::reason},
+};
+template struct JsonStruct<::robcl::Singular>;
 
 }  // namespace gecos::wire

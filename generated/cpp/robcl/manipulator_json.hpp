@@ -23,33 +23,23 @@ struct JsonShape<::robcl::Blend> {
 };
 
 template <>
-struct JsonShape<::robcl::Trajectory> {
-  static void write(JsonWriter to, const ::robcl::Trajectory& value);
-  static bool read(const JsonReader& from, ::robcl::Trajectory& value);
-};
+struct JsonShape<::robcl::Trajectory> : JsonStruct<::robcl::Trajectory> {};
+extern template struct JsonStruct<::robcl::Trajectory>;
 
 template <>
-struct JsonShape<::robcl::MotionProgress> {
-  static void write(JsonWriter to, const ::robcl::MotionProgress& value);
-  static bool read(const JsonReader& from, ::robcl::MotionProgress& value);
-};
+struct JsonShape<::robcl::MotionProgress> : JsonStruct<::robcl::MotionProgress> {};
+extern template struct JsonStruct<::robcl::MotionProgress>;
 
 template <>
-struct JsonShape<::robcl::OutOfReach> {
-  static void write(JsonWriter to, const ::robcl::OutOfReach& value);
-  static bool read(const JsonReader& from, ::robcl::OutOfReach& value);
-};
+struct JsonShape<::robcl::OutOfReach> : JsonStruct<::robcl::OutOfReach> {};
+extern template struct JsonStruct<::robcl::OutOfReach>;
 
 template <>
-struct JsonShape<::robcl::JointLimit> {
-  static void write(JsonWriter to, const ::robcl::JointLimit& value);
-  static bool read(const JsonReader& from, ::robcl::JointLimit& value);
-};
+struct JsonShape<::robcl::JointLimit> : JsonStruct<::robcl::JointLimit> {};
+extern template struct JsonStruct<::robcl::JointLimit>;
 
 template <>
-struct JsonShape<::robcl::Singular> {
-  static void write(JsonWriter to, const ::robcl::Singular& value);
-  static bool read(const JsonReader& from, ::robcl::Singular& value);
-};
+struct JsonShape<::robcl::Singular> : JsonStruct<::robcl::Singular> {};
+extern template struct JsonStruct<::robcl::Singular>;
 
 }  // namespace gecos::wire

@@ -122,32 +122,16 @@ std::string gecos_violation(const Trajectory& value) {
   return {};
 }
 
-std::ostream& operator<<(std::ostream& out, [[maybe_unused]] const Trajectory& value) {
-  out << "Trajectory{";
-  out << "speed=";
-  gecos::wire::print(out, value.speed);
-  out << ", acceleration=";
-  gecos::wire::print(out, value.acceleration);
-  out << ", path=";
-  gecos::wire::print(out, value.path);
-  out << ", at_goal=";
-  gecos::wire::print(out, value.at_goal);
-  out << ", tool_speed=";
-  gecos::wire::print(out, value.tool_speed);
-  out << " m/s";
-  out << ", turn_speed=";
-  gecos::wire::print(out, value.turn_speed);
-  out << " rad/s";
-  return out << '}';
+std::ostream& operator<<(std::ostream& out, const Trajectory& value) {
+  return gecos::wire::print_all(out,
+      "Trajectory{speed=", value.speed, ", acceleration=", value.acceleration, ", path=",
+      value.path, ", at_goal=", value.at_goal, ", tool_speed=", value.tool_speed,
+      " m/s, turn_speed=", value.turn_speed, " rad/s}");
 }
 
-std::size_t MotionProgress::encoded_size() const {
-  return 16;
-}
+std::size_t MotionProgress::encoded_size() const { return 16; }
 
-void MotionProgress::encode(gecos::wire::Encoder& to) const {
-  to.put(fraction, remaining);
-}
+void MotionProgress::encode(gecos::wire::Encoder& to) const { to.put(fraction, remaining); }
 
 bool MotionProgress::decode([[maybe_unused]] gecos::wire::Decoder& from) {
   return from.get(fraction, "MotionProgress.fraction") &&
@@ -167,25 +151,14 @@ std::string gecos_violation(const MotionProgress& value) {
   return {};
 }
 
-std::ostream& operator<<(std::ostream& out, [[maybe_unused]] const MotionProgress& value) {
-  out << "MotionProgress{";
-  out << "fraction=";
-  gecos::wire::print(out, value.fraction);
-  out << ", remaining=";
-  gecos::wire::print(out, value.remaining);
-  out << " s";
-  return out << '}';
+std::ostream& operator<<(std::ostream& out, const MotionProgress& value) {
+  return gecos::wire::print_all(out,
+      "MotionProgress{fraction=", value.fraction, ", remaining=", value.remaining, " s}");
 }
 
-std::size_t OutOfReach::encoded_size() const {
-  std::size_t size = 5;
-  size += reason.size();
-  return size;
-}
+std::size_t OutOfReach::encoded_size() const { return 5 + reason.size(); }
 
-void OutOfReach::encode(gecos::wire::Encoder& to) const {
-  to.put_string(reason);
-}
+void OutOfReach::encode(gecos::wire::Encoder& to) const { to.put_string(reason); }
 
 bool OutOfReach::decode([[maybe_unused]] gecos::wire::Decoder& from) {
   return from.get_string(reason, 160, "OutOfReach.reason");
@@ -201,20 +174,14 @@ std::string gecos_violation(const OutOfReach& value) {
   return {};
 }
 
-std::ostream& operator<<(std::ostream& out, [[maybe_unused]] const OutOfReach& value) {
-  out << "OutOfReach{";
-  out << "reason=";
-  gecos::wire::print(out, value.reason);
-  return out << '}';
+std::ostream& operator<<(std::ostream& out, const OutOfReach& value) {
+  return gecos::wire::print_all(out,
+      "OutOfReach{reason=", value.reason, "}");
 }
 
-std::size_t JointLimit::encoded_size() const {
-  return 28;
-}
+std::size_t JointLimit::encoded_size() const { return 28; }
 
-void JointLimit::encode(gecos::wire::Encoder& to) const {
-  to.put(axis, value, lower, upper);
-}
+void JointLimit::encode(gecos::wire::Encoder& to) const { to.put(axis, value, lower, upper); }
 
 bool JointLimit::decode([[maybe_unused]] gecos::wire::Decoder& from) {
   return from.get(axis, "JointLimit.axis") &&
@@ -223,31 +190,15 @@ bool JointLimit::decode([[maybe_unused]] gecos::wire::Decoder& from) {
          from.get(upper, "JointLimit.upper");
 }
 
-std::ostream& operator<<(std::ostream& out, [[maybe_unused]] const JointLimit& value) {
-  out << "JointLimit{";
-  out << "axis=";
-  gecos::wire::print(out, value.axis);
-  out << ", value=";
-  gecos::wire::print(out, value.value);
-  out << " rad";
-  out << ", lower=";
-  gecos::wire::print(out, value.lower);
-  out << " rad";
-  out << ", upper=";
-  gecos::wire::print(out, value.upper);
-  out << " rad";
-  return out << '}';
+std::ostream& operator<<(std::ostream& out, const JointLimit& value) {
+  return gecos::wire::print_all(out,
+      "JointLimit{axis=", value.axis, ", value=", value.value, " rad, lower=", value.lower,
+      " rad, upper=", value.upper, " rad}");
 }
 
-std::size_t Singular::encoded_size() const {
-  std::size_t size = 5;
-  size += reason.size();
-  return size;
-}
+std::size_t Singular::encoded_size() const { return 5 + reason.size(); }
 
-void Singular::encode(gecos::wire::Encoder& to) const {
-  to.put_string(reason);
-}
+void Singular::encode(gecos::wire::Encoder& to) const { to.put_string(reason); }
 
 bool Singular::decode([[maybe_unused]] gecos::wire::Decoder& from) {
   return from.get_string(reason, 160, "Singular.reason");
@@ -263,11 +214,9 @@ std::string gecos_violation(const Singular& value) {
   return {};
 }
 
-std::ostream& operator<<(std::ostream& out, [[maybe_unused]] const Singular& value) {
-  out << "Singular{";
-  out << "reason=";
-  gecos::wire::print(out, value.reason);
-  return out << '}';
+std::ostream& operator<<(std::ostream& out, const Singular& value) {
+  return gecos::wire::print_all(out,
+      "Singular{reason=", value.reason, "}");
 }
 
 }  // namespace robcl

@@ -48,9 +48,7 @@ struct Trajectory {
   std::optional<double> turn_speed{};
 
   static constexpr std::string_view type_name() { return "robcl::Trajectory"; }
-  static constexpr std::int64_t fingerprint() {
-    return static_cast<std::int64_t>(0xd448702624f0ed77U);
-  }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0xd448702624f0ed77U); }
   std::size_t encoded_size() const;
   void encode(gecos::wire::Encoder& to) const;
   [[nodiscard]] bool decode(gecos::wire::Decoder& from);
@@ -68,9 +66,7 @@ struct MotionProgress {
   double remaining = 0;
 
   static constexpr std::string_view type_name() { return "robcl::MotionProgress"; }
-  static constexpr std::int64_t fingerprint() {
-    return static_cast<std::int64_t>(0xe2c8d491f2659a98U);
-  }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0xe2c8d491f2659a98U); }
   std::size_t encoded_size() const;
   void encode(gecos::wire::Encoder& to) const;
   [[nodiscard]] bool decode(gecos::wire::Decoder& from);
@@ -87,9 +83,7 @@ struct OutOfReach {
   std::string reason{};
 
   static constexpr std::string_view type_name() { return "robcl::OutOfReach"; }
-  static constexpr std::int64_t fingerprint() {
-    return static_cast<std::int64_t>(0xed00b27a58c49395U);
-  }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0xed00b27a58c49395U); }
   std::size_t encoded_size() const;
   void encode(gecos::wire::Encoder& to) const;
   [[nodiscard]] bool decode(gecos::wire::Decoder& from);
@@ -112,9 +106,7 @@ struct JointLimit {
   double upper = 0;
 
   static constexpr std::string_view type_name() { return "robcl::JointLimit"; }
-  static constexpr std::int64_t fingerprint() {
-    return static_cast<std::int64_t>(0x5e97b6d7d7aed1bfU);
-  }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0x5e97b6d7d7aed1bfU); }
   std::size_t encoded_size() const;
   void encode(gecos::wire::Encoder& to) const;
   [[nodiscard]] bool decode(gecos::wire::Decoder& from);
@@ -129,9 +121,7 @@ struct Singular {
   std::string reason{};
 
   static constexpr std::string_view type_name() { return "robcl::Singular"; }
-  static constexpr std::int64_t fingerprint() {
-    return static_cast<std::int64_t>(0xed00b27a58c49395U);
-  }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0xed00b27a58c49395U); }
   std::size_t encoded_size() const;
   void encode(gecos::wire::Encoder& to) const;
   [[nodiscard]] bool decode(gecos::wire::Decoder& from);

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "gecos/object.hpp"
+#include "robcl/rx90_interface.hpp"
 #include "robcl/rx90_types.hpp"
 #include "robcl/six_axis_client.hpp"
 
@@ -13,7 +14,9 @@ namespace robcl {
 /// Staeubli RX90.
 class Rx90 : public virtual ::robcl::SixAxis {
  public:
-  static const gecos::InterfaceDescription& gecos_description();
+  static const gecos::InterfaceDescription& gecos_description() {
+    return Rx90Interface::description;
+  }
 
   /// Nil: every call is CONNECTION_FAILED. Objects come from `gecos::Lab::create`.
   Rx90() = default;

@@ -14,13 +14,12 @@ namespace robcl {
 class Rx90Servant : public virtual ::robcl::SixAxisServant {
  public:
   const gecos::InterfaceDescription& gecos_interface() const override;
-  void gecos_dispatch(gecos::IncomingCall call) override;
 
  protected:
   /// Configuration that the arm is in.
   virtual gecos::Result<::robcl::Configuration> posture() = 0;
 
-  void gecos_call_posture(gecos::IncomingCall& call);
+  bool gecos_answer(gecos::IncomingCall& call) override;
 };
 
 }  // namespace robcl

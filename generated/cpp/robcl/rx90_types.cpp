@@ -89,9 +89,7 @@ bool decode_enum(gecos::wire::Decoder& from, Wrist& value, const char* field) {
   }
 }
 
-std::size_t Configuration::encoded_size() const {
-  return 12;
-}
+std::size_t Configuration::encoded_size() const { return 12; }
 
 void Configuration::encode(gecos::wire::Encoder& to) const {
   to.put(static_cast<std::int32_t>(arm), static_cast<std::int32_t>(bend),
@@ -105,15 +103,9 @@ bool Configuration::decode([[maybe_unused]] gecos::wire::Decoder& from) {
          gecos::wire::skip_rest(from);
 }
 
-std::ostream& operator<<(std::ostream& out, [[maybe_unused]] const Configuration& value) {
-  out << "Configuration{";
-  out << "arm=";
-  gecos::wire::print(out, value.arm);
-  out << ", bend=";
-  gecos::wire::print(out, value.bend);
-  out << ", hand=";
-  gecos::wire::print(out, value.hand);
-  return out << '}';
+std::ostream& operator<<(std::ostream& out, const Configuration& value) {
+  return gecos::wire::print_all(out,
+      "Configuration{arm=", value.arm, ", bend=", value.bend, ", hand=", value.hand, "}");
 }
 
 }  // namespace robcl

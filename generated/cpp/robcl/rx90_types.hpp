@@ -47,9 +47,7 @@ struct Configuration {
   ::robcl::Wrist hand = ::robcl::Wrist::NOFLIP;
 
   static constexpr std::string_view type_name() { return "robcl::Configuration"; }
-  static constexpr std::int64_t fingerprint() {
-    return static_cast<std::int64_t>(0x1728d4f1bb29bf27U);
-  }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0x1728d4f1bb29bf27U); }
   std::size_t encoded_size() const;
   void encode(gecos::wire::Encoder& to) const;
   [[nodiscard]] bool decode(gecos::wire::Decoder& from);

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "gecos/object.hpp"
+#include "robcl/six_axis_interface.hpp"
 #include "robcl/six_axis_types.hpp"
 #include "robcl/manipulator_client.hpp"
 
@@ -14,7 +15,9 @@ namespace robcl {
 /// An arm with six revolute joints.
 class SixAxis : public virtual ::robcl::Manipulator {
  public:
-  static const gecos::InterfaceDescription& gecos_description();
+  static const gecos::InterfaceDescription& gecos_description() {
+    return SixAxisInterface::description;
+  }
 
   /// Nil: every call is CONNECTION_FAILED. Objects come from `gecos::Lab::create`.
   SixAxis() = default;

@@ -5,22 +5,17 @@
 #include <array>
 #include <cstdint>
 #include <string_view>
+#include <tuple>
 
 #include "gecos/wire/fields.hpp"
+#include "gecos/wire/json_members.hpp"
 
 namespace gecos::wire {
 
-void JsonShape<::robcl::Joints>::write(JsonWriter to, const ::robcl::Joints& value) {
-  to.open_object();
-  to.member("position", value.position);
-}
-
-bool JsonShape<::robcl::Joints>::read(const JsonReader& from, ::robcl::Joints& value) {
-  static constexpr std::array<std::string_view, 1> names{
-      "position",
-  };
-  return from.expect_object(names) &&
-         from.member("position", value.position);
-}
+template <>
+constexpr auto json_members<::robcl::Joints> = std::tuple{
+    JsonMember{"position", &::robcl::Joints::position},
+};
+template struct JsonStruct<::robcl::Joints>;
 
 }  // namespace gecos::wire

@@ -9,9 +9,7 @@
 namespace gecos::wire {
 
 template <>
-struct JsonShape<::robcl::Joints> {
-  static void write(JsonWriter to, const ::robcl::Joints& value);
-  static bool read(const JsonReader& from, ::robcl::Joints& value);
-};
+struct JsonShape<::robcl::Joints> : JsonStruct<::robcl::Joints> {};
+extern template struct JsonStruct<::robcl::Joints>;
 
 }  // namespace gecos::wire

@@ -15,7 +15,6 @@ namespace robcl {
 class SixAxisServant : public virtual ::robcl::ManipulatorServant {
  public:
   const gecos::InterfaceDescription& gecos_interface() const override;
-  void gecos_dispatch(gecos::IncomingCall call) override;
 
   /// A new sample of `joints`, measured at `stamp_ns`. One thread at a time.
   void publish_joints(const ::robcl::Joints& value, std::int64_t stamp_ns = gecos::unix_now_ns());
@@ -31,8 +30,7 @@ class SixAxisServant : public virtual ::robcl::ManipulatorServant {
       const std::optional<::robcl::Trajectory>& how,
       gecos::Execution<::robcl::MotionProgress>& run) = 0;
 
-  void gecos_call_joints(gecos::IncomingCall& call);
-  void gecos_call_move_joints(gecos::IncomingCall& call);
+  bool gecos_answer(gecos::IncomingCall& call) override;
 };
 
 }  // namespace robcl

@@ -11,24 +11,17 @@
 
 namespace robcl {
 
-std::size_t Joints::encoded_size() const {
-  return 48;
-}
+std::size_t Joints::encoded_size() const { return 48; }
 
-void Joints::encode(gecos::wire::Encoder& to) const {
-  to.put_array(position);
-}
+void Joints::encode(gecos::wire::Encoder& to) const { to.put_array(position); }
 
 bool Joints::decode([[maybe_unused]] gecos::wire::Decoder& from) {
   return from.get_array(position, "Joints.position");
 }
 
-std::ostream& operator<<(std::ostream& out, [[maybe_unused]] const Joints& value) {
-  out << "Joints{";
-  out << "position=";
-  gecos::wire::print(out, value.position);
-  out << " rad";
-  return out << '}';
+std::ostream& operator<<(std::ostream& out, const Joints& value) {
+  return gecos::wire::print_all(out,
+      "Joints{position=", value.position, " rad}");
 }
 
 }  // namespace robcl

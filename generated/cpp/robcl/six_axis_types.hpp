@@ -22,9 +22,7 @@ struct Joints {
   ::robcl::JointVector position{};
 
   static constexpr std::string_view type_name() { return "robcl::Joints"; }
-  static constexpr std::int64_t fingerprint() {
-    return static_cast<std::int64_t>(0xdeb28047fc62f5c4U);
-  }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0xdeb28047fc62f5c4U); }
   std::size_t encoded_size() const;
   void encode(gecos::wire::Encoder& to) const;
   [[nodiscard]] bool decode(gecos::wire::Decoder& from);

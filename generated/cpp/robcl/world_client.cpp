@@ -2,7 +2,6 @@
 // Change the interface and run `gidl gen`.
 #include "robcl/world_client.hpp"
 
-#include <string>
 #include <utility>
 
 #include "gecos/wire/check.hpp"
@@ -10,170 +9,58 @@
 
 namespace robcl {
 
-const gecos::InterfaceDescription& World::gecos_description() {
-  static constexpr gecos::OperationDescription operations[] = {
-      {.code = gecos::FunctionCode{0x25df273d},
-       .name = "bodies",
-       .kind = gecos::OperationKind::Operation,
-       .status = gecos::access::Status::Sensor,
-       .safety = false,
-       .presence = false,
-       .idempotent = true,
-       .cancelable = false,
-       .parallel = false,
-       .ordered = false,
-       .on_new = gecos::OnNew::Queue,
-       .on_loss = gecos::OnLoss::Stop,
-       .quality = {},
-       .hash = 0x69df8049812b05f7U},
-      {.code = gecos::FunctionCode{0x288edd9e},
-       .name = "find",
-       .kind = gecos::OperationKind::Operation,
-       .status = gecos::access::Status::Sensor,
-       .safety = false,
-       .presence = false,
-       .idempotent = true,
-       .cancelable = false,
-       .parallel = false,
-       .ordered = false,
-       .on_new = gecos::OnNew::Queue,
-       .on_loss = gecos::OnLoss::Stop,
-       .quality = {},
-       .hash = 0x14ef6719d5498fcbU},
-      {.code = gecos::FunctionCode{0x72eb48a0},
-       .name = "place",
-       .kind = gecos::OperationKind::Operation,
-       .status = gecos::access::Status::Actor,
-       .safety = false,
-       .presence = true,
-       .idempotent = false,
-       .cancelable = false,
-       .parallel = false,
-       .ordered = false,
-       .on_new = gecos::OnNew::Queue,
-       .on_loss = gecos::OnLoss::Stop,
-       .quality = {},
-       .hash = 0xb8cdd7e92e8f35c2U},
-      {.code = gecos::FunctionCode{0xbfa68292},
-       .name = "cast",
-       .kind = gecos::OperationKind::Operation,
-       .status = gecos::access::Status::Sensor,
-       .safety = false,
-       .presence = false,
-       .idempotent = true,
-       .cancelable = false,
-       .parallel = false,
-       .ordered = false,
-       .on_new = gecos::OnNew::Queue,
-       .on_loss = gecos::OnLoss::Stop,
-       .quality = {},
-       .hash = 0xecbe62dce8ab00dbU},
-      {.code = gecos::FunctionCode{0xe92da823},
-       .name = "between",
-       .kind = gecos::OperationKind::Operation,
-       .status = gecos::access::Status::Sensor,
-       .safety = false,
-       .presence = false,
-       .idempotent = true,
-       .cancelable = false,
-       .parallel = false,
-       .ordered = false,
-       .on_new = gecos::OnNew::Queue,
-       .on_loss = gecos::OnLoss::Stop,
-       .quality = {},
-       .hash = 0x8905b0f412a0d8b8U},
-  };
-  static constexpr gecos::InterfaceDescription description{
-      .name = "robcl::World",
-      .version = "1.0",
-      .hash = 0xace7aa6d15ae74eeU,
-      .bases = {},
-      .operations = operations,
-      .streams = {},
-      .quality = {},
-  };
-  return description;
-}
-
 World::World(std::shared_ptr<gecos::session::ClientSession> session)
     : gecos::Object(std::move(session)) {}
 
 gecos::Command<std::vector<::robcl::Body>> World::bodies() const {
-  return gecos::Command<std::vector<::robcl::Body>>(gecos_session_->call(
-      gecos_description().operations[0], 0, [](gecos::wire::Encoder&) {}, gecos_options_),
-        [](gecos::wire::Decoder& from, std::vector<::robcl::Body>& value) {
-          return gecos::wire::get_sequence(from, value, 4, gecos::wire::npos, "bodies",
-                     [&](auto& item) {
-                       return gecos::wire::get_block(from, item, "bodies");
-                     });
-        });
+  return gecos_call<std::vector<::robcl::Body>>(
+      WorldInterface::bodies,
+      [](auto& from, auto& value) {
+        return gecos::wire::get_sequence(from, value, 4, gecos::wire::npos, "bodies",
+                   [&](auto& item) {
+                     return gecos::wire::get_block(from, item, "bodies");
+                   });
+      });
 }
 
 gecos::Command<::robcl::Body> World::find(const std::string& name) const {
-  const std::string wrong = [&]() -> std::string {
-    if (!gecos::wire::valid_text(name)) return gecos::wire::bad_text("find.name");
-    return {};
-  }();
-  if (!wrong.empty()) {
-    return gecos::Command<::robcl::Body>(gecos::session::ended(
-        {gecos::Detail::BadParameter, wrong, {}, {}}),
-        [](gecos::wire::Decoder& from, ::robcl::Body& value) {
-          return gecos::wire::get_block(from, value, "find");
-        });
-  }
-  std::size_t size = 5;
-  size += name.size();
-  return gecos::Command<::robcl::Body>(gecos_session_->call(
-      gecos_description().operations[1], size,
-      [&](gecos::wire::Encoder& to) {
-        to.put_string(name);
-      }, gecos_options_),
-        [](gecos::wire::Decoder& from, ::robcl::Body& value) {
-          return gecos::wire::get_block(from, value, "find");
-        });
+  if (!gecos::wire::valid_text(name)) return gecos::session::Refused(
+      gecos::wire::bad_text("find.name"));
+  return gecos_call<::robcl::Body>(
+      WorldInterface::find, 5 + name.size(),
+      [&](auto& to) { to.put_string(name); },
+      [](auto& from, auto& value) { return gecos::wire::get_block(from, value, "find"); });
 }
 
 gecos::Command<::robcl::RayHit> World::cast(const ::robcl::Frame& origin, double reach) const {
-  return gecos::Command<::robcl::RayHit>(gecos_session_->call(
-      gecos_description().operations[3], 64,
-      [&](gecos::wire::Encoder& to) {
+  return gecos_call<::robcl::RayHit>(
+      WorldInterface::cast, 64,
+      [&](auto& to) {
         origin.encode(to);
         to.put(reach);
-      }, gecos_options_),
-        [](gecos::wire::Decoder& from, ::robcl::RayHit& value) {
-          return gecos::wire::get_block(from, value, "cast");
-        });
+      },
+      [](auto& from, auto& value) { return gecos::wire::get_block(from, value, "cast"); });
 }
 
 gecos::Command<::robcl::Contact> World::between(const ::robcl::Frame& jaws, double opening) const {
-  return gecos::Command<::robcl::Contact>(gecos_session_->call(
-      gecos_description().operations[4], 64,
-      [&](gecos::wire::Encoder& to) {
+  return gecos_call<::robcl::Contact>(
+      WorldInterface::between, 64,
+      [&](auto& to) {
         jaws.encode(to);
         to.put(opening);
-      }, gecos_options_),
-        [](gecos::wire::Decoder& from, ::robcl::Contact& value) {
-          return gecos::wire::get_block(from, value, "between");
-        });
+      },
+      [](auto& from, auto& value) { return gecos::wire::get_block(from, value, "between"); });
 }
 
 gecos::Command<void> World::place(const std::string& name, const ::robcl::Frame& pose) const {
-  const std::string wrong = [&]() -> std::string {
-    if (!gecos::wire::valid_text(name)) return gecos::wire::bad_text("place.name");
-    return {};
-  }();
-  if (!wrong.empty()) {
-    return gecos::Command<void>(gecos::session::ended(
-        {gecos::Detail::BadParameter, wrong, {}, {}}));
-  }
-  std::size_t size = 61;
-  size += name.size();
-  return gecos::Command<void>(gecos_session_->call(
-      gecos_description().operations[2], size,
-      [&](gecos::wire::Encoder& to) {
+  if (!gecos::wire::valid_text(name)) return gecos::session::Refused(
+      gecos::wire::bad_text("place.name"));
+  return gecos_call<void>(
+      WorldInterface::place, 61 + name.size(),
+      [&](auto& to) {
         to.put_string(name);
         pose.encode(to);
-      }, gecos_options_));
+      });
 }
 
 }  // namespace robcl

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "gecos/object.hpp"
+#include "robcl/world_interface.hpp"
 #include "robcl/world_types.hpp"
 
 namespace robcl {
@@ -15,7 +16,9 @@ namespace robcl {
 /// moves what they carry.
 class World : public virtual gecos::Object {
  public:
-  static const gecos::InterfaceDescription& gecos_description();
+  static const gecos::InterfaceDescription& gecos_description() {
+    return WorldInterface::description;
+  }
 
   /// Nil: every call is CONNECTION_FAILED. Objects come from `gecos::Lab::create`.
   World() = default;

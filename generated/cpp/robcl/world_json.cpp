@@ -5,88 +5,44 @@
 #include <array>
 #include <cstdint>
 #include <string_view>
+#include <tuple>
 
 #include "gecos/wire/fields.hpp"
+#include "gecos/wire/json_members.hpp"
 
 namespace gecos::wire {
 
-void JsonShape<::robcl::Body>::write(JsonWriter to, const ::robcl::Body& value) {
-  to.open_object();
-  to.member("name", value.name);
-  to.member("pose", value.pose);
-  to.member("size", value.size);
-  to.member("fixed", value.fixed);
-  to.member("held_by", value.held_by);
-}
+template <>
+constexpr auto json_members<::robcl::Body> = std::tuple{
+    JsonMember{"name", &::robcl::Body::name},
+    JsonMember{"pose", &::robcl::Body::pose},
+    JsonMember{"size", &::robcl::Body::size},
+    JsonMember{"fixed", &::robcl::Body::fixed},
+    JsonMember{"held_by", &::robcl::Body::held_by},
+};
+template struct JsonStruct<::robcl::Body>;
 
-bool JsonShape<::robcl::Body>::read(const JsonReader& from, ::robcl::Body& value) {
-  static constexpr std::array<std::string_view, 5> names{
-      "name",
-      "pose",
-      "size",
-      "fixed",
-      "held_by",
-  };
-  return from.expect_object(names) &&
-         from.member("name", value.name) &&
-         from.member("pose", value.pose) &&
-         from.member("size", value.size) &&
-         from.member("fixed", value.fixed) &&
-         from.member("held_by", value.held_by);
-}
+template <>
+constexpr auto json_members<::robcl::RayHit> = std::tuple{
+    JsonMember{"hit", &::robcl::RayHit::hit},
+    JsonMember{"range", &::robcl::RayHit::range},
+    JsonMember{"body_name", &::robcl::RayHit::body_name},
+};
+template struct JsonStruct<::robcl::RayHit>;
 
-void JsonShape<::robcl::RayHit>::write(JsonWriter to, const ::robcl::RayHit& value) {
-  to.open_object();
-  to.member("hit", value.hit);
-  to.member("range", value.range);
-  to.member("body_name", value.body_name);
-}
+template <>
+constexpr auto json_members<::robcl::Contact> = std::tuple{
+    JsonMember{"hit", &::robcl::Contact::hit},
+    JsonMember{"width", &::robcl::Contact::width},
+    JsonMember{"body_name", &::robcl::Contact::body_name},
+};
+template struct JsonStruct<::robcl::Contact>;
 
-bool JsonShape<::robcl::RayHit>::read(const JsonReader& from, ::robcl::RayHit& value) {
-  static constexpr std::array<std::string_view, 3> names{
-      "hit",
-      "range",
-      "body_name",
-  };
-  return from.expect_object(names) &&
-         from.member("hit", value.hit) &&
-         from.member("range", value.range) &&
-         from.member("body_name", value.body_name);
-}
-
-void JsonShape<::robcl::Contact>::write(JsonWriter to, const ::robcl::Contact& value) {
-  to.open_object();
-  to.member("hit", value.hit);
-  to.member("width", value.width);
-  to.member("body_name", value.body_name);
-}
-
-bool JsonShape<::robcl::Contact>::read(const JsonReader& from, ::robcl::Contact& value) {
-  static constexpr std::array<std::string_view, 3> names{
-      "hit",
-      "width",
-      "body_name",
-  };
-  return from.expect_object(names) &&
-         from.member("hit", value.hit) &&
-         from.member("width", value.width) &&
-         from.member("body_name", value.body_name);
-}
-
-void JsonShape<::robcl::UnknownBody>::write(JsonWriter to, const ::robcl::UnknownBody& value) {
-  to.open_object();
-  to.member("name", value.name);
-  to.member("known", value.known);
-}
-
-bool JsonShape<::robcl::UnknownBody>::read(const JsonReader& from, ::robcl::UnknownBody& value) {
-  static constexpr std::array<std::string_view, 2> names{
-      "name",
-      "known",
-  };
-  return from.expect_object(names) &&
-         from.member("name", value.name) &&
-         from.member("known", value.known);
-}
+template <>
+constexpr auto json_members<::robcl::UnknownBody> = std::tuple{
+    JsonMember{"name", &::robcl::UnknownBody::name},
+    JsonMember{"known", &::robcl::UnknownBody::known},
+};
+template struct JsonStruct<::robcl::UnknownBody>;
 
 }  // namespace gecos::wire

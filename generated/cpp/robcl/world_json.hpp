@@ -9,27 +9,19 @@
 namespace gecos::wire {
 
 template <>
-struct JsonShape<::robcl::Body> {
-  static void write(JsonWriter to, const ::robcl::Body& value);
-  static bool read(const JsonReader& from, ::robcl::Body& value);
-};
+struct JsonShape<::robcl::Body> : JsonStruct<::robcl::Body> {};
+extern template struct JsonStruct<::robcl::Body>;
 
 template <>
-struct JsonShape<::robcl::RayHit> {
-  static void write(JsonWriter to, const ::robcl::RayHit& value);
-  static bool read(const JsonReader& from, ::robcl::RayHit& value);
-};
+struct JsonShape<::robcl::RayHit> : JsonStruct<::robcl::RayHit> {};
+extern template struct JsonStruct<::robcl::RayHit>;
 
 template <>
-struct JsonShape<::robcl::Contact> {
-  static void write(JsonWriter to, const ::robcl::Contact& value);
-  static bool read(const JsonReader& from, ::robcl::Contact& value);
-};
+struct JsonShape<::robcl::Contact> : JsonStruct<::robcl::Contact> {};
+extern template struct JsonStruct<::robcl::Contact>;
 
 template <>
-struct JsonShape<::robcl::UnknownBody> {
-  static void write(JsonWriter to, const ::robcl::UnknownBody& value);
-  static bool read(const JsonReader& from, ::robcl::UnknownBody& value);
-};
+struct JsonShape<::robcl::UnknownBody> : JsonStruct<::robcl::UnknownBody> {};
+extern template struct JsonStruct<::robcl::UnknownBody>;
 
 }  // namespace gecos::wire

@@ -2,165 +2,75 @@
 // Change the interface and run `gidl gen`.
 #include "robcl/world_server.hpp"
 
-#include <array>
-#include <exception>
-#include <string>
-
-#include "gecos/base/log.hpp"
 #include "gecos/wire/check.hpp"
 #include "gecos/wire/fields.hpp"
-#include "robcl/world_client.hpp"
+#include "robcl/world_interface.hpp"
 
 namespace robcl {
 
 const gecos::InterfaceDescription& WorldServant::gecos_interface() const {
-  return ::robcl::World::gecos_description();
+  return WorldInterface::description;
 }
 
-void WorldServant::gecos_dispatch(gecos::IncomingCall call) {
-  try {
-    switch (gecos::number(call.operation().code)) {
-      case 0x25df273d:  // bodies
-        return gecos_call_bodies(call);
-      case 0x288edd9e:  // find
-        return gecos_call_find(call);
-      case 0x72eb48a0:  // place
-        return gecos_call_place(call);
-      case 0xbfa68292:  // cast
-        return gecos_call_cast(call);
-      case 0xe92da823:  // between
-        return gecos_call_between(call);
-      default:
-        return call.fail(
-            {gecos::Detail::UnknownOperation, "robcl::World has no such operation", {}, {}});
+bool WorldServant::gecos_answer([[maybe_unused]] gecos::IncomingCall& call) {
+  switch (gecos::number(call.operation().code)) {
+    case 0x25df273d:  // bodies
+      return call.answer(
+          "robcl::World::bodies", this->bodies(), {}, [&](const auto& value) {
+            for (const auto& item : value) {
+              if (auto why = ::robcl::gecos_violation(item); !why.empty()) return call.fail_result(
+                  "robcl::World::bodies",
+                  why);
+            }
+            std::size_t size = 4;
+            size += 4 * value.size();
+            for (const auto& item : value) {
+              size += item.encoded_size();
+            }
+            call.finish(size, [&](auto& to) {
+              to.put_count(value.size());
+              for (const auto& item : value) {
+                to.put_count(item.encoded_size());
+                item.encode(to);
+              }
+            });
+          });
+    case 0x288edd9e: {  // find
+      gecos::wire::Decoder from(call.arguments());
+      std::string name{};
+      const bool read = from.get_string(name, gecos::wire::npos, "find.name");
+      if (!read) return call.refuse(from.error());
+      return call.answer_block("robcl::World::find", this->find(name), {"robcl::UnknownBody"});
     }
-  } catch (...) {
-    call.fail_as_thrown();
-  }
-}
-
-void WorldServant::gecos_call_bodies(gecos::IncomingCall& call) {
-  const auto result = this->bodies();
-  if (!result) return call.fail(result.error(), {});
-  const auto& value = *result;
-  const std::string wrong = [&]() -> std::string {
-    for (const auto& item : value) {
-      if (auto why = ::robcl::gecos_violation(item); !why.empty()) return why;
+    case 0xbfa68292: {  // cast
+      gecos::wire::Decoder from(call.arguments());
+      ::robcl::Frame origin{};
+      double reach{};
+      const bool read = origin.decode(from) &&
+          from.get(reach, "cast.reach");
+      if (!read) return call.refuse(from.error());
+      return call.answer_block("robcl::World::cast", this->cast(origin, reach), {});
     }
-    return {};
-  }();
-  if (!wrong.empty()) {
-    return call.fail(
-        {gecos::Detail::Fault, "the handler of robcl::World::bodies gave " + wrong, {}, {}});
-  }
-  std::size_t size = 4;
-  size += 4 * value.size();
-  for (const auto& item : value) {
-    size += item.encoded_size();
-  }
-  call.finish(size, [&](gecos::wire::Encoder& to) {
-    to.put_count(value.size());
-    for (const auto& item : value) {
-      to.put_count(item.encoded_size());
-      item.encode(to);
+    case 0xe92da823: {  // between
+      gecos::wire::Decoder from(call.arguments());
+      ::robcl::Frame jaws{};
+      double opening{};
+      const bool read = jaws.decode(from) &&
+          from.get(opening, "between.opening");
+      if (!read) return call.refuse(from.error());
+      return call.answer_block("robcl::World::between", this->between(jaws, opening), {});
     }
-  });
-}
-
-void WorldServant::gecos_call_find(gecos::IncomingCall& call) {
-  gecos::wire::Decoder from(call.arguments());
-  std::string name{};
-  const bool read = from.get_string(name, gecos::wire::npos, "find.name");
-  if (!read) {
-    return call.fail({gecos::Detail::BadParameter, from.error().message(), {}, {}});
+    case 0x72eb48a0: {  // place
+      gecos::wire::Decoder from(call.arguments());
+      std::string name{};
+      ::robcl::Frame pose{};
+      const bool read = from.get_string(name, gecos::wire::npos, "place.name") &&
+          pose.decode(from);
+      if (!read) return call.refuse(from.error());
+      return call.answer(this->place(name, pose), {"robcl::UnknownBody"});
+    }
   }
-  const auto result = this->find(name);
-  if (!result) return call.fail(result.error(), {"robcl::UnknownBody"});
-  const auto& value = *result;
-  const std::string wrong = [&]() -> std::string {
-    if (auto why = ::robcl::gecos_violation(value); !why.empty()) return why;
-    return {};
-  }();
-  if (!wrong.empty()) {
-    return call.fail(
-        {gecos::Detail::Fault, "the handler of robcl::World::find gave " + wrong, {}, {}});
-  }
-  std::size_t size = 4;
-  size += value.encoded_size();
-  call.finish(size, [&](gecos::wire::Encoder& to) {
-    to.put_count(value.encoded_size());
-    value.encode(to);
-  });
-}
-
-void WorldServant::gecos_call_cast(gecos::IncomingCall& call) {
-  gecos::wire::Decoder from(call.arguments());
-  ::robcl::Frame origin{};
-  double reach{};
-  const bool read = origin.decode(from) &&
-         from.get(reach, "cast.reach");
-  if (!read) {
-    return call.fail({gecos::Detail::BadParameter, from.error().message(), {}, {}});
-  }
-  const auto result = this->cast(origin, reach);
-  if (!result) return call.fail(result.error(), {});
-  const auto& value = *result;
-  const std::string wrong = [&]() -> std::string {
-    if (auto why = ::robcl::gecos_violation(value); !why.empty()) return why;
-    return {};
-  }();
-  if (!wrong.empty()) {
-    return call.fail(
-        {gecos::Detail::Fault, "the handler of robcl::World::cast gave " + wrong, {}, {}});
-  }
-  std::size_t size = 4;
-  size += value.encoded_size();
-  call.finish(size, [&](gecos::wire::Encoder& to) {
-    to.put_count(value.encoded_size());
-    value.encode(to);
-  });
-}
-
-void WorldServant::gecos_call_between(gecos::IncomingCall& call) {
-  gecos::wire::Decoder from(call.arguments());
-  ::robcl::Frame jaws{};
-  double opening{};
-  const bool read = jaws.decode(from) &&
-         from.get(opening, "between.opening");
-  if (!read) {
-    return call.fail({gecos::Detail::BadParameter, from.error().message(), {}, {}});
-  }
-  const auto result = this->between(jaws, opening);
-  if (!result) return call.fail(result.error(), {});
-  const auto& value = *result;
-  const std::string wrong = [&]() -> std::string {
-    if (auto why = ::robcl::gecos_violation(value); !why.empty()) return why;
-    return {};
-  }();
-  if (!wrong.empty()) {
-    return call.fail(
-        {gecos::Detail::Fault, "the handler of robcl::World::between gave " + wrong, {}, {}});
-  }
-  std::size_t size = 4;
-  size += value.encoded_size();
-  call.finish(size, [&](gecos::wire::Encoder& to) {
-    to.put_count(value.encoded_size());
-    value.encode(to);
-  });
-}
-
-void WorldServant::gecos_call_place(gecos::IncomingCall& call) {
-  gecos::wire::Decoder from(call.arguments());
-  std::string name{};
-  ::robcl::Frame pose{};
-  const bool read = from.get_string(name, gecos::wire::npos, "place.name") &&
-         pose.decode(from);
-  if (!read) {
-    return call.fail({gecos::Detail::BadParameter, from.error().message(), {}, {}});
-  }
-  const auto result = this->place(name, pose);
-  if (!result) return call.fail(result.error(), {"robcl::UnknownBody"});
-  call.finish(0, [](gecos::wire::Encoder&) {});
+  return false;
 }
 
 }  // namespace robcl

@@ -16,7 +16,6 @@ namespace robcl {
 class WorldServant : public virtual gecos::Servant {
  public:
   const gecos::InterfaceDescription& gecos_interface() const override;
-  void gecos_dispatch(gecos::IncomingCall call) override;
 
  protected:
   /// All bodies, where they are now.
@@ -39,11 +38,7 @@ class WorldServant : public virtual gecos::Servant {
   /// May fail with robcl::UnknownBody.
   virtual gecos::Result<void> place(const std::string& name, const ::robcl::Frame& pose) = 0;
 
-  void gecos_call_bodies(gecos::IncomingCall& call);
-  void gecos_call_find(gecos::IncomingCall& call);
-  void gecos_call_cast(gecos::IncomingCall& call);
-  void gecos_call_between(gecos::IncomingCall& call);
-  void gecos_call_place(gecos::IncomingCall& call);
+  bool gecos_answer(gecos::IncomingCall& call) override;
 };
 
 }  // namespace robcl

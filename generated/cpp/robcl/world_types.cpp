@@ -11,12 +11,7 @@
 
 namespace robcl {
 
-std::size_t Body::encoded_size() const {
-  std::size_t size_ = 91;
-  size_ += name.size();
-  size_ += held_by.size();
-  return size_;
-}
+std::size_t Body::encoded_size() const { return 91 + name.size() + held_by.size(); }
 
 void Body::encode(gecos::wire::Encoder& to) const {
   to.put_string(name);
@@ -41,26 +36,13 @@ std::string gecos_violation(const Body& value) {
   return {};
 }
 
-std::ostream& operator<<(std::ostream& out, [[maybe_unused]] const Body& value) {
-  out << "Body{";
-  out << "name=";
-  gecos::wire::print(out, value.name);
-  out << ", pose=";
-  gecos::wire::print(out, value.pose);
-  out << ", size=";
-  gecos::wire::print(out, value.size);
-  out << ", fixed=";
-  gecos::wire::print(out, value.fixed);
-  out << ", held_by=";
-  gecos::wire::print(out, value.held_by);
-  return out << '}';
+std::ostream& operator<<(std::ostream& out, const Body& value) {
+  return gecos::wire::print_all(out,
+      "Body{name=", value.name, ", pose=", value.pose, ", size=", value.size, ", fixed=",
+      value.fixed, ", held_by=", value.held_by, "}");
 }
 
-std::size_t RayHit::encoded_size() const {
-  std::size_t size = 14;
-  size += body_name.size();
-  return size;
-}
+std::size_t RayHit::encoded_size() const { return 14 + body_name.size(); }
 
 void RayHit::encode(gecos::wire::Encoder& to) const {
   to.put(hit, range);
@@ -81,23 +63,12 @@ std::string gecos_violation(const RayHit& value) {
   return {};
 }
 
-std::ostream& operator<<(std::ostream& out, [[maybe_unused]] const RayHit& value) {
-  out << "RayHit{";
-  out << "hit=";
-  gecos::wire::print(out, value.hit);
-  out << ", range=";
-  gecos::wire::print(out, value.range);
-  out << " m";
-  out << ", body_name=";
-  gecos::wire::print(out, value.body_name);
-  return out << '}';
+std::ostream& operator<<(std::ostream& out, const RayHit& value) {
+  return gecos::wire::print_all(out,
+      "RayHit{hit=", value.hit, ", range=", value.range, " m, body_name=", value.body_name, "}");
 }
 
-std::size_t Contact::encoded_size() const {
-  std::size_t size = 14;
-  size += body_name.size();
-  return size;
-}
+std::size_t Contact::encoded_size() const { return 14 + body_name.size(); }
 
 void Contact::encode(gecos::wire::Encoder& to) const {
   to.put(hit, width);
@@ -118,16 +89,9 @@ std::string gecos_violation(const Contact& value) {
   return {};
 }
 
-std::ostream& operator<<(std::ostream& out, [[maybe_unused]] const Contact& value) {
-  out << "Contact{";
-  out << "hit=";
-  gecos::wire::print(out, value.hit);
-  out << ", width=";
-  gecos::wire::print(out, value.width);
-  out << " m";
-  out << ", body_name=";
-  gecos::wire::print(out, value.body_name);
-  return out << '}';
+std::ostream& operator<<(std::ostream& out, const Contact& value) {
+  return gecos::wire::print_all(out,
+      "Contact{hit=", value.hit, ", width=", value.width, " m, body_name=", value.body_name, "}");
 }
 
 std::size_t UnknownBody::encoded_size() const {
@@ -166,13 +130,9 @@ std::string gecos_violation(const UnknownBody& value) {
   return {};
 }
 
-std::ostream& operator<<(std::ostream& out, [[maybe_unused]] const UnknownBody& value) {
-  out << "UnknownBody{";
-  out << "name=";
-  gecos::wire::print(out, value.name);
-  out << ", known=";
-  gecos::wire::print(out, value.known);
-  return out << '}';
+std::ostream& operator<<(std::ostream& out, const UnknownBody& value) {
+  return gecos::wire::print_all(out,
+      "UnknownBody{name=", value.name, ", known=", value.known, "}");
 }
 
 }  // namespace robcl

@@ -27,9 +27,7 @@ struct Body {
   std::string held_by{};
 
   static constexpr std::string_view type_name() { return "robcl::Body"; }
-  static constexpr std::int64_t fingerprint() {
-    return static_cast<std::int64_t>(0x6b8048c6826a69ebU);
-  }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0x6b8048c6826a69ebU); }
   std::size_t encoded_size() const;
   void encode(gecos::wire::Encoder& to) const;
   [[nodiscard]] bool decode(gecos::wire::Decoder& from);
@@ -48,9 +46,7 @@ struct RayHit {
   std::string body_name{};
 
   static constexpr std::string_view type_name() { return "robcl::RayHit"; }
-  static constexpr std::int64_t fingerprint() {
-    return static_cast<std::int64_t>(0x93c7adef79860a8fU);
-  }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0x93c7adef79860a8fU); }
   std::size_t encoded_size() const;
   void encode(gecos::wire::Encoder& to) const;
   [[nodiscard]] bool decode(gecos::wire::Decoder& from);
@@ -69,9 +65,7 @@ struct Contact {
   std::string body_name{};
 
   static constexpr std::string_view type_name() { return "robcl::Contact"; }
-  static constexpr std::int64_t fingerprint() {
-    return static_cast<std::int64_t>(0x94172e9049560a8fU);
-  }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0x94172e9049560a8fU); }
   std::size_t encoded_size() const;
   void encode(gecos::wire::Encoder& to) const;
   [[nodiscard]] bool decode(gecos::wire::Decoder& from);
@@ -88,9 +82,7 @@ struct UnknownBody {
   std::vector<std::string> known{};
 
   static constexpr std::string_view type_name() { return "robcl::UnknownBody"; }
-  static constexpr std::int64_t fingerprint() {
-    return static_cast<std::int64_t>(0x7cd6bc0789c32ab9U);
-  }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0x7cd6bc0789c32ab9U); }
   std::size_t encoded_size() const;
   void encode(gecos::wire::Encoder& to) const;
   [[nodiscard]] bool decode(gecos::wire::Decoder& from);

@@ -5,22 +5,54 @@
 namespace gecos {
 namespace {
 
-template <class Table>
-auto find_by_code(const Table& table, FunctionCode code) -> decltype(table.data()) {
-  const auto at =
-      std::lower_bound(table.begin(), table.end(), code,
-                       [](const auto& entry, FunctionCode wanted) { return entry.code < wanted; });
-  return at != table.end() && at->code == code ? &*at : nullptr;
+template <class Entry>
+using Table = std::span<const Entry> InterfaceDescription::*;
+
+template <class Entry>
+const Entry* find_by_code(const InterfaceDescription& interface, Table<Entry> table,
+                          FunctionCode code) {
+  const auto own = interface.*table;
+  const auto at = std::ranges::lower_bound(own, code, {}, &Entry::code);
+  if (at != own.end() && at->code == code) return &*at;
+  for (const InterfaceDescription* base : interface.inherits) {
+    if (const Entry* inherited = find_by_code(*base, table, code)) return inherited;
+  }
+  return nullptr;
+}
+
+template <class Entry>
+void collect(const InterfaceDescription& interface, Table<Entry> table,
+             std::vector<const Entry*>& into) {
+  for (const Entry& entry : interface.*table) into.push_back(&entry);
+  for (const InterfaceDescription* base : interface.inherits) collect(*base, table, into);
+}
+
+template <class Entry>
+std::vector<const Entry*> all_by_code(const InterfaceDescription& interface, Table<Entry> table) {
+  std::vector<const Entry*> all;
+  collect(interface, table, all);
+  std::ranges::sort(all, {}, &Entry::code);
+  const auto again = std::ranges::unique(all, {}, &Entry::code);  // over two ways to one base
+  all.erase(again.begin(), again.end());
+  return all;
 }
 
 }  // namespace
 
 const OperationDescription* InterfaceDescription::find(FunctionCode code) const {
-  return find_by_code(operations, code);
+  return find_by_code(*this, &InterfaceDescription::operations, code);
 }
 
 const StreamDescription* InterfaceDescription::find_stream(FunctionCode code) const {
-  return find_by_code(streams, code);
+  return find_by_code(*this, &InterfaceDescription::streams, code);
+}
+
+std::vector<const OperationDescription*> InterfaceDescription::all_operations() const {
+  return all_by_code(*this, &InterfaceDescription::operations);
+}
+
+std::vector<const StreamDescription*> InterfaceDescription::all_streams() const {
+  return all_by_code(*this, &InterfaceDescription::streams);
 }
 
 bool InterfaceDescription::is_a(std::string_view interface_name) const {

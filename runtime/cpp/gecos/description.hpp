@@ -4,6 +4,7 @@
 #include <limits>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "gecos/access/status.hpp"
 #include "gecos/base/ids.hpp"
@@ -18,7 +19,8 @@ enum class OnLoss : std::uint8_t { Stop, Finish };
 
 struct OperationDescription {
   FunctionCode code{};
-  std::string_view name;  ///< "move", "tool", "tool=" for a setter
+  std::string_view name{};  ///< "move", "tool", "tool=" for a setter
+  std::uint64_t hash = 0;
   OperationKind kind = OperationKind::Operation;
   access::Status status = access::Status::Actor;  ///< what the caller needs
   bool safety = false;      ///< overtakes every queue, never refused for status
@@ -29,34 +31,58 @@ struct OperationDescription {
   bool ordered = false;     ///< sensor operation that keeps its place among its caller's commands
   OnNew on_new = OnNew::Queue;
   OnLoss on_loss = OnLoss::Stop;
-  qos::Quality quality;
-  std::uint64_t hash = 0;
+  qos::Quality quality{};
 };
+
+/// For generated tables: `rest` names what differs from the defaults.
+constexpr OperationDescription operation(std::uint32_t code, std::string_view name,
+                                         std::uint64_t hash, OperationDescription rest = {}) {
+  rest.code = FunctionCode{code};
+  rest.name = name;
+  rest.hash = hash;
+  return rest;
+}
+
+/// The same for a readable attribute, which needs sensor status alone and may be read again.
+constexpr OperationDescription getter(std::uint32_t code, std::string_view name, std::uint64_t hash,
+                                      OperationDescription rest = {}) {
+  rest.kind = OperationKind::Getter;
+  rest.status = access::Status::Sensor;
+  rest.presence = false;
+  rest.idempotent = true;
+  return operation(code, name, hash, rest);
+}
 
 /// An outward stream; its one-shot getter is the operation with the same code.
 struct StreamDescription {
   FunctionCode code{};
-  std::string_view name;
+  std::string_view name{};
   access::Status status = access::Status::Sensor;
   double rate_hz = 0;
   std::size_t largest = 0;  ///< bytes of the largest sample; 0 when unbounded (then 64 KiB)
-  qos::Quality quality;
+  qos::Quality quality{};
 };
 
 /// Stamp of a sample that is measured as it is published.
 inline constexpr std::int64_t measured_now = std::numeric_limits<std::int64_t>::min();
 
 struct InterfaceDescription {
-  std::string_view name;  ///< "robcl::Rx90"
-  std::string_view version;
+  std::string_view name{};  ///< "robcl::Rx90"
+  std::string_view version{};
   std::uint64_t hash = 0;
-  std::span<const std::string_view> bases;           ///< every interface it also is
-  std::span<const OperationDescription> operations;  ///< its own and all inherited, sorted by code
-  std::span<const StreamDescription> streams;        ///< likewise
-  qos::Quality quality;
+  std::span<const std::string_view> bases{};  ///< every interface it also is
+  /// Direct bases, whose operations and streams it has too.
+  std::span<const InterfaceDescription* const> inherits{};
+  std::span<const OperationDescription> operations{};  ///< those not inherited, sorted by code
+  std::span<const StreamDescription> streams{};        ///< likewise
+  qos::Quality quality{};
 
+  /// Its own or an inherited one; null when it has none of this code.
   const OperationDescription* find(FunctionCode code) const;
   const StreamDescription* find_stream(FunctionCode code) const;
+  /// Its own and all inherited ones, each once, sorted by code.
+  std::vector<const OperationDescription*> all_operations() const;
+  std::vector<const StreamDescription*> all_streams() const;
   bool is_a(std::string_view interface_name) const;
 };
 

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
+#include <type_traits>
 #include <utility>
 
 #include "gecos/base/clock.hpp"
@@ -58,8 +60,25 @@ const std::shared_ptr<ClientSession>& nil_session();
 /// The session of a proxy whose lab was closed: as `nil_session`, in the name of the one it `was`.
 std::shared_ptr<ClientSession> closed_session(const ClientSession& was);
 
-/// A command that ended before anything was sent; generated proxies refuse bad parameters with it.
+/// A command that ended before anything was sent.
 std::shared_ptr<CommandCore> ended(Failure failure);
+
+/// A call whose parameters must not be sent: the command of such a call, BAD_PARAMETER.
+class Refused {
+ public:
+  explicit Refused(std::string why);
+  template <class T, class Feedback>
+  operator Command<T, Feedback>() const {  // NOLINT(google-explicit-constructor): it is returned
+    if constexpr (std::is_void_v<T>) {
+      return Command<T, Feedback>(core_);
+    } else {
+      return Command<T, Feedback>(core_, nullptr);  // it has no result to decode
+    }
+  }
+
+ private:
+  std::shared_ptr<CommandCore> core_;
+};
 
 }  // namespace session
 
@@ -74,6 +93,40 @@ class Object {
   // Copied, never moved: as a virtual base it would be moved once per path that leads to it.
   Object(const Object&) = default;
   Object& operator=(const Object&) = default;
+
+  /// For generated methods: issues a call whose arguments take `size` bytes.
+  template <class T, class Feedback = void>
+  requires(!std::is_void_v<T>) Command<T, Feedback> gecos_call(
+      const OperationDescription& operation, std::size_t size,
+      FunctionRef<void(wire::Encoder&)> encode, bool (*decode)(wire::Decoder&, T&))
+  const { return {gecos_session_->call(operation, size, encode, gecos_options_), decode}; }
+  template <class T, class Feedback = void>
+  requires(std::is_void_v<T>) Command<T, Feedback> gecos_call(
+      const OperationDescription& operation, std::size_t size,
+      FunctionRef<void(wire::Encoder&)> encode)
+  const {
+    return Command<T, Feedback>(gecos_session_->call(operation, size, encode, gecos_options_));
+  }
+  /// The same without arguments.
+  template <class T, class Feedback = void>
+  requires(!std::is_void_v<T>) Command<T, Feedback> gecos_call(
+      const OperationDescription& operation, bool (*decode)(wire::Decoder&, T&))
+  const {
+    return gecos_call<T, Feedback>(
+        operation, 0, [](wire::Encoder&) {}, decode);
+  }
+  template <class T, class Feedback = void>
+  requires(std::is_void_v<T>) Command<T, Feedback> gecos_call(const OperationDescription& operation)
+  const {
+    return gecos_call<T, Feedback>(operation, 0, [](wire::Encoder&) {});
+  }
+  template <class T>
+  tl::expected<Stream<T>, Failure> gecos_subscribe(const StreamDescription& outward,
+                                                   bool (*decode)(wire::Decoder&, T&)) const {
+    auto core = gecos_session_->subscribe(outward);
+    if (!core) return tl::unexpected(std::move(core.error()));
+    return Stream<T>(std::move(*core), decode);
+  }
 
   std::shared_ptr<session::ClientSession> gecos_session_;
   CallOptions gecos_options_;
@@ -105,7 +158,9 @@ Proxy with(Proxy proxy, CallOptions options) {
 //
 //   class Manipulator : public virtual robcl::Device {
 //    public:
-//     static const gecos::InterfaceDescription& gecos_description();
+//     static const gecos::InterfaceDescription& gecos_description() {
+//       return ManipulatorInterface::description;                // of manipulator_interface.hpp
+//     }
 //     Manipulator() = default;                                  // nil
 //     explicit Manipulator(std::shared_ptr<gecos::session::ClientSession> session);
 //     gecos::Command<robcl::Frame> tool() const;                                        // one-shot
@@ -115,8 +170,9 @@ Proxy with(Proxy proxy, CallOptions options) {
 //                                               const std::optional<Trajectory>& how = {}) const;
 //   };
 //
-// A root interface derives from `public virtual gecos::Object`. A method body is one expression:
-//   return gecos::Command<void, MotionProgress>(gecos_session_->call(
-//       kMove, size, [&](gecos::wire::Encoder& to) { goal.encode(to); … }, gecos_options_));
+// A root interface derives from `public virtual gecos::Object`. A method body is one expression
+// after the checks of its parameters:
+//   return gecos_call<void, MotionProgress>(ManipulatorInterface::move, size,
+//                                           [&](auto& to) { goal.encode(to); … });
 // A call on a nil proxy gives a command that is CONNECTION_FAILED/NO_SERVER
 // (session::nil_session(), which Object() has).

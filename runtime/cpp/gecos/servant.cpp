@@ -27,6 +27,21 @@ Failure undeclared(std::string_view operation, const std::string& what, const st
           {}};
 }
 
+/// Hands `use` what `encode` writes, from the stack unless it is more than `usual` bytes.
+template <std::size_t usual, class Use>
+void with_encoded(std::size_t size, FunctionRef<void(wire::Encoder&)> encode, Use use) {
+  std::byte buffer[usual];
+  Bytes large;
+  std::span<std::byte> bytes(buffer, std::min(size, usual));
+  if (size > usual) {
+    large.resize(size);
+    bytes = large;
+  }
+  wire::Encoder to(bytes);
+  encode(to);
+  use(ByteView(bytes.data(), to.written()));
+}
+
 }  // namespace
 
 IncomingCall& IncomingCall::operator=(IncomingCall&& other) noexcept {
@@ -66,17 +81,48 @@ void IncomingCall::fail_as_thrown() {
 }
 
 void IncomingCall::finish(std::size_t size, FunctionRef<void(wire::Encoder&)> encode) {
-  constexpr std::size_t usual = 512;
-  std::byte buffer[usual];
-  Bytes large;
-  std::span<std::byte> result(buffer, std::min(size, usual));
-  if (size > usual) {
-    large.resize(size);
-    result = large;
+  with_encoded<512>(size, encode, [this](ByteView result) { finish(result); });
+}
+
+bool IncomingCall::answer(const Result<void>& result,
+                          std::initializer_list<std::string_view> declared) {
+  if (result) {
+    finish(ByteView{});
+  } else {
+    fail(result.error(), declared);
   }
-  wire::Encoder to(result);
-  encode(to);
-  finish(ByteView(result.data(), to.written()));
+  return true;
+}
+
+bool IncomingCall::refuse(const wire::DecodeError& why) {
+  fail({Detail::BadParameter, why.message(), {}, {}});
+  return true;
+}
+
+void IncomingCall::fail_result(std::string_view operation, const std::string& why) {
+  fail({Detail::Fault, "the handler of " + std::string(operation) + " gave " + why, {}, {}});
+}
+
+void Servant::gecos_dispatch(IncomingCall call) {
+  try {
+    if (gecos_answer(call)) return;
+    call.fail({Detail::UnknownOperation,
+               std::string(gecos_interface().name) + " has no such operation",
+               {},
+               {}});
+  } catch (...) {
+    call.fail_as_thrown();
+  }
+}
+
+void Servant::gecos_publish(const StreamDescription& outward, std::size_t size,
+                            FunctionRef<void(wire::Encoder&)> encode, std::int64_t stamp_ns) {
+  with_encoded<4096>(
+      size, encode, [&](ByteView sample) { gecos_publisher_->publish(outward, sample, stamp_ns); });
+}
+
+void Servant::gecos_not_published(std::string_view name, const std::string& why) {
+  log_error(name, "not published: " + why);
 }
 
 std::int64_t unix_now_ns() {

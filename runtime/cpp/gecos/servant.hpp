@@ -141,6 +141,42 @@ class IncomingCall {
 
   /// For generated skeletons: sizes, encodes and sends the result of a handler.
   void finish(std::size_t size, FunctionRef<void(wire::Encoder&)> encode);
+  /// As `result` says, with what `give` makes of its value. `handler` is the scoped name of the
+  /// operation. Always true: the call is answered.
+  template <class T, class Give>
+  bool answer(std::string_view handler, const Result<T>& result,
+              std::initializer_list<std::string_view> declared, Give give) {
+    if (!result) {
+      fail(result.error(), declared);
+    } else if (auto wrong = wire::violation_of(*result); !wrong.empty()) {
+      fail_result(handler, wrong);
+    } else {
+      give(*result);
+    }
+    return true;
+  }
+  /// The value alone: a number, or what encodes itself.
+  template <class T>
+  bool answer(std::string_view handler, const Result<T>& result,
+              std::initializer_list<std::string_view> declared) {
+    return answer(handler, result, declared, [this](const T& value) {
+      finish(wire::plain_size(value), [&](wire::Encoder& to) { wire::put_plain(to, value); });
+    });
+  }
+  /// The value in a block of its own, as appendable types travel.
+  template <class T>
+  bool answer_block(std::string_view handler, const Result<T>& result,
+                    std::initializer_list<std::string_view> declared) {
+    return answer(handler, result, declared, [this](const T& value) {
+      const std::size_t size = value.encoded_size();
+      finish(4 + size, [&](wire::Encoder& to) { wire::put_block(to, value, size); });
+    });
+  }
+  bool answer(const Result<void>& result, std::initializer_list<std::string_view> declared);
+  /// Its arguments do not decode: BAD_PARAMETER. Always true.
+  bool refuse(const wire::DecodeError& why);
+  /// The handler of `operation`, which is its scoped name, gave what must not be sent: FAULT.
+  void fail_result(std::string_view operation, const std::string& why);
 
  private:
   std::shared_ptr<session::CallCore> core_;
@@ -198,9 +234,9 @@ class Servant {
   Servant& operator=(const Servant&) = delete;
 
   virtual const InterfaceDescription& gecos_interface() const = 0;
-  /// Decodes, runs the handler, answers. Generated skeletons turn what a handler throws into FAULT
-  /// with its text. What comes out of here is logged, and its call ends as FAULT without a text.
-  virtual void gecos_dispatch(IncomingCall call) = 0;
+  /// Decodes, runs the handler, answers. Turns what a handler throws into FAULT with its text. What
+  /// an override lets out is logged, and its call ends as FAULT without a text.
+  virtual void gecos_dispatch(IncomingCall call);
 
   /// True: gecos_dispatch() only queues, and IncomingCall::begin() is called before each handler.
   virtual bool gecos_begins_calls() const { return false; }
@@ -222,6 +258,43 @@ class Servant {
   }
 
  protected:
+  /// For generated skeletons: answers a call of an own or inherited operation. False when the
+  /// interface has none of that code.
+  virtual bool gecos_answer(IncomingCall& call) {
+    static_cast<void>(call);
+    return false;
+  }
+  /// For generated skeletons: sends a sample of `size` bytes to where the servant's streams go.
+  void gecos_publish(const StreamDescription& outward, std::size_t size,
+                     FunctionRef<void(wire::Encoder&)> encode, std::int64_t stamp_ns);
+  /// The same for a number, or what encodes itself. `name` is the stream's scoped name.
+  template <class T>
+  void gecos_publish(const StreamDescription& outward, std::string_view name, const T& value,
+                     std::int64_t stamp_ns) {
+    if (!gecos_may_publish(name, value)) return;
+    gecos_publish(
+        outward, wire::plain_size(value), [&](wire::Encoder& to) { wire::put_plain(to, value); },
+        stamp_ns);
+  }
+  /// The same for a value that travels in a block of its own.
+  template <class T>
+  void gecos_publish_block(const StreamDescription& outward, std::string_view name, const T& value,
+                           std::int64_t stamp_ns) {
+    if (!gecos_may_publish(name, value)) return;
+    const std::size_t size = value.encoded_size();
+    gecos_publish(
+        outward, 4 + size, [&](wire::Encoder& to) { wire::put_block(to, value, size); }, stamp_ns);
+  }
+  template <class T>
+  bool gecos_may_publish(std::string_view name, const T& value) const {
+    if (gecos_publisher_ == nullptr) return false;
+    const auto wrong = wire::violation_of(value);
+    if (!wrong.empty()) gecos_not_published(name, wrong);
+    return wrong.empty();
+  }
+  /// A sample of the stream of this scoped name must not be sent.
+  static void gecos_not_published(std::string_view name, const std::string& why);
+
   /// Null until the servant was added to a server.
   std::shared_ptr<session::Publisher> gecos_publisher_;
 };
@@ -236,9 +309,8 @@ std::int64_t unix_now_ns();
 //   class ManipulatorServant : public virtual robcl::DeviceServant {
 //    public:
 //     const gecos::InterfaceDescription& gecos_interface() const override;
-//     void gecos_dispatch(gecos::IncomingCall call) override;      // switch over the codes, own
-//     and inherited
 //    protected:
+//     bool gecos_answer(gecos::IncomingCall& call) override;  // own codes, else those of the bases
 //     virtual gecos::Result<robcl::Frame> tool() = 0;
 //     virtual gecos::Result<robcl::Frame> tool_offset() = 0;
 //     virtual gecos::Result<void> set_tool_offset(const robcl::Frame& value) = 0;

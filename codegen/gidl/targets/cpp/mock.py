@@ -158,7 +158,7 @@ def _mock(
                 rate = member.stream.rate_hz
                 streams.append(
                     StreamView(
-                        facts._publisher(member, 0).name,
+                        facts._publisher(member).name,
                         own.held[member.name],
                         str(samples.nanoseconds(rate)),
                         f"{rate:g} a second" if rate else "no rate is declared: 1 a second",

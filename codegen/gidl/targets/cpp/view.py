@@ -30,7 +30,7 @@ def files(model: Model, layout: Layout) -> Iterator[OutputFile]:
         if not file.has_interface:
             continue
         interfaces = interfaces_view(lowering, file)
-        for part in ("client", "server"):
+        for part in ("interface", "client", "server"):
             for suffix in ("hpp", "cpp"):
                 path = f"cpp/{stem}_{part}.{suffix}"
                 yield OutputFile(path, "cpp", f"{part}.{suffix}.j2", interfaces)

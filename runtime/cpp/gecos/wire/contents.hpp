@@ -37,6 +37,31 @@ std::string violation_of([[maybe_unused]] const T& value) {
   }
 }
 
+/// Bytes of a number, or of what encodes itself.
+template <class T>
+std::size_t plain_size(const T& value) {
+  if constexpr (std::is_arithmetic_v<T>) {
+    return sizeof value;
+  } else {
+    return value.encoded_size();
+  }
+}
+template <class T>
+void put_plain(Encoder& to, const T& value) {
+  if constexpr (std::is_arithmetic_v<T>) {
+    to.put(value);
+  } else {
+    value.encode(to);
+  }
+}
+
+/// Writes an appendable value in its block: its size, which its caller knows, and its fields.
+template <class T>
+void put_block(Encoder& to, const T& value, std::size_t size) {
+  to.put_count(size);
+  value.encode(to);
+}
+
 /// Becomes any array, also one of arrays, that has `value` everywhere.
 template <class T>
 struct Everywhere {

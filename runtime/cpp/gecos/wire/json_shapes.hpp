@@ -42,6 +42,16 @@ using MemberNames = std::span<const std::string_view>;
 template <class T>
 struct JsonShape;
 
+class JsonReader;
+class JsonWriter;
+
+/// The shape of a struct, which its `<file>_json.cpp` instantiates from the list of its members.
+template <class T>
+struct JsonStruct {
+  static void write(JsonWriter to, const T& value);
+  static bool read(const JsonReader& from, T& value);
+};
+
 /// A place in JSON that becomes one value.
 class JsonWriter {
  public:

@@ -8,6 +8,7 @@
 #include <optional>
 #include <ostream>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 namespace gecos::wire {
@@ -73,6 +74,20 @@ void print(std::ostream& out, const std::map<Key, T, Order>& entries) {
     separator = ", ";
   }
   out << '}';
+}
+
+/// Literals as they stand, between them values.
+template <class... Parts>
+std::ostream& print_all(std::ostream& out, const Parts&... parts) {
+  const auto put = [&out](const auto& part) {
+    if constexpr (std::is_array_v<std::remove_reference_t<decltype(part)>>) {
+      out << part;
+    } else {
+      print(out, part);
+    }
+  };
+  (put(parts), ...);
+  return out;
 }
 
 }  // namespace gecos::wire

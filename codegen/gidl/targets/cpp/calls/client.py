@@ -12,14 +12,13 @@ from gidl.targets.calls import (
     parameter_value,
     short_name,
 )
-from gidl.targets.cpp.calls.facts import CallFacts, why_not
-from gidl.targets.cpp.calls.views import (
-    MethodView,
-)
+from gidl.targets.cpp.calls.facts import CallFacts
+from gidl.targets.cpp.calls.views import MethodView, ReadingView
 from gidl.targets.cpp.comments import doc_lines
 from gidl.targets.cpp.lower import Slot
-from gidl.targets.cpp.lower.statements import block, conjunction
-from gidl.targets.groups import flat, group
+from gidl.targets.cpp.lower.statements import conjunction
+from gidl.targets.groups import call as called
+from gidl.targets.groups import group
 from gidl.targets.naming import (
     LocalNames,
     value_note,
@@ -44,98 +43,39 @@ class Client(CallFacts):
         else:
             name, values = escaped(member.name, CPP_WORDS), []
             doc = doc_lines(member.facts, value_note(member.unit, member.range))
-        returns = f"gecos::Command<{self._command_types(call, member)}>"
+        types = self._command_types(call, member)
         parameters = self._parameters(values)
         taken = {n for _, n, _ in parameters}
-        body = self._call_body(call, taken, returns, member)
+        slots = self._slots(call.request, short_name(call).removesuffix("="))
+        local = LocalNames(taken)
+        size, to = local.fresh("size"), local.fresh("to")
+        used = {*taken, size, to}
         return MethodView(
             doc,
-            returns,
+            f"gecos::Command<{types}>",
             name,
             group(f"{t} {n}{d}" for t, n, d in parameters),
             group(f"{t} {n}" for t, n, _ in parameters),
-            tuple(body),
+            tuple(x for s in slots for x in self._lowering.check(s, LocalNames(used), _refused)),
+            f"gecos_call<{types}>",
+            self._constant(self._constants[call.name]),
+            self._writing(slots, size, to, taken) if slots else None,
+            self._reading(call.reply, short_name(call), taken) if call.reply else None,
         )
 
-    def _call_body(
-        self,
-        call: CallLayout,
-        taken: set[str],
-        returns: str,
-        member: Operation | Attribute,
-    ) -> list[str]:
-        slots = self._slots(call.request, short_name(call).removesuffix("="))
-        local = LocalNames(taken)
-        wrong, size, to = local.fresh("wrong"), local.fresh("size"), local.fresh("to")
-        used = taken | {wrong, size, to}
-        decode = self._decode_argument(call, member, taken)
-        lines: list[str] = []
-        checks = [line for s in slots for line in self._lowering.check(s, LocalNames(used))]
-        if checks:
-            lines += why_not(checks, wrong)
-            lines += block(
-                f"if (!{wrong}.empty())",
-                [
-                    f"return {returns}(gecos::session::ended(",
-                    f"    {{gecos::Detail::BadParameter, {wrong}, {{}}, {{}}}}){decode});",
-                ],
-            )
-        constant, sizes = 0, []
-        for slot in slots:
-            always, more = self._lowering.size(slot, size, LocalNames(used))
-            constant += always
-            sizes += more
-        size_text = str(constant)
-        if sizes:
-            lines += [f"std::size_t {size} = {constant};", *sizes]
-            size_text = size
-        writes = [line for s in slots for line in self._lowering.encode(s, to, LocalNames(used))]
-        table = f"gecos_description().operations[{self._index(call)}]"
-        if writes:
-            lines += [
-                f"return {returns}(gecos_session_->call(",
-                f"    {table}, {size_text},",
-                f"    [&](gecos::wire::Encoder& {to}) {{",
-                *(f"      {line}" for line in writes),
-                f"    }}, gecos_options_){decode});",
-            ]
-        else:
-            lines += [
-                f"return {returns}(gecos_session_->call(",
-                f"    {table}, 0, [](gecos::wire::Encoder&) {{}}, gecos_options_){decode});",
-            ]
-        return lines
-
-    def _decode_argument(
-        self, call: CallLayout, member: Operation | Attribute, taken: set[str]
-    ) -> str:
-        if not call.reply:
-            return ""
-        result = self._result_type(call, member)
-        return ",\n        " + self._decode_lambda(call.reply, result, short_name(call), taken)
-
-    def _decode_lambda(
-        self, reply: tuple[FieldLayout, ...], result: str, owner: str, taken: set[str]
-    ) -> str:
+    def _reading(self, reply: tuple[FieldLayout, ...], owner: str, taken: set[str]) -> ReadingView:
         local = LocalNames(taken)
         value, source = local.fresh("value"), local.fresh("from")
         if len(reply) > 1:
-            terms = [[f"{value}.decode({source})"]]
-        else:
-            slot = Slot(value, owner, reply[0].node)
-            terms = [self._lowering.decode(slot, source, LocalNames({*taken, value, source}))]
-        lines = conjunction(terms)
-        head = f"[](gecos::wire::Decoder& {source}, {result}& {value})"
-        if len(lines) == 1 and len(flat(head + lines[0])) < 86:
-            return f"{head} {{ {lines[0]} }}"
-        inner = "\n".join(f"          {line}" for line in lines)
-        return f"{head} {{\n{inner}\n        }}"
+            return ReadingView(source, value, (f"return {value}.decode({source});",))
+        slot = Slot(value, owner, reply[0].node)
+        terms = [self._lowering.decode(slot, source, LocalNames({*taken, value, source}))]
+        return ReadingView(source, value, tuple(conjunction(terms)))
 
-    def _subscribing(self, attribute: Attribute, index: int) -> MethodView:
+    def _subscribing(self, attribute: Attribute) -> MethodView:
         value = attribute_value(attribute)
         used = self._lowering.type(value.type, value.optional)
         sample = self._layout.stream(attribute.scoped_name).sample
-        decode = self._decode_lambda((sample,), used, attribute.name, set())
         rate = attribute.stream.rate_hz if attribute.stream else None
         note = f"Samples of {attribute.name}"
         note += f", {rate:g} a second." if rate else "."
@@ -145,9 +85,13 @@ class Client(CallFacts):
             escaped(attribute.name, CPP_WORDS),
             group(["gecos::StreamTag"]),
             group(["gecos::StreamTag"]),
-            (
-                f"auto core = gecos_session_->subscribe(gecos_description().streams[{index}]);",
-                "if (!core) return tl::unexpected(std::move(core.error()));",
-                f"return gecos::Stream<{used}>(std::move(*core),\n        {decode});",
-            ),
+            (),
+            f"gecos_subscribe<{used}>",
+            self._constant(self._stream_constants[attribute.name]),
+            None,
+            self._reading((sample,), attribute.name, set()),
         )
+
+
+def _refused(why: str) -> str:
+    return called("gecos::session::Refused", why)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 from gidl.languages import CPP_WORDS
 from gidl.model import (
     Attribute,
@@ -16,15 +18,20 @@ from gidl.targets.calls import (
     short_name,
 )
 from gidl.targets.cpp import names
+from gidl.targets.cpp.calls.views import WritingView
 from gidl.targets.cpp.comments import comment, doc_lines
 from gidl.targets.cpp.lower import Lowering, Slot
-from gidl.targets.cpp.lower.statements import indented
+from gidl.targets.cpp.lower.statements import joined_puts
 from gidl.targets.naming import (
     LocalNames,
     value_note,
 )
 from gidl.type_names import escaped
 from gidl.wire_layout import CallKind, CallLayout, FieldLayout
+
+
+# Members of a class that describes an interface.
+_DESCRIPTION = ("bases", "description", "inherits", "operations", "streams")
 
 
 class CallFacts:
@@ -35,15 +42,28 @@ class CallFacts:
         self._interface = interface
         self._members = {m.scoped_name: m for m in self._model.all_interface_members(interface)}
         self._calls = sorted(
-            self._layout.all_calls(self._model, interface), key=lambda call: call.code
+            self._layout.interfaces[interface.name].calls, key=lambda call: call.code
         )
-        self._type = names.absolute(self._layout.cpp_names.types[interface.name])
+        self._constants, self._stream_constants = self._named_constants()
 
     def _member(self, call: CallLayout) -> Operation | Attribute:
         return self._members[call.name.removesuffix("=")]
 
-    def _index(self, call: CallLayout) -> int:
-        return self._calls.index(call)
+    def _named_constants(self) -> tuple[dict[str, str], dict[str, str]]:
+        """What own operations and streams are called in the class of the interface."""
+        described = self._layout.cpp_names.descriptions[self._interface.name].name
+        local = LocalNames({described, *_DESCRIPTION})
+        calls = {c.name: local.fresh(_constant_name(c)) for c in self._calls}
+        streams = self._own_streams()
+        return calls, {s.name: local.fresh(f"{s.name}_stream") for s in streams}
+
+    def _own_streams(self) -> list[Attribute]:
+        members = [m for m in self._interface.members if isinstance(m, Attribute) and m.streams_out]
+        return sorted(members, key=lambda a: self._layout.stream(a.scoped_name).code)
+
+    def _constant(self, name: str) -> str:
+        """Of the class of the interface, as its clients and servers name it."""
+        return f"{self._layout.cpp_names.descriptions[self._interface.name].name}::{name}"
 
     def _operation_doc(self, operation: Operation) -> tuple[str, ...]:
         doc = list(
@@ -107,24 +127,21 @@ class CallFacts:
     def _slots(self, fields: tuple[FieldLayout, ...], owner: str) -> list[Slot]:
         return [Slot(escaped(f.name, CPP_WORDS), f"{owner}.{f.name}", f.node) for f in fields]
 
-    def _caller_name(self, call: CallLayout) -> str:
-        short = short_name(call)
-        if short.endswith("="):
-            return f"gecos_set_{short.removesuffix('=')}"
-        return f"gecos_call_{short}"
+    def _writing(
+        self, slots: list[Slot], size: str, to: str, taken: Collection[str]
+    ) -> WritingView:
+        """`size` and `to`: names that nothing in `taken` has."""
+        sizing, expression = self._lowering.whole_size(slots, size, taken)
+        used = {*taken, size, to}
+        lines = [line for s in slots for line in self._lowering.encode(s, to, LocalNames(used))]
+        return WritingView(tuple(sizing), expression, to, tuple(joined_puts(lines, to)))
 
 
-def request_name(slots: list[Slot]) -> str:
-    """What a handler's caller calls the incoming call: parameters have their own names."""
-    return LocalNames(slot.expression for slot in slots).fresh("call")
-
-
-def why_not(checks: list[str], wrong: str) -> list[str]:
-    """Statements that say in `wrong` why something must not be sent."""
-    if not checks:
-        return []
-    head = f"const std::string {wrong} = [&]() -> std::string {{"
-    return [head, *indented(checks), "  return {};", "}();"]
+def _constant_name(call: CallLayout) -> str:
+    name = short_name(call)
+    if call.kind is CallKind.SETTER:
+        return f"set_{name.removesuffix('=')}"
+    return escaped(name, CPP_WORDS)
 
 
 def hex32(value: int) -> str:

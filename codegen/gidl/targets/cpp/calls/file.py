@@ -14,16 +14,14 @@ from gidl.model import (
 )
 from gidl.targets.calls import (
     refuse_unsupported,
-    short_name,
-    stream_attributes,
 )
 from gidl.targets.cpp import names
 from gidl.targets.cpp.calls.client import Client
-from gidl.targets.cpp.calls.facts import hex32, hex64
-from gidl.targets.cpp.calls.server import ServerSide, fail
+from gidl.targets.cpp.calls.facts import hex64
+from gidl.targets.cpp.calls.server import ServerSide
 from gidl.targets.cpp.calls.tables import Tables, quality
 from gidl.targets.cpp.calls.views import (
-    CaseView,
+    DescriptionView,
     HandlerView,
     InterfacesNamespace,
     InterfacesView,
@@ -54,10 +52,12 @@ def interfaces_view(lowering: Lowering, file: File) -> InterfacesView:
     return InterfacesView(
         file.path,
         f"{stem}_types.hpp",
+        f"{stem}_interface.hpp",
         f"{stem}_client.hpp",
         f"{stem}_server.hpp",
         tuple(sorted({"memory"} | system_headers(t for v in views for t in _client_text(v)))),
         tuple(sorted({"cstdint"} | system_headers(t for v in views for t in _server_text(v)))),
+        tuple(sorted(f"{source_stem(path)}_interface.hpp" for path in others)),
         tuple(sorted(f"{source_stem(path)}_client.hpp" for path in others)),
         tuple(sorted(f"{source_stem(path)}_server.hpp" for path in others)),
         tuple(spaces),
@@ -84,7 +84,6 @@ class _Interface(Tables, Client, ServerSide):
     def view(self) -> InterfaceView:
         interface = self._interface
         refuse_unsupported(interface)
-        streams = stream_attributes(self._model, self._layout, interface)
         methods: list[MethodView] = []
         handlers: list[HandlerView] = []
         for call in self._layout.interfaces[interface.name].calls:
@@ -96,30 +95,35 @@ class _Interface(Tables, Client, ServerSide):
                 and isinstance(member, Attribute)
                 and member.streams_out
             ):
-                methods.append(self._subscribing(member, streams.index(member)))
-        own = [s for s in streams if s.interface == interface.name]
+                methods.append(self._subscribing(member))
         table = self._layout.cpp_names
         bases = [names.absolute(table.types[base]) for base in interface.bases]
-        servants = [names.absolute(table.servants[base]) for base in interface.bases]
+        servants = tuple(names.absolute(table.servants[base]) for base in interface.bases)
         return InterfaceView(
             table.types[interface.name].name,
-            self._type,
             table.servants[interface.name].name,
             interface.name,
             doc_lines(interface.facts),
             interface.facts.version or "",
             hex64(self._layout.interfaces[interface.name].hash),
+            self._description(),
             ", ".join(f"public virtual {base}" for base in bases or ["gecos::Object"]),
             ", ".join(f"public virtual {base}" for base in servants or ["gecos::Servant"]),
-            interface.all_bases,
-            tuple(self._row(call) for call in self._calls),
-            tuple(self._stream_row(attribute) for attribute in streams),
-            quality(interface.qos),
+            servants,
+            self._request,
             tuple(methods),
             tuple(handlers),
-            tuple(self._publisher(s, streams.index(s)) for s in own),
-            tuple(
-                CaseView(hex32(c.code), self._caller_name(c), short_name(c)) for c in self._calls
-            ),
-            fail("call", "UnknownOperation", f'"{interface.name} has no such operation"'),
+            tuple(self._publisher(s) for s in self._own_streams()),
+        )
+
+    def _description(self) -> DescriptionView:
+        interface = self._interface
+        table = self._layout.cpp_names.descriptions
+        return DescriptionView(
+            table[interface.name].name,
+            interface.all_bases,
+            tuple(f"&{names.absolute(table[base])}::description" for base in interface.bases),
+            tuple(self._row(call) for call in self._calls),
+            tuple(self._stream_row(attribute) for attribute in self._own_streams()),
+            ", ".join(quality(interface.qos)),
         )

@@ -6,7 +6,7 @@ from gidl.model import (
     Attribute,
     Operation,
 )
-from gidl.policy import OnLoss, OnNew, Qos, QualityClass, Reliability
+from gidl.policy import Access, OnLoss, OnNew, Qos, QualityClass, Reliability
 from gidl.targets.calls import (
     short_name,
 )
@@ -15,7 +15,7 @@ from gidl.targets.cpp.calls.views import (
     OperationRow,
     StreamRow,
 )
-from gidl.targets.groups import group
+from gidl.targets.groups import WIDTH
 from gidl.wire_layout import CallKind, CallLayout
 
 
@@ -34,28 +34,60 @@ class Tables(CallFacts):
             safety = cancelable = ordered = False
             idempotent = member.idempotent or not setter
             kind = "Setter" if setter else "Getter"
+        is_getter = (kind, status, presence, idempotent) == ("Getter", "SENSOR", False, True)
+        terms = []
+        if not is_getter:
+            if kind != "Operation":
+                terms.append(f".kind = gecos::OperationKind::{kind}")
+            if status != "ACTOR":
+                terms.append(f".status = gecos::access::Status::{status.capitalize()}")
+        flags = {
+            "safety": safety,
+            "presence": presence or is_getter,
+            "idempotent": idempotent and not is_getter,
+            "cancelable": cancelable,
+            "parallel": member.parallel,
+            "ordered": ordered,
+        }
+        for name, value in flags.items():
+            if value is (name != "presence"):
+                terms.append(f".{name} = {'true' if value else 'false'}")
+        if member.on_new is not OnNew.QUEUE:
+            terms.append(f".on_new = gecos::OnNew::{member.on_new.value.capitalize()}")
+        if member.on_loss is OnLoss.FINISH:
+            terms.append(".on_loss = gecos::OnLoss::Finish")
         return OperationRow(
-            hex32(call.code), short_name(call), kind, status.capitalize(),
-            _bool(safety), _bool(presence), _bool(idempotent), _bool(cancelable),
-            _bool(member.parallel), _bool(ordered), _on_new(member.on_new),
-            "Finish" if member.on_loss is OnLoss.FINISH else "Stop",
-            quality(member.qos), hex64(call.hash),
+            self._constants[call.name], hex32(call.code), short_name(call), hex64(call.hash),
+            is_getter, filled([*terms, *asked(member.qos)]),
         )  # fmt: skip
 
     def _stream_row(self, attribute: Attribute) -> StreamRow:
         layout = self._layout.stream(attribute.scoped_name)
         assert attribute.stream is not None
+        terms = []
+        if attribute.read_access is not Access.SENSOR:
+            status = attribute.read_access.name.capitalize()
+            terms.append(f".status = gecos::access::Status::{status}")
+        if attribute.stream.rate_hz:
+            terms.append(f".rate_hz = {float(attribute.stream.rate_hz)!r}")
+        if layout.sample.fixed_size:
+            terms.append(f".largest = {layout.sample.fixed_size}")
         return StreamRow(
-            hex32(layout.code),
-            attribute.name,
-            attribute.read_access.name.capitalize(),
-            repr(float(attribute.stream.rate_hz or 0)),
-            str(layout.sample.fixed_size or 0),
-            quality(attribute.qos),
-        )
+            self._stream_constants[attribute.name], hex32(layout.code), attribute.name,
+            filled([*terms, *asked(attribute.qos)]),
+        )  # fmt: skip
 
 
-def quality(qos: Qos) -> str:
+def asked(qos: Qos) -> list[str]:
+    """The member `.quality`, where something was asked for."""
+    terms = quality(qos)
+    if terms:
+        terms[0] = f".quality = {{{terms[0]}"
+        terms[-1] += "}"
+    return terms
+
+
+def quality(qos: Qos) -> list[str]:
     """Designated initialisers of gecos::qos::Quality; only what was asked for."""
     terms = []
     if qos.quality_class not in (None, QualityClass.TIME_INDEPENDENT):
@@ -72,12 +104,15 @@ def quality(qos: Qos) -> str:
     if qos.media is not None:
         named = " | ".join(f"gecos::qos::Media::{medium.capitalize()}" for medium in qos.media)
         terms.append(f".media = {named}")
-    return group(terms, "{", "}")
+    return terms
 
 
-def _on_new(value: OnNew) -> str:
-    return value.value.capitalize()
-
-
-def _bool(value: bool) -> str:
-    return "true" if value else "false"
+def filled(terms: list[str]) -> tuple[str, ...]:
+    """As many on a line as fit."""
+    lines: list[str] = []
+    for term in terms:
+        if lines and len(lines[-1]) + len(term) < WIDTH - 12:
+            lines[-1] += f", {term}"
+        else:
+            lines.append(term)
+    return tuple(lines)

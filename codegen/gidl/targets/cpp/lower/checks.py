@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from gidl.model import (
     Bitset,
     Model,
@@ -32,6 +34,9 @@ from gidl.wire_nodes import (
     StructNode,
     UnionNode,
 )
+
+
+Refuse = Callable[[str], str]
 
 
 class Checks(Types):
@@ -68,9 +73,17 @@ class Checks(Types):
             self._checked[name] = not by_hand and self.have_checks(fields)
         return self._checked[name]
 
-    def check(self, slot: Slot, local: LocalNames) -> list[str]:
-        """Statements that return a text when the value must not be sent."""
-        return self._check(slot.node, slot.expression, slot.label, local)
+    def check(self, slot: Slot, local: LocalNames, refuse: Refuse = lambda text: text) -> list[str]:
+        """Statements that return what `refuse` makes of a text when the value must not be sent."""
+        return self._refused(self._check(slot.node, slot.expression, slot.label, local), refuse)
+
+    @staticmethod
+    def _refused(lines: list[str], refuse: Refuse) -> list[str]:
+        return [
+            f"{head}return {refuse(rest.removesuffix(';'))};" if found else line
+            for line in lines
+            for head, found, rest in [line.partition("return ")]
+        ]
 
     def _check(self, node: Node, x: str, label: str, local: LocalNames) -> list[str]:
         match node:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Sequence
+
 from gidl.targets.cpp.lower.statements import (
     block,
     loop,
@@ -27,6 +29,21 @@ from gidl.wire_nodes import (
 
 
 class Sizes(Types):
+    def whole_size(
+        self, slots: Sequence[Slot], total: str, taken: Collection[str]
+    ) -> tuple[list[str], str]:
+        """Statements, none where one sum does, and the expression of all that `slots` take."""
+        constant, lines = 0, list[str]()
+        for slot in slots:
+            always, more = self.size(slot, total, LocalNames({*taken, total}))
+            constant += always
+            lines += more
+        head = f"{total} += "
+        if all(line.startswith(head) for line in lines):
+            terms = [line.removeprefix(head).removesuffix(";") for line in lines]
+            return [], " + ".join([str(constant)] * bool(constant or not terms) + terms)
+        return [f"std::size_t {total} = {constant};", *lines], total
+
     def size(self, slot: Slot, total: str, local: LocalNames) -> tuple[int, list[str]]:
         """Bytes that are always there, and statements that add the others to `total`."""
         return self._size(slot.node, slot.expression, total, local)

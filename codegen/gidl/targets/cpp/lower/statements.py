@@ -51,16 +51,21 @@ def or_at_end(reader: str, term: list[str]) -> list[str]:
     return lines
 
 
+def joined_terms(terms: list[list[str]]) -> list[str]:
+    """`a && b`, one term to a line."""
+    lines: list[str] = []
+    for i, term in enumerate(terms):
+        lines += term
+        if i < len(terms) - 1:
+            lines[-1] += " &&"
+    return lines
+
+
 def conjunction(terms: list[list[str]]) -> list[str]:
     """`return a && b;`, one term to a line."""
     if not terms:
         return ["return true;"]
-    lines: list[str] = []
-    for i, term in enumerate(terms):
-        joined = list(term)
-        joined[-1] += ";" if i == len(terms) - 1 else " &&"
-        lines += joined
-    return [f"return {lines[0]}", *(f"       {line}" for line in lines[1:])]
+    return returning(joined_terms(terms))
 
 
 def joined_puts(lines: list[str], writer: str) -> list[str]:

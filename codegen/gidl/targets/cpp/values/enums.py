@@ -20,7 +20,7 @@ from gidl.targets.cpp.values.views import (
     FieldView,
     MaskView,
     PrintView,
-    separated,
+    printed,
 )
 from gidl.targets.groups import call
 from gidl.type_names import escaped
@@ -101,7 +101,8 @@ class Enums(ValueNames):
         return BitsView(
             "bits", self._name(bitset), doc_lines(bitset.facts),
             "std::int64_t" if wide else "std::int32_t", unsigned,
-            tuple(fields), tuple(pack), tuple(unpack), tuple(check), separated(prints),
+            tuple(fields), tuple(pack), tuple(unpack), tuple(check),
+            printed(self._name(bitset), prints),
         )  # fmt: skip
 
     def _bits_check(

@@ -53,10 +53,6 @@ class MembersShape:
     argument: str
     members: tuple[MemberView, ...]
 
-    @property
-    def shows(self) -> bool:
-        return not all(member.secret for member in self.members)
-
 
 @dataclass(frozen=True, slots=True)
 class LayoutShape:

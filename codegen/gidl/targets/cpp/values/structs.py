@@ -23,7 +23,7 @@ from gidl.targets.cpp.values.views import (
     PrintView,
     StructView,
     bound_of,
-    separated,
+    printed,
     unit_of,
 )
 from gidl.targets.naming import (
@@ -67,7 +67,7 @@ class Structs(ValueNames):
             tuple(self._field(m, incomplete) for m in struct.members),
             f"0x{layout.fingerprint & (1 << 64) - 1:016x}",
             self._struct_codec(content),
-            separated([self._print(m) for m in content.members]),
+            printed(self._name(struct), [self._print(m) for m in content.members]),
         )
 
     def _result(self, operation: Operation) -> StructView:
@@ -75,16 +75,17 @@ class Structs(ValueNames):
         struct = result_struct(self._layout, operation)
         assert struct is not None
         reply = self._layout.call(operation.scoped_name).reply
+        name = self._layout.cpp_names.results[operation.scoped_name].name
         return StructView(
             "struct",
-            self._layout.cpp_names.results[operation.scoped_name].name,
+            name,
             struct.name,
             doc_lines(struct.facts),
             "",
             tuple(self._field(m) for m in struct.members),
             "",
             self._struct_codec(Content(operation.name, struct.members, reply, True, False)),
-            separated([self._print(m) for m in struct.members]),
+            printed(name, [self._print(m) for m in struct.members]),
         )
 
     def _field(self, member: Member, incomplete: frozenset[str] = frozenset()) -> FieldView:
@@ -128,14 +129,8 @@ class Structs(ValueNames):
 
     def _size_body(self, slots: list[Slot], taken: set[str]) -> list[str]:
         total = LocalNames(taken).fresh("size")
-        constant, lines = 0, []
-        for slot in slots:
-            always, more = self._lowering.size(slot, total, LocalNames(taken | {total}))
-            constant += always
-            lines += more
-        if not lines:
-            return [f"return {constant};"]
-        return [f"std::size_t {total} = {constant};", *lines, f"return {total};"]
+        statements, whole = self._lowering.whole_size(slots, total, taken)
+        return [*statements, f"return {whole};"]
 
     def _decode_body(
         self, content: Content, slots: list[Slot], reader: str, taken: set[str]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from gidl.model import (
     SequenceType,
@@ -51,7 +51,7 @@ class BitsView:
     pack: tuple[str, ...]
     unpack: tuple[str, ...]
     check: tuple[str, ...]
-    prints: tuple[PrintView, ...]
+    printed: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +91,7 @@ class StructView:
     fields: tuple[FieldView, ...]
     fingerprint: str  # "" for what is no declared type
     codec: CodecView
-    prints: tuple[PrintView, ...]
+    printed: tuple[str, ...]  # arguments of gecos::wire::print_all, over lines
 
 
 @dataclass(frozen=True, slots=True)
@@ -167,10 +167,22 @@ class TypesView:
     namespaces: tuple[NamespaceView, ...]
 
 
-def separated(prints: list[PrintView]) -> tuple[PrintView, ...]:
-    return tuple(
-        replace(p, label=p.label if i == 0 else f", {p.label}") for i, p in enumerate(prints)
-    )
+def printed(name: str, prints: list[PrintView]) -> tuple[str, ...]:
+    """Literals and values in turn: `"Point{x=", value.x, " m}"`."""
+    parts, literal = [], f"{name}{{"
+    for i, each in enumerate(prints):
+        literal += f"{', ' if i else ''}{each.label}"
+        if each.value:
+            parts += [f'"{literal}"', f"value.{each.value}"]
+            literal = each.unit
+        else:
+            literal += "***"
+    lines = [""]
+    for part in [*parts, f'"{literal}}}"']:
+        if len(lines[-1]) + len(part) > 90:
+            lines.append("")
+        lines[-1] += f"{', ' if lines[-1] else ''}{part}"
+    return tuple(f"{line}," for line in lines[:-1]) + (f"{lines[-1]});",)
 
 
 def unit_of(used: Type) -> str | None:

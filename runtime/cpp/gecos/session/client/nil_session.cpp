@@ -51,6 +51,8 @@ std::shared_ptr<CommandCore> ended(Failure failure) {
   return std::make_shared<PendingCommand>(std::move(failure));
 }
 
+Refused::Refused(std::string why) : core_(ended({Detail::BadParameter, std::move(why), {}, {}})) {}
+
 const std::shared_ptr<ClientSession>& nil_session() {
   static const std::shared_ptr<ClientSession> nil =
       std::make_shared<NilSession>("that names no object; get one from Lab::create");

@@ -1,5 +1,6 @@
 #include "gecos/session/server/object_streams.hpp"
 
+#include <algorithm>
 #include <exception>
 
 #include "gecos/base/log.hpp"
@@ -13,7 +14,7 @@ constexpr std::size_t usual_depth = 16;
 }  // namespace
 
 ObjectStreams::ObjectStreams(std::string object, const InterfaceDescription& interface)
-    : object_(std::move(object)), interface_(interface), outlets_(interface.streams.size()) {}
+    : object_(std::move(object)), streams_(interface.all_streams()), outlets_(streams_.size()) {}
 
 void ObjectStreams::offer(std::shared_ptr<media::Acceptor> acceptor) {
   const std::lock_guard lock(mutex_);
@@ -30,8 +31,9 @@ void ObjectStreams::close() {
 tl::expected<std::uint32_t, std::string> ObjectStreams::share(const StreamDescription& stream,
                                                               media::Link& link) {
   const std::lock_guard lock(mutex_);
-  const auto index = static_cast<std::size_t>(&stream - interface_.streams.data());
-  Outlet& outlet = outlets_[index];
+  const auto place = std::ranges::lower_bound(streams_, stream.code, {}, &StreamDescription::code);
+  const auto index = static_cast<std::size_t>(place - streams_.begin());
+  Outlet& outlet = outlets_.at(index);
   auto& writers = outlet.writers;
   auto found = writers.find(link.offer().kind);
   if (found == writers.end()) {
@@ -66,9 +68,9 @@ tl::expected<std::uint32_t, std::string> ObjectStreams::share(const StreamDescri
 void ObjectStreams::publish(const StreamDescription& stream, ByteView sample,
                             const SampleTime& time) {
   const std::lock_guard lock(mutex_);
-  const StreamDescription* own = interface_.find_stream(stream.code);
-  if (own == nullptr) return;
-  Outlet& outlet = outlets_[static_cast<std::size_t>(own - interface_.streams.data())];
+  const auto place = std::ranges::lower_bound(streams_, stream.code, {}, &StreamDescription::code);
+  if (place == streams_.end() || (*place)->code != stream.code) return;
+  Outlet& outlet = outlets_[static_cast<std::size_t>(place - streams_.begin())];
   outlet.latest.assign(sample.begin(), sample.end());
   append_measured(outlet.latest, time.measured);
   outlet.latest_stamp_ns = time.stamp_ns;

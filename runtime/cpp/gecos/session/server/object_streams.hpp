@@ -37,10 +37,10 @@ class ObjectStreams {
   };
 
   const std::string object_;
-  const InterfaceDescription& interface_;
+  const std::vector<const StreamDescription*> streams_;  ///< of the interface, by code
   std::mutex mutex_;
   std::map<media::Kind, std::shared_ptr<media::Acceptor>> acceptors_;
-  std::vector<Outlet> outlets_;  ///< as the interface's streams
+  std::vector<Outlet> outlets_;  ///< one for each of them
 };
 
 }  // namespace gecos::session

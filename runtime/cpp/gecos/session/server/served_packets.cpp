@@ -169,8 +169,8 @@ void ServedObject::greet(const std::shared_ptr<ServerSession>& session,
                   {}};
   welcome.bases.assign(interface_.bases.begin(), interface_.bases.end());
   if (hello->interface_hash != interface_.hash) {
-    for (const auto& operation : interface_.operations) {
-      welcome.operations.push_back({operation.code, operation.hash});
+    for (const OperationDescription* operation : interface_.all_operations()) {
+      welcome.operations.push_back({operation->code, operation->hash});
     }
   }
   header.kind = wire::PacketKind::Welcome;
