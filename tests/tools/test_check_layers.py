@@ -205,8 +205,8 @@ def test_the_report_says_where_what_why_and_what_to_do(tmp_path: Path) -> None:
         "    = rule: the session knows media by contract alone (core, medium, quiet, "
         "waiting and open.hpp), and generated types, never clients; the rooms of the session "
         "stand on each other: public, protocol, process, client, server\n"
-        "    = help: it may include access, base, crypto, generated-types, medium, public, qos, "
-        "session/process, session/protocol, wire: "
+        "    = help: it may include access, base, crypto, description, generated-interfaces, "
+        "generated-types, medium, public, qos, session/process, session/protocol, wire: "
         "pass in what it needs, or move the code to a room that may\n"
         "check_layers: 1 files, 1 violations"
     )

@@ -2,6 +2,8 @@
 // Change the interface and run `gidl gen`.
 #pragma once
 
+#include <string_view>
+
 #include "gecos/description.hpp"
 
 namespace robcl {

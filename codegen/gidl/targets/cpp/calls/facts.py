@@ -29,7 +29,6 @@ from gidl.targets.naming import (
 from gidl.type_names import escaped
 from gidl.wire_layout import CallKind, CallLayout, FieldLayout
 
-
 # Members of a class that describes an interface.
 _DESCRIPTION = ("bases", "description", "inherits", "operations", "streams")
 

@@ -55,6 +55,7 @@ def interfaces_view(lowering: Lowering, file: File) -> InterfacesView:
         f"{stem}_interface.hpp",
         f"{stem}_client.hpp",
         f"{stem}_server.hpp",
+        ("string_view",) if any(view.description.bases for view in views) else (),
         tuple(sorted({"memory"} | system_headers(t for v in views for t in _client_text(v)))),
         tuple(sorted({"cstdint"} | system_headers(t for v in views for t in _server_text(v)))),
         tuple(sorted(f"{source_stem(path)}_interface.hpp" for path in others)),

@@ -23,8 +23,8 @@ from gidl.targets.cpp.calls.views import (
     HandlerView,
     PublisherView,
     ResultView,
-    Written,
     WritingView,
+    Written,
 )
 from gidl.targets.cpp.comments import doc_lines
 from gidl.targets.cpp.lower import Slot

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-
 Written = Literal["plain", "block", "here"]
 """How a value is written: by the library, appendable ones in a block, or by statements here."""
 
@@ -163,6 +162,7 @@ class InterfacesView:
     interface_header: str
     client_header: str
     server_header: str
+    interface_system: tuple[str, ...]
     client_system: tuple[str, ...]
     server_system: tuple[str, ...]
     interface_includes: tuple[str, ...]

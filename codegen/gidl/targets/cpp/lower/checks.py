@@ -35,7 +35,6 @@ from gidl.wire_nodes import (
     UnionNode,
 )
 
-
 Refuse = Callable[[str], str]
 
 

@@ -182,7 +182,7 @@ def printed(name: str, prints: list[PrintView]) -> tuple[str, ...]:
         if len(lines[-1]) + len(part) > 90:
             lines.append("")
         lines[-1] += f"{', ' if lines[-1] else ''}{part}"
-    return tuple(f"{line}," for line in lines[:-1]) + (f"{lines[-1]});",)
+    return (*(f"{line}," for line in lines[:-1]), f"{lines[-1]});")
 
 
 def unit_of(used: Type) -> str | None:
