@@ -26,6 +26,14 @@ HAND_WRITTEN = re.compile(
     r"^(?:gecos/(base|wire|qos|access|crypto|media|session/(?:protocol|process|client|server)|"
     r"broker)|robcl/(frames|arm|motion))/"
 )
+# A header of devices/ is included from there: "arm/arm_device.hpp". The folders that all devices
+# share are rooms of their own.
+DEVICE_FOLDERS = {
+    folder.name
+    for folder in (Path(__file__).resolve().parents[1] / "devices").iterdir()
+    if folder.is_dir()
+}
+SHARED_BY_DEVICES = ("drivers", "support", "arm")
 GENERATED = re.compile(r"^(?:[\w]+/)*\w+_(types|json|interface|client|server)\.[hc]pp$")
 
 GENERATED_ROOMS = {
@@ -58,6 +66,8 @@ _BY_CONTRACT = (
     "the session knows media by contract alone (core, medium, quiet, waiting and open.hpp), "
     "and generated types, never clients; "
 )
+
+_DEVICE = _BELOW_SESSION + " public umbrella frames generated-stubs"
 
 ROOMS: dict[str, Room] = {
     "base": _room("", "base stands on the standard library alone"),
@@ -98,8 +108,18 @@ ROOMS: dict[str, Room] = {
         _BELOW_SESSION + " frames public",
         "generated clients and servers know public headers and types",
     ),
+    "devices/drivers": _room(
+        "base frames arm", "a joint driver knows joints and hardware: no session, no generated code"
+    ),
+    "devices/support": _room(
+        _DEVICE, "what every device needs knows no device: no medium, no broker, no arm"
+    ),
+    "devices/arm": _room(
+        _DEVICE + " arm motion devices/drivers devices/support",
+        "the servants of all arms know drivers and support, and no exact arm",
+    ),
     "devices": _room(
-        _BELOW_SESSION + " public umbrella frames arm motion generated-stubs",
+        _DEVICE + " arm motion devices/drivers devices/support devices/arm",
         "a device is a generated skeleton, robcl and one piece of hardware: no medium, no broker",
     ),
     "binding": _room(
@@ -189,7 +209,7 @@ def room_of_file(path: str) -> str | None:
     if path.startswith("runtime/python/src/"):
         return "binding"
     if path.startswith("devices/"):
-        return "devices"
+        return room_of_device(path.split("/")[1])
     for root in ("runtime/cpp/", "generated/cpp/"):
         if path.startswith(root):
             return room_of_header(path.removeprefix(root))
@@ -212,9 +232,12 @@ def room_of_header(header: str) -> str | None:
     generated = GENERATED.match(header)
     if generated:
         return GENERATED_ROOMS[generated[1]]
-    if header.startswith("devices/"):
-        return "devices"
-    return None
+    folder = header.split("/")[0]
+    return room_of_device(folder) if folder in DEVICE_FOLDERS else None
+
+
+def room_of_device(folder: str) -> str:
+    return f"devices/{folder}" if folder in SHARED_BY_DEVICES else "devices"
 
 
 def files(tree: Path) -> Iterator[Path]:

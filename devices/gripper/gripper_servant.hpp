@@ -5,9 +5,9 @@
 #include <string>
 
 #include "gripper/simulated_gripper.hpp"
-#include "mounting/carrier.hpp"
 #include "robcl/gripper_server.hpp"
 #include "robcl/world_client.hpp"
+#include "support/carrier.hpp"
 
 namespace devices {
 

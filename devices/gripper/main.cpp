@@ -2,18 +2,16 @@
 #include <chrono>
 #include <cstdio>
 
-#include "command_line/command_line.hpp"
-#include "gecos/gecos.hpp"
 #include "gripper/gripper_servant.hpp"
-#include "periodic/periodic.hpp"
+#include "support/command_line.hpp"
+#include "support/device_main.hpp"
+#include "support/periodic.hpp"
 
 namespace {
 
 using namespace std::chrono_literals;
 
-}  // namespace
-
-int main(int count, char** words) {
+int run(int count, char** words) {
   const devices::CommandLine line(
       "robcl-gripper",
       "Serves a simulated gripper with two parallel jaws that meet what is in the simulated world.",
@@ -40,18 +38,15 @@ int main(int count, char** words) {
                                   robcl::translate(0, 0, robcl::mm(line.number("length"))),
                                   settings);
   const devices::Periodic jaws(5ms, [&servant](double seconds) { servant.step(seconds); });
-  gecos::Server server(lab);
-  gecos::ObjectOptions options;
-  options.simulated = true;
-  options.thread_safe = true;
-  options.blocking = true;  // handlers ask the world
-  if (const auto served = server.add(line.text("name"), servant, options); !served) {
-    std::fprintf(stderr, "robcl-gripper: %s\n", served.error().text.c_str());
-    return 1;
-  }
-  const devices::Periodic publishing(20ms, [&servant](double) { servant.publish(); });
-  std::printf("robcl-gripper: %s is ready\n", line.text("name").c_str());
-  std::fflush(stdout);
-  server.run();
-  return 0;
+  return devices::serve_device(lab, servant,
+                               {.program = "robcl-gripper",
+                                .name = line.text("name"),
+                                .blocking = true,  // handlers ask the world
+                                .beats = {{20ms, [&servant](double) { servant.publish(); }}}});
+}
+
+}  // namespace
+
+int main(int count, char** words) {
+  return devices::device_main("robcl-gripper", [&] { return run(count, words); });
 }

@@ -6,9 +6,9 @@
 #include <string>
 
 #include "laser_distance_sensor/simulated_beam.hpp"
-#include "mounting/carrier.hpp"
 #include "robcl/laser_distance_sensor_server.hpp"
 #include "robcl/world_client.hpp"
+#include "support/carrier.hpp"
 
 namespace devices {
 

@@ -2,18 +2,15 @@
 #include <chrono>
 #include <cstdio>
 
-#include "command_line/command_line.hpp"
-#include "gecos/gecos.hpp"
 #include "laser_distance_sensor/lds_servant.hpp"
-#include "periodic/periodic.hpp"
+#include "support/command_line.hpp"
+#include "support/device_main.hpp"
 
 namespace {
 
 using namespace std::chrono_literals;
 
-}  // namespace
-
-int main(int count, char** words) {
+int run(int count, char** words) {
   const devices::CommandLine line(
       "robcl-lds",
       "Serves a simulated laser distance sensor. Where it stands at first, it looks across the "
@@ -50,18 +47,15 @@ int main(int count, char** words) {
       robcl::Frame::from_euler_zyz(position("x"), position("y"), position("z"), turn("a"),
                                    turn("b"), turn("c")),
       settings);
-  gecos::Server server(lab);
-  gecos::ObjectOptions options;
-  options.simulated = true;
-  options.thread_safe = true;
-  options.blocking = true;  // handlers ask the world
-  if (const auto served = server.add(line.text("name"), servant, options); !served) {
-    std::fprintf(stderr, "robcl-lds: %s\n", served.error().text.c_str());
-    return 1;
-  }
-  const devices::Periodic publishing(20ms, [&servant](double) { servant.publish(); });
-  std::printf("robcl-lds: %s is ready\n", line.text("name").c_str());
-  std::fflush(stdout);
-  server.run();
-  return 0;
+  return devices::serve_device(lab, servant,
+                               {.program = "robcl-lds",
+                                .name = line.text("name"),
+                                .blocking = true,  // handlers ask the world
+                                .beats = {{20ms, [&servant](double) { servant.publish(); }}}});
+}
+
+}  // namespace
+
+int main(int count, char** words) {
+  return devices::device_main("robcl-lds", [&] { return run(count, words); });
 }

@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
-#include "mounting/carrier.hpp"
 #include "robcl/gripper_client.hpp"
+#include "support/carrier.hpp"
 #include "world/simulated_world.hpp"
 
 namespace devices {

@@ -1,13 +1,11 @@
 // robcl-world: the simulated laboratory that grippers and sensors ask what is where.
 #include <chrono>
-#include <cstdio>
 #include <memory>
 #include <sstream>
 #include <vector>
 
-#include "command_line/command_line.hpp"
-#include "gecos/gecos.hpp"
-#include "periodic/periodic.hpp"
+#include "support/command_line.hpp"
+#include "support/device_main.hpp"
 #include "world/gripper_watch.hpp"
 #include "world/world_servant.hpp"
 
@@ -24,9 +22,7 @@ std::vector<std::string> split(const std::string& list) {
   return names;
 }
 
-}  // namespace
-
-int main(int count, char** words) {
+int run(int count, char** words) {
   const devices::CommandLine line(
       "robcl-world",
       "Serves a simulated laboratory: a table with a block on it, which grippers can carry.",
@@ -45,21 +41,15 @@ int main(int count, char** words) {
   devices::WorldServant servant(world, [&grippers] {
     for (const auto& gripper : grippers) gripper->carry();
   });
-  gecos::Server server(lab);
-  gecos::ObjectOptions options;
-  options.simulated = true;
-  options.thread_safe = true;
-  if (const auto served = server.add(line.text("name"), servant, options); !served) {
-    std::fprintf(stderr, "robcl-world: %s\n", served.error().text.c_str());
-    return 1;
-  }
-  std::vector<std::unique_ptr<devices::Periodic>> tending;
+  devices::Served how{.program = "robcl-world", .name = line.text("name")};
   for (const auto& gripper : grippers) {
-    tending.push_back(std::make_unique<devices::Periodic>(
-        4ms, [watch = gripper.get()](double) { watch->tend(); }));
+    how.beats.push_back({4ms, [watch = gripper.get()](double) { watch->tend(); }});
   }
-  std::printf("robcl-world: %s is ready\n", line.text("name").c_str());
-  std::fflush(stdout);
-  server.run();
-  return 0;
+  return devices::serve_device(lab, servant, how);
+}
+
+}  // namespace
+
+int main(int count, char** words) {
+  return devices::device_main("robcl-world", [&] { return run(count, words); });
 }

@@ -10,8 +10,11 @@ import sys
 from itertools import pairwise
 from pathlib import Path
 
+import gecos
 import pytest
 from processes import Laboratory, Program
+from robcl.puma560 import Puma560
+from robcl.world import World
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 
@@ -71,6 +74,28 @@ def test_grip_block_over_each_medium(
     gripped = lab.run(*grip_block(lab, language), medium)
     assert gripped.finish() == 0, str(gripped)
     assert gripped.lines[-1] == "lift: FINISHED", str(gripped)
+
+
+@pytest.mark.usefixtures("here")
+@pytest.mark.parametrize("language", ["C++", "Python"])
+def test_grip_block_moves_a_puma_that_is_served_under_another_name(
+    language: str, lab_with_broker: Laboratory
+) -> None:
+    lab = lab_with_broker
+    devices = lab.build / "devices"
+    lab.start(devices / "world" / "robcl-world", ready="ready")
+    lab.start(devices / "puma560" / "robcl-puma560", "--name", "SIM", ready="ready")
+    lab.start(devices / "gripper" / "robcl-gripper", "--carrier", "SIM", ready="ready")
+    here = gecos.Lab()
+    world = here.create(World, "WORLD")
+    before = world.find("BLOCK").result().pose.z
+
+    gripped = lab.run(*grip_block(lab, language))
+    assert gripped.finish() == 0, str(gripped)
+    assert gripped.lines[-1] == "lift: FINISHED", str(gripped)
+    lifted = world.find("BLOCK").result().pose.z - before
+    assert lifted == pytest.approx(0.2, abs=1e-3)
+    assert here.create(Puma560, "SIM").joints().result().position[4] < 0, "the wrist is not turned"
 
 
 LANGUAGES = pytest.mark.parametrize("language", ["C++", "Python"])

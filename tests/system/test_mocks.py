@@ -16,7 +16,7 @@ import pytest
 from processes import Laboratory, Program
 from robcl.frames import Frame
 from robcl.laser_distance_sensor import LaserDistanceSensor
-from robcl.rx90 import Configuration, Rx90
+from robcl.rx90 import Rx90
 from robcl.six_axis_types import Joints
 
 TREE = Path(__file__).resolve().parents[2]

@@ -37,6 +37,9 @@ class Manipulator : public virtual ::robcl::Device {
   /// Samples of flange, 250 a second.
   tl::expected<gecos::Stream<::robcl::Frame>, gecos::Failure> flange(gecos::StreamTag) const;
 
+  /// Configuration that the arm is in.
+  gecos::Command<::robcl::Configuration> posture() const;
+
   /// Tool frame seen from the flange. Setting it is refused while moving.
   gecos::Command<::robcl::Frame> tool_offset() const;
 

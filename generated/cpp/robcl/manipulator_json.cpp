@@ -89,4 +89,82 @@ constexpr auto json_members<::robcl::Singular> = std::tuple{
 };
 template struct JsonStruct<::robcl::Singular>;
 
+JsonNames JsonShape<::robcl::Shoulder>::names() {
+  static constexpr std::array<JsonName, 2> all{{
+      {"RIGHTY", static_cast<std::uint64_t>(::robcl::Shoulder::RIGHTY)},
+      {"LEFTY", static_cast<std::uint64_t>(::robcl::Shoulder::LEFTY)},
+  }};
+  return all;
+}
+
+void JsonShape<::robcl::Shoulder>::write(JsonWriter to, ::robcl::Shoulder value) {
+  to.put_name(names(), static_cast<std::uint64_t>(value));
+}
+
+bool JsonShape<::robcl::Shoulder>::read(const JsonReader& from, ::robcl::Shoulder& value) {
+  std::uint64_t number = 0;
+  if (!from.get_name(names(), number)) return false;
+  value = static_cast<::robcl::Shoulder>(number);
+  return true;
+}
+
+JsonNames JsonShape<::robcl::Elbow>::names() {
+  static constexpr std::array<JsonName, 2> all{{
+      {"ABOVE", static_cast<std::uint64_t>(::robcl::Elbow::ABOVE)},
+      {"BELOW", static_cast<std::uint64_t>(::robcl::Elbow::BELOW)},
+  }};
+  return all;
+}
+
+void JsonShape<::robcl::Elbow>::write(JsonWriter to, ::robcl::Elbow value) {
+  to.put_name(names(), static_cast<std::uint64_t>(value));
+}
+
+bool JsonShape<::robcl::Elbow>::read(const JsonReader& from, ::robcl::Elbow& value) {
+  std::uint64_t number = 0;
+  if (!from.get_name(names(), number)) return false;
+  value = static_cast<::robcl::Elbow>(number);
+  return true;
+}
+
+JsonNames JsonShape<::robcl::Wrist>::names() {
+  static constexpr std::array<JsonName, 2> all{{
+      {"NOFLIP", static_cast<std::uint64_t>(::robcl::Wrist::NOFLIP)},
+      {"FLIP", static_cast<std::uint64_t>(::robcl::Wrist::FLIP)},
+  }};
+  return all;
+}
+
+void JsonShape<::robcl::Wrist>::write(JsonWriter to, ::robcl::Wrist value) {
+  to.put_name(names(), static_cast<std::uint64_t>(value));
+}
+
+bool JsonShape<::robcl::Wrist>::read(const JsonReader& from, ::robcl::Wrist& value) {
+  std::uint64_t number = 0;
+  if (!from.get_name(names(), number)) return false;
+  value = static_cast<::robcl::Wrist>(number);
+  return true;
+}
+
+void JsonShape<::robcl::Configuration>::write(JsonWriter to, const ::robcl::Configuration& value) {
+  to.open_object();
+  to.member("arm", value.arm);
+  to.member("bend", value.bend);
+  to.member("hand", value.hand);
+}
+
+bool JsonShape<::robcl::Configuration>::read(
+    const JsonReader& from,
+    ::robcl::Configuration& value) {
+  static constexpr std::array<std::string_view, 3> names{
+      "arm",
+      "bend",
+      "hand",
+  };
+  return from.expect_object(names) &&
+         from.member("arm", value.arm) &&
+         from.member("bend", value.bend) &&
+         from.member("hand", value.hand);
+}
+
 }  // namespace gecos::wire

@@ -42,4 +42,31 @@ template <>
 struct JsonShape<::robcl::Singular> : JsonStruct<::robcl::Singular> {};
 extern template struct JsonStruct<::robcl::Singular>;
 
+template <>
+struct JsonShape<::robcl::Shoulder> {
+  static void write(JsonWriter to, ::robcl::Shoulder value);
+  static bool read(const JsonReader& from, ::robcl::Shoulder& value);
+  static JsonNames names();
+};
+
+template <>
+struct JsonShape<::robcl::Elbow> {
+  static void write(JsonWriter to, ::robcl::Elbow value);
+  static bool read(const JsonReader& from, ::robcl::Elbow& value);
+  static JsonNames names();
+};
+
+template <>
+struct JsonShape<::robcl::Wrist> {
+  static void write(JsonWriter to, ::robcl::Wrist value);
+  static bool read(const JsonReader& from, ::robcl::Wrist& value);
+  static JsonNames names();
+};
+
+template <>
+struct JsonShape<::robcl::Configuration> {
+  static void write(JsonWriter to, const ::robcl::Configuration& value);
+  static bool read(const JsonReader& from, ::robcl::Configuration& value);
+};
+
 }  // namespace gecos::wire

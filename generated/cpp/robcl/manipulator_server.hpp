@@ -15,6 +15,7 @@ namespace robcl {
 class ManipulatorServant : public virtual ::robcl::DeviceServant {
  public:
   const gecos::InterfaceDescription& gecos_interface() const override;
+  void gecos_dispatch(gecos::IncomingCall call) override;
 
   /// A new sample of `tool`, measured at `stamp_ns`. One thread at a time.
   void publish_tool(const ::robcl::Frame& value, std::int64_t stamp_ns = gecos::unix_now_ns());
@@ -29,6 +30,9 @@ class ManipulatorServant : public virtual ::robcl::DeviceServant {
   /// Flange in the world, as measured: where grippers and sensors are mounted.
   virtual gecos::Result<::robcl::Frame> flange() = 0;
 
+  /// Configuration that the arm is in.
+  virtual gecos::Result<::robcl::Configuration> posture() = 0;
+
   /// Tool frame seen from the flange. Setting it is refused while moving.
   virtual gecos::Result<::robcl::Frame> tool_offset() = 0;
 
@@ -42,7 +46,12 @@ class ManipulatorServant : public virtual ::robcl::DeviceServant {
       const std::optional<::robcl::Trajectory>& how,
       gecos::Execution<::robcl::MotionProgress>& run) = 0;
 
-  bool gecos_answer(gecos::IncomingCall& call) override;
+  void gecos_call_tool(gecos::IncomingCall& call);
+  void gecos_call_flange(gecos::IncomingCall& call);
+  void gecos_call_posture(gecos::IncomingCall& call);
+  void gecos_call_tool_offset(gecos::IncomingCall& call);
+  void gecos_set_tool_offset(gecos::IncomingCall& call);
+  void gecos_call_move(gecos::IncomingCall& call);
 };
 
 }  // namespace robcl

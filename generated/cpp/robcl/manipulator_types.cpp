@@ -219,4 +219,141 @@ std::ostream& operator<<(std::ostream& out, const Singular& value) {
       "Singular{reason=", value.reason, "}");
 }
 
+std::string_view to_string(Shoulder value) {
+  switch (value) {
+    case Shoulder::RIGHTY:
+      return "RIGHTY";
+    case Shoulder::LEFTY:
+      return "LEFTY";
+  }
+  return "unknown Shoulder";
+}
+
+std::ostream& operator<<(std::ostream& out, Shoulder value) { return out << to_string(value); }
+
+bool decode_enum(gecos::wire::Decoder& from, Shoulder& value, const char* field) {
+  std::int32_t number = 0;
+  if (!from.get(number, field)) return false;
+  switch (number) {
+    case 0:
+    case 1:
+      value = static_cast<Shoulder>(number);
+      return true;
+    default:
+      value = Shoulder::RIGHTY;
+      return true;
+  }
+}
+
+std::string_view to_string(Elbow value) {
+  switch (value) {
+    case Elbow::ABOVE:
+      return "ABOVE";
+    case Elbow::BELOW:
+      return "BELOW";
+  }
+  return "unknown Elbow";
+}
+
+std::ostream& operator<<(std::ostream& out, Elbow value) { return out << to_string(value); }
+
+bool decode_enum(gecos::wire::Decoder& from, Elbow& value, const char* field) {
+  std::int32_t number = 0;
+  if (!from.get(number, field)) return false;
+  switch (number) {
+    case 0:
+    case 1:
+      value = static_cast<Elbow>(number);
+      return true;
+    default:
+      value = Elbow::ABOVE;
+      return true;
+  }
+}
+
+std::string_view to_string(Wrist value) {
+  switch (value) {
+    case Wrist::NOFLIP:
+      return "NOFLIP";
+    case Wrist::FLIP:
+      return "FLIP";
+  }
+  return "unknown Wrist";
+}
+
+std::ostream& operator<<(std::ostream& out, Wrist value) { return out << to_string(value); }
+
+bool decode_enum(gecos::wire::Decoder& from, Wrist& value, const char* field) {
+  std::int32_t number = 0;
+  if (!from.get(number, field)) return false;
+  switch (number) {
+    case 0:
+    case 1:
+      value = static_cast<Wrist>(number);
+      return true;
+    default:
+      value = Wrist::NOFLIP;
+      return true;
+  }
+}
+
+std::size_t Configuration::encoded_size() const {
+  std::size_t size = 3;
+  if (arm) {
+    size += 4;
+  }
+  if (bend) {
+    size += 4;
+  }
+  if (hand) {
+    size += 4;
+  }
+  return size;
+}
+
+void Configuration::encode(gecos::wire::Encoder& to) const {
+  to.put(arm.has_value());
+  if (arm) {
+    to.put(static_cast<std::int32_t>(*arm));
+  }
+  to.put(bend.has_value());
+  if (bend) {
+    to.put(static_cast<std::int32_t>(*bend));
+  }
+  to.put(hand.has_value());
+  if (hand) {
+    to.put(static_cast<std::int32_t>(*hand));
+  }
+}
+
+bool Configuration::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  arm = std::nullopt;
+  bend = std::nullopt;
+  hand = std::nullopt;
+  return (from.at_end() ||
+          gecos::wire::get_optional(from, arm, "Configuration.arm", [&](auto& value) {
+            return ::robcl::decode_enum(from, value, "Configuration.arm");
+          })) &&
+         (from.at_end() ||
+          gecos::wire::get_optional(from, bend, "Configuration.bend", [&](auto& value) {
+            return ::robcl::decode_enum(from, value, "Configuration.bend");
+          })) &&
+         (from.at_end() ||
+          gecos::wire::get_optional(from, hand, "Configuration.hand", [&](auto& value) {
+            return ::robcl::decode_enum(from, value, "Configuration.hand");
+          })) &&
+         gecos::wire::skip_rest(from);
+}
+
+std::ostream& operator<<(std::ostream& out, [[maybe_unused]] const Configuration& value) {
+  out << "Configuration{";
+  out << "arm=";
+  gecos::wire::print(out, value.arm);
+  out << ", bend=";
+  gecos::wire::print(out, value.bend);
+  out << ", hand=";
+  gecos::wire::print(out, value.hand);
+  return out << '}';
+}
+
 }  // namespace robcl

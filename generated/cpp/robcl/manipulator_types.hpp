@@ -132,4 +132,53 @@ std::ostream& operator<<(std::ostream& out, const Singular& value);
 /// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
 std::string gecos_violation(const Singular& value);
 
+enum class Shoulder : std::int32_t {
+  RIGHTY = 0,
+  LEFTY = 1,
+};
+std::string_view to_string(Shoulder value);
+std::ostream& operator<<(std::ostream& out, Shoulder value);
+/// An unknown number becomes RIGHTY.
+[[nodiscard]] bool decode_enum(gecos::wire::Decoder& from, Shoulder& value, const char* field);
+
+enum class Elbow : std::int32_t {
+  ABOVE = 0,
+  BELOW = 1,
+};
+std::string_view to_string(Elbow value);
+std::ostream& operator<<(std::ostream& out, Elbow value);
+/// An unknown number becomes ABOVE.
+[[nodiscard]] bool decode_enum(gecos::wire::Decoder& from, Elbow& value, const char* field);
+
+enum class Wrist : std::int32_t {
+  NOFLIP = 0,
+  FLIP = 1,
+};
+std::string_view to_string(Wrist value);
+std::ostream& operator<<(std::ostream& out, Wrist value);
+/// An unknown number becomes NOFLIP.
+[[nodiscard]] bool decode_enum(gecos::wire::Decoder& from, Wrist& value, const char* field);
+
+/// Which of the ways to reach its pose the arm is in. A member is absent at a singularity,
+/// and where an arm has no such choice.
+struct Configuration {
+  /// [optional]
+  std::optional<::robcl::Shoulder> arm{};
+  /// [optional]
+  std::optional<::robcl::Elbow> bend{};
+  /// [optional]
+  std::optional<::robcl::Wrist> hand{};
+
+  static constexpr std::string_view type_name() { return "robcl::Configuration"; }
+  static constexpr std::int64_t fingerprint() {
+    return static_cast<std::int64_t>(0x410bc4d5af6e6201U);
+  }
+  std::size_t encoded_size() const;
+  void encode(gecos::wire::Encoder& to) const;
+  [[nodiscard]] bool decode(gecos::wire::Decoder& from);
+
+  friend bool operator==(const Configuration&, const Configuration&) = default;
+};
+std::ostream& operator<<(std::ostream& out, const Configuration& value);
+
 }  // namespace robcl

@@ -23,9 +23,6 @@ class Rx90 : public virtual ::robcl::SixAxis {
   explicit Rx90(std::shared_ptr<gecos::session::ClientSession> session);
   Rx90(const Rx90&) = default;
   Rx90& operator=(const Rx90&) = default;
-
-  /// Configuration that the arm is in.
-  gecos::Command<::robcl::Configuration> posture() const;
 };
 
 }  // namespace robcl

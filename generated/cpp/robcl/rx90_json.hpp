@@ -5,32 +5,3 @@
 #include "gecos/wire/json_shapes.hpp"
 #include "robcl/six_axis_json.hpp"
 #include "robcl/rx90_types.hpp"
-
-namespace gecos::wire {
-
-template <>
-struct JsonShape<::robcl::Shoulder> {
-  static void write(JsonWriter to, ::robcl::Shoulder value);
-  static bool read(const JsonReader& from, ::robcl::Shoulder& value);
-  static JsonNames names();
-};
-
-template <>
-struct JsonShape<::robcl::Elbow> {
-  static void write(JsonWriter to, ::robcl::Elbow value);
-  static bool read(const JsonReader& from, ::robcl::Elbow& value);
-  static JsonNames names();
-};
-
-template <>
-struct JsonShape<::robcl::Wrist> {
-  static void write(JsonWriter to, ::robcl::Wrist value);
-  static bool read(const JsonReader& from, ::robcl::Wrist& value);
-  static JsonNames names();
-};
-
-template <>
-struct JsonShape<::robcl::Configuration> : JsonStruct<::robcl::Configuration> {};
-extern template struct JsonStruct<::robcl::Configuration>;
-
-}  // namespace gecos::wire

@@ -14,12 +14,9 @@ namespace robcl {
 class Rx90Servant : public virtual ::robcl::SixAxisServant {
  public:
   const gecos::InterfaceDescription& gecos_interface() const override;
+  void gecos_dispatch(gecos::IncomingCall call) override;
 
  protected:
-  /// Configuration that the arm is in.
-  virtual gecos::Result<::robcl::Configuration> posture() = 0;
-
-  bool gecos_answer(gecos::IncomingCall& call) override;
 };
 
 }  // namespace robcl

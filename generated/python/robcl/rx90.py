@@ -4,31 +4,36 @@
 
 from __future__ import annotations
 
-from abc import abstractmethod as _abstractmethod
+from collections.abc import Mapping as _Mapping
+from typing import ClassVar as _ClassVar
 
-from gecos.command import Command as _Command
-from gecos.interface import Access as _Access
-from gecos.interface import Method as _Method
-from gecos.interface import getter as _getter
-from gecos.interface import interface as _interface
-from gecos.interface import method as _method
-from robcl.rx90_types import Configuration, Elbow, Shoulder, Wrist
+from gecos.interface import Handler as _Handler
+from gecos.interface import Interface as _Interface
+from gecos.interface import Quality as _Quality
 from robcl.six_axis import SixAxis, SixAxisServant
 
 __all__ = [
-    "Configuration",
-    "Elbow",
     "Rx90",
     "Rx90Servant",
-    "Shoulder",
-    "Wrist",
 ]
 
-_RX90_POSTURE: _Method[Configuration, None] = _method(
-    _getter(0xE1CE9BDC, "posture", _Access.SENSOR, hash=0xDF0E37E344B71B58),
-    gives=Configuration,
+_RX90 = _Interface(
+    name="robcl::Rx90",
+    version="1.0",
+    hash=0xB63C01C6AD6787F3,
+    bases=(
+        "robcl::Device",
+        "robcl::Manipulator",
+        "robcl::SixAxis",
+    ),
+    operations=(
+        *SixAxis._gecos_interface.operations,
+    ),
+    streams=(
+        *SixAxis._gecos_interface.streams,
+    ),
+    quality=_Quality(),
 )
-_RX90 = _interface("robcl::Rx90", "1.0", 0xAD388E8BA24ADAEA, (SixAxis,), (_RX90_POSTURE,))
 
 
 class Rx90(SixAxis):
@@ -36,17 +41,11 @@ class Rx90(SixAxis):
 
     _gecos_interface = _RX90
 
-    def posture(self) -> _Command[Configuration]:
-        """Configuration that the arm is in."""
-        return self._gecos_call(_RX90_POSTURE, [])
-
 
 class Rx90Servant(SixAxisServant):
     """Staeubli RX90."""
 
     _gecos_interface = _RX90
-    _gecos_handlers = _RX90.handlers
-
-    @_abstractmethod
-    def posture(self) -> Configuration:
-        """Configuration that the arm is in."""
+    _gecos_handlers: _ClassVar[_Mapping[int, _Handler]] = {
+        **SixAxisServant._gecos_handlers,
+    }

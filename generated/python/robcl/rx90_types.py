@@ -4,42 +4,5 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass as _dataclass
-from enum import IntEnum as _IntEnum
-
-from gecos.wire import layout as _layout
-
 __all__ = [
-    "Configuration",
-    "Elbow",
-    "Shoulder",
-    "Wrist",
 ]
-
-
-@_layout.enumeration("i", "RIGHTY")
-class Shoulder(_IntEnum):
-    RIGHTY = 0
-    LEFTY = 1
-
-
-@_layout.enumeration("i", "ABOVE")
-class Elbow(_IntEnum):
-    ABOVE = 0
-    BELOW = 1
-
-
-@_layout.enumeration("i", "NOFLIP")
-class Wrist(_IntEnum):
-    NOFLIP = 0
-    FLIP = 1
-
-
-@_layout.struct(0x1728D4F1BB29BF27, Shoulder, Elbow, Wrist, open=True)
-@_dataclass(slots=True)
-class Configuration(_layout.Struct):
-    """Which of the eight inverse solutions the arm is in."""
-
-    arm: Shoulder = Shoulder.RIGHTY
-    bend: Elbow = Elbow.ABOVE
-    hand: Wrist = Wrist.NOFLIP

@@ -22,7 +22,9 @@ class Laboratory : public ::testing::Test {
     const auto served = broker_.serve(broker_server_, {gecos::media::Kind::Inproc});
     ASSERT_TRUE(served) << served.error().text;
   }
-  void TearDown() override { places_.clear(); }
+  void TearDown() override { stop_serving(); }
+  /// For servants that end before the fixture.
+  void stop_serving() { places_.clear(); }
 
   void serve(const std::string& name, gecos::Servant& servant) {
     gecos::ObjectOptions options;

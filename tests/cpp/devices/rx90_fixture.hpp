@@ -1,11 +1,12 @@
 // An RX90 that is served, and whose control loop is the test's.
 #pragma once
 
-#include "kdl/simulated_driver.hpp"
+#include "arm/six_axis_servant.hpp"
+#include "drivers/simulated_driver.hpp"
 #include "laboratory.hpp"
 #include "robcl/frames/units.hpp"
 #include "robcl/rx90_client.hpp"
-#include "rx90/rx90_servant.hpp"
+#include "robcl/rx90_server.hpp"
 #include "rx90/rx90_urdf.hpp"
 
 namespace devices {
@@ -33,10 +34,10 @@ class Rx90Laboratory : public Laboratory {
   }
 
   SimulatedDriver driver_{ready(), {}};
-  KdlSixAxis arm_{robcl::arm::ArmModel::from_urdf(rx90_urdf, "foot", "flange", 0.25).value(),
-                  {.tool_offset = robcl::translate(0, 0, robcl::mm(150))},
-                  driver_};
-  Rx90Servant servant_{arm_};
+  SixAxisDevice arm_{robcl::arm::ArmModel::from_urdf(rx90_urdf, "foot", "flange", 0.25).value(),
+                     {.tool_offset = robcl::translate(0, 0, robcl::mm(150))},
+                     driver_};
+  ExactArm<robcl::Rx90Servant> servant_{arm_, "an RX90 weighs 111 kg and stands on the floor"};
   robcl::Rx90 robot_;
 };
 

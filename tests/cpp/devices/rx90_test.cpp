@@ -1,8 +1,8 @@
 #include <chrono>
 #include <thread>
 
-#include "periodic/periodic.hpp"
 #include "rx90_fixture.hpp"
+#include "support/periodic.hpp"
 
 namespace devices {
 namespace {

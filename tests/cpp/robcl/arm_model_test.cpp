@@ -75,6 +75,27 @@ TEST(Puma560Model, StandsWhereThePublishedPosesSay) {
   }
 }
 
+TEST(Puma560Model, OfTheDeviceStandsOnItsPedestalAndEndsAtItsFlange) {
+  const ArmModel bare = puma560();
+  const ArmModel served =
+      ArmModel::from_urdf_file(ROBCL_SOURCE_DIR "/devices/puma560/puma560.urdf", "foot", "flange",
+                               0.25)
+          .value();
+  Kinematics of_bare(bare), of_served(served);
+  RandomJoints random(bare, 1);
+  for (int i = 0; i < 100; ++i) {
+    const JointValues q = random();
+    const Frame expected =
+        translate(0, 0, 671.83_mm) * of_bare.base_from_flange(q) * translate(0, 0, 56.25_mm);
+    ASSERT_TRUE(near(of_served.base_from_flange(q), expected, 1e-12, 1e-9));
+  }
+  for (std::size_t i = 0; i < 6; ++i) {
+    EXPECT_EQ(served.limits()[i].lower, bare.limits()[i].lower);
+    EXPECT_EQ(served.limits()[i].upper, bare.limits()[i].upper);
+    EXPECT_EQ(served.limits()[i].speed, bare.limits()[i].speed);
+  }
+}
+
 TEST(Kinematics, JacobianIsTheDerivativeOfTheFlangePose) {
   const ArmModel model = puma560();
   Kinematics kinematics(model);

@@ -7,9 +7,9 @@
 #include <optional>
 #include <semaphore>
 
+#include "arm/latest.hpp"
+#include "drivers/joint_driver.hpp"
 #include "gecos/base/clock.hpp"
-#include "kdl/driver.hpp"
-#include "kdl/latest.hpp"
 #include "robcl/arm/kinematics.hpp"
 #include "robcl/motion/playback.hpp"
 

@@ -1,4 +1,4 @@
-#include "periodic/periodic.hpp"
+#include "support/periodic.hpp"
 
 #include <chrono>
 #include <utility>

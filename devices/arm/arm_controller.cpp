@@ -1,4 +1,4 @@
-#include "kdl/arm_controller.hpp"
+#include "arm/arm_controller.hpp"
 
 #include <chrono>
 #include <utility>

@@ -7,7 +7,7 @@
 #include <string>
 #include <variant>
 
-#include "kdl/arm_controller.hpp"
+#include "arm/arm_controller.hpp"
 #include "robcl/arm/failure.hpp"
 #include "robcl/frames/frame.hpp"
 #include "robcl/motion/planner.hpp"
@@ -40,7 +40,7 @@ std::string to_string(const MoveFailure& failure);
 
 /// Any arm with a driver. `step` is its control loop's; everything else may be called by any
 /// thread.
-class KdlManipulator {
+class ArmDevice {
  public:
   struct Settings {
     robcl::motion::ToolLimits tool_limits{};
@@ -48,7 +48,7 @@ class KdlManipulator {
     ArmController::Settings control{};
   };
 
-  KdlManipulator(const robcl::arm::ArmModel& model, const Settings& settings, JointDriver& driver);
+  ArmDevice(const robcl::arm::ArmModel& model, const Settings& settings, JointDriver& driver);
 
   /// One cycle of the control loop.
   void step(double seconds) { controller_.step(seconds); }
@@ -105,10 +105,10 @@ class KdlManipulator {
 };
 
 /// An arm with six joints, which may be named.
-class KdlSixAxis : public KdlManipulator {
+class SixAxisDevice : public ArmDevice {
  public:
   /// Throws std::invalid_argument unless the model has six axes.
-  KdlSixAxis(const robcl::arm::ArmModel& model, const Settings& settings, JointDriver& driver);
+  SixAxisDevice(const robcl::arm::ArmModel& model, const Settings& settings, JointDriver& driver);
 
   /// Moves all joints, which arrive together. @pre six of them.
   tl::expected<void, MoveFailure> move_joints(const JointValues& target,

@@ -2,7 +2,7 @@
 
 #include <random>
 
-#include "kdl/driver.hpp"
+#include "drivers/joint_driver.hpp"
 
 namespace devices {
 

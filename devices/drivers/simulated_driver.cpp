@@ -1,4 +1,4 @@
-#include "kdl/simulated_driver.hpp"
+#include "drivers/simulated_driver.hpp"
 
 #include <cmath>
 #include <numbers>

@@ -1,4 +1,4 @@
-#include "kdl/kdl_manipulator.hpp"
+#include "arm/arm_device.hpp"
 
 #include <chrono>
 #include <iomanip>
@@ -40,25 +40,25 @@ struct Words {
 
 std::string to_string(const MoveFailure& failure) { return std::visit(Words{}, failure); }
 
-KdlManipulator::KdlManipulator(const robcl::arm::ArmModel& model, const Settings& settings,
-                               JointDriver& driver)
+ArmDevice::ArmDevice(const robcl::arm::ArmModel& model, const Settings& settings,
+                     JointDriver& driver)
     : model_(model),
       controller_(model, settings.control, driver),
       planner_(model, settings.tool_limits),
       flange_from_tool_(settings.tool_offset),
       postures_(robcl::arm::make_inverse(model)) {}
 
-Frame KdlManipulator::base() const {
+Frame ArmDevice::base() const {
   const std::lock_guard lock(reading_);
   return world_from_base_;
 }
 
-Frame KdlManipulator::tool_offset() const {
+Frame ArmDevice::tool_offset() const {
   const std::lock_guard lock(reading_);
   return flange_from_tool_;
 }
 
-KdlManipulator::Sample KdlManipulator::sample() const {
+ArmDevice::Sample ArmDevice::sample() const {
   const ArmController::Reading now = controller_.now();
   Sample sample;
   const auto [x, y, z, qw, qx, qy, qz] = now.base_from_flange;
@@ -76,19 +76,19 @@ KdlManipulator::Sample KdlManipulator::sample() const {
   return sample;
 }
 
-Frame KdlManipulator::flange() const { return sample().flange; }
+Frame ArmDevice::flange() const { return sample().flange; }
 
-Frame KdlManipulator::tool() const { return sample().tool; }
+Frame ArmDevice::tool() const { return sample().tool; }
 
-JointValues KdlManipulator::joints() const { return sample().joints; }
+JointValues ArmDevice::joints() const { return sample().joints; }
 
-robcl::arm::Configuration KdlManipulator::configuration() const {
+robcl::arm::Configuration ArmDevice::configuration() const {
   const JointValues now = joints();
   const std::lock_guard lock(reading_);
   return postures_->configuration(now);
 }
 
-tl::expected<void, Refused> KdlManipulator::mount(const Frame& world_from_base) {
+tl::expected<void, Refused> ArmDevice::mount(const Frame& world_from_base) {
   const std::unique_lock standing(moving_, std::try_to_lock);
   if (!standing) return tl::unexpected(Refused{"the arm is moving; mount it when it stands"});
   const std::lock_guard lock(reading_);
@@ -96,7 +96,7 @@ tl::expected<void, Refused> KdlManipulator::mount(const Frame& world_from_base) 
   return {};
 }
 
-tl::expected<void, Refused> KdlManipulator::set_tool_offset(const Frame& flange_from_tool) {
+tl::expected<void, Refused> ArmDevice::set_tool_offset(const Frame& flange_from_tool) {
   const std::unique_lock standing(moving_, std::try_to_lock);
   if (!standing)
     return tl::unexpected(Refused{"the arm is moving; change its tool when it stands"});
@@ -106,8 +106,8 @@ tl::expected<void, Refused> KdlManipulator::set_tool_offset(const Frame& flange_
 }
 
 template <typename MakePlan>
-tl::expected<void, MoveFailure> KdlManipulator::run(const Pace& pace, MotionWatcher& watcher,
-                                                    MakePlan make_plan) {
+tl::expected<void, MoveFailure> ArmDevice::run(const Pace& pace, MotionWatcher& watcher,
+                                               MakePlan make_plan) {
   if (auto problem = robcl::motion::problem_of(pace)) return tl::unexpected(Refused{*problem});
   const std::unique_lock standing(moving_, std::try_to_lock);
   if (!standing) return tl::unexpected(Refused{"the arm is moving for somebody else"});
@@ -116,8 +116,8 @@ tl::expected<void, MoveFailure> KdlManipulator::run(const Pace& pace, MotionWatc
   return follow(std::move(*plan), watcher);
 }
 
-tl::expected<void, MoveFailure> KdlManipulator::move(const Frame& world_from_goal, PathKind path,
-                                                     const Pace& pace, MotionWatcher& watcher) {
+tl::expected<void, MoveFailure> ArmDevice::move(const Frame& world_from_goal, PathKind path,
+                                                const Pace& pace, MotionWatcher& watcher) {
   return run(pace, watcher, [&](const JointValues& from) {
     const Frame base_from_goal = base().inverse() * world_from_goal;
     const Frame tool = tool_offset();
@@ -126,14 +126,14 @@ tl::expected<void, MoveFailure> KdlManipulator::move(const Frame& world_from_goa
   });
 }
 
-tl::expected<void, MoveFailure> KdlManipulator::move_to(const JointValues& target, const Pace& pace,
-                                                        MotionWatcher& watcher) {
+tl::expected<void, MoveFailure> ArmDevice::move_to(const JointValues& target, const Pace& pace,
+                                                   MotionWatcher& watcher) {
   return run(pace, watcher, [&](const JointValues& from) {
     return planner_.joints(from, target, pace, tool_offset());
   });
 }
 
-tl::expected<void, MoveFailure> KdlManipulator::follow(Plan plan, MotionWatcher& watcher) {
+tl::expected<void, MoveFailure> ArmDevice::follow(Plan plan, MotionWatcher& watcher) {
   if (watcher.interrupted()) return tl::unexpected(Interrupted{});
   controller_.start(std::move(plan));
   std::optional<ArmController::Outcome> outcome;
@@ -156,9 +156,9 @@ tl::expected<void, MoveFailure> KdlManipulator::follow(Plan plan, MotionWatcher&
   return tl::unexpected(outcome->fault);
 }
 
-KdlSixAxis::KdlSixAxis(const robcl::arm::ArmModel& model, const Settings& settings,
-                       JointDriver& driver)
-    : KdlManipulator(model, settings, driver) {
+SixAxisDevice::SixAxisDevice(const robcl::arm::ArmModel& model, const Settings& settings,
+                             JointDriver& driver)
+    : ArmDevice(model, settings, driver) {
   if (model.axes() != 6) {
     throw std::invalid_argument(model.name() + " has " + std::to_string(model.axes()) +
                                 " axes, a six-axis arm has six");

@@ -1,4 +1,4 @@
-#include "kdl/kdl_manipulator.hpp"
+#include "arm/arm_device.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 
 #include "allocations.hpp"
 #include "arms.hpp"
-#include "kdl/simulated_driver.hpp"
+#include "drivers/simulated_driver.hpp"
 
 namespace devices {
 namespace {
@@ -30,7 +30,7 @@ class Silent : public MotionWatcher {
 /// Is the arm's control loop itself, and interrupts once a third of the motion's time is over.
 class SteppingInterrupter : public MotionWatcher {
  public:
-  explicit SteppingInterrupter(KdlManipulator& arm) : arm_(arm) {}
+  explicit SteppingInterrupter(ArmDevice& arm) : arm_(arm) {}
   bool interrupted() override { return fraction_ > 1.0 / 3; }
   void progress(double fraction, double) override {
     fraction_ = fraction;
@@ -38,7 +38,7 @@ class SteppingInterrupter : public MotionWatcher {
   }
 
  private:
-  KdlManipulator& arm_;
+  ArmDevice& arm_;
   double fraction_ = 0;
 };
 
@@ -67,8 +67,8 @@ class Arm : public ::testing::Test {
 
   const robcl::arm::ArmModel model_ = rx90();
   SimulatedDriver driver_{ready, {}};
-  KdlManipulator::Settings settings_{.tool_offset = translate(0, 0, 150_mm)};
-  KdlSixAxis arm_{model_, settings_, driver_};
+  ArmDevice::Settings settings_{.tool_offset = translate(0, 0, 150_mm)};
+  SixAxisDevice arm_{model_, settings_, driver_};
   Silent silent_;
 };
 

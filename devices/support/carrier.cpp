@@ -1,4 +1,4 @@
-#include "mounting/carrier.hpp"
+#include "support/carrier.hpp"
 
 #include <chrono>
 #include <utility>

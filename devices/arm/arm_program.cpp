@@ -1,0 +1,57 @@
+#include "arm/arm_program.hpp"
+
+#include <chrono>
+
+#include "drivers/simulated_driver.hpp"
+#include "support/command_line.hpp"
+#include "support/device_main.hpp"
+#include "support/periodic.hpp"
+
+namespace devices {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto cycle = 4ms;
+
+JointValues in_radians(const std::vector<double>& degrees) {
+  JointValues joints(static_cast<Eigen::Index>(degrees.size()));
+  for (std::size_t i = 0; i < degrees.size(); ++i) {
+    joints[static_cast<Eigen::Index>(i)] = robcl::deg(degrees[i]);
+  }
+  return joints;
+}
+
+int run(const ArmProgram& program, const MakeServant& make_servant, const CommandLine& line) {
+  const auto model = robcl::arm::ArmModel::from_urdf(
+      program.urdf, program.base_link, program.flange_link, program.seconds_to_full_speed);
+  if (!model) return fail(program.program, model.error().text);
+  SimulatedDriver::Imperfection imperfection;
+  imperfection.seed = static_cast<unsigned>(line.number("seed"));
+  SimulatedDriver driver(in_radians(program.start_degrees), imperfection);
+  ArmDevice::Settings settings;
+  settings.tool_offset = robcl::translate(0, 0, robcl::mm(line.number("tool-length")));
+  SixAxisDevice arm(*model, settings, driver);
+  const Periodic control(cycle, [&arm](double seconds) { arm.step(seconds); });
+
+  gecos::Lab lab;
+  const auto servant = make_servant(arm, program.place);
+  Served how{program.program, line.text("name")};
+  how.beats = {{cycle, [&servant](double) { servant->publish(); }}};
+  return serve_device(lab, *servant, how);
+}
+
+}  // namespace
+
+int serve_arm(const ArmProgram& program, const MakeServant& make_servant, int count, char** words) {
+  const CommandLine line(program.program,
+                         "Serves a simulated " + program.arm + " with a control cycle of 4 ms.",
+                         {{"name", program.name, "name to register"},
+                          {"tool-length", "150", "from the flange to the tool frame, along z, mm"},
+                          {"seed", "1", "of the encoders' noise"}},
+                         count, words);
+  if (line.exit_status()) return *line.exit_status();
+  return device_main(program.program.c_str(), [&] { return run(program, make_servant, line); });
+}
+
+}  // namespace devices

@@ -1,0 +1,41 @@
+// The program of an arm: everything that a six-axis arm's server does, for every arm the same.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "arm/six_axis_servant.hpp"
+
+namespace devices {
+
+/// What distinguishes the program of one arm from that of another.
+struct ArmProgram {
+  std::string program;      ///< "robcl-rx90"
+  std::string name;         ///< to register, unless --name says another
+  std::string arm;          ///< for people: "Staeubli RX90"
+  std::string urdf;         ///< the model itself
+  std::string base_link;    ///< in the URDF
+  std::string flange_link;  ///< in the URDF
+  /// Of each joint: URDF has no acceleration, and no published source gives it for these arms.
+  double seconds_to_full_speed = 0.25;
+  std::vector<double> start_degrees;  ///< where the joints of the simulated arm stand at first
+  std::string place;                  ///< why it has no carrier; see ManipulatorServant
+};
+
+using MakeServant = std::function<std::unique_ptr<SixAxisServant>(SixAxisDevice&, std::string)>;
+
+/// Serves the arm with simulated joints until SIGINT or SIGTERM. Gives the program's exit status.
+int serve_arm(const ArmProgram& arm, const MakeServant& make_servant, int count, char** words);
+
+/// As above; `Skeleton` is what gidl generates for the arm's interface.
+template <class Skeleton>
+int serve_arm(const ArmProgram& arm, int count, char** words) {
+  const MakeServant make = [](SixAxisDevice& device, std::string place) {
+    return std::make_unique<ExactArm<Skeleton>>(device, std::move(place));
+  };
+  return serve_arm(arm, make, count, words);
+}
+
+}  // namespace devices

@@ -1,0 +1,67 @@
+#include "arm/manipulator_servant.hpp"
+
+#include "arm/motion_call.hpp"
+
+namespace devices {
+namespace {
+
+template <typename Wire, typename Known>
+std::optional<Wire> on_wire(const std::optional<Known>& known) {
+  if (!known) return std::nullopt;
+  return static_cast<Wire>(*known);
+}
+
+static_assert(static_cast<int>(robcl::arm::Shoulder::Lefty) ==
+              static_cast<int>(robcl::Shoulder::LEFTY));
+static_assert(static_cast<int>(robcl::arm::Elbow::Below) == static_cast<int>(robcl::Elbow::BELOW));
+static_assert(static_cast<int>(robcl::arm::Wrist::Flip) == static_cast<int>(robcl::Wrist::FLIP));
+
+}  // namespace
+
+void ManipulatorServant::publish() {
+  const ArmDevice::Sample now = arm_.sample();
+  if (now.cycle == published_) return;
+  published_ = now.cycle;
+  publish_sample(now);
+}
+
+void ManipulatorServant::publish_sample(const ArmDevice::Sample& sample) {
+  publish_flange(sample.flange, sample.measured_at_ns);
+  publish_tool(sample.tool, sample.measured_at_ns);
+}
+
+gecos::Result<void> ManipulatorServant::mount(const std::string& carrier, const Frame& offset) {
+  if (!carrier.empty()) {
+    return tl::unexpected(
+        robcl::MountRefused{place_ + ", not on '" + carrier + "': leave the carrier empty"});
+  }
+  if (const auto mounted = arm_.mount(offset); !mounted) {
+    return tl::unexpected(robcl::MountRefused{mounted.error().reason});
+  }
+  return {};
+}
+
+gecos::Result<robcl::Configuration> ManipulatorServant::posture() {
+  const robcl::arm::Configuration now = arm_.configuration();
+  return robcl::Configuration{on_wire<robcl::Shoulder>(now.shoulder),
+                              on_wire<robcl::Elbow>(now.elbow), on_wire<robcl::Wrist>(now.wrist)};
+}
+
+gecos::Result<void> ManipulatorServant::set_tool_offset(const Frame& value) {
+  if (const auto set = arm_.set_tool_offset(value); !set) {
+    return tl::unexpected(gecos::Fault::rejected(set.error().reason));
+  }
+  return {};
+}
+
+gecos::Result<void> ManipulatorServant::move(const Frame& goal,
+                                             const std::optional<robcl::Trajectory>& how,
+                                             Progress& run) {
+  const robcl::Trajectory trajectory = how.value_or(robcl::Trajectory{});
+  const PathKind path =
+      trajectory.path == robcl::PathType::STRAIGHT ? PathKind::Straight : PathKind::Joint;
+  CallWatcher watcher(run);
+  return answer(arm_.move(goal, path, pace_of(trajectory), watcher));
+}
+
+}  // namespace devices

@@ -1,0 +1,39 @@
+#include "arm/motion_call.hpp"
+
+#include <variant>
+
+namespace devices {
+namespace {
+
+struct AsFault {
+  gecos::Fault operator()(const robcl::arm::OutOfReach& failure) const {
+    return robcl::OutOfReach{failure.reason.substr(0, 160)};
+  }
+  gecos::Fault operator()(const robcl::arm::JointLimit& failure) const {
+    return robcl::JointLimit{static_cast<std::uint32_t>(failure.axis), failure.value, failure.lower,
+                             failure.upper};
+  }
+  gecos::Fault operator()(const robcl::arm::Singular& failure) const {
+    return robcl::Singular{failure.reason.substr(0, 160)};
+  }
+  gecos::Fault operator()(const Interrupted&) const { return gecos::Fault::interrupted(); }
+  gecos::Fault operator()(const Refused& failure) const {
+    return gecos::Fault::rejected(failure.reason);
+  }
+  gecos::Fault operator()(const DriverFault& failure) const {
+    return gecos::Fault::failed(failure.text);
+  }
+};
+
+}  // namespace
+
+robcl::motion::Pace pace_of(const robcl::Trajectory& how) {
+  return {how.speed, how.acceleration, how.tool_speed, how.turn_speed};
+}
+
+gecos::Result<void> answer(const tl::expected<void, MoveFailure>& moved) {
+  if (!moved) return tl::unexpected(std::visit(AsFault{}, moved.error()));
+  return {};
+}
+
+}  // namespace devices

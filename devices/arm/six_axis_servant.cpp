@@ -1,0 +1,44 @@
+#include "arm/six_axis_servant.hpp"
+
+#include "arm/motion_call.hpp"
+
+namespace devices {
+namespace {
+
+robcl::Joints on_wire(const JointValues& known) {
+  robcl::Joints joints;
+  for (std::size_t i = 0; i < joints.position.size(); ++i) {
+    joints.position[i] = known[static_cast<Eigen::Index>(i)];
+  }
+  return joints;
+}
+
+JointValues from_wire(const robcl::Joints& joints) {
+  JointValues known(6);
+  for (std::size_t i = 0; i < joints.position.size(); ++i) {
+    known[static_cast<Eigen::Index>(i)] = joints.position[i];
+  }
+  return known;
+}
+
+}  // namespace
+
+void SixAxisServant::publish_sample(const ArmDevice::Sample& sample) {
+  ManipulatorServant::publish_sample(sample);
+  publish_joints(on_wire(sample.joints), sample.measured_at_ns);
+}
+
+gecos::Result<robcl::Joints> SixAxisServant::joints() { return on_wire(arm_.joints()); }
+
+gecos::Result<void> SixAxisServant::move_joints(const robcl::Joints& target,
+                                                const std::optional<robcl::Trajectory>& how,
+                                                Progress& run) {
+  const JointValues joints = from_wire(target);
+  if (!joints.allFinite()) {
+    return tl::unexpected(gecos::Fault::bad_parameter("target: a joint position is not finite"));
+  }
+  CallWatcher watcher(run);
+  return answer(arm_.move_joints(joints, pace_of(how.value_or(robcl::Trajectory{})), watcher));
+}
+
+}  // namespace devices

@@ -1,0 +1,87 @@
+// The servants of all arms, over an arm of another make.
+#include "arm/six_axis_servant.hpp"
+#include "drivers/simulated_driver.hpp"
+#include "laboratory.hpp"
+#include "puma560/puma560_urdf.hpp"
+#include "robcl/frames/units.hpp"
+#include "robcl/puma560_client.hpp"
+#include "robcl/puma560_server.hpp"
+
+namespace devices {
+namespace {
+
+using robcl::translate;
+using namespace robcl::literals;
+
+class Puma560Test : public Laboratory {
+ protected:
+  void SetUp() override {
+    Laboratory::SetUp();
+    serve("ARM", servant_);
+    robot_ = create<robcl::Manipulator>("ARM");
+  }
+
+  auto cycle() {
+    return [this] {
+      arm_.step(0.004);
+      servant_.publish();
+    };
+  }
+
+  static JointValues ready() {
+    JointValues joints(6);
+    joints << 0, robcl::deg(45), robcl::deg(-180), 0, robcl::deg(-45), 0;
+    return joints;
+  }
+
+  SimulatedDriver driver_{ready(), {}};
+  SixAxisDevice arm_{robcl::arm::ArmModel::from_urdf(puma560_urdf, "foot", "flange", 0.25).value(),
+                     {.tool_offset = translate(0, 0, 150_mm)},
+                     driver_};
+  ExactArm<robcl::Puma560Servant> servant_{arm_, "a Puma 560 stands on its pedestal"};
+  robcl::Manipulator robot_;
+};
+
+TEST_F(Puma560Test, IsMovedByAProgramThatKnowsManipulatorAlone) {
+  const auto lease = gecos::actor(robot_);
+  ASSERT_TRUE(lease) << lease.error();
+  const Frame goal = Frame::from_euler_zyz(500_mm, 200_mm, 250_mm, 0, 180_deg, 0);
+  ASSERT_TRUE(get(robot_.move(goal), cycle()));
+  EXPECT_LT(distance(robot_.tool().get().value(), goal), 1e-4);
+  const Frame down = goal * translate(0, 0, 200_mm);
+  const auto moved =
+      get(robot_.move(down, robcl::Trajectory{.path = robcl::PathType::STRAIGHT}), cycle());
+  ASSERT_TRUE(moved) << moved.error();
+  EXPECT_LT(distance(robot_.tool().get().value(), down), 1e-4);
+}
+
+TEST_F(Puma560Test, SaysInWhichConfigurationItIsAndLeavesOutWhatASingularityHides) {
+  const robcl::Configuration tool_down = robot_.posture().get().value();
+  EXPECT_TRUE(tool_down.arm.has_value());
+  EXPECT_EQ(tool_down.bend, robcl::Elbow::ABOVE);
+  EXPECT_TRUE(tool_down.hand.has_value());
+
+  JointValues straight_wrist = ready();
+  straight_wrist[4] = 0;
+  SimulatedDriver exact(straight_wrist, {.noise = 0});
+  SixAxisDevice arm(arm_.model(), {}, exact);
+  ExactArm<robcl::Puma560Servant> servant(arm, "");
+  serve("STRAIGHT", servant);
+  const auto straight = create<robcl::Manipulator>("STRAIGHT").posture().get().value();
+  EXPECT_EQ(straight.bend, robcl::Elbow::ABOVE);
+  EXPECT_FALSE(straight.hand.has_value()) << straight;
+  stop_serving();
+}
+
+TEST_F(Puma560Test, IsRefusedACarrierInItsOwnWords) {
+  const auto lease = gecos::actor(robot_);
+  const auto refused = robot_.mount("RX90", Frame()).get();
+  ASSERT_FALSE(refused);
+  const auto why = refused.error().as<robcl::MountRefused>();
+  ASSERT_TRUE(why.has_value()) << refused.error();
+  EXPECT_EQ(why->reason,
+            "a Puma 560 stands on its pedestal, not on 'RX90': leave the carrier empty");
+}
+
+}  // namespace
+}  // namespace devices
