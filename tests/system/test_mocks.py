@@ -16,6 +16,7 @@ import pytest
 from processes import Laboratory, Program
 from robcl.frames import Frame
 from robcl.laser_distance_sensor import LaserDistanceSensor
+from robcl.manipulator_types import Configuration
 from robcl.rx90 import Rx90
 from robcl.six_axis_types import Joints
 
