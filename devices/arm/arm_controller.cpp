@@ -1,18 +1,50 @@
 #include "arm/arm_controller.hpp"
 
-#include <chrono>
+#include <stdexcept>
 #include <utility>
 
 namespace devices {
 namespace {
 
 constexpr int cycles_at_goal = 3;
+// rad by which the joints may have moved between planning and start: a brake that slipped.
+constexpr double moved_away = 1e-3;
 
 std::size_t at(Eigen::Index axis) { return static_cast<std::size_t>(axis); }
 
-std::int64_t unix_ns() {
-  const auto since = std::chrono::system_clock::now().time_since_epoch();
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(since).count();
+ControlMode mode_of(const JointDriver::Capabilities& can, const robcl::arm::ArmModel& model) {
+  if (can.axes != model.axes()) {
+    throw std::invalid_argument("the drives have " + std::to_string(can.axes) + " joints, " +
+                                model.name() + " has " + std::to_string(model.axes()));
+  }
+  if (can.position) return ControlMode::Position;
+  if (can.velocity) return ControlMode::Velocity;
+  throw std::invalid_argument("the drives of " + model.name() +
+                              " follow torque alone: a plan says where the joints shall be");
+}
+
+JointState first_state(SupervisedDriver& driver) {
+  auto state = driver.read();
+  if (!state) throw std::runtime_error(state.error().text);
+  return std::move(*state);
+}
+
+/// Why a motion cannot begin, or go on, with the drives as they are.
+std::optional<DriverFault> not_ready(const JointState& state, ControlMode mode,
+                                     const std::string& refusal) {
+  switch (state.power) {
+    case DrivePower::Fault:
+      return DriverFault{"the drives have a fault: " + state.fault};
+    case DrivePower::Off:
+      return DriverFault{refusal.empty() ? "the drives are off" : refusal};
+    case DrivePower::TurningOn:
+      return DriverFault{"the drives are turning on"};
+    case DrivePower::On:
+      break;
+  }
+  if (state.brakes == Brakes::Engaged) return DriverFault{"the brakes of the drives are engaged"};
+  if (state.mode != mode) return DriverFault{"the drives left the mode that they were asked for"};
+  return std::nullopt;
 }
 
 }  // namespace
@@ -21,12 +53,20 @@ ArmController::ArmController(const robcl::arm::ArmModel& model, const Settings& 
                              JointDriver& driver)
     : settings_(settings),
       axes_(model.axes()),
-      driver_(driver),
+      driver_(driver, model.limits()),
+      can_(driver_.capabilities()),
+      mode_(mode_of(can_, model)),
       forward_(model),
-      command_(driver.measured()),
+      state_(first_state(driver_)),
+      command_(state_.position),
       reading_(Reading{}) {
-  publish(command_);
+  enable();
+  if (auto state = driver_.read()) state_ = std::move(*state);
+  command_ = state_.position;
+  publish();
 }
+
+ArmController::~ArmController() { static_cast<void>(driver_.disable()); }
 
 JointValues ArmController::standing_at() const {
   const Reading now = reading_.read();
@@ -48,30 +88,89 @@ std::optional<ArmController::Outcome> ArmController::wait(gecos::Duration patien
 }
 
 void ArmController::step(double seconds) {
-  if (phase_ == Phase::Standing && started_.load()) phase_ = Phase::Moving;
+  beats_.fetch_add(1);
+  look_after_drives();
+  if (phase_ == Phase::Standing && started_.load()) begin_motion();
+  const JointValues before = command_;
   if (phase_ == Phase::Moving) move(seconds);
-  auto measured = driver_.exchange(command_, seconds);
+  auto answer = driver_.exchange(command_for(before, seconds), seconds);
   std::optional<Outcome> end;
-  if (measured) {
-    if (phase_ == Phase::Settling) end = settle(*measured, seconds);
-  } else if (phase_ != Phase::Standing) {
-    end = Outcome{End::Fault, 0, 0, std::move(measured.error())};
+  if (phase_ != Phase::Standing) {
+    if (auto fault = fault_of(answer, seconds)) {
+      end = Outcome{End::Fault, 0, 0, std::move(*fault)};
+    } else if (phase_ == Phase::Settling) {
+      end = settle(answer->position, seconds);
+    }
   }
-  if (end) phase_ = Phase::Standing;
-  // Without an answer from the driver the last one stays what is known, and its stamp says how old
-  // it is. Where it stands when the driver is back, it shall stay.
-  if (measured) {
-    if (std::exchange(silent_, false)) command_ = *measured;
-    publish(*measured);
-  } else {
-    silent_ = true;
-    for (Eigen::Index i = 0; i < command_.size(); ++i) command_[i] = last_.joints[at(i)];
-    last_.commanded = last_.joints;
+  take(std::move(answer), end && end->end == End::Fault);
+  if (end) end_motion(std::move(*end));
+}
+
+/// After a fault everything begins again from where the joints are measured: nothing may jump there
+/// where it should have been.
+void ArmController::take(tl::expected<JointState, DriverFault> answer, bool motion_failed) {
+  if (answer) {
+    const bool stays =
+        std::exchange(silent_, false) || motion_failed || answer->power != DrivePower::On;
+    state_ = std::move(*answer);
+    if (stays) command_ = state_.position;
+    publish();
+    return;
   }
-  if (!end) return;
+  // The last answer stays what is known, and its stamp says how old it is.
+  silent_ = true;
+  command_ = state_.position;
+  last_.commanded = last_.joints;
+  reading_.write(last_);
+}
+
+void ArmController::enable() {
+  const auto enabled = driver_.enable(mode_);
+  refusal_ = enabled ? std::string() : enabled.error().text;
+}
+
+void ArmController::look_after_drives() {
+  if (!reset_.load() || !reset_.exchange(false)) return;
+  if (const auto reset = driver_.reset(); !reset) {
+    refusal_ = reset.error().text;
+    return;
+  }
+  enable();
+}
+
+void ArmController::begin_motion() {
+  auto why = not_ready(state_, mode_, refusal_);
+  if (!why && silent_) why = DriverFault{"the driver does not answer"};
+  if (!why && (playback_->plan().start() - command_).cwiseAbs().maxCoeff() > moved_away) {
+    why = DriverFault{"the joints were moved after the motion was planned"};
+  }
+  if (why) return end_motion(Outcome{End::Fault, 0, 0, std::move(*why)});
+  phase_ = Phase::Moving;
+}
+
+JointCommand ArmController::command_for(const JointValues& before, double seconds) const {
+  JointCommand command{command_, (command_ - before) / seconds, {}};
+  if (mode_ == ControlMode::Velocity) {
+    command.velocity += settings_.position_gain * (before - state_.position);
+  }
+  return command;
+}
+
+std::optional<DriverFault> ArmController::fault_of(
+    const tl::expected<JointState, DriverFault>& answer, double seconds) const {
+  if (!answer) return answer.error();
+  if (seconds > can_.longest_gap) {
+    return DriverFault{"the control loop stood still for " + std::to_string(seconds) +
+                       " s; the drives stop after " + std::to_string(can_.longest_gap) + " s"};
+  }
+  return not_ready(*answer, mode_, refusal_);
+}
+
+void ArmController::end_motion(Outcome outcome) {
+  phase_ = Phase::Standing;
   last_.moving = false;
   reading_.write(last_);
-  outcome_ = std::move(*end);
+  outcome_ = std::move(outcome);
   started_.store(false);
   ended_.release();
 }
@@ -100,16 +199,17 @@ std::optional<ArmController::Outcome> ArmController::settle(const JointValues& m
   return std::nullopt;
 }
 
-void ArmController::publish(const JointValues& measured) {
-  for (Eigen::Index i = 0; i < measured.size(); ++i) {
-    last_.joints[at(i)] = measured[i];
+void ArmController::publish() {
+  for (Eigen::Index i = 0; i < axes_; ++i) {
+    last_.joints[at(i)] = state_.position[i];
     last_.commanded[at(i)] = command_[i];
   }
-  last_.measured_at_ns = unix_ns();
-  const robcl::Frame flange = forward_.base_from_flange(measured);
+  last_.measured_at_ns = state_.measured_at_ns;
+  const robcl::Frame flange = forward_.base_from_flange(state_.position);
   const auto [w, x, y, z] = flange.quaternion();
   last_.base_from_flange = {flange.x(), flange.y(), flange.z(), w, x, y, z};
   last_.moving = phase_ != Phase::Standing;
+  last_.power = state_.power;
   ++last_.cycle;
   reading_.write(last_);
 }

@@ -8,7 +8,7 @@
 #include <semaphore>
 
 #include "arm/latest.hpp"
-#include "drivers/joint_driver.hpp"
+#include "drivers/supervised_driver.hpp"
 #include "gecos/base/clock.hpp"
 #include "robcl/arm/kinematics.hpp"
 #include "robcl/motion/playback.hpp"
@@ -18,11 +18,16 @@ namespace devices {
 /// Runs one motion at a time and keeps standing where it is when there is none. `step` belongs to
 /// the control loop's thread and neither locks nor allocates (unless the driver fails); the rest
 /// belongs to the thread that wants the arm moved; `now` may be read by all.
+///
+/// The drives are enabled when this is made, in a mode that they have: position, else velocity, for
+/// which the loop closes the position itself. A fault of the drives ends the motion and stays until
+/// `reset_drives`: nothing moves by itself when its cause is gone.
 class ArmController {
  public:
   struct Settings {
-    double settled = 1e-4;   ///< rad from its goal at which a joint counts as arrived
-    double settle_time = 1;  ///< s after the end of a motion within which it has to be there
+    double settled = 1e-4;      ///< rad from its goal at which a joint counts as arrived
+    double settle_time = 1;     ///< s after the end of a motion within which it has to be there
+    double position_gain = 20;  ///< 1/s, in velocity mode: rad/s for each rad that a joint is away
   };
 
   /// What was measured, all of it in one cycle.
@@ -35,6 +40,7 @@ class ArmController {
     std::uint64_t cycle = 0;          // counts what was measured
     std::int64_t measured_at_ns = 0;  // of the Unix clock
     bool moving = false;
+    DrivePower power = DrivePower::Off;
   };
 
   /// How a motion ended.
@@ -46,10 +52,21 @@ class ArmController {
     DriverFault fault;      ///< Fault
   };
 
+  /// Throws std::runtime_error with the driver's words if it does not say where the joints are, and
+  /// std::invalid_argument if its joints are not the model's or torque is their only mode.
   ArmController(const robcl::arm::ArmModel& model, const Settings& settings, JointDriver& driver);
+  /// The drives are off and the brakes hold.
+  ~ArmController();
+  ArmController(const ArmController&) = delete;
+  ArmController& operator=(const ArmController&) = delete;
 
   /// One cycle of `seconds`.
   void step(double seconds);
+
+  /// Clears a fault of the drives, in the next cycle, and enables them again.
+  void reset_drives() { reset_.store(true); }
+  /// Cycles that were begun: stands while the driver does not return.
+  std::uint64_t beats() const { return beats_.load(); }
 
   /// Hands a motion to the control loop. @pre the last one was awaited; it starts at
   /// `standing_at()`.
@@ -67,13 +84,23 @@ class ArmController {
  private:
   enum class Phase { Standing, Moving, Settling };
 
+  void enable();
+  void look_after_drives();
+  void begin_motion();
   void move(double seconds);
+  JointCommand command_for(const JointValues& before, double seconds) const;
+  std::optional<DriverFault> fault_of(const tl::expected<JointState, DriverFault>& answer,
+                                      double seconds) const;
+  void take(tl::expected<JointState, DriverFault> answer, bool motion_failed);
+  void end_motion(Outcome outcome);
   std::optional<Outcome> settle(const JointValues& measured, double seconds);
-  void publish(const JointValues& measured);
+  void publish();
 
   const Settings settings_;
   const Eigen::Index axes_;
-  JointDriver& driver_;
+  SupervisedDriver driver_;
+  const JointDriver::Capabilities can_;
+  const ControlMode mode_;
   robcl::arm::Kinematics forward_;
 
   // Between start() and the end of the motion the loop owns these, otherwise the mover does.
@@ -82,12 +109,16 @@ class ArmController {
 
   std::atomic<bool> started_{false};  // publishes playback_ to the loop
   std::atomic<bool> stop_{false};
-  std::counting_semaphore<> ended_{0};  // publishes outcome_ to the mover
+  std::atomic<bool> reset_{false};       // publishes nothing but itself
+  std::atomic<std::uint64_t> beats_{0};  // publishes nothing but itself
+  std::counting_semaphore<> ended_{0};   // publishes outcome_ to the mover
 
   // The loop's own.
   Phase phase_ = Phase::Standing;
+  JointState state_;  // as answered last
   JointValues command_;
-  bool silent_ = false;  // the driver did not answer in the last cycle
+  bool silent_ = false;  // the driver gave no answer in the last cycle that can be true
+  std::string refusal_;  // why they cannot be enabled
   double settling_ = 0;
   int arrived_ = 0;
   Reading last_;

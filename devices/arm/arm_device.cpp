@@ -14,6 +14,9 @@ using robcl::motion::Pace;
 using robcl::motion::Plan;
 using namespace std::chrono_literals;
 
+constexpr auto beat = 5ms;       // between two looks at a motion
+constexpr int most_looks = 400;  // of these while the control loop stands still
+
 MoveFailure as_move_failure(const Failure& failure) {
   return std::visit([](const auto& reason) { return MoveFailure(reason); }, failure);
 }
@@ -111,6 +114,10 @@ tl::expected<void, MoveFailure> ArmDevice::run(const Pace& pace, MotionWatcher& 
   if (auto problem = robcl::motion::problem_of(pace)) return tl::unexpected(Refused{*problem});
   const std::unique_lock standing(moving_, std::try_to_lock);
   if (!standing) return tl::unexpected(Refused{"the arm is moving for somebody else"});
+  if (unfinished_ && !controller_.wait(0ms)) {
+    return tl::unexpected(DriverFault{"the driver does not return: the control loop stands still"});
+  }
+  unfinished_ = false;
   Planned plan = make_plan(controller_.standing_at());
   if (!plan) return tl::unexpected(as_move_failure(plan.error()));
   return follow(std::move(*plan), watcher);
@@ -136,12 +143,11 @@ tl::expected<void, MoveFailure> ArmDevice::move_to(const JointValues& target, co
 tl::expected<void, MoveFailure> ArmDevice::follow(Plan plan, MotionWatcher& watcher) {
   if (watcher.interrupted()) return tl::unexpected(Interrupted{});
   controller_.start(std::move(plan));
-  std::optional<ArmController::Outcome> outcome;
-  while (!outcome) {
-    outcome = controller_.wait(5ms);
-    if (watcher.interrupted()) controller_.stop();
-    const ArmController::Reading now = controller_.now();
-    watcher.progress(now.fraction, now.remaining);
+  const auto outcome = await_end(watcher);
+  if (!outcome) {
+    controller_.stop();  // should it ever go on
+    unfinished_ = true;
+    return tl::unexpected(DriverFault{"the driver does not return: the control loop stands still"});
   }
   switch (outcome->end) {
     case ArmController::End::Arrived:
@@ -154,6 +160,22 @@ tl::expected<void, MoveFailure> ArmDevice::follow(Plan plan, MotionWatcher& watc
       break;
   }
   return tl::unexpected(outcome->fault);
+}
+
+/// How the motion ended; nothing if the control loop began no cycle during so many looks. Looks are
+/// counted, not time: a process that was stopped for a while has not looked.
+std::optional<ArmController::Outcome> ArmDevice::await_end(MotionWatcher& watcher) {
+  std::uint64_t seen = controller_.beats();
+  for (int looks = 0; looks < most_looks; ++looks) {
+    auto outcome = controller_.wait(beat);
+    if (watcher.interrupted()) controller_.stop();
+    const ArmController::Reading now = controller_.now();
+    watcher.progress(now.fraction, now.remaining);
+    if (outcome) return outcome;
+    if (controller_.beats() != seen) looks = 0;
+    seen = controller_.beats();
+  }
+  return std::nullopt;
 }
 
 SixAxisDevice::SixAxisDevice(const robcl::arm::ArmModel& model, const Settings& settings,

@@ -69,8 +69,13 @@ class ArmDevice {
   Frame tool_offset() const;   ///< tool seen from the flange
   JointValues joints() const;  ///< as measured
   bool moving() const { return controller_.now().moving; }
+  DrivePower power() const { return controller_.now().power; }
   robcl::arm::Configuration configuration() const;
   const robcl::arm::ArmModel& model() const { return model_; }
+
+  /// Clears a fault of the drives and enables them again. Returns at once; moves are refused with
+  /// the fault's words until it worked.
+  void reset_drives() { controller_.reset_drives(); }
 
   /// Places the base in the world. Fails while the arm moves.
   tl::expected<void, Refused> mount(const Frame& world_from_base);
@@ -91,12 +96,14 @@ class ArmDevice {
   tl::expected<void, MoveFailure> run(const robcl::motion::Pace& pace, MotionWatcher& watcher,
                                       MakePlan make_plan);
   tl::expected<void, MoveFailure> follow(robcl::motion::Plan plan, MotionWatcher& watcher);
+  std::optional<ArmController::Outcome> await_end(MotionWatcher& watcher);
 
   const robcl::arm::ArmModel model_;
   ArmController controller_;
 
-  std::mutex moving_;  // held from planning to standing; guards planner_
+  std::mutex moving_;  // held from planning to standing; guards planner_ and unfinished_
   robcl::motion::Planner planner_;
+  bool unfinished_ = false;  // a motion was given up because the control loop stood still in it
 
   mutable std::mutex reading_;  // guards what follows; never held while waiting
   Frame world_from_base_;

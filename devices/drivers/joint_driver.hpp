@@ -1,5 +1,8 @@
+// What separates motion from hardware: the drives of one arm.
 #pragma once
 
+#include <cstdint>
+#include <limits>
 #include <string>
 
 #include "gecos/base/result.hpp"
@@ -14,18 +17,72 @@ struct DriverFault {
   std::string text;
 };
 
-/// What separates motion from hardware: the joints of one arm. Used by one control loop.
+/// The number of a JointCommand that binds. The drives may use the others as feed-forward.
+enum class ControlMode { Position, Velocity, Torque };
+
+enum class DrivePower {
+  Off,        ///< no torque; the brakes hold
+  TurningOn,  ///< enabled, and not ready yet
+  On,         ///< follows commands
+  Fault,      ///< as Off, until the fault is reset
+};
+
+/// Of joints that have none: Released.
+enum class Brakes { Engaged, Released };
+
+/// What the joints shall do until the next command.
+struct JointCommand {
+  JointValues position;  ///< rad, at the end of the cycle
+  JointValues velocity;  ///< rad/s
+  JointValues torque;    ///< N·m; empty unless the mode is Torque
+};
+
+/// What the drives measured, and the state they are in.
+struct JointState {
+  DrivePower power = DrivePower::Off;
+  Brakes brakes = Brakes::Engaged;
+  ControlMode mode = ControlMode::Position;  ///< once enabled
+  JointValues position;                      ///< rad
+  JointValues velocity;                      ///< rad/s; empty: not measured
+  JointValues torque;                        ///< N·m; empty: not measured
+  std::int64_t measured_at_ns = 0;           ///< of this host's Unix clock
+  std::string fault;                         ///< in words for people, where power is Fault
+};
+
+/// The joints of one arm. Used by one thread at a time.
+///
+/// No function waits longer than a part of the control cycle: what takes longer (brakes that
+/// release, say) goes on while `exchange` reports TurningOn. A driver that fails, throws or says
+/// what cannot be true ends the motion with a fault (see SupervisedDriver).
 class JointDriver {
  public:
+  struct Capabilities {
+    Eigen::Index axes = 0;
+    bool position = false, velocity = false, torque = false;  ///< modes
+    /// s without an exchange after which the drives stop by themselves. A motion during which the
+    /// control loop stood still for longer is not resumed.
+    double longest_gap = std::numeric_limits<double>::infinity();
+  };
+
   virtual ~JointDriver() = default;
 
-  /// Where the joints are before anything was commanded, rad.
-  virtual JointValues measured() = 0;
+  virtual Capabilities capabilities() const = 0;
 
-  /// Once per control cycle: where the joints shall be `seconds` from the last exchange on,
-  /// answered by where they are. Blocks no longer than a part of the cycle, allocates only to fail.
-  virtual tl::expected<JointValues, DriverFault> exchange(const JointValues& command,
-                                                          double seconds) = 0;
+  /// What is measured now; commands nothing.
+  virtual tl::expected<JointState, DriverFault> read() = 0;
+  /// Turns the drives on and releases the brakes. The joints stay where they are until the first
+  /// `exchange` that finds them On. Fails in a mode that the drives do not have, and while a fault
+  /// is not reset.
+  virtual tl::expected<void, DriverFault> enable(ControlMode mode) = 0;
+  /// Stops the joints, engages the brakes, turns the drives off.
+  virtual tl::expected<void, DriverFault> disable() = 0;
+  /// Clears a fault whose cause is gone; the drives are Off then.
+  virtual tl::expected<void, DriverFault> reset() = 0;
+
+  /// Once per control cycle: the command for the next `seconds`, answered by what was measured.
+  /// Ignores the command unless the drives are On. Allocates only to fail.
+  virtual tl::expected<JointState, DriverFault> exchange(const JointCommand& command,
+                                                         double seconds) = 0;
 };
 
 }  // namespace devices

@@ -1,15 +1,30 @@
 #include "drivers/simulated_driver.hpp"
 
+#include <chrono>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace devices {
+namespace {
+
+std::int64_t unix_ns() {
+  const auto since = std::chrono::system_clock::now().time_since_epoch();
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(since).count();
+}
+
+}  // namespace
 
 SimulatedDriver::SimulatedDriver(const JointValues& start, const Imperfection& imperfection)
     : imperfection_(imperfection),
       actual_(start),
+      speed_(JointValues::Zero(start.size())),
       random_(imperfection.seed),
       noise_(0, imperfection.noise) {}
+
+JointDriver::Capabilities SimulatedDriver::capabilities() const {
+  return {.axes = actual_.size(), .position = true, .velocity = true};
+}
 
 JointValues SimulatedDriver::measured() {
   const double count = 2 * std::numbers::pi / imperfection_.encoder_counts;
@@ -20,11 +35,60 @@ JointValues SimulatedDriver::measured() {
   return seen;
 }
 
-tl::expected<JointValues, DriverFault> SimulatedDriver::exchange(const JointValues& command,
-                                                                 double seconds) {
-  const double done = 1 - std::exp(-seconds / imperfection_.lag);
-  actual_ += done * (command - actual_);
-  return measured();
+JointState SimulatedDriver::state() {
+  JointState state;
+  state.power = power_;
+  state.brakes = power_ == DrivePower::On ? Brakes::Released : Brakes::Engaged;
+  state.mode = mode_;
+  state.position = measured();
+  state.velocity = speed_;
+  state.measured_at_ns = unix_ns();
+  if (power_ == DrivePower::Fault) state.fault = fault_;
+  return state;
+}
+
+tl::expected<void, DriverFault> SimulatedDriver::enable(ControlMode mode) {
+  if (power_ == DrivePower::Fault) return tl::unexpected(DriverFault{fault_});
+  if (mode == ControlMode::Torque) {
+    return tl::unexpected(DriverFault{"simulated joints have no mass: torque moves nothing"});
+  }
+  power_ = DrivePower::On;
+  mode_ = mode;
+  speed_.setZero();
+  return {};
+}
+
+tl::expected<void, DriverFault> SimulatedDriver::disable() {
+  if (power_ != DrivePower::Fault) power_ = DrivePower::Off;
+  speed_.setZero();
+  return {};
+}
+
+tl::expected<void, DriverFault> SimulatedDriver::reset() {
+  if (power_ == DrivePower::Fault) power_ = DrivePower::Off;
+  return {};
+}
+
+void SimulatedDriver::break_down(std::string fault) {
+  power_ = DrivePower::Fault;
+  fault_ = std::move(fault);
+  speed_.setZero();
+}
+
+tl::expected<JointState, DriverFault> SimulatedDriver::exchange(const JointCommand& command,
+                                                                double seconds) {
+  if (power_ == DrivePower::On) {
+    const double done = 1 - std::exp(-seconds / imperfection_.lag);
+    const JointValues before = actual_;
+    if (mode_ == ControlMode::Position) {
+      actual_ += done * (command.position - actual_);
+      speed_ = (actual_ - before) / seconds;
+    } else {
+      speed_ += done * (command.velocity - speed_);
+      actual_ += seconds * speed_;
+    }
+  }
+  return state();
 }
 
 }  // namespace devices

@@ -6,8 +6,9 @@
 
 namespace devices {
 
-/// Joints that are simulated, and not perfect: they follow their command with a lag of first order,
-/// and are seen through encoders with steps and noise.
+/// Joints that are simulated, and not perfect: they follow a commanded position, or velocity, with
+/// a lag of first order, and are seen through encoders with steps and noise. They have no mass, so
+/// torque is no mode of theirs.
 class SimulatedDriver final : public JointDriver {
  public:
   struct Imperfection {
@@ -19,13 +20,28 @@ class SimulatedDriver final : public JointDriver {
 
   SimulatedDriver(const JointValues& start, const Imperfection& imperfection);
 
-  JointValues measured() override;
-  tl::expected<JointValues, DriverFault> exchange(const JointValues& command,
-                                                  double seconds) override;
+  Capabilities capabilities() const override;
+  tl::expected<JointState, DriverFault> read() override { return state(); }
+  tl::expected<void, DriverFault> enable(ControlMode mode) override;
+  tl::expected<void, DriverFault> disable() override;
+  tl::expected<void, DriverFault> reset() override;
+  tl::expected<JointState, DriverFault> exchange(const JointCommand& command,
+                                                 double seconds) override;
+
+  /// As their encoders see the joints now, rad.
+  JointValues measured();
+  /// The drives fail with these words, and hold the arm with their brakes until they are reset.
+  void break_down(std::string fault);
 
  private:
+  JointState state();
+
   Imperfection imperfection_;
+  DrivePower power_ = DrivePower::Off;
+  ControlMode mode_ = ControlMode::Position;
+  std::string fault_;
   JointValues actual_;
+  JointValues speed_;
   std::mt19937 random_;
   std::normal_distribution<double> noise_;
 };

@@ -10,6 +10,7 @@
 #include "allocations.hpp"
 #include "arms.hpp"
 #include "drivers/simulated_driver.hpp"
+#include "standing_driver.hpp"
 
 namespace devices {
 namespace {
@@ -181,21 +182,9 @@ TEST_F(Arm, ItsControlCycleAllocatesNothing) {
   EXPECT_EQ(outcome->end, ArmController::End::Arrived);
 }
 
-/// Drives that hold their brakes, or whose line breaks.
-class BrokenDriver : public JointDriver {
- public:
-  JointValues measured() override { return ready; }
-  tl::expected<JointValues, DriverFault> exchange(const JointValues&, double) override {
-    if (broken) return tl::unexpected(DriverFault{"no answer from the drives"});
-    return stands;
-  }
-  JointValues stands = ready;
-  bool broken = false;
-};
-
 TEST(BrokenArm, ThatDoesNotComeToItsGoalSaysWhichJoint) {
   const auto model = rx90();
-  BrokenDriver driver;
+  StandingDriver driver(ready);
   ArmController controller(model, {}, driver);
   robcl::motion::Planner planner(model, {});
   JointValues target = ready;
@@ -211,7 +200,7 @@ TEST(BrokenArm, ThatDoesNotComeToItsGoalSaysWhichJoint) {
 
 TEST(BrokenArm, WhoseDriverFailsEndsTheMotionWithItsWords) {
   const auto model = rx90();
-  BrokenDriver driver;
+  StandingDriver driver(ready);
   ArmController controller(model, {}, driver);
   robcl::motion::Planner planner(model, {});
   JointValues target = ready;
@@ -229,7 +218,7 @@ TEST(BrokenArm, WhoseDriverFailsEndsTheMotionWithItsWords) {
 
 TEST(BrokenArm, StaysWhereItStandsWhenItsDriverIsBack) {
   const auto model = rx90();
-  BrokenDriver driver;
+  StandingDriver driver(ready);
   ArmController controller(model, {}, driver);
   driver.broken = true;
   controller.step(cycle);
@@ -242,7 +231,7 @@ TEST(BrokenArm, StaysWhereItStandsWhenItsDriverIsBack) {
 
 TEST(BrokenArm, WhoseDriverIsSilentKeepsTheStampOfWhatItSaidLast) {
   const auto model = rx90();
-  BrokenDriver driver;
+  StandingDriver driver(ready);
   ArmController controller(model, {}, driver);
   controller.step(cycle);
   const auto last = controller.now();
@@ -250,24 +239,6 @@ TEST(BrokenArm, WhoseDriverIsSilentKeepsTheStampOfWhatItSaidLast) {
   for (int i = 0; i < 10; ++i) controller.step(cycle);
   EXPECT_EQ(controller.now().measured_at_ns, last.measured_at_ns);
   EXPECT_EQ(controller.now().cycle, last.cycle);
-}
-
-TEST(SimulatedDriver, LagsBehindItsCommandAndComesToIt) {
-  SimulatedDriver driver(JointValues::Zero(6), {});
-  const JointValues goal = JointValues::Constant(6, 0.1);
-  const JointValues first = driver.exchange(goal, cycle).value();
-  EXPECT_NEAR(first[0], 0.1 * (1 - std::exp(-0.4)), 1e-4);
-  for (int i = 0; i < 50; ++i) (void)driver.exchange(goal, cycle);
-  EXPECT_LT((driver.measured() - goal).cwiseAbs().maxCoeff(), 1e-4);
-}
-
-TEST(SimulatedDriver, TheSameSeedGivesTheSameNoise) {
-  SimulatedDriver one(ready, {}), other(ready, {});
-  for (int i = 0; i < 10; ++i) EXPECT_EQ(one.measured(), other.measured());
-  SimulatedDriver differs(ready, {.seed = 2});
-  bool same = true;
-  for (int i = 0; i < 10; ++i) same &= one.measured() == differs.measured();
-  EXPECT_FALSE(same);
 }
 
 }  // namespace

@@ -1,0 +1,110 @@
+#include "drivers/supervised_driver.hpp"
+
+#include <chrono>
+#include <cmath>
+#include <exception>
+#include <iomanip>
+#include <sstream>
+#include <utility>
+
+namespace devices {
+namespace {
+
+constexpr double encoder_slack = 0.01;  // rad that noise and a late cycle may add to a step
+
+/// What `ask` gives; what it throws as a fault.
+template <typename Ask>
+auto caught(Ask ask) -> decltype(ask()) {
+  try {
+    return ask();
+  } catch (const std::exception& thrown) {
+    return tl::unexpected(DriverFault{"the driver threw: " + std::string(thrown.what())});
+  } catch (...) {
+    return tl::unexpected(DriverFault{"the driver threw something that is no std::exception"});
+  }
+}
+
+double unix_now() {
+  return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
+template <typename... Parts>
+DriverFault lie(const Parts&... parts) {
+  std::ostringstream text;
+  text << std::setprecision(3) << "the driver's answer cannot be true: ";
+  (text << ... << parts);
+  return {text.str()};
+}
+
+bool fits(const JointValues& values, Eigen::Index axes) {
+  return values.size() == axes && values.allFinite();
+}
+
+}  // namespace
+
+tl::expected<JointState, DriverFault> SupervisedDriver::read() {
+  last_.resize(0);
+  return judged(caught([&] { return driver_.read(); }), 0);
+}
+
+tl::expected<void, DriverFault> SupervisedDriver::enable(ControlMode mode) {
+  return caught([&] { return driver_.enable(mode); });
+}
+
+tl::expected<void, DriverFault> SupervisedDriver::disable() {
+  return caught([&] { return driver_.disable(); });
+}
+
+tl::expected<void, DriverFault> SupervisedDriver::reset() {
+  return caught([&] { return driver_.reset(); });
+}
+
+tl::expected<JointState, DriverFault> SupervisedDriver::exchange(const JointCommand& command,
+                                                                 double seconds) {
+  return judged(caught([&] { return driver_.exchange(command, seconds); }), seconds);
+}
+
+tl::expected<JointState, DriverFault> SupervisedDriver::judged(
+    tl::expected<JointState, DriverFault> answer, double seconds) {
+  if (answer) {
+    if (auto lie = lie_of(*answer, seconds)) answer = tl::unexpected(std::move(*lie));
+  }
+  if (answer) {
+    last_ = answer->position;
+  } else {
+    last_.resize(0);
+  }
+  return answer;
+}
+
+std::optional<DriverFault> SupervisedDriver::lie_of(const JointState& state, double seconds) const {
+  const auto axes = static_cast<Eigen::Index>(limits_.size());
+  if (state.position.size() != axes) {
+    return lie("it has ", state.position.size(), " joint positions, the arm has ", axes, " joints");
+  }
+  if (!fits(state.position, axes)) return lie("a joint position is not finite");
+  if (state.velocity.size() > 0 && !fits(state.velocity, axes)) {
+    return lie("its joint velocities are not ", axes, " finite numbers");
+  }
+  if (state.torque.size() > 0 && !fits(state.torque, axes)) {
+    return lie("its joint torques are not ", axes, " finite numbers");
+  }
+  const double age = unix_now() - 1e-9 * static_cast<double>(state.measured_at_ns);
+  if (age > oldest) return lie("it was measured ", age, " s ago");
+  if (age < -oldest) return lie("it was measured ", -age, " s in the future");
+  return jump_of(state.position, seconds);
+}
+
+std::optional<DriverFault> SupervisedDriver::jump_of(const JointValues& position,
+                                                     double seconds) const {
+  for (Eigen::Index i = 0; i < last_.size(); ++i) {
+    const double jump = std::abs(position[i] - last_[i]);
+    const double most = limits_[static_cast<std::size_t>(i)].speed * seconds;
+    if (jump <= speed_margin * most + encoder_slack) continue;
+    return lie("joint ", i + 1, " moved by ", jump, " rad in ", seconds, " s; it can move by ",
+               most, " rad");
+  }
+  return std::nullopt;
+}
+
+}  // namespace devices

@@ -1,0 +1,302 @@
+// What the drives of an arm may do, and what becomes of a motion then.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <functional>
+#include <future>
+#include <stdexcept>
+
+#include "arm/arm_device.hpp"
+#include "arms.hpp"
+#include "drivers/simulated_driver.hpp"
+#include "standing_driver.hpp"
+
+namespace devices {
+namespace {
+
+constexpr double beat = 0.004;
+const JointValues start = robcl::joints({0, -20, 110, 0, 90, 0});
+
+JointValues beside_start() {
+  JointValues target = start;
+  target[1] += 0.3;
+  return target;
+}
+
+robcl::motion::Plan plan_to(const robcl::arm::ArmModel& model, const JointValues& target) {
+  return robcl::motion::Planner(model, {}).joints(start, target, {}).value();
+}
+
+/// How a motion away from `start` ends, `cycles` later at most; `meanwhile` once a cycle.
+std::optional<ArmController::Outcome> outcome_of(
+    ArmController& controller, const std::function<void(int)>& meanwhile = [](int) {}) {
+  controller.start(plan_to(robcl::rx90(), beside_start()));
+  for (int i = 0; i < 1000; ++i) {
+    meanwhile(i);
+    controller.step(beat);
+    if (auto outcome = controller.wait(std::chrono::seconds(0))) return outcome;
+  }
+  return std::nullopt;
+}
+
+/// Gives the answer that the test makes of the true one, from the tenth exchange on.
+class LyingDriver : public StandingDriver {
+ public:
+  explicit LyingDriver(std::function<void(JointState&)> lie)
+      : StandingDriver(start), lie_(std::move(lie)) {}
+  tl::expected<JointState, DriverFault> exchange(const JointCommand&, double) override {
+    JointState answer = state();
+    if (++exchanges_ >= 10) lie_(answer);
+    return answer;
+  }
+
+ private:
+  std::function<void(JointState&)> lie_;
+  int exchanges_ = 0;
+};
+
+struct Lie {
+  std::function<void(JointState&)> tell;
+  std::string noticed;
+};
+
+TEST(LyingDriver, EndsTheMotionWithAFaultThatSaysWhyItCannotBeTrue) {
+  const double none = std::nan("");
+  for (const Lie& lie : std::vector<Lie>{
+           {[&](JointState& state) { state.position[3] = none; }, "a joint position is not finite"},
+           {[](JointState& state) { state.position.conservativeResize(5); },
+            "it has 5 joint positions, the arm has 6 joints"},
+           {[&](JointState& state) { state.velocity = JointValues::Constant(6, none); },
+            "its joint velocities are not 6 finite numbers"},
+           {[](JointState& state) { state.torque = JointValues::Zero(2); },
+            "its joint torques are not 6 finite numbers"},
+           {[](JointState& state) { state.measured_at_ns -= 60'000'000'000; },
+            "it was measured 60 s ago"},
+           {[](JointState& state) { state.measured_at_ns += 60'000'000'000; },
+            "it was measured 60 s in the future"},
+           {[](JointState& state) { state.position[2] += 0.5; },
+            "joint 3 moved by 0.5 rad in 0.004 s; it can move by 0.02 rad"}}) {
+    LyingDriver driver(lie.tell);
+    ArmController controller(robcl::rx90(), {}, driver);
+    const auto outcome = outcome_of(controller);
+    ASSERT_TRUE(outcome.has_value());
+    EXPECT_EQ(outcome->end, ArmController::End::Fault);
+    EXPECT_EQ(outcome->fault.text, "the driver's answer cannot be true: " + lie.noticed);
+  }
+}
+
+TEST(ThrowingDriver, EndsTheMotionWithAFaultWhateverItThrows) {
+  for (const auto& [throwing, text] :
+       std::vector<std::pair<std::function<void(JointState&)>, std::string>>{
+           {[](JointState&) { throw std::runtime_error("line cut"); },
+            "the driver threw: line cut"},
+           {[](JointState&) { throw 7; },
+            "the driver threw something that is no std::exception"}}) {
+    LyingDriver driver(throwing);
+    ArmController controller(robcl::rx90(), {}, driver);
+    const auto outcome = outcome_of(controller);
+    ASSERT_TRUE(outcome.has_value());
+    EXPECT_EQ(outcome->end, ArmController::End::Fault);
+    EXPECT_EQ(outcome->fault.text, text);
+  }
+}
+
+TEST(DriverFault, IsKeptUntilTheDrivesAreResetAndTheArmThenMovesFromWhereItStands) {
+  SimulatedDriver driver(start, {});
+  ArmController controller(robcl::rx90(), {}, driver);
+  const auto failed = outcome_of(controller, [&](int i) {
+    if (i == 30) driver.break_down("overcurrent in axis 2");
+  });
+  ASSERT_TRUE(failed.has_value());
+  EXPECT_EQ(failed->fault.text, "the drives have a fault: overcurrent in axis 2");
+  const JointValues stood = driver.measured();
+  EXPECT_EQ(controller.now().power, DrivePower::Fault);
+
+  controller.start(robcl::motion::Planner(robcl::rx90(), {})
+                       .joints(controller.standing_at(), beside_start(), {})
+                       .value());
+  controller.step(beat);
+  const auto refused = controller.wait(std::chrono::seconds(0));
+  ASSERT_TRUE(refused.has_value()) << "nothing moves by itself";
+  EXPECT_EQ(refused->fault.text, "the drives have a fault: overcurrent in axis 2");
+
+  controller.reset_drives();
+  controller.step(beat);
+  EXPECT_EQ(controller.now().power, DrivePower::On);
+  EXPECT_LT((driver.measured() - stood).cwiseAbs().maxCoeff(), 1e-3) << "it stands where it stood";
+  controller.start(robcl::motion::Planner(robcl::rx90(), {})
+                       .joints(controller.standing_at(), beside_start(), {})
+                       .value());
+  std::optional<ArmController::Outcome> moved;
+  while (!moved) {
+    controller.step(beat);
+    moved = controller.wait(std::chrono::seconds(0));
+  }
+  EXPECT_EQ(moved->end, ArmController::End::Arrived) << moved->fault.text;
+}
+
+TEST(Drives, ThatAreNotReadyBeginNoMotion) {
+  for (const auto& [power, brakes, text] : std::vector<std::tuple<DrivePower, Brakes, std::string>>{
+           {DrivePower::Off, Brakes::Engaged, "the drives are off"},
+           {DrivePower::TurningOn, Brakes::Engaged, "the drives are turning on"},
+           {DrivePower::On, Brakes::Engaged, "the brakes of the drives are engaged"}}) {
+    StandingDriver driver(start);
+    driver.power = power;
+    driver.brakes = brakes;
+    ArmController controller(robcl::rx90(), {}, driver);
+    const auto outcome = outcome_of(controller);
+    ASSERT_TRUE(outcome.has_value());
+    EXPECT_EQ(outcome->end, ArmController::End::Fault);
+    EXPECT_EQ(outcome->fault.text, text);
+  }
+}
+
+TEST(Drives, ThatCannotBeEnabledSayWhy) {
+  class Locked : public StandingDriver {
+   public:
+    using StandingDriver::StandingDriver;
+    tl::expected<void, DriverFault> enable(ControlMode) override {
+      return tl::unexpected(DriverFault{"the emergency stop is pressed"});
+    }
+  };
+  Locked driver(start);
+  driver.power = DrivePower::Off;
+  ArmController controller(robcl::rx90(), {}, driver);
+  const auto outcome = outcome_of(controller);
+  ASSERT_TRUE(outcome.has_value());
+  EXPECT_EQ(outcome->fault.text, "the emergency stop is pressed");
+}
+
+TEST(Drives, WhoseBrakesEngageOnTheWayEndTheMotion) {
+  StandingDriver driver(start);
+  ArmController controller(robcl::rx90(), {}, driver);
+  const auto outcome = outcome_of(controller, [&](int i) {
+    if (i == 5) driver.brakes = Brakes::Engaged;
+  });
+  ASSERT_TRUE(outcome.has_value());
+  EXPECT_EQ(outcome->fault.text, "the brakes of the drives are engaged");
+}
+
+/// Simulated joints with some of their modes, or with a watchdog.
+class Limited : public JointDriver {
+ public:
+  explicit Limited(Capabilities can) : can_(can) {}
+  Capabilities capabilities() const override { return can_; }
+  tl::expected<JointState, DriverFault> read() override { return joints.read(); }
+  tl::expected<void, DriverFault> enable(ControlMode mode) override { return joints.enable(mode); }
+  tl::expected<void, DriverFault> disable() override { return joints.disable(); }
+  tl::expected<void, DriverFault> reset() override { return joints.reset(); }
+  tl::expected<JointState, DriverFault> exchange(const JointCommand& command,
+                                                 double seconds) override {
+    return joints.exchange(command, seconds);
+  }
+  SimulatedDriver joints{start, {}};
+
+ private:
+  const Capabilities can_;
+};
+
+TEST(Drives, ThatFollowVelocityAloneComeToTheirGoalToo) {
+  Limited driver({.axes = 6, .velocity = true});
+  ArmController controller(robcl::rx90(), {}, driver);
+  const auto outcome = outcome_of(controller);
+  ASSERT_TRUE(outcome.has_value());
+  EXPECT_EQ(outcome->end, ArmController::End::Arrived) << outcome->fault.text;
+  EXPECT_LT((driver.joints.measured() - beside_start()).cwiseAbs().maxCoeff(), 2e-4);
+  for (int i = 0; i < 500; ++i) controller.step(beat);
+  EXPECT_LT((driver.joints.measured() - beside_start()).cwiseAbs().maxCoeff(), 2e-4)
+      << "it stays there";
+}
+
+TEST(Drives, ThatDoNotFitTheArmAreRefusedWhenItIsMade) {
+  Limited torque({.axes = 6, .torque = true});
+  EXPECT_THROW(ArmController(robcl::rx90(), {}, torque), std::invalid_argument);
+  Limited seven({.axes = 7, .position = true});
+  EXPECT_THROW(ArmController(robcl::rx90(), {}, seven), std::invalid_argument);
+}
+
+TEST(Drives, ThatWereNotServedForLongerThanTheyAllowDoNotGoOn) {
+  Limited driver({.axes = 6, .position = true, .longest_gap = 0.02});
+  ArmController controller(robcl::rx90(), {}, driver);
+  controller.start(plan_to(robcl::rx90(), beside_start()));
+  for (int i = 0; i < 20; ++i) controller.step(beat);
+  controller.step(0.5);
+  const auto outcome = controller.wait(std::chrono::seconds(0));
+  ASSERT_TRUE(outcome.has_value());
+  EXPECT_EQ(outcome->end, ArmController::End::Fault);
+  EXPECT_EQ(outcome->fault.text.rfind("the control loop stood still for 0.5", 0), 0U)
+      << outcome->fault.text;
+}
+
+/// Does not return from an exchange while it is held.
+class HeldDriver : public StandingDriver {
+ public:
+  using StandingDriver::StandingDriver;
+  tl::expected<JointState, DriverFault> exchange(const JointCommand&, double) override {
+    held.wait(true);
+    return state();
+  }
+  std::atomic<bool> held{false};
+};
+
+TEST(DriverThatDoesNotReturn, EndsTheMoveAndNoOtherBeginsBeforeItDoes) {
+  class Patient : public MotionWatcher {
+   public:
+    bool interrupted() override { return false; }
+    void progress(double, double) override {}
+  } watcher;
+  HeldDriver driver(start);
+  SixAxisDevice arm(robcl::rx90(), {}, driver);
+  driver.held = true;
+  auto loop = std::async(std::launch::async, [&] { arm.step(beat); });
+  const auto failed = arm.move_joints(beside_start(), {}, watcher);
+  ASSERT_FALSE(failed);
+  EXPECT_EQ(to_string(failed.error()), "the driver does not return: the control loop stands still");
+  const auto refused = arm.move_joints(beside_start(), {}, watcher);
+  ASSERT_FALSE(refused);
+  EXPECT_TRUE(std::holds_alternative<DriverFault>(refused.error())) << to_string(refused.error());
+  driver.held = false;
+  driver.held.notify_all();
+  loop.get();
+}
+
+TEST(SimulatedDriver, LagsBehindItsCommandAndComesToIt) {
+  SimulatedDriver driver(JointValues::Zero(6), {});
+  ASSERT_TRUE(driver.enable(ControlMode::Position));
+  const JointCommand goal{JointValues::Constant(6, 0.1), {}, {}};
+  const JointState first = driver.exchange(goal, beat).value();
+  EXPECT_NEAR(first.position[0], 0.1 * (1 - std::exp(-0.4)), 1e-4);
+  for (int i = 0; i < 50; ++i) (void)driver.exchange(goal, beat);
+  EXPECT_LT((driver.measured() - goal.position).cwiseAbs().maxCoeff(), 1e-4);
+}
+
+TEST(SimulatedDriver, TheSameSeedGivesTheSameNoise) {
+  SimulatedDriver one(start, {}), other(start, {});
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(one.measured(), other.measured());
+  SimulatedDriver differs(start, {.seed = 2});
+  bool same = true;
+  for (int i = 0; i < 10; ++i) same &= one.measured() == differs.measured();
+  EXPECT_FALSE(same);
+}
+
+TEST(SimulatedDriver, StandsInItsBrakesUnlessItIsOn) {
+  SimulatedDriver driver(start, {.noise = 0});
+  const JointCommand goal{JointValues::Constant(6, 0.1), {}, {}};
+  const JointState before = driver.exchange(goal, beat).value();
+  EXPECT_EQ(before.power, DrivePower::Off);
+  EXPECT_EQ(before.brakes, Brakes::Engaged);
+  EXPECT_FALSE(driver.enable(ControlMode::Torque));
+  ASSERT_TRUE(driver.enable(ControlMode::Position));
+  EXPECT_NE(driver.exchange(goal, beat).value().position, before.position);
+  ASSERT_TRUE(driver.disable());
+  const JointState stopped = driver.exchange(goal, beat).value();
+  EXPECT_EQ(driver.exchange(goal, beat).value().position, stopped.position);
+  driver.break_down("no supply");
+  EXPECT_FALSE(driver.enable(ControlMode::Position)) << "not before it is reset";
+  EXPECT_EQ(driver.exchange(goal, beat).value().fault, "no supply");
+  ASSERT_TRUE(driver.reset());
+  EXPECT_TRUE(driver.enable(ControlMode::Position));
+}
+
+}  // namespace
+}  // namespace devices

@@ -1,0 +1,47 @@
+// Drives that the tests let stand, break and lie.
+#pragma once
+
+#include <chrono>
+#include <utility>
+
+#include "drivers/joint_driver.hpp"
+
+namespace devices {
+
+inline std::int64_t unix_ns() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+/// Joints that stand where the test says, whatever is commanded.
+class StandingDriver : public JointDriver {
+ public:
+  explicit StandingDriver(JointValues where) : stands(std::move(where)) {}
+
+  Capabilities capabilities() const override { return {.axes = stands.size(), .position = true}; }
+  tl::expected<JointState, DriverFault> read() override { return state(); }
+  tl::expected<void, DriverFault> enable(ControlMode) override { return {}; }
+  tl::expected<void, DriverFault> disable() override { return {}; }
+  tl::expected<void, DriverFault> reset() override { return {}; }
+  tl::expected<JointState, DriverFault> exchange(const JointCommand&, double) override {
+    if (broken) return tl::unexpected(DriverFault{"no answer from the drives"});
+    return state();
+  }
+
+  JointState state() const {
+    JointState now;
+    now.power = power;
+    now.brakes = brakes;
+    now.position = stands;
+    now.measured_at_ns = unix_ns();
+    return now;
+  }
+
+  JointValues stands;
+  DrivePower power = DrivePower::On;
+  Brakes brakes = Brakes::Released;
+  bool broken = false;
+};
+
+}  // namespace devices
