@@ -2,7 +2,6 @@
 // Change the interface and run `gidl gen`.
 #include "robcl/manipulator_client.hpp"
 
-#include <string>
 #include <utility>
 
 #include "gecos/wire/check.hpp"
@@ -10,261 +9,75 @@
 
 namespace robcl {
 
-const gecos::InterfaceDescription& Manipulator::gecos_description() {
-  static constexpr std::string_view bases[] = {
-      "robcl::Device",
-  };
-  static constexpr gecos::OperationDescription operations[] = {
-      {.code = gecos::FunctionCode{0x271b3177},
-       .name = "tool",
-       .kind = gecos::OperationKind::Getter,
-       .status = gecos::access::Status::Sensor,
-       .safety = false,
-       .presence = false,
-       .idempotent = true,
-       .cancelable = false,
-       .parallel = false,
-       .ordered = false,
-       .on_new = gecos::OnNew::Queue,
-       .on_loss = gecos::OnLoss::Stop,
-       .quality = {
-           .line = gecos::qos::Class::SoftRealtime,
-           .reliability = gecos::qos::Reliability::BestEffort,
-           .latency = gecos::Duration{5000000},
-           .lifespan = gecos::Duration{20000000}},
-       .hash = 0xe4a63fbb9f4aa676U},
-      {.code = gecos::FunctionCode{0x3507e304},
-       .name = "move",
-       .kind = gecos::OperationKind::Operation,
-       .status = gecos::access::Status::Actor,
-       .safety = false,
-       .presence = true,
-       .idempotent = false,
-       .cancelable = true,
-       .parallel = false,
-       .ordered = false,
-       .on_new = gecos::OnNew::Queue,
-       .on_loss = gecos::OnLoss::Stop,
-       .quality = {},
-       .hash = 0xc58c2180678c1d75U},
-      {.code = gecos::FunctionCode{0x5df86bcb},
-       .name = "tool_offset",
-       .kind = gecos::OperationKind::Getter,
-       .status = gecos::access::Status::Sensor,
-       .safety = false,
-       .presence = false,
-       .idempotent = true,
-       .cancelable = false,
-       .parallel = false,
-       .ordered = false,
-       .on_new = gecos::OnNew::Queue,
-       .on_loss = gecos::OnLoss::Stop,
-       .quality = {},
-       .hash = 0xd5db88cc5c4a48eeU},
-      {.code = gecos::FunctionCode{0x8c5e921b},
-       .name = "posture",
-       .kind = gecos::OperationKind::Getter,
-       .status = gecos::access::Status::Sensor,
-       .safety = false,
-       .presence = false,
-       .idempotent = true,
-       .cancelable = false,
-       .parallel = false,
-       .ordered = false,
-       .on_new = gecos::OnNew::Queue,
-       .on_loss = gecos::OnLoss::Stop,
-       .quality = {},
-       .hash = 0x3d861e0f224574c5U},
-      {.code = gecos::FunctionCode{0x8fd39271},
-       .name = "parent",
-       .kind = gecos::OperationKind::Getter,
-       .status = gecos::access::Status::Sensor,
-       .safety = false,
-       .presence = false,
-       .idempotent = true,
-       .cancelable = false,
-       .parallel = false,
-       .ordered = false,
-       .on_new = gecos::OnNew::Queue,
-       .on_loss = gecos::OnLoss::Stop,
-       .quality = {},
-       .hash = 0xa8e7ee76d3bf5589U},
-      {.code = gecos::FunctionCode{0xd602adac},
-       .name = "flange",
-       .kind = gecos::OperationKind::Getter,
-       .status = gecos::access::Status::Sensor,
-       .safety = false,
-       .presence = false,
-       .idempotent = true,
-       .cancelable = false,
-       .parallel = false,
-       .ordered = false,
-       .on_new = gecos::OnNew::Queue,
-       .on_loss = gecos::OnLoss::Stop,
-       .quality = {
-           .line = gecos::qos::Class::SoftRealtime,
-           .reliability = gecos::qos::Reliability::BestEffort,
-           .latency = gecos::Duration{5000000},
-           .lifespan = gecos::Duration{20000000}},
-       .hash = 0x294c864a0a1bb0d9U},
-      {.code = gecos::FunctionCode{0xd85eec1c},
-       .name = "base",
-       .kind = gecos::OperationKind::Getter,
-       .status = gecos::access::Status::Sensor,
-       .safety = false,
-       .presence = false,
-       .idempotent = true,
-       .cancelable = false,
-       .parallel = false,
-       .ordered = false,
-       .on_new = gecos::OnNew::Queue,
-       .on_loss = gecos::OnLoss::Stop,
-       .quality = {},
-       .hash = 0x6c7e67c50b389010U},
-      {.code = gecos::FunctionCode{0xe411f442},
-       .name = "tool_offset=",
-       .kind = gecos::OperationKind::Setter,
-       .status = gecos::access::Status::Actor,
-       .safety = false,
-       .presence = true,
-       .idempotent = false,
-       .cancelable = false,
-       .parallel = false,
-       .ordered = false,
-       .on_new = gecos::OnNew::Queue,
-       .on_loss = gecos::OnLoss::Stop,
-       .quality = {},
-       .hash = 0xd5db88cc5c4a48eeU},
-      {.code = gecos::FunctionCode{0xeb6da7e6},
-       .name = "mount",
-       .kind = gecos::OperationKind::Operation,
-       .status = gecos::access::Status::Actor,
-       .safety = false,
-       .presence = true,
-       .idempotent = false,
-       .cancelable = false,
-       .parallel = false,
-       .ordered = false,
-       .on_new = gecos::OnNew::Queue,
-       .on_loss = gecos::OnLoss::Stop,
-       .quality = {},
-       .hash = 0x40840a23e20bca46U},
-  };
-  static constexpr gecos::StreamDescription streams[] = {
-      {.code = gecos::FunctionCode{0x271b3177},
-       .name = "tool",
-       .status = gecos::access::Status::Sensor,
-       .rate_hz = 250.0,
-       .largest = 56,
-       .quality = {
-           .line = gecos::qos::Class::SoftRealtime,
-           .reliability = gecos::qos::Reliability::BestEffort,
-           .latency = gecos::Duration{5000000},
-           .lifespan = gecos::Duration{20000000}}},
-      {.code = gecos::FunctionCode{0xd602adac},
-       .name = "flange",
-       .status = gecos::access::Status::Sensor,
-       .rate_hz = 250.0,
-       .largest = 56,
-       .quality = {
-           .line = gecos::qos::Class::SoftRealtime,
-           .reliability = gecos::qos::Reliability::BestEffort,
-           .latency = gecos::Duration{5000000},
-           .lifespan = gecos::Duration{20000000}}},
-  };
-  static constexpr gecos::InterfaceDescription description{
-      .name = "robcl::Manipulator",
-      .version = "1.0",
-      .hash = 0xf12cfabfa83a44c1U,
-      .bases = bases,
-      .operations = operations,
-      .streams = streams,
-      .quality = {},
-  };
-  return description;
-}
-
 Manipulator::Manipulator(std::shared_ptr<gecos::session::ClientSession> session)
     : gecos::Object(std::move(session)) {}
 
 gecos::Command<::robcl::Frame> Manipulator::tool() const {
-  return gecos::Command<::robcl::Frame>(gecos_session_->call(
-      gecos_description().operations[0], 0, [](gecos::wire::Encoder&) {}, gecos_options_),
-        [](gecos::wire::Decoder& from, ::robcl::Frame& value) { return value.decode(from); });
+  return gecos_call<::robcl::Frame>(
+      ManipulatorInterface::tool,
+      [](auto& from, auto& value) { return value.decode(from); });
 }
 
 tl::expected<gecos::Stream<::robcl::Frame>, gecos::Failure> Manipulator::tool(
     gecos::StreamTag) const {
-  auto core = gecos_session_->subscribe(gecos_description().streams[0]);
-  if (!core) return tl::unexpected(std::move(core.error()));
-  return gecos::Stream<::robcl::Frame>(std::move(*core),
-        [](gecos::wire::Decoder& from, ::robcl::Frame& value) { return value.decode(from); });
+  return gecos_subscribe<::robcl::Frame>(
+      ManipulatorInterface::tool_stream,
+      [](auto& from, auto& value) { return value.decode(from); });
 }
 
 gecos::Command<::robcl::Frame> Manipulator::flange() const {
-  return gecos::Command<::robcl::Frame>(gecos_session_->call(
-      gecos_description().operations[5], 0, [](gecos::wire::Encoder&) {}, gecos_options_),
-        [](gecos::wire::Decoder& from, ::robcl::Frame& value) { return value.decode(from); });
+  return gecos_call<::robcl::Frame>(
+      ManipulatorInterface::flange,
+      [](auto& from, auto& value) { return value.decode(from); });
 }
 
 tl::expected<gecos::Stream<::robcl::Frame>, gecos::Failure> Manipulator::flange(
     gecos::StreamTag) const {
-  auto core = gecos_session_->subscribe(gecos_description().streams[1]);
-  if (!core) return tl::unexpected(std::move(core.error()));
-  return gecos::Stream<::robcl::Frame>(std::move(*core),
-        [](gecos::wire::Decoder& from, ::robcl::Frame& value) { return value.decode(from); });
+  return gecos_subscribe<::robcl::Frame>(
+      ManipulatorInterface::flange_stream,
+      [](auto& from, auto& value) { return value.decode(from); });
 }
 
 gecos::Command<::robcl::Configuration> Manipulator::posture() const {
-  return gecos::Command<::robcl::Configuration>(gecos_session_->call(
-      gecos_description().operations[3], 0, [](gecos::wire::Encoder&) {}, gecos_options_),
-        [](gecos::wire::Decoder& from, ::robcl::Configuration& value) {
-          return gecos::wire::get_block(from, value, "posture");
-        });
+  return gecos_call<::robcl::Configuration>(
+      ManipulatorInterface::posture,
+      [](auto& from, auto& value) { return gecos::wire::get_block(from, value, "posture"); });
 }
 
 gecos::Command<::robcl::Frame> Manipulator::tool_offset() const {
-  return gecos::Command<::robcl::Frame>(gecos_session_->call(
-      gecos_description().operations[2], 0, [](gecos::wire::Encoder&) {}, gecos_options_),
-        [](gecos::wire::Decoder& from, ::robcl::Frame& value) { return value.decode(from); });
+  return gecos_call<::robcl::Frame>(
+      ManipulatorInterface::tool_offset,
+      [](auto& from, auto& value) { return value.decode(from); });
 }
 
 gecos::Command<void> Manipulator::set_tool_offset(const ::robcl::Frame& value) const {
-  return gecos::Command<void>(gecos_session_->call(
-      gecos_description().operations[7], 56,
-      [&](gecos::wire::Encoder& to) {
-        value.encode(to);
-      }, gecos_options_));
+  return gecos_call<void>(
+      ManipulatorInterface::set_tool_offset, 56,
+      [&](auto& to) { value.encode(to); });
 }
 
 gecos::Command<void, ::robcl::MotionProgress> Manipulator::move(
     const ::robcl::Frame& goal,
     const std::optional<::robcl::Trajectory>& how) const {
-  const std::string wrong = [&]() -> std::string {
-    if (how) {
-      if (auto why = ::robcl::gecos_violation(*how); !why.empty()) return why;
-    }
-    return {};
-  }();
-  if (!wrong.empty()) {
-    return gecos::Command<void, ::robcl::MotionProgress>(gecos::session::ended(
-        {gecos::Detail::BadParameter, wrong, {}, {}}));
+  if (how) {
+    if (auto why = ::robcl::gecos_violation(*how); !why.empty()) return gecos::session::Refused(
+        why);
   }
   std::size_t size = 57;
   if (how) {
     size += 4;
     size += how->encoded_size();
   }
-  return gecos::Command<void, ::robcl::MotionProgress>(gecos_session_->call(
-      gecos_description().operations[1], size,
-      [&](gecos::wire::Encoder& to) {
+  return gecos_call<void, ::robcl::MotionProgress>(
+      ManipulatorInterface::move, size,
+      [&](auto& to) {
         goal.encode(to);
         to.put(how.has_value());
         if (how) {
           to.put_count(how->encoded_size());
           how->encode(to);
         }
-      }, gecos_options_));
+      });
 }
 
 }  // namespace robcl

@@ -13,6 +13,7 @@ constinit const gecos::OperationDescription ManipulatorInterface::operations[] =
          .lifespan = gecos::Duration{20000000}}}),
     gecos::operation(0x3507e304, "move", 0xc58c2180678c1d75U, {.cancelable = true}),
     gecos::getter(0x5df86bcb, "tool_offset", 0xd5db88cc5c4a48eeU),
+    gecos::getter(0x8c5e921b, "posture", 0x3d861e0f224574c5U),
     gecos::getter(0xd602adac, "flange", 0x294c864a0a1bb0d9U,
         {.quality = {.line = gecos::qos::Class::SoftRealtime,
          .reliability = gecos::qos::Reliability::BestEffort, .latency = gecos::Duration{5000000},
@@ -39,7 +40,7 @@ constinit const gecos::InterfaceDescription* const ManipulatorInterface::inherit
 constinit const gecos::InterfaceDescription ManipulatorInterface::description{
     .name = "robcl::Manipulator",
     .version = "1.0",
-    .hash = 0xd1dc1029c9b0c7ffU,
+    .hash = 0xf12cfabfa83a44c1U,
     .bases = bases,
     .inherits = inherits,
     .operations = operations,

@@ -12,12 +12,13 @@ namespace robcl {
 struct ManipulatorInterface {
   static const gecos::InterfaceDescription description;
 
-  static const gecos::OperationDescription operations[5];
+  static const gecos::OperationDescription operations[6];
   static constexpr const gecos::OperationDescription& tool = operations[0];
   static constexpr const gecos::OperationDescription& move = operations[1];
   static constexpr const gecos::OperationDescription& tool_offset = operations[2];
-  static constexpr const gecos::OperationDescription& flange = operations[3];
-  static constexpr const gecos::OperationDescription& set_tool_offset = operations[4];
+  static constexpr const gecos::OperationDescription& posture = operations[3];
+  static constexpr const gecos::OperationDescription& flange = operations[4];
+  static constexpr const gecos::OperationDescription& set_tool_offset = operations[5];
 
   static const gecos::StreamDescription streams[2];
   static constexpr const gecos::StreamDescription& tool_stream = streams[0];

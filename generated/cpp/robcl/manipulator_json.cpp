@@ -146,25 +146,12 @@ bool JsonShape<::robcl::Wrist>::read(const JsonReader& from, ::robcl::Wrist& val
   return true;
 }
 
-void JsonShape<::robcl::Configuration>::write(JsonWriter to, const ::robcl::Configuration& value) {
-  to.open_object();
-  to.member("arm", value.arm);
-  to.member("bend", value.bend);
-  to.member("hand", value.hand);
-}
-
-bool JsonShape<::robcl::Configuration>::read(
-    const JsonReader& from,
-    ::robcl::Configuration& value) {
-  static constexpr std::array<std::string_view, 3> names{
-      "arm",
-      "bend",
-      "hand",
-  };
-  return from.expect_object(names) &&
-         from.member("arm", value.arm) &&
-         from.member("bend", value.bend) &&
-         from.member("hand", value.hand);
-}
+template <>
+constexpr auto json_members<::robcl::Configuration> = std::tuple{
+    JsonMember{"arm", &::robcl::Configuration::arm},
+    JsonMember{"bend", &::robcl::Configuration::bend},
+    JsonMember{"hand", &::robcl::Configuration::hand},
+};
+template struct JsonStruct<::robcl::Configuration>;
 
 }  // namespace gecos::wire

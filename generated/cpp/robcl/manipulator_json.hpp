@@ -64,9 +64,7 @@ struct JsonShape<::robcl::Wrist> {
 };
 
 template <>
-struct JsonShape<::robcl::Configuration> {
-  static void write(JsonWriter to, const ::robcl::Configuration& value);
-  static bool read(const JsonReader& from, ::robcl::Configuration& value);
-};
+struct JsonShape<::robcl::Configuration> : JsonStruct<::robcl::Configuration> {};
+extern template struct JsonStruct<::robcl::Configuration>;
 
 }  // namespace gecos::wire

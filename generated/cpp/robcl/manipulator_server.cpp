@@ -2,130 +2,59 @@
 // Change the interface and run `gidl gen`.
 #include "robcl/manipulator_server.hpp"
 
-#include <array>
-#include <exception>
-#include <string>
-
-#include "gecos/base/log.hpp"
 #include "gecos/wire/check.hpp"
 #include "gecos/wire/fields.hpp"
-#include "robcl/manipulator_client.hpp"
+#include "robcl/manipulator_interface.hpp"
 
 namespace robcl {
 
 const gecos::InterfaceDescription& ManipulatorServant::gecos_interface() const {
-  return ::robcl::Manipulator::gecos_description();
+  return ManipulatorInterface::description;
 }
 
-void ManipulatorServant::gecos_dispatch(gecos::IncomingCall call) {
-  try {
-    switch (gecos::number(call.operation().code)) {
-      case 0x271b3177:  // tool
-        return gecos_call_tool(call);
-      case 0x3507e304:  // move
-        return gecos_call_move(call);
-      case 0x5df86bcb:  // tool_offset
-        return gecos_call_tool_offset(call);
-      case 0x8c5e921b:  // posture
-        return gecos_call_posture(call);
-      case 0x8fd39271:  // parent
-        return gecos_call_parent(call);
-      case 0xd602adac:  // flange
-        return gecos_call_flange(call);
-      case 0xd85eec1c:  // base
-        return gecos_call_base(call);
-      case 0xe411f442:  // tool_offset=
-        return gecos_set_tool_offset(call);
-      case 0xeb6da7e6:  // mount
-        return gecos_call_mount(call);
-      default:
-        return call.fail(
-            {gecos::Detail::UnknownOperation, "robcl::Manipulator has no such operation", {}, {}});
+bool ManipulatorServant::gecos_answer([[maybe_unused]] gecos::IncomingCall& call) {
+  switch (gecos::number(call.operation().code)) {
+    case 0x271b3177:  // tool
+      return call.answer("robcl::Manipulator::tool", this->tool(), {});
+    case 0xd602adac:  // flange
+      return call.answer("robcl::Manipulator::flange", this->flange(), {});
+    case 0x8c5e921b:  // posture
+      return call.answer_block("robcl::Manipulator::posture", this->posture(), {});
+    case 0x5df86bcb:  // tool_offset
+      return call.answer("robcl::Manipulator::tool_offset", this->tool_offset(), {});
+    case 0xe411f442: {  // tool_offset=
+      gecos::wire::Decoder from(call.arguments());
+      ::robcl::Frame value{};
+      const bool read = value.decode(from);
+      if (!read) return call.refuse(from.error());
+      return call.answer(this->set_tool_offset(value), {});
     }
-  } catch (...) {
-    call.fail_as_thrown();
+    case 0x3507e304: {  // move
+      gecos::wire::Decoder from(call.arguments());
+      ::robcl::Frame goal{};
+      std::optional<::robcl::Trajectory> how{};
+      const bool read = goal.decode(from) &&
+          (from.at_end() ||
+           gecos::wire::get_optional(from, how, "move.how", [&](auto& value) {
+             return gecos::wire::get_block(from, value, "move.how");
+           }));
+      if (!read) return call.refuse(from.error());
+      gecos::Execution<::robcl::MotionProgress> run(call);
+      return call.answer(this->move(
+          goal,
+          how,
+          run), {"robcl::OutOfReach", "robcl::JointLimit", "robcl::Singular"});
+    }
   }
-}
-
-void ManipulatorServant::gecos_call_tool(gecos::IncomingCall& call) {
-  const auto result = this->tool();
-  if (!result) return call.fail(result.error(), {});
-  const auto& value = *result;
-  call.finish(56, [&](gecos::wire::Encoder& to) { value.encode(to); });
-}
-
-void ManipulatorServant::gecos_call_flange(gecos::IncomingCall& call) {
-  const auto result = this->flange();
-  if (!result) return call.fail(result.error(), {});
-  const auto& value = *result;
-  call.finish(56, [&](gecos::wire::Encoder& to) { value.encode(to); });
-}
-
-void ManipulatorServant::gecos_call_posture(gecos::IncomingCall& call) {
-  const auto result = this->posture();
-  if (!result) return call.fail(result.error(), {});
-  const auto& value = *result;
-  std::size_t size = 4;
-  size += value.encoded_size();
-  call.finish(size, [&](gecos::wire::Encoder& to) {
-    to.put_count(value.encoded_size());
-    value.encode(to);
-  });
-}
-
-void ManipulatorServant::gecos_call_tool_offset(gecos::IncomingCall& call) {
-  const auto result = this->tool_offset();
-  if (!result) return call.fail(result.error(), {});
-  const auto& value = *result;
-  call.finish(56, [&](gecos::wire::Encoder& to) { value.encode(to); });
-}
-
-void ManipulatorServant::gecos_set_tool_offset(gecos::IncomingCall& call) {
-  gecos::wire::Decoder from(call.arguments());
-  ::robcl::Frame value{};
-  const bool read = value.decode(from);
-  if (!read) {
-    return call.fail({gecos::Detail::BadParameter, from.error().message(), {}, {}});
-  }
-  const auto result = this->set_tool_offset(value);
-  if (!result) return call.fail(result.error(), {});
-  call.finish(0, [](gecos::wire::Encoder&) {});
-}
-
-void ManipulatorServant::gecos_call_move(gecos::IncomingCall& call) {
-  gecos::wire::Decoder from(call.arguments());
-  ::robcl::Frame goal{};
-  std::optional<::robcl::Trajectory> how{};
-  const bool read = goal.decode(from) &&
-         (from.at_end() ||
-          gecos::wire::get_optional(from, how, "move.how", [&](auto& value) {
-            return gecos::wire::get_block(from, value, "move.how");
-          }));
-  if (!read) {
-    return call.fail({gecos::Detail::BadParameter, from.error().message(), {}, {}});
-  }
-  gecos::Execution<::robcl::MotionProgress> run(call);
-  const auto result = this->move(goal, how, run);
-  if (!result) return call.fail(
-      result.error(),
-      {"robcl::OutOfReach", "robcl::JointLimit", "robcl::Singular"});
-  call.finish(0, [](gecos::wire::Encoder&) {});
+  return ::robcl::DeviceServant::gecos_answer(call);
 }
 
 void ManipulatorServant::publish_tool(const ::robcl::Frame& value, std::int64_t stamp_ns) {
-  if (gecos_publisher_ == nullptr) return;
-  std::array<std::byte, 56> sample;
-  gecos::wire::Encoder to(sample);
-  value.encode(to);
-  gecos_publisher_->publish(::robcl::Manipulator::gecos_description().streams[0], sample, stamp_ns);
+  gecos_publish(ManipulatorInterface::tool_stream, "robcl::Manipulator::tool", value, stamp_ns);
 }
 
 void ManipulatorServant::publish_flange(const ::robcl::Frame& value, std::int64_t stamp_ns) {
-  if (gecos_publisher_ == nullptr) return;
-  std::array<std::byte, 56> sample;
-  gecos::wire::Encoder to(sample);
-  value.encode(to);
-  gecos_publisher_->publish(::robcl::Manipulator::gecos_description().streams[1], sample, stamp_ns);
+  gecos_publish(ManipulatorInterface::flange_stream, "robcl::Manipulator::flange", value, stamp_ns);
 }
 
 }  // namespace robcl

@@ -15,7 +15,6 @@ namespace robcl {
 class ManipulatorServant : public virtual ::robcl::DeviceServant {
  public:
   const gecos::InterfaceDescription& gecos_interface() const override;
-  void gecos_dispatch(gecos::IncomingCall call) override;
 
   /// A new sample of `tool`, measured at `stamp_ns`. One thread at a time.
   void publish_tool(const ::robcl::Frame& value, std::int64_t stamp_ns = gecos::unix_now_ns());
@@ -46,12 +45,7 @@ class ManipulatorServant : public virtual ::robcl::DeviceServant {
       const std::optional<::robcl::Trajectory>& how,
       gecos::Execution<::robcl::MotionProgress>& run) = 0;
 
-  void gecos_call_tool(gecos::IncomingCall& call);
-  void gecos_call_flange(gecos::IncomingCall& call);
-  void gecos_call_posture(gecos::IncomingCall& call);
-  void gecos_call_tool_offset(gecos::IncomingCall& call);
-  void gecos_set_tool_offset(gecos::IncomingCall& call);
-  void gecos_call_move(gecos::IncomingCall& call);
+  bool gecos_answer(gecos::IncomingCall& call) override;
 };
 
 }  // namespace robcl

@@ -345,15 +345,9 @@ bool Configuration::decode([[maybe_unused]] gecos::wire::Decoder& from) {
          gecos::wire::skip_rest(from);
 }
 
-std::ostream& operator<<(std::ostream& out, [[maybe_unused]] const Configuration& value) {
-  out << "Configuration{";
-  out << "arm=";
-  gecos::wire::print(out, value.arm);
-  out << ", bend=";
-  gecos::wire::print(out, value.bend);
-  out << ", hand=";
-  gecos::wire::print(out, value.hand);
-  return out << '}';
+std::ostream& operator<<(std::ostream& out, const Configuration& value) {
+  return gecos::wire::print_all(out,
+      "Configuration{arm=", value.arm, ", bend=", value.bend, ", hand=", value.hand, "}");
 }
 
 }  // namespace robcl

@@ -170,9 +170,7 @@ struct Configuration {
   std::optional<::robcl::Wrist> hand{};
 
   static constexpr std::string_view type_name() { return "robcl::Configuration"; }
-  static constexpr std::int64_t fingerprint() {
-    return static_cast<std::int64_t>(0x410bc4d5af6e6201U);
-  }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0x410bc4d5af6e6201U); }
   std::size_t encoded_size() const;
   void encode(gecos::wire::Encoder& to) const;
   [[nodiscard]] bool decode(gecos::wire::Decoder& from);

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "gecos/object.hpp"
+#include "robcl/puma560_interface.hpp"
 #include "robcl/puma560_types.hpp"
 #include "robcl/six_axis_client.hpp"
 
@@ -13,7 +14,9 @@ namespace robcl {
 /// Unimation Puma 560.
 class Puma560 : public virtual ::robcl::SixAxis {
  public:
-  static const gecos::InterfaceDescription& gecos_description();
+  static const gecos::InterfaceDescription& gecos_description() {
+    return Puma560Interface::description;
+  }
 
   /// Nil: every call is CONNECTION_FAILED. Objects come from `gecos::Lab::create`.
   Puma560() = default;

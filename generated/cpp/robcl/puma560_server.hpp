@@ -14,9 +14,9 @@ namespace robcl {
 class Puma560Servant : public virtual ::robcl::SixAxisServant {
  public:
   const gecos::InterfaceDescription& gecos_interface() const override;
-  void gecos_dispatch(gecos::IncomingCall call) override;
 
  protected:
+  bool gecos_answer(gecos::IncomingCall& call) override;
 };
 
 }  // namespace robcl

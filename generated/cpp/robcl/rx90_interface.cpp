@@ -6,10 +6,6 @@
 
 namespace robcl {
 
-constinit const gecos::OperationDescription Rx90Interface::operations[] = {
-    gecos::getter(0xe1ce9bdc, "posture", 0xdf0e37e344b71b58U),
-};
-
 constinit const std::string_view Rx90Interface::bases[] = {
     "robcl::Device",
     "robcl::Manipulator",
@@ -20,10 +16,9 @@ constinit const gecos::InterfaceDescription* const Rx90Interface::inherits[] = {
 constinit const gecos::InterfaceDescription Rx90Interface::description{
     .name = "robcl::Rx90",
     .version = "1.0",
-    .hash = 0xad388e8ba24adaeaU,
+    .hash = 0xb63c01c6ad6787f3U,
     .bases = bases,
     .inherits = inherits,
-    .operations = operations,
 };
 
 }  // namespace robcl

@@ -12,9 +12,6 @@ namespace robcl {
 struct Rx90Interface {
   static const gecos::InterfaceDescription description;
 
-  static const gecos::OperationDescription operations[1];
-  static constexpr const gecos::OperationDescription& posture = operations[0];
-
  private:
   static const std::string_view bases[3];
   static const gecos::InterfaceDescription* const inherits[1];

@@ -2,53 +2,18 @@
 // Change the interface and run `gidl gen`.
 #include "robcl/rx90_server.hpp"
 
-#include <array>
-#include <exception>
-#include <string>
-
-#include "gecos/base/log.hpp"
 #include "gecos/wire/check.hpp"
 #include "gecos/wire/fields.hpp"
-#include "robcl/rx90_client.hpp"
+#include "robcl/rx90_interface.hpp"
 
 namespace robcl {
 
 const gecos::InterfaceDescription& Rx90Servant::gecos_interface() const {
-  return ::robcl::Rx90::gecos_description();
+  return Rx90Interface::description;
 }
 
-void Rx90Servant::gecos_dispatch(gecos::IncomingCall call) {
-  try {
-    switch (gecos::number(call.operation().code)) {
-      case 0x271b3177:  // tool
-        return gecos_call_tool(call);
-      case 0x3507e304:  // move
-        return gecos_call_move(call);
-      case 0x5df86bcb:  // tool_offset
-        return gecos_call_tool_offset(call);
-      case 0x8c5e921b:  // posture
-        return gecos_call_posture(call);
-      case 0x8fd39271:  // parent
-        return gecos_call_parent(call);
-      case 0xbff4d1d1:  // joints
-        return gecos_call_joints(call);
-      case 0xc46bb1a7:  // move_joints
-        return gecos_call_move_joints(call);
-      case 0xd602adac:  // flange
-        return gecos_call_flange(call);
-      case 0xd85eec1c:  // base
-        return gecos_call_base(call);
-      case 0xe411f442:  // tool_offset=
-        return gecos_set_tool_offset(call);
-      case 0xeb6da7e6:  // mount
-        return gecos_call_mount(call);
-      default:
-        return call.fail(
-            {gecos::Detail::UnknownOperation, "robcl::Rx90 has no such operation", {}, {}});
-    }
-  } catch (...) {
-    call.fail_as_thrown();
-  }
+bool Rx90Servant::gecos_answer([[maybe_unused]] gecos::IncomingCall& call) {
+  return ::robcl::SixAxisServant::gecos_answer(call);
 }
 
 }  // namespace robcl

@@ -25,7 +25,7 @@ constinit const gecos::InterfaceDescription* const SixAxisInterface::inherits[] 
 constinit const gecos::InterfaceDescription SixAxisInterface::description{
     .name = "robcl::SixAxis",
     .version = "1.0",
-    .hash = 0xf7a8fb8ca68576efU,
+    .hash = 0x9300f56ab37c365eU,
     .bases = bases,
     .inherits = inherits,
     .operations = operations,

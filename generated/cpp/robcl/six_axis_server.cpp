@@ -2,86 +2,39 @@
 // Change the interface and run `gidl gen`.
 #include "robcl/six_axis_server.hpp"
 
-#include <array>
-#include <exception>
-#include <string>
-
-#include "gecos/base/log.hpp"
 #include "gecos/wire/check.hpp"
 #include "gecos/wire/fields.hpp"
-#include "robcl/six_axis_client.hpp"
+#include "robcl/six_axis_interface.hpp"
 
 namespace robcl {
 
 const gecos::InterfaceDescription& SixAxisServant::gecos_interface() const {
-  return ::robcl::SixAxis::gecos_description();
+  return SixAxisInterface::description;
 }
 
-void SixAxisServant::gecos_dispatch(gecos::IncomingCall call) {
-  try {
-    switch (gecos::number(call.operation().code)) {
-      case 0x271b3177:  // tool
-        return gecos_call_tool(call);
-      case 0x3507e304:  // move
-        return gecos_call_move(call);
-      case 0x5df86bcb:  // tool_offset
-        return gecos_call_tool_offset(call);
-      case 0x8c5e921b:  // posture
-        return gecos_call_posture(call);
-      case 0x8fd39271:  // parent
-        return gecos_call_parent(call);
-      case 0xbff4d1d1:  // joints
-        return gecos_call_joints(call);
-      case 0xc46bb1a7:  // move_joints
-        return gecos_call_move_joints(call);
-      case 0xd602adac:  // flange
-        return gecos_call_flange(call);
-      case 0xd85eec1c:  // base
-        return gecos_call_base(call);
-      case 0xe411f442:  // tool_offset=
-        return gecos_set_tool_offset(call);
-      case 0xeb6da7e6:  // mount
-        return gecos_call_mount(call);
-      default:
-        return call.fail(
-            {gecos::Detail::UnknownOperation, "robcl::SixAxis has no such operation", {}, {}});
+bool SixAxisServant::gecos_answer([[maybe_unused]] gecos::IncomingCall& call) {
+  switch (gecos::number(call.operation().code)) {
+    case 0xbff4d1d1:  // joints
+      return call.answer("robcl::SixAxis::joints", this->joints(), {});
+    case 0xc46bb1a7: {  // move_joints
+      gecos::wire::Decoder from(call.arguments());
+      ::robcl::Joints target{};
+      std::optional<::robcl::Trajectory> how{};
+      const bool read = target.decode(from) &&
+          (from.at_end() ||
+           gecos::wire::get_optional(from, how, "move_joints.how", [&](auto& value) {
+             return gecos::wire::get_block(from, value, "move_joints.how");
+           }));
+      if (!read) return call.refuse(from.error());
+      gecos::Execution<::robcl::MotionProgress> run(call);
+      return call.answer(this->move_joints(target, how, run), {"robcl::JointLimit"});
     }
-  } catch (...) {
-    call.fail_as_thrown();
   }
-}
-
-void SixAxisServant::gecos_call_joints(gecos::IncomingCall& call) {
-  const auto result = this->joints();
-  if (!result) return call.fail(result.error(), {});
-  const auto& value = *result;
-  call.finish(48, [&](gecos::wire::Encoder& to) { value.encode(to); });
-}
-
-void SixAxisServant::gecos_call_move_joints(gecos::IncomingCall& call) {
-  gecos::wire::Decoder from(call.arguments());
-  ::robcl::Joints target{};
-  std::optional<::robcl::Trajectory> how{};
-  const bool read = target.decode(from) &&
-         (from.at_end() ||
-          gecos::wire::get_optional(from, how, "move_joints.how", [&](auto& value) {
-            return gecos::wire::get_block(from, value, "move_joints.how");
-          }));
-  if (!read) {
-    return call.fail({gecos::Detail::BadParameter, from.error().message(), {}, {}});
-  }
-  gecos::Execution<::robcl::MotionProgress> run(call);
-  const auto result = this->move_joints(target, how, run);
-  if (!result) return call.fail(result.error(), {"robcl::JointLimit"});
-  call.finish(0, [](gecos::wire::Encoder&) {});
+  return ::robcl::ManipulatorServant::gecos_answer(call);
 }
 
 void SixAxisServant::publish_joints(const ::robcl::Joints& value, std::int64_t stamp_ns) {
-  if (gecos_publisher_ == nullptr) return;
-  std::array<std::byte, 48> sample;
-  gecos::wire::Encoder to(sample);
-  value.encode(to);
-  gecos_publisher_->publish(::robcl::SixAxis::gecos_description().streams[1], sample, stamp_ns);
+  gecos_publish(SixAxisInterface::joints_stream, "robcl::SixAxis::joints", value, stamp_ns);
 }
 
 }  // namespace robcl

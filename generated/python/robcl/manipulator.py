@@ -5,27 +5,21 @@
 from __future__ import annotations
 
 from abc import abstractmethod as _abstractmethod
-from collections.abc import Mapping as _Mapping
-from typing import ClassVar as _ClassVar
 
-from gecos import wire as _wire
 from gecos.command import Command as _Command
 from gecos.execution import Execution as _Execution
 from gecos.interface import Access as _Access
-from gecos.interface import Handler as _Handler
-from gecos.interface import Interface as _Interface
 from gecos.interface import Kind as _Kind
 from gecos.interface import Method as _Method
 from gecos.interface import Operation as _Operation
-from gecos.interface import OutwardStream as _OutwardStream
 from gecos.interface import Quality as _Quality
 from gecos.interface import QualityClass as _QualityClass
-from gecos.interface import no_arguments as _no_arguments
-from gecos.interface import no_result as _no_result
-from gecos.interface import nothing as _nothing
+from gecos.interface import getter as _getter
+from gecos.interface import interface as _interface
+from gecos.interface import method as _method
+from gecos.interface import values as _values
 from gecos.proxy import StreamAttribute as _StreamAttribute
-from gecos.wire import Decoder as _Decoder
-from gecos.wire import Parts as _Parts
+from gecos.wire import layout as _layout
 from robcl.device import Device, DeviceServant
 from robcl.geometry_types import Frame
 from robcl.manipulator_types import (
@@ -58,60 +52,11 @@ __all__ = [
     "Wrist",
 ]
 
-
-def _manipulator_tool_result(value: Frame) -> _Parts:
-    out: _Parts = []
-    _wire.put(value, Frame, out, "tool")
-    return out
-
-
-def _manipulator_flange_result(value: Frame) -> _Parts:
-    out: _Parts = []
-    _wire.put(value, Frame, out, "flange")
-    return out
-
-
-def _manipulator_posture_reply(source: _Decoder) -> Configuration:
-    return Configuration.decode(source.block("posture"))
-
-
-def _manipulator_posture_result(value: Configuration) -> _Parts:
-    out: _Parts = []
-    _wire.put_block(value, Configuration, out, "posture")
-    return out
-
-
-def _manipulator_tool_offset_result(value: Frame) -> _Parts:
-    out: _Parts = []
-    _wire.put(value, Frame, out, "tool_offset")
-    return out
-
-
-def _manipulator_set_tool_offset_arguments(source: _Decoder) -> tuple[Frame]:
-    value: Frame = Frame.decode(source)
-    return (value,)
-
-
-def _manipulator_move_arguments(source: _Decoder) -> tuple[Frame, Trajectory | None]:
-    goal: Frame = Frame.decode(source)
-    how: Trajectory | None = None
-    if source.offset < source.end:
-        how = (
-            Trajectory.decode(source.block("move.how"))
-            if source.number("?", "move.how")
-            else None
-        )
-    return goal, how
-
-
-_MANIPULATOR_TOOL: _Method[Frame, None] = _Method(
-    _Operation(
-        code=0x271B3177,
-        name="tool",
-        kind=_Kind.GETTER,
-        access=_Access.SENSOR,
-        presence=False,
-        idempotent=True,
+_MANIPULATOR_TOOL: _Method[Frame, None] = _method(
+    _getter(
+        0x271B3177,
+        "tool",
+        _Access.SENSOR,
         quality=_Quality(
             line=_QualityClass.SOFT_REALTIME,
             best_effort=True,
@@ -120,16 +65,14 @@ _MANIPULATOR_TOOL: _Method[Frame, None] = _Method(
         ),
         hash=0xE4A63FBB9F4AA676,
     ),
-    Frame.decode,
+    gives=Frame,
+    stream=(250.0, 56),
 )
-_MANIPULATOR_FLANGE: _Method[Frame, None] = _Method(
-    _Operation(
-        code=0xD602ADAC,
-        name="flange",
-        kind=_Kind.GETTER,
-        access=_Access.SENSOR,
-        presence=False,
-        idempotent=True,
+_MANIPULATOR_FLANGE: _Method[Frame, None] = _method(
+    _getter(
+        0xD602ADAC,
+        "flange",
+        _Access.SENSOR,
         quality=_Quality(
             line=_QualityClass.SOFT_REALTIME,
             best_effort=True,
@@ -138,102 +81,46 @@ _MANIPULATOR_FLANGE: _Method[Frame, None] = _Method(
         ),
         hash=0x294C864A0A1BB0D9,
     ),
-    Frame.decode,
+    gives=Frame,
+    stream=(250.0, 56),
 )
-_MANIPULATOR_POSTURE: _Method[Configuration, None] = _Method(
-    _Operation(
-        code=0x8C5E921B,
-        name="posture",
-        kind=_Kind.GETTER,
-        access=_Access.SENSOR,
-        presence=False,
-        idempotent=True,
-        hash=0x3D861E0F224574C5,
-    ),
-    _manipulator_posture_reply,
+_MANIPULATOR_POSTURE: _Method[Configuration, None] = _method(
+    _getter(0x8C5E921B, "posture", _Access.SENSOR, hash=0x3D861E0F224574C5),
+    gives=Configuration,
 )
-_MANIPULATOR_TOOL_OFFSET: _Method[Frame, None] = _Method(
-    _Operation(
-        code=0x5DF86BCB,
-        name="tool_offset",
-        kind=_Kind.GETTER,
-        access=_Access.SENSOR,
-        presence=False,
-        idempotent=True,
-        hash=0xD5DB88CC5C4A48EE,
-    ),
-    Frame.decode,
+_MANIPULATOR_TOOL_OFFSET: _Method[Frame, None] = _method(
+    _getter(0x5DF86BCB, "tool_offset", _Access.SENSOR, hash=0xD5DB88CC5C4A48EE),
+    gives=Frame,
 )
-_MANIPULATOR_SET_TOOL_OFFSET: _Method[None, None] = _Method(
+_MANIPULATOR_SET_TOOL_OFFSET: _Method[None, None] = _method(
     _Operation(
-        code=0xE411F442,
-        name="tool_offset=",
+        0xE411F442,
+        "tool_offset=",
+        _Access.ACTOR,
         kind=_Kind.SETTER,
-        access=_Access.ACTOR,
         hash=0xD5DB88CC5C4A48EE,
     ),
-    _nothing,
+    takes=_values("value", Frame),
 )
-_MANIPULATOR_MOVE: _Method[None, MotionProgress] = _Method(
-    _Operation(
-        code=0x3507E304,
-        name="move",
-        access=_Access.ACTOR,
-        cancelable=True,
-        hash=0xC58C2180678C1D75,
-    ),
-    _nothing,
-    feedback=MotionProgress.decode,
+_MANIPULATOR_MOVE: _Method[None, MotionProgress] = _method(
+    _Operation(0x3507E304, "move", _Access.ACTOR, cancelable=True, hash=0xC58C2180678C1D75),
+    takes=_values("goal how", Frame, _layout.optional(Trajectory), defaults=(None,)),
+    feedback=MotionProgress,
     raises=(OutOfReach, JointLimit, Singular),
 )
-_MANIPULATOR_TOOL_STREAM = _OutwardStream(
-    code=0x271B3177,
-    name="tool",
-    access=_Access.SENSOR,
-    rate_hz=250.0,
-    largest=56,
-    quality=_Quality(
-        line=_QualityClass.SOFT_REALTIME,
-        best_effort=True,
-        latency_ns=5000000,
-        lifespan_ns=20000000,
+_MANIPULATOR = _interface(
+    "robcl::Manipulator",
+    "1.0",
+    0xF12CFABFA83A44C1,
+    (Device,),
+    (
+        _MANIPULATOR_TOOL,
+        _MANIPULATOR_FLANGE,
+        _MANIPULATOR_POSTURE,
+        _MANIPULATOR_TOOL_OFFSET,
+        _MANIPULATOR_SET_TOOL_OFFSET,
+        _MANIPULATOR_MOVE,
     ),
-)
-_MANIPULATOR_FLANGE_STREAM = _OutwardStream(
-    code=0xD602ADAC,
-    name="flange",
-    access=_Access.SENSOR,
-    rate_hz=250.0,
-    largest=56,
-    quality=_Quality(
-        line=_QualityClass.SOFT_REALTIME,
-        best_effort=True,
-        latency_ns=5000000,
-        lifespan_ns=20000000,
-    ),
-)
-_MANIPULATOR = _Interface(
-    name="robcl::Manipulator",
-    version="1.0",
-    hash=0xF12CFABFA83A44C1,
-    bases=(
-        "robcl::Device",
-    ),
-    operations=(
-        *Device._gecos_interface.operations,
-        _MANIPULATOR_TOOL.operation,
-        _MANIPULATOR_FLANGE.operation,
-        _MANIPULATOR_POSTURE.operation,
-        _MANIPULATOR_TOOL_OFFSET.operation,
-        _MANIPULATOR_SET_TOOL_OFFSET.operation,
-        _MANIPULATOR_MOVE.operation,
-    ),
-    streams=(
-        *Device._gecos_interface.streams,
-        _MANIPULATOR_TOOL_STREAM,
-        _MANIPULATOR_FLANGE_STREAM,
-    ),
-    quality=_Quality(),
 )
 
 
@@ -248,7 +135,7 @@ class Manipulator(Device):
 
         Published 250 times a second.
         """
-        return _StreamAttribute(self, _MANIPULATOR_TOOL, _MANIPULATOR_TOOL_STREAM)
+        return _StreamAttribute(self, _MANIPULATOR_TOOL)
 
     @property
     def flange(self) -> _StreamAttribute[Frame]:
@@ -256,7 +143,7 @@ class Manipulator(Device):
 
         Published 250 times a second.
         """
-        return _StreamAttribute(self, _MANIPULATOR_FLANGE, _MANIPULATOR_FLANGE_STREAM)
+        return _StreamAttribute(self, _MANIPULATOR_FLANGE)
 
     def posture(self) -> _Command[Configuration]:
         """Configuration that the arm is in."""
@@ -268,9 +155,10 @@ class Manipulator(Device):
 
     def set_tool_offset(self, value: Frame) -> _Command[None]:
         """Tool frame seen from the flange. Setting it is refused while moving."""
-        out: _Parts = []
-        _wire.put(value, Frame, out, "tool_offset.value")
-        return self._gecos_call(_MANIPULATOR_SET_TOOL_OFFSET, out)
+        return self._gecos_call(
+            _MANIPULATOR_SET_TOOL_OFFSET,
+            _MANIPULATOR_SET_TOOL_OFFSET.request(value),
+        )
 
     def move(self, goal: Frame, how: Trajectory | None = None) -> _Command[None, MotionProgress]:
         """Moves the tool frame to `goal`, given in the world. FINISHED when it stands at the
@@ -278,65 +166,14 @@ class Manipulator(Device):
 
         May raise OutOfReach, JointLimit, Singular.
         """
-        out: _Parts = []
-        _wire.put(goal, Frame, out, "move.goal")
-        if how is None:
-            out.append(b"\0")
-        else:
-            out.append(b"\1")
-            _wire.put_block(how, Trajectory, out, "move.how")
-        return self._gecos_call(_MANIPULATOR_MOVE, out)
+        return self._gecos_call(_MANIPULATOR_MOVE, _MANIPULATOR_MOVE.request(goal, how))
 
 
 class ManipulatorServant(DeviceServant):
     """Any arm, number of joints unknown: a program written to this runs on every robot."""
 
     _gecos_interface = _MANIPULATOR
-    _gecos_handlers: _ClassVar[_Mapping[int, _Handler]] = {
-        **DeviceServant._gecos_handlers,
-        0x271B3177: _Handler(
-            _MANIPULATOR_TOOL.operation,
-            "tool",
-            _no_arguments,
-            _manipulator_tool_result,
-            _MANIPULATOR_TOOL.raises,
-        ),
-        0xD602ADAC: _Handler(
-            _MANIPULATOR_FLANGE.operation,
-            "flange",
-            _no_arguments,
-            _manipulator_flange_result,
-            _MANIPULATOR_FLANGE.raises,
-        ),
-        0x8C5E921B: _Handler(
-            _MANIPULATOR_POSTURE.operation,
-            "posture",
-            _no_arguments,
-            _manipulator_posture_result,
-            _MANIPULATOR_POSTURE.raises,
-        ),
-        0x5DF86BCB: _Handler(
-            _MANIPULATOR_TOOL_OFFSET.operation,
-            "tool_offset",
-            _no_arguments,
-            _manipulator_tool_offset_result,
-            _MANIPULATOR_TOOL_OFFSET.raises,
-        ),
-        0xE411F442: _Handler(
-            _MANIPULATOR_SET_TOOL_OFFSET.operation,
-            "set_tool_offset",
-            _manipulator_set_tool_offset_arguments,
-            _no_result,
-            _MANIPULATOR_SET_TOOL_OFFSET.raises,
-        ),
-        0x3507E304: _Handler(
-            _MANIPULATOR_MOVE.operation,
-            "move",
-            _manipulator_move_arguments,
-            _no_result,
-            _MANIPULATOR_MOVE.raises,
-        ),
-    }
+    _gecos_handlers = _MANIPULATOR.handlers
 
     @_abstractmethod
     def tool(self) -> Frame:
@@ -368,12 +205,8 @@ class ManipulatorServant(DeviceServant):
 
     def publish_tool(self, value: Frame, stamp: float | None = None) -> None:
         """A new sample of `tool`, measured at `stamp` (Unix time in s; now)."""
-        out: _Parts = []
-        _wire.put(value, Frame, out, "tool")
-        self._gecos_publish(0x271B3177, out, stamp)
+        self._gecos_publish(0x271B3177, _MANIPULATOR_TOOL.body(value), stamp)
 
     def publish_flange(self, value: Frame, stamp: float | None = None) -> None:
         """A new sample of `flange`, measured at `stamp` (Unix time in s; now)."""
-        out: _Parts = []
-        _wire.put(value, Frame, out, "flange")
-        self._gecos_publish(0xD602ADAC, out, stamp)
+        self._gecos_publish(0xD602ADAC, _MANIPULATOR_FLANGE.body(value), stamp)

@@ -6,13 +6,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass as _dataclass
 from enum import IntEnum as _IntEnum
-from typing import ClassVar as _ClassVar
-from typing import Self as _Self
 
-from gecos import wire as _wire
 from gecos.errors import DeclaredError as _DeclaredError
-from gecos.wire import plans as _plans
-from gecos.wire import shapes as _shapes
+from gecos.wire import layout as _layout
 
 __all__ = [
     "Blend",
@@ -29,11 +25,13 @@ __all__ = [
 ]
 
 
+@_layout.enumeration("i", "JOINT")
 class PathType(_IntEnum):
     STRAIGHT = 0
     JOINT = 1
 
 
+@_layout.enumeration("i", "BREAK")
 class Blend(_IntEnum):
     """Whether the arm stands at the goal, or may pass it on its way to the next one. Today
     every arm stands there: NOBREAK acts like BREAK.
@@ -43,29 +41,19 @@ class Blend(_IntEnum):
     NOBREAK = 1
 
 
-_TRAJECTORY_LAYOUT = _wire.Fields(
-    "ddii",
-    (
-        "Trajectory.speed",
-        "Trajectory.acceleration",
-        "Trajectory.path",
-        "Trajectory.at_goal",
-    ),
-)
-
-
-@_plans.planned(
-    _plans.ranged("d", 0.01, 1.0),
-    _plans.ranged("d", 0.01, 1.0),
-    _plans.enumerator("i", PathType, PathType.JOINT),
-    _plans.enumerator("i", Blend, Blend.BREAK),
-    _plans.optional("d"),
-    _plans.optional("d"),
+@_layout.struct(
+    0xD448702624F0ED77,
+    _layout.ranged("d", 0.01, 1.0),
+    _layout.ranged("d", 0.01, 1.0),
+    PathType,
+    Blend,
+    _layout.optional("d"),
+    _layout.optional("d"),
     missing=2,
     open=True,
 )
 @_dataclass(slots=True)
-class Trajectory:
+class Trajectory(_layout.Struct):
     """How to get from here to the goal; the slowest of the limits binds."""
 
     speed: float = 1.0
@@ -79,161 +67,26 @@ class Trajectory:
     turn_speed: float | None = None
     """[rad/s]"""
 
-    def encode(self, out: _wire.Parts, /) -> None:
-        out.append(_TRAJECTORY_LAYOUT.pack(self.speed, self.acceleration, self.path, self.at_goal))
-        if not 0.01 <= self.speed <= 1.0:
-            raise _wire.out_of_range("Trajectory.speed", self.speed, "[0.01, 1.0]")
-        if not 0.01 <= self.acceleration <= 1.0:
-            raise _wire.out_of_range("Trajectory.acceleration", self.acceleration, "[0.01, 1.0]")
-        _wire.expect_enumerator(self.path, PathType, "Trajectory.path")
-        _wire.expect_enumerator(self.at_goal, Blend, "Trajectory.at_goal")
-        value = self.tool_speed
-        if value is None:
-            out.append(b"\0")
-        else:
-            out.append(b"\1")
-            out.append(_wire.number(value, "d", "Trajectory.tool_speed"))
-        value_ = self.turn_speed
-        if value_ is None:
-            out.append(b"\0")
-        else:
-            out.append(b"\1")
-            out.append(_wire.number(value_, "d", "Trajectory.turn_speed"))
 
-    @classmethod
-    def decode(cls, source: _wire.Decoder, /) -> _Self:
-        speed, acceleration, path, at_goal = _TRAJECTORY_LAYOUT.unpack(source)
-        if not 0.01 <= speed <= 1.0:
-            source.refuse_range("Trajectory.speed", 24)
-        if not 0.01 <= acceleration <= 1.0:
-            source.refuse_range("Trajectory.acceleration", 16)
-        path_value = source.enumerator(PathType, path, PathType.JOINT, "Trajectory.path", 8)
-        at_goal_value = source.enumerator(Blend, at_goal, Blend.BREAK, "Trajectory.at_goal", 4)
-        tool_speed: float | None = None
-        if source.offset < source.end:
-            tool_speed = (
-                source.number("d", "Trajectory.tool_speed")
-                if source.number("?", "Trajectory.tool_speed")
-                else None
-            )
-        turn_speed: float | None = None
-        if source.offset < source.end:
-            turn_speed = (
-                source.number("d", "Trajectory.turn_speed")
-                if source.number("?", "Trajectory.turn_speed")
-                else None
-            )
-        source.offset = source.end  # what a newer writer added is skipped
-        return cls(speed, acceleration, path_value, at_goal_value, tool_speed, turn_speed)
-
-    @staticmethod
-    def fingerprint() -> int:
-        return 0xD448702624F0ED77
-
-    @staticmethod
-    def _gecos_shape() -> _shapes.Shape:
-        return _shapes.Members(
-            Trajectory,
-            (
-                _shapes.Member("speed", _shapes.Number("d")),
-                _shapes.Member("acceleration", _shapes.Number("d")),
-                _shapes.Member("path", _shapes.Enumerators(PathType)),
-                _shapes.Member("at_goal", _shapes.Enumerators(Blend)),
-                _shapes.Member("tool_speed", _shapes.Optional(_shapes.Number("d"))),
-                _shapes.Member("turn_speed", _shapes.Optional(_shapes.Number("d"))),
-            ),
-        )
-
-
-_MOTION_PROGRESS_LAYOUT = _wire.Fields(
-    "dd",
-    (
-        "MotionProgress.fraction",
-        "MotionProgress.remaining",
-    ),
-)
-
-
-@_plans.planned(_plans.ranged("d", 0.0, 1.0), "d", open=True)
+@_layout.struct(0xE2C8D491F2659A98, _layout.ranged("d", 0.0, 1.0), "d", open=True)
 @_dataclass(slots=True)
-class MotionProgress:
+class MotionProgress(_layout.Struct):
     fraction: float = 0.0
     """[0.0 to 1.0]"""
     remaining: float = 0.0
     """[s]"""
 
-    def encode(self, out: _wire.Parts, /) -> None:
-        out.append(_MOTION_PROGRESS_LAYOUT.pack(self.fraction, self.remaining))
-        if not 0.0 <= self.fraction <= 1.0:
-            raise _wire.out_of_range("MotionProgress.fraction", self.fraction, "[0.0, 1.0]")
 
-    @classmethod
-    def decode(cls, source: _wire.Decoder, /) -> _Self:
-        fraction, remaining = _MOTION_PROGRESS_LAYOUT.unpack(source)
-        if not 0.0 <= fraction <= 1.0:
-            source.refuse_range("MotionProgress.fraction", 16)
-        source.offset = source.end  # what a newer writer added is skipped
-        return cls(fraction, remaining)
-
-    @staticmethod
-    def fingerprint() -> int:
-        return 0xE2C8D491F2659A98
-
-    @staticmethod
-    def _gecos_shape() -> _shapes.Shape:
-        return _shapes.Members(
-            MotionProgress,
-            (
-                _shapes.Member("fraction", _shapes.Number("d")),
-                _shapes.Member("remaining", _shapes.Number("d")),
-            ),
-        )
-
-
+@_layout.exception("robcl::OutOfReach", 0xED00B27A58C49395, _layout.text(160))
 @_dataclass(slots=True, eq=False)
-class OutOfReach(_DeclaredError):
-    _gecos_name: _ClassVar[str] = "robcl::OutOfReach"
-
+class OutOfReach(_layout.Struct, _DeclaredError):
     reason: str = ""
     """[at most 160]"""
 
-    def encode(self, out: _wire.Parts, /) -> None:
-        out.append(_wire.string(self.reason, 160, "OutOfReach.reason"))
 
-    @classmethod
-    def decode(cls, source: _wire.Decoder, /) -> _Self:
-        reason = source.string(160, "OutOfReach.reason")
-        return cls(reason)
-
-    @staticmethod
-    def fingerprint() -> int:
-        return 0xED00B27A58C49395
-
-    @staticmethod
-    def _gecos_shape() -> _shapes.Shape:
-        return _shapes.Members(
-            OutOfReach,
-            (
-                _shapes.Member("reason", _shapes.Text()),
-            ),
-        )
-
-
-_JOINT_LIMIT_LAYOUT = _wire.Fields(
-    "Iddd",
-    (
-        "JointLimit.axis",
-        "JointLimit.value",
-        "JointLimit.lower",
-        "JointLimit.upper",
-    ),
-)
-
-
+@_layout.exception("robcl::JointLimit", 0x5E97B6D7D7AED1BF, "Iddd")
 @_dataclass(slots=True, eq=False)
-class JointLimit(_DeclaredError):
-    _gecos_name: _ClassVar[str] = "robcl::JointLimit"
-
+class JointLimit(_layout.Struct, _DeclaredError):
     axis: int = 0
     """from 1, which is next to the base"""
     value: float = 0.0
@@ -243,85 +96,44 @@ class JointLimit(_DeclaredError):
     upper: float = 0.0
     """[rad]"""
 
-    def encode(self, out: _wire.Parts, /) -> None:
-        out.append(_JOINT_LIMIT_LAYOUT.pack(self.axis, self.value, self.lower, self.upper))
 
-    @classmethod
-    def decode(cls, source: _wire.Decoder, /) -> _Self:
-        return cls(*_JOINT_LIMIT_LAYOUT.unpack(source))
-
-    @staticmethod
-    def fingerprint() -> int:
-        return 0x5E97B6D7D7AED1BF
-
-    @staticmethod
-    def _gecos_shape() -> _shapes.Shape:
-        return _shapes.Members(
-            JointLimit,
-            (
-                _shapes.Member("axis", _shapes.Number("I")),
-                _shapes.Member("value", _shapes.Number("d")),
-                _shapes.Member("lower", _shapes.Number("d")),
-                _shapes.Member("upper", _shapes.Number("d")),
-            ),
-        )
-
-
+@_layout.exception("robcl::Singular", 0xED00B27A58C49395, _layout.text(160))
 @_dataclass(slots=True, eq=False)
-class Singular(_DeclaredError):
+class Singular(_layout.Struct, _DeclaredError):
     """A straight line would pass where a joint has to turn faster than it can."""
-
-    _gecos_name: _ClassVar[str] = "robcl::Singular"
 
     reason: str = ""
     """[at most 160]"""
 
-    def encode(self, out: _wire.Parts, /) -> None:
-        out.append(_wire.string(self.reason, 160, "Singular.reason"))
 
-    @classmethod
-    def decode(cls, source: _wire.Decoder, /) -> _Self:
-        reason = source.string(160, "Singular.reason")
-        return cls(reason)
-
-    @staticmethod
-    def fingerprint() -> int:
-        return 0xED00B27A58C49395
-
-    @staticmethod
-    def _gecos_shape() -> _shapes.Shape:
-        return _shapes.Members(
-            Singular,
-            (
-                _shapes.Member("reason", _shapes.Text()),
-            ),
-        )
-
-
+@_layout.enumeration("i", "RIGHTY")
 class Shoulder(_IntEnum):
     RIGHTY = 0
     LEFTY = 1
 
 
+@_layout.enumeration("i", "ABOVE")
 class Elbow(_IntEnum):
     ABOVE = 0
     BELOW = 1
 
 
+@_layout.enumeration("i", "NOFLIP")
 class Wrist(_IntEnum):
     NOFLIP = 0
     FLIP = 1
 
 
-@_plans.planned(
-    _plans.optional(_plans.enumerator("i", Shoulder, Shoulder.RIGHTY)),
-    _plans.optional(_plans.enumerator("i", Elbow, Elbow.ABOVE)),
-    _plans.optional(_plans.enumerator("i", Wrist, Wrist.NOFLIP)),
+@_layout.struct(
+    0x410BC4D5AF6E6201,
+    _layout.optional(Shoulder),
+    _layout.optional(Elbow),
+    _layout.optional(Wrist),
     missing=3,
     open=True,
 )
 @_dataclass(slots=True)
-class Configuration:
+class Configuration(_layout.Struct):
     """Which of the ways to reach its pose the arm is in. A member is absent at a
     singularity,
     and where an arm has no such choice.
@@ -330,85 +142,3 @@ class Configuration:
     arm: Shoulder | None = None
     bend: Elbow | None = None
     hand: Wrist | None = None
-
-    def encode(self, out: _wire.Parts, /) -> None:
-        value = self.arm
-        if value is None:
-            out.append(b"\0")
-        else:
-            out.append(b"\1")
-            out.append(_wire.number(value, "i", "Configuration.arm"))
-            _wire.expect_enumerator(value, Shoulder, "Configuration.arm")
-        value_ = self.bend
-        if value_ is None:
-            out.append(b"\0")
-        else:
-            out.append(b"\1")
-            out.append(_wire.number(value_, "i", "Configuration.bend"))
-            _wire.expect_enumerator(value_, Elbow, "Configuration.bend")
-        value__ = self.hand
-        if value__ is None:
-            out.append(b"\0")
-        else:
-            out.append(b"\1")
-            out.append(_wire.number(value__, "i", "Configuration.hand"))
-            _wire.expect_enumerator(value__, Wrist, "Configuration.hand")
-
-    @classmethod
-    def decode(cls, source: _wire.Decoder, /) -> _Self:
-        arm: Shoulder | None = None
-        if source.offset < source.end:
-            arm = (
-                source.enumerator(
-                    Shoulder,
-                    source.number("i", "Configuration.arm"),
-                    Shoulder.RIGHTY,
-                    "Configuration.arm",
-                    4,
-                )
-                if source.number("?", "Configuration.arm")
-                else None
-            )
-        bend: Elbow | None = None
-        if source.offset < source.end:
-            bend = (
-                source.enumerator(
-                    Elbow,
-                    source.number("i", "Configuration.bend"),
-                    Elbow.ABOVE,
-                    "Configuration.bend",
-                    4,
-                )
-                if source.number("?", "Configuration.bend")
-                else None
-            )
-        hand: Wrist | None = None
-        if source.offset < source.end:
-            hand = (
-                source.enumerator(
-                    Wrist,
-                    source.number("i", "Configuration.hand"),
-                    Wrist.NOFLIP,
-                    "Configuration.hand",
-                    4,
-                )
-                if source.number("?", "Configuration.hand")
-                else None
-            )
-        source.offset = source.end  # what a newer writer added is skipped
-        return cls(arm, bend, hand)
-
-    @staticmethod
-    def fingerprint() -> int:
-        return 0x410BC4D5AF6E6201
-
-    @staticmethod
-    def _gecos_shape() -> _shapes.Shape:
-        return _shapes.Members(
-            Configuration,
-            (
-                _shapes.Member("arm", _shapes.Optional(_shapes.Enumerators(Shoulder))),
-                _shapes.Member("bend", _shapes.Optional(_shapes.Enumerators(Elbow))),
-                _shapes.Member("hand", _shapes.Optional(_shapes.Enumerators(Wrist))),
-            ),
-        )

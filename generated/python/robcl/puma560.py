@@ -4,12 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping as _Mapping
-from typing import ClassVar as _ClassVar
-
-from gecos.interface import Handler as _Handler
-from gecos.interface import Interface as _Interface
-from gecos.interface import Quality as _Quality
+from gecos.interface import interface as _interface
 from robcl.six_axis import SixAxis, SixAxisServant
 
 __all__ = [
@@ -17,23 +12,7 @@ __all__ = [
     "Puma560Servant",
 ]
 
-_PUMA560 = _Interface(
-    name="robcl::Puma560",
-    version="1.0",
-    hash=0xE852EE4432708FD4,
-    bases=(
-        "robcl::Device",
-        "robcl::Manipulator",
-        "robcl::SixAxis",
-    ),
-    operations=(
-        *SixAxis._gecos_interface.operations,
-    ),
-    streams=(
-        *SixAxis._gecos_interface.streams,
-    ),
-    quality=_Quality(),
-)
+_PUMA560 = _interface("robcl::Puma560", "1.0", 0xE852EE4432708FD4, (SixAxis,), ())
 
 
 class Puma560(SixAxis):
@@ -46,6 +25,4 @@ class Puma560Servant(SixAxisServant):
     """Unimation Puma 560."""
 
     _gecos_interface = _PUMA560
-    _gecos_handlers: _ClassVar[_Mapping[int, _Handler]] = {
-        **SixAxisServant._gecos_handlers,
-    }
+    _gecos_handlers = _PUMA560.handlers

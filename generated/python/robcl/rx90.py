@@ -4,12 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping as _Mapping
-from typing import ClassVar as _ClassVar
-
-from gecos.interface import Handler as _Handler
-from gecos.interface import Interface as _Interface
-from gecos.interface import Quality as _Quality
+from gecos.interface import interface as _interface
 from robcl.six_axis import SixAxis, SixAxisServant
 
 __all__ = [
@@ -17,23 +12,7 @@ __all__ = [
     "Rx90Servant",
 ]
 
-_RX90 = _Interface(
-    name="robcl::Rx90",
-    version="1.0",
-    hash=0xB63C01C6AD6787F3,
-    bases=(
-        "robcl::Device",
-        "robcl::Manipulator",
-        "robcl::SixAxis",
-    ),
-    operations=(
-        *SixAxis._gecos_interface.operations,
-    ),
-    streams=(
-        *SixAxis._gecos_interface.streams,
-    ),
-    quality=_Quality(),
-)
+_RX90 = _interface("robcl::Rx90", "1.0", 0xB63C01C6AD6787F3, (SixAxis,), ())
 
 
 class Rx90(SixAxis):
@@ -46,6 +25,4 @@ class Rx90Servant(SixAxisServant):
     """Staeubli RX90."""
 
     _gecos_interface = _RX90
-    _gecos_handlers: _ClassVar[_Mapping[int, _Handler]] = {
-        **SixAxisServant._gecos_handlers,
-    }
+    _gecos_handlers = _RX90.handlers

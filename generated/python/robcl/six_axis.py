@@ -5,26 +5,18 @@
 from __future__ import annotations
 
 from abc import abstractmethod as _abstractmethod
-from collections.abc import Mapping as _Mapping
-from typing import ClassVar as _ClassVar
 
-from gecos import wire as _wire
 from gecos.command import Command as _Command
 from gecos.execution import Execution as _Execution
 from gecos.interface import Access as _Access
-from gecos.interface import Handler as _Handler
-from gecos.interface import Interface as _Interface
-from gecos.interface import Kind as _Kind
 from gecos.interface import Method as _Method
 from gecos.interface import Operation as _Operation
-from gecos.interface import OutwardStream as _OutwardStream
-from gecos.interface import Quality as _Quality
-from gecos.interface import no_arguments as _no_arguments
-from gecos.interface import no_result as _no_result
-from gecos.interface import nothing as _nothing
+from gecos.interface import getter as _getter
+from gecos.interface import interface as _interface
+from gecos.interface import method as _method
+from gecos.interface import values as _values
 from gecos.proxy import StreamAttribute as _StreamAttribute
-from gecos.wire import Decoder as _Decoder
-from gecos.wire import Parts as _Parts
+from gecos.wire import layout as _layout
 from robcl.manipulator import Manipulator, ManipulatorServant
 from robcl.manipulator_types import JointLimit, MotionProgress, Trajectory
 from robcl.six_axis_types import Joints, JointVector
@@ -36,74 +28,23 @@ __all__ = [
     "SixAxisServant",
 ]
 
-
-def _six_axis_joints_result(value: Joints) -> _Parts:
-    out: _Parts = []
-    _wire.put(value, Joints, out, "joints")
-    return out
-
-
-def _six_axis_move_joints_arguments(source: _Decoder) -> tuple[Joints, Trajectory | None]:
-    target: Joints = Joints.decode(source)
-    how: Trajectory | None = None
-    if source.offset < source.end:
-        how = (
-            Trajectory.decode(source.block("move_joints.how"))
-            if source.number("?", "move_joints.how")
-            else None
-        )
-    return target, how
-
-
-_SIX_AXIS_JOINTS: _Method[Joints, None] = _Method(
-    _Operation(
-        code=0xBFF4D1D1,
-        name="joints",
-        kind=_Kind.GETTER,
-        access=_Access.SENSOR,
-        presence=False,
-        idempotent=True,
-        hash=0x23E3FBCEB31C903F,
-    ),
-    Joints.decode,
+_SIX_AXIS_JOINTS: _Method[Joints, None] = _method(
+    _getter(0xBFF4D1D1, "joints", _Access.SENSOR, hash=0x23E3FBCEB31C903F),
+    gives=Joints,
+    stream=(250.0, 48),
 )
-_SIX_AXIS_MOVE_JOINTS: _Method[None, MotionProgress] = _Method(
-    _Operation(
-        code=0xC46BB1A7,
-        name="move_joints",
-        access=_Access.ACTOR,
-        cancelable=True,
-        hash=0xDE6F2F910E3F67DC,
-    ),
-    _nothing,
-    feedback=MotionProgress.decode,
+_SIX_AXIS_MOVE_JOINTS: _Method[None, MotionProgress] = _method(
+    _Operation(0xC46BB1A7, "move_joints", _Access.ACTOR, cancelable=True, hash=0xDE6F2F910E3F67DC),
+    takes=_values("target how", Joints, _layout.optional(Trajectory), defaults=(None,)),
+    feedback=MotionProgress,
     raises=(JointLimit,),
 )
-_SIX_AXIS_JOINTS_STREAM = _OutwardStream(
-    code=0xBFF4D1D1,
-    name="joints",
-    access=_Access.SENSOR,
-    rate_hz=250.0,
-    largest=48,
-)
-_SIX_AXIS = _Interface(
-    name="robcl::SixAxis",
-    version="1.0",
-    hash=0x9300F56AB37C365E,
-    bases=(
-        "robcl::Device",
-        "robcl::Manipulator",
-    ),
-    operations=(
-        *Manipulator._gecos_interface.operations,
-        _SIX_AXIS_JOINTS.operation,
-        _SIX_AXIS_MOVE_JOINTS.operation,
-    ),
-    streams=(
-        *Manipulator._gecos_interface.streams,
-        _SIX_AXIS_JOINTS_STREAM,
-    ),
-    quality=_Quality(),
+_SIX_AXIS = _interface(
+    "robcl::SixAxis",
+    "1.0",
+    0x9300F56AB37C365E,
+    (Manipulator,),
+    (_SIX_AXIS_JOINTS, _SIX_AXIS_MOVE_JOINTS),
 )
 
 
@@ -118,7 +59,7 @@ class SixAxis(Manipulator):
 
         Published 250 times a second.
         """
-        return _StreamAttribute(self, _SIX_AXIS_JOINTS, _SIX_AXIS_JOINTS_STREAM)
+        return _StreamAttribute(self, _SIX_AXIS_JOINTS)
 
     def move_joints(
         self,
@@ -129,37 +70,14 @@ class SixAxis(Manipulator):
 
         May raise JointLimit.
         """
-        out: _Parts = []
-        _wire.put(target, Joints, out, "move_joints.target")
-        if how is None:
-            out.append(b"\0")
-        else:
-            out.append(b"\1")
-            _wire.put_block(how, Trajectory, out, "move_joints.how")
-        return self._gecos_call(_SIX_AXIS_MOVE_JOINTS, out)
+        return self._gecos_call(_SIX_AXIS_MOVE_JOINTS, _SIX_AXIS_MOVE_JOINTS.request(target, how))
 
 
 class SixAxisServant(ManipulatorServant):
     """An arm with six revolute joints."""
 
     _gecos_interface = _SIX_AXIS
-    _gecos_handlers: _ClassVar[_Mapping[int, _Handler]] = {
-        **ManipulatorServant._gecos_handlers,
-        0xBFF4D1D1: _Handler(
-            _SIX_AXIS_JOINTS.operation,
-            "joints",
-            _no_arguments,
-            _six_axis_joints_result,
-            _SIX_AXIS_JOINTS.raises,
-        ),
-        0xC46BB1A7: _Handler(
-            _SIX_AXIS_MOVE_JOINTS.operation,
-            "move_joints",
-            _six_axis_move_joints_arguments,
-            _no_result,
-            _SIX_AXIS_MOVE_JOINTS.raises,
-        ),
-    }
+    _gecos_handlers = _SIX_AXIS.handlers
 
     @_abstractmethod
     def joints(self) -> Joints:
@@ -179,6 +97,4 @@ class SixAxisServant(ManipulatorServant):
 
     def publish_joints(self, value: Joints, stamp: float | None = None) -> None:
         """A new sample of `joints`, measured at `stamp` (Unix time in s; now)."""
-        out: _Parts = []
-        _wire.put(value, Joints, out, "joints")
-        self._gecos_publish(0xBFF4D1D1, out, stamp)
+        self._gecos_publish(0xBFF4D1D1, _SIX_AXIS_JOINTS.body(value), stamp)
