@@ -28,7 +28,7 @@ SUPPORT = (
     HERE / "driver.cpp",
     *(RUNTIME / "gecos" / f"{name}.cpp" for name in (
         "wire/check", "wire/decode_error", "wire/swap_copy", "wire/text", "wire/json",
-        "session/servant", "session/command", "session/description", "base/log", "base/clock",
+        "servant", "command", "description", "base/log", "base/clock",
     )),
     RUNTIME / "robcl" / "frames" / "frame.cpp",
     *(GENERATED / f"{name}.cpp" for name in (
