@@ -5,41 +5,36 @@
 #include <array>
 #include <cstdint>
 #include <string_view>
-#include <tuple>
 
 #include "gecos/wire/fields.hpp"
-#include "gecos/wire/json_members.hpp"
 
 namespace gecos::wire {
 
 template <>
-constexpr auto json_members<::gecos::Entry> = std::tuple{
-    JsonMember{"name", &::gecos::Entry::name},
-    JsonMember{"interface_name", &::gecos::Entry::interface_name},
-    JsonMember{"bases", &::gecos::Entry::bases},
-    JsonMember{"interface_hash", &::gecos::Entry::interface_hash},
-    JsonMember{"boot", &::gecos::Entry::boot},
-    JsonMember{"pid", &::gecos::Entry::pid},
-    JsonMember{"user", &::gecos::Entry::user},
-    JsonMember{"host", &::gecos::Entry::host},
-    JsonMember{"hostname", &::gecos::Entry::hostname},
-    JsonMember{"addresses", &::gecos::Entry::addresses},
-    JsonMember{"simulated", &::gecos::Entry::simulated},
-};
-template struct JsonStruct<::gecos::Entry>;
+bool JsonStruct<::gecos::Entry>::visit(JsonMembers& each, ::gecos::Entry& value) {
+  return each.member("name", value.name) &&
+         each.member("interface_name", value.interface_name) &&
+         each.member("bases", value.bases) &&
+         each.member("interface_hash", value.interface_hash) &&
+         each.member("boot", value.boot) &&
+         each.member("pid", value.pid) &&
+         each.member("user", value.user) &&
+         each.member("host", value.host) &&
+         each.member("hostname", value.hostname) &&
+         each.member("addresses", value.addresses) &&
+         each.member("simulated", value.simulated);
+}
 
 template <>
-constexpr auto json_members<::gecos::UnknownName> = std::tuple{
-    JsonMember{"name", &::gecos::UnknownName::name},
-    JsonMember{"known", &::gecos::UnknownName::known},
-};
-template struct JsonStruct<::gecos::UnknownName>;
+bool JsonStruct<::gecos::UnknownName>::visit(JsonMembers& each, ::gecos::UnknownName& value) {
+  return each.member("name", value.name) &&
+         each.member("known", value.known);
+}
 
 template <>
-constexpr auto json_members<::gecos::NameTaken> = std::tuple{
-    JsonMember{"name", &::gecos::NameTaken::name},
-    JsonMember{"by", &::gecos::NameTaken::by},
-};
-template struct JsonStruct<::gecos::NameTaken>;
+bool JsonStruct<::gecos::NameTaken>::visit(JsonMembers& each, ::gecos::NameTaken& value) {
+  return each.member("name", value.name) &&
+         each.member("by", value.by);
+}
 
 }  // namespace gecos::wire

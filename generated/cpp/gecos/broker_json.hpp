@@ -9,14 +9,17 @@ namespace gecos::wire {
 
 template <>
 struct JsonShape<::gecos::Entry> : JsonStruct<::gecos::Entry> {};
-extern template struct JsonStruct<::gecos::Entry>;
+template <>
+bool JsonStruct<::gecos::Entry>::visit(JsonMembers& each, ::gecos::Entry& value);
 
 template <>
 struct JsonShape<::gecos::UnknownName> : JsonStruct<::gecos::UnknownName> {};
-extern template struct JsonStruct<::gecos::UnknownName>;
+template <>
+bool JsonStruct<::gecos::UnknownName>::visit(JsonMembers& each, ::gecos::UnknownName& value);
 
 template <>
 struct JsonShape<::gecos::NameTaken> : JsonStruct<::gecos::NameTaken> {};
-extern template struct JsonStruct<::gecos::NameTaken>;
+template <>
+bool JsonStruct<::gecos::NameTaken>::visit(JsonMembers& each, ::gecos::NameTaken& value);
 
 }  // namespace gecos::wire

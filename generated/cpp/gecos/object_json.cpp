@@ -5,10 +5,8 @@
 #include <array>
 #include <cstdint>
 #include <string_view>
-#include <tuple>
 
 #include "gecos/wire/fields.hpp"
-#include "gecos/wire/json_members.hpp"
 
 namespace gecos::wire {
 
@@ -33,67 +31,61 @@ bool JsonShape<::gecos::Status>::read(const JsonReader& from, ::gecos::Status& v
 }
 
 template <>
-constexpr auto json_members<::gecos::Holder> = std::tuple{
-    JsonMember{"status", &::gecos::Holder::status},
-    JsonMember{"user", &::gecos::Holder::user},
-    JsonMember{"host", &::gecos::Holder::host},
-    JsonMember{"program", &::gecos::Holder::program},
-    JsonMember{"pid", &::gecos::Holder::pid},
-    JsonMember{"held_for", &::gecos::Holder::held_for},
-    JsonMember{"expires_in", &::gecos::Holder::expires_in},
-    JsonMember{"releasing", &::gecos::Holder::releasing},
-};
-template struct JsonStruct<::gecos::Holder>;
+bool JsonStruct<::gecos::Holder>::visit(JsonMembers& each, ::gecos::Holder& value) {
+  return each.member("status", value.status) &&
+         each.member("user", value.user) &&
+         each.member("host", value.host) &&
+         each.member("program", value.program) &&
+         each.member("pid", value.pid) &&
+         each.member("held_for", value.held_for) &&
+         each.member("expires_in", value.expires_in) &&
+         each.member("releasing", value.releasing);
+}
 
 template <>
-constexpr auto json_members<::gecos::RunningHandler> = std::tuple{
-    JsonMember{"operation", &::gecos::RunningHandler::operation},
-    JsonMember{"running_for", &::gecos::RunningHandler::running_for},
-    JsonMember{"user", &::gecos::RunningHandler::user},
-    JsonMember{"host", &::gecos::RunningHandler::host},
-    JsonMember{"program", &::gecos::RunningHandler::program},
-    JsonMember{"pid", &::gecos::RunningHandler::pid},
-    JsonMember{"waits_for", &::gecos::RunningHandler::waits_for},
-};
-template struct JsonStruct<::gecos::RunningHandler>;
+bool JsonStruct<::gecos::RunningHandler>::visit(JsonMembers& each, ::gecos::RunningHandler& value) {
+  return each.member("operation", value.operation) &&
+         each.member("running_for", value.running_for) &&
+         each.member("user", value.user) &&
+         each.member("host", value.host) &&
+         each.member("program", value.program) &&
+         each.member("pid", value.pid) &&
+         each.member("waits_for", value.waits_for);
+}
 
 template <>
-constexpr auto json_members<::gecos::Description> = std::tuple{
-    JsonMember{"name", &::gecos::Description::name},
-    JsonMember{"interface_name", &::gecos::Description::interface_name},
-    JsonMember{"version", &::gecos::Description::version},
-    JsonMember{"interface_hash", &::gecos::Description::interface_hash},
-    JsonMember{"simulated", &::gecos::Description::simulated},
-    JsonMember{"presence", &::gecos::Description::presence},
-    JsonMember{"authentication", &::gecos::Description::authentication},
-    JsonMember{"epoch", &::gecos::Description::epoch},
-    JsonMember{"queued", &::gecos::Description::queued},
-    JsonMember{"executing", &::gecos::Description::executing},
-    JsonMember{"pid", &::gecos::Description::pid},
-    JsonMember{"registration", &::gecos::Description::registration},
-    JsonMember{"handlers", &::gecos::Description::handlers},
-};
-template struct JsonStruct<::gecos::Description>;
+bool JsonStruct<::gecos::Description>::visit(JsonMembers& each, ::gecos::Description& value) {
+  return each.member("name", value.name) &&
+         each.member("interface_name", value.interface_name) &&
+         each.member("version", value.version) &&
+         each.member("interface_hash", value.interface_hash) &&
+         each.member("simulated", value.simulated) &&
+         each.member("presence", value.presence) &&
+         each.member("authentication", value.authentication) &&
+         each.member("epoch", value.epoch) &&
+         each.member("queued", value.queued) &&
+         each.member("executing", value.executing) &&
+         each.member("pid", value.pid) &&
+         each.member("registration", value.registration) &&
+         each.member("handlers", value.handlers);
+}
 
 template <>
-constexpr auto json_members<::gecos::StatusRefused> = std::tuple{
-    JsonMember{"reason", &::gecos::StatusRefused::reason},
-    JsonMember{"holders", &::gecos::StatusRefused::holders},
-};
-template struct JsonStruct<::gecos::StatusRefused>;
+bool JsonStruct<::gecos::StatusRefused>::visit(JsonMembers& each, ::gecos::StatusRefused& value) {
+  return each.member("reason", value.reason) &&
+         each.member("holders", value.holders);
+}
 
 template <>
-constexpr auto json_members<::gecos::Grant> = std::tuple{
-    JsonMember{"status", &::gecos::Grant::status},
-    JsonMember{"epoch", &::gecos::Grant::epoch},
-};
-template struct JsonStruct<::gecos::Grant>;
+bool JsonStruct<::gecos::Grant>::visit(JsonMembers& each, ::gecos::Grant& value) {
+  return each.member("status", value.status) &&
+         each.member("epoch", value.epoch);
+}
 
 template <>
-constexpr auto json_members<::gecos::OutcomeRecord> = std::tuple{
-    JsonMember{"detail", &::gecos::OutcomeRecord::detail},
-    JsonMember{"text", &::gecos::OutcomeRecord::text},
-};
-template struct JsonStruct<::gecos::OutcomeRecord>;
+bool JsonStruct<::gecos::OutcomeRecord>::visit(JsonMembers& each, ::gecos::OutcomeRecord& value) {
+  return each.member("detail", value.detail) &&
+         each.member("text", value.text);
+}
 
 }  // namespace gecos::wire

@@ -16,26 +16,32 @@ struct JsonShape<::gecos::Status> {
 
 template <>
 struct JsonShape<::gecos::Holder> : JsonStruct<::gecos::Holder> {};
-extern template struct JsonStruct<::gecos::Holder>;
+template <>
+bool JsonStruct<::gecos::Holder>::visit(JsonMembers& each, ::gecos::Holder& value);
 
 template <>
 struct JsonShape<::gecos::RunningHandler> : JsonStruct<::gecos::RunningHandler> {};
-extern template struct JsonStruct<::gecos::RunningHandler>;
+template <>
+bool JsonStruct<::gecos::RunningHandler>::visit(JsonMembers& each, ::gecos::RunningHandler& value);
 
 template <>
 struct JsonShape<::gecos::Description> : JsonStruct<::gecos::Description> {};
-extern template struct JsonStruct<::gecos::Description>;
+template <>
+bool JsonStruct<::gecos::Description>::visit(JsonMembers& each, ::gecos::Description& value);
 
 template <>
 struct JsonShape<::gecos::StatusRefused> : JsonStruct<::gecos::StatusRefused> {};
-extern template struct JsonStruct<::gecos::StatusRefused>;
+template <>
+bool JsonStruct<::gecos::StatusRefused>::visit(JsonMembers& each, ::gecos::StatusRefused& value);
 
 template <>
 struct JsonShape<::gecos::Grant> : JsonStruct<::gecos::Grant> {};
-extern template struct JsonStruct<::gecos::Grant>;
+template <>
+bool JsonStruct<::gecos::Grant>::visit(JsonMembers& each, ::gecos::Grant& value);
 
 template <>
 struct JsonShape<::gecos::OutcomeRecord> : JsonStruct<::gecos::OutcomeRecord> {};
-extern template struct JsonStruct<::gecos::OutcomeRecord>;
+template <>
+bool JsonStruct<::gecos::OutcomeRecord>::visit(JsonMembers& each, ::gecos::OutcomeRecord& value);
 
 }  // namespace gecos::wire

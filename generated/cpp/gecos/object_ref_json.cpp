@@ -5,20 +5,17 @@
 #include <array>
 #include <cstdint>
 #include <string_view>
-#include <tuple>
 
 #include "gecos/wire/fields.hpp"
-#include "gecos/wire/json_members.hpp"
 
 namespace gecos::wire {
 
 template <>
-constexpr auto json_members<::gecos::ObjectRef> = std::tuple{
-    JsonMember{"name", &::gecos::ObjectRef::name},
-    JsonMember{"interface_hash", &::gecos::ObjectRef::interface_hash},
-    JsonMember{"boot", &::gecos::ObjectRef::boot},
-    JsonMember{"where", &::gecos::ObjectRef::where},
-};
-template struct JsonStruct<::gecos::ObjectRef>;
+bool JsonStruct<::gecos::ObjectRef>::visit(JsonMembers& each, ::gecos::ObjectRef& value) {
+  return each.member("name", value.name) &&
+         each.member("interface_hash", value.interface_hash) &&
+         each.member("boot", value.boot) &&
+         each.member("where", value.where);
+}
 
 }  // namespace gecos::wire

@@ -9,6 +9,7 @@ namespace gecos::wire {
 
 template <>
 struct JsonShape<::gecos::ObjectRef> : JsonStruct<::gecos::ObjectRef> {};
-extern template struct JsonStruct<::gecos::ObjectRef>;
+template <>
+bool JsonStruct<::gecos::ObjectRef>::visit(JsonMembers& each, ::gecos::ObjectRef& value);
 
 }  // namespace gecos::wire

@@ -5,17 +5,14 @@
 #include <array>
 #include <cstdint>
 #include <string_view>
-#include <tuple>
 
 #include "gecos/wire/fields.hpp"
-#include "gecos/wire/json_members.hpp"
 
 namespace gecos::wire {
 
 template <>
-constexpr auto json_members<::robcl::MountRefused> = std::tuple{
-    JsonMember{"reason", &::robcl::MountRefused::reason},
-};
-template struct JsonStruct<::robcl::MountRefused>;
+bool JsonStruct<::robcl::MountRefused>::visit(JsonMembers& each, ::robcl::MountRefused& value) {
+  return each.member("reason", value.reason);
+}
 
 }  // namespace gecos::wire

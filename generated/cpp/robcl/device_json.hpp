@@ -10,6 +10,7 @@ namespace gecos::wire {
 
 template <>
 struct JsonShape<::robcl::MountRefused> : JsonStruct<::robcl::MountRefused> {};
-extern template struct JsonStruct<::robcl::MountRefused>;
+template <>
+bool JsonStruct<::robcl::MountRefused>::visit(JsonMembers& each, ::robcl::MountRefused& value);
 
 }  // namespace gecos::wire

@@ -5,29 +5,25 @@
 #include <array>
 #include <cstdint>
 #include <string_view>
-#include <tuple>
 
 #include "gecos/wire/fields.hpp"
-#include "gecos/wire/json_members.hpp"
 
 namespace gecos::wire {
 
 template <>
-constexpr auto json_members<::robcl::Vector> = std::tuple{
-    JsonMember{"x", &::robcl::Vector::x},
-    JsonMember{"y", &::robcl::Vector::y},
-    JsonMember{"z", &::robcl::Vector::z},
-};
-template struct JsonStruct<::robcl::Vector>;
+bool JsonStruct<::robcl::Vector>::visit(JsonMembers& each, ::robcl::Vector& value) {
+  return each.member("x", value.x) &&
+         each.member("y", value.y) &&
+         each.member("z", value.z);
+}
 
 template <>
-constexpr auto json_members<::robcl::Quaternion> = std::tuple{
-    JsonMember{"w", &::robcl::Quaternion::w},
-    JsonMember{"x", &::robcl::Quaternion::x},
-    JsonMember{"y", &::robcl::Quaternion::y},
-    JsonMember{"z", &::robcl::Quaternion::z},
-};
-template struct JsonStruct<::robcl::Quaternion>;
+bool JsonStruct<::robcl::Quaternion>::visit(JsonMembers& each, ::robcl::Quaternion& value) {
+  return each.member("w", value.w) &&
+         each.member("x", value.x) &&
+         each.member("y", value.y) &&
+         each.member("z", value.z);
+}
 
 template <>
 struct JsonLayout<::robcl::Frame> {
@@ -56,11 +52,12 @@ template <>
 struct JsonShape<JsonLayout<::robcl::Frame>> : JsonStruct<JsonLayout<::robcl::Frame>> {};
 
 template <>
-constexpr auto json_members<JsonLayout<::robcl::Frame>> = std::tuple{
-    JsonMember{"position", &JsonLayout<::robcl::Frame>::position},
-    JsonMember{"orientation", &JsonLayout<::robcl::Frame>::orientation},
-};
-template struct JsonStruct<JsonLayout<::robcl::Frame>>;
+bool JsonStruct<JsonLayout<::robcl::Frame>>::visit(
+    JsonMembers& each,
+    JsonLayout<::robcl::Frame>& value) {
+  return each.member("position", value.position) &&
+         each.member("orientation", value.orientation);
+}
 
 void JsonShape<::robcl::Frame>::write(JsonWriter to, const ::robcl::Frame& value) {
   write_json_as<JsonLayout<::robcl::Frame>>(to, value);

@@ -9,11 +9,13 @@ namespace gecos::wire {
 
 template <>
 struct JsonShape<::robcl::Vector> : JsonStruct<::robcl::Vector> {};
-extern template struct JsonStruct<::robcl::Vector>;
+template <>
+bool JsonStruct<::robcl::Vector>::visit(JsonMembers& each, ::robcl::Vector& value);
 
 template <>
 struct JsonShape<::robcl::Quaternion> : JsonStruct<::robcl::Quaternion> {};
-extern template struct JsonStruct<::robcl::Quaternion>;
+template <>
+bool JsonStruct<::robcl::Quaternion>::visit(JsonMembers& each, ::robcl::Quaternion& value);
 
 template <>
 struct JsonShape<::robcl::Frame> {

@@ -5,30 +5,26 @@
 #include <array>
 #include <cstdint>
 #include <string_view>
-#include <tuple>
 
 #include "gecos/wire/fields.hpp"
-#include "gecos/wire/json_members.hpp"
 
 namespace gecos::wire {
 
 template <>
-constexpr auto json_members<::robcl::GripperState> = std::tuple{
-    JsonMember{"width", &::robcl::GripperState::width},
-    JsonMember{"force", &::robcl::GripperState::force},
-    JsonMember{"moving", &::robcl::GripperState::moving},
-    JsonMember{"holding", &::robcl::GripperState::holding},
-    JsonMember{"held", &::robcl::GripperState::held},
-};
-template struct JsonStruct<::robcl::GripperState>;
+bool JsonStruct<::robcl::GripperState>::visit(JsonMembers& each, ::robcl::GripperState& value) {
+  return each.member("width", value.width) &&
+         each.member("force", value.force) &&
+         each.member("moving", value.moving) &&
+         each.member("holding", value.holding) &&
+         each.member("held", value.held);
+}
 
 template <>
-constexpr auto json_members<::robcl::OutOfRange> = std::tuple{
-    JsonMember{"what", &::robcl::OutOfRange::what},
-    JsonMember{"value", &::robcl::OutOfRange::value},
-    JsonMember{"lower", &::robcl::OutOfRange::lower},
-    JsonMember{"upper", &::robcl::OutOfRange::upper},
-};
-template struct JsonStruct<::robcl::OutOfRange>;
+bool JsonStruct<::robcl::OutOfRange>::visit(JsonMembers& each, ::robcl::OutOfRange& value) {
+  return each.member("what", value.what) &&
+         each.member("value", value.value) &&
+         each.member("lower", value.lower) &&
+         each.member("upper", value.upper);
+}
 
 }  // namespace gecos::wire

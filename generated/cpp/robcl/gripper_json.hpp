@@ -10,10 +10,12 @@ namespace gecos::wire {
 
 template <>
 struct JsonShape<::robcl::GripperState> : JsonStruct<::robcl::GripperState> {};
-extern template struct JsonStruct<::robcl::GripperState>;
+template <>
+bool JsonStruct<::robcl::GripperState>::visit(JsonMembers& each, ::robcl::GripperState& value);
 
 template <>
 struct JsonShape<::robcl::OutOfRange> : JsonStruct<::robcl::OutOfRange> {};
-extern template struct JsonStruct<::robcl::OutOfRange>;
+template <>
+bool JsonStruct<::robcl::OutOfRange>::visit(JsonMembers& each, ::robcl::OutOfRange& value);
 
 }  // namespace gecos::wire

@@ -5,27 +5,23 @@
 #include <array>
 #include <cstdint>
 #include <string_view>
-#include <tuple>
 
 #include "gecos/wire/fields.hpp"
-#include "gecos/wire/json_members.hpp"
 
 namespace gecos::wire {
 
 template <>
-constexpr auto json_members<::robcl::Distance> = std::tuple{
-    JsonMember{"value", &::robcl::Distance::value},
-    JsonMember{"valid", &::robcl::Distance::valid},
-    JsonMember{"lower", &::robcl::Distance::lower},
-    JsonMember{"upper", &::robcl::Distance::upper},
-    JsonMember{"stamp", &::robcl::Distance::stamp},
-};
-template struct JsonStruct<::robcl::Distance>;
+bool JsonStruct<::robcl::Distance>::visit(JsonMembers& each, ::robcl::Distance& value) {
+  return each.member("value", value.value) &&
+         each.member("valid", value.valid) &&
+         each.member("lower", value.lower) &&
+         each.member("upper", value.upper) &&
+         each.member("stamp", value.stamp);
+}
 
 template <>
-constexpr auto json_members<::robcl::SensorFault> = std::tuple{
-    JsonMember{"reason", &::robcl::SensorFault::reason},
-};
-template struct JsonStruct<::robcl::SensorFault>;
+bool JsonStruct<::robcl::SensorFault>::visit(JsonMembers& each, ::robcl::SensorFault& value) {
+  return each.member("reason", value.reason);
+}
 
 }  // namespace gecos::wire

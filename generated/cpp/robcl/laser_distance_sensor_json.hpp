@@ -10,10 +10,12 @@ namespace gecos::wire {
 
 template <>
 struct JsonShape<::robcl::Distance> : JsonStruct<::robcl::Distance> {};
-extern template struct JsonStruct<::robcl::Distance>;
+template <>
+bool JsonStruct<::robcl::Distance>::visit(JsonMembers& each, ::robcl::Distance& value);
 
 template <>
 struct JsonShape<::robcl::SensorFault> : JsonStruct<::robcl::SensorFault> {};
-extern template struct JsonStruct<::robcl::SensorFault>;
+template <>
+bool JsonStruct<::robcl::SensorFault>::visit(JsonMembers& each, ::robcl::SensorFault& value);
 
 }  // namespace gecos::wire

@@ -5,10 +5,8 @@
 #include <array>
 #include <cstdint>
 #include <string_view>
-#include <tuple>
 
 #include "gecos/wire/fields.hpp"
-#include "gecos/wire/json_members.hpp"
 
 namespace gecos::wire {
 
@@ -51,43 +49,38 @@ bool JsonShape<::robcl::Blend>::read(const JsonReader& from, ::robcl::Blend& val
 }
 
 template <>
-constexpr auto json_members<::robcl::Trajectory> = std::tuple{
-    JsonMember{"speed", &::robcl::Trajectory::speed},
-    JsonMember{"acceleration", &::robcl::Trajectory::acceleration},
-    JsonMember{"path", &::robcl::Trajectory::path},
-    JsonMember{"at_goal", &::robcl::Trajectory::at_goal},
-    JsonMember{"tool_speed", &::robcl::Trajectory::tool_speed},
-    JsonMember{"turn_speed", &::robcl::Trajectory::turn_speed},
-};
-template struct JsonStruct<::robcl::Trajectory>;
+bool JsonStruct<::robcl::Trajectory>::visit(JsonMembers& each, ::robcl::Trajectory& value) {
+  return each.member("speed", value.speed) &&
+         each.member("acceleration", value.acceleration) &&
+         each.member("path", value.path) &&
+         each.member("at_goal", value.at_goal) &&
+         each.member("tool_speed", value.tool_speed) &&
+         each.member("turn_speed", value.turn_speed);
+}
 
 template <>
-constexpr auto json_members<::robcl::MotionProgress> = std::tuple{
-    JsonMember{"fraction", &::robcl::MotionProgress::fraction},
-    JsonMember{"remaining", &::robcl::MotionProgress::remaining},
-};
-template struct JsonStruct<::robcl::MotionProgress>;
+bool JsonStruct<::robcl::MotionProgress>::visit(JsonMembers& each, ::robcl::MotionProgress& value) {
+  return each.member("fraction", value.fraction) &&
+         each.member("remaining", value.remaining);
+}
 
 template <>
-constexpr auto json_members<::robcl::OutOfReach> = std::tuple{
-    JsonMember{"reason", &::robcl::OutOfReach::reason},
-};
-template struct JsonStruct<::robcl::OutOfReach>;
+bool JsonStruct<::robcl::OutOfReach>::visit(JsonMembers& each, ::robcl::OutOfReach& value) {
+  return each.member("reason", value.reason);
+}
 
 template <>
-constexpr auto json_members<::robcl::JointLimit> = std::tuple{
-    JsonMember{"axis", &::robcl::JointLimit::axis},
-    JsonMember{"value", &::robcl::JointLimit::value},
-    JsonMember{"lower", &::robcl::JointLimit::lower},
-    JsonMember{"upper", &::robcl::JointLimit::upper},
-};
-template struct JsonStruct<::robcl::JointLimit>;
+bool JsonStruct<::robcl::JointLimit>::visit(JsonMembers& each, ::robcl::JointLimit& value) {
+  return each.member("axis", value.axis) &&
+         each.member("value", value.value) &&
+         each.member("lower", value.lower) &&
+         each.member("upper", value.upper);
+}
 
 template <>
-constexpr auto json_members<::robcl::Singular> = std::tuple{
-    JsonMember{"reason", &::robcl::Singular::reason},
-};
-template struct JsonStruct<::robcl::Singular>;
+bool JsonStruct<::robcl::Singular>::visit(JsonMembers& each, ::robcl::Singular& value) {
+  return each.member("reason", value.reason);
+}
 
 JsonNames JsonShape<::robcl::Shoulder>::names() {
   static constexpr std::array<JsonName, 2> all{{
@@ -147,11 +140,10 @@ bool JsonShape<::robcl::Wrist>::read(const JsonReader& from, ::robcl::Wrist& val
 }
 
 template <>
-constexpr auto json_members<::robcl::Configuration> = std::tuple{
-    JsonMember{"arm", &::robcl::Configuration::arm},
-    JsonMember{"bend", &::robcl::Configuration::bend},
-    JsonMember{"hand", &::robcl::Configuration::hand},
-};
-template struct JsonStruct<::robcl::Configuration>;
+bool JsonStruct<::robcl::Configuration>::visit(JsonMembers& each, ::robcl::Configuration& value) {
+  return each.member("arm", value.arm) &&
+         each.member("bend", value.bend) &&
+         each.member("hand", value.hand);
+}
 
 }  // namespace gecos::wire

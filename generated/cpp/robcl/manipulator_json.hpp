@@ -24,23 +24,28 @@ struct JsonShape<::robcl::Blend> {
 
 template <>
 struct JsonShape<::robcl::Trajectory> : JsonStruct<::robcl::Trajectory> {};
-extern template struct JsonStruct<::robcl::Trajectory>;
+template <>
+bool JsonStruct<::robcl::Trajectory>::visit(JsonMembers& each, ::robcl::Trajectory& value);
 
 template <>
 struct JsonShape<::robcl::MotionProgress> : JsonStruct<::robcl::MotionProgress> {};
-extern template struct JsonStruct<::robcl::MotionProgress>;
+template <>
+bool JsonStruct<::robcl::MotionProgress>::visit(JsonMembers& each, ::robcl::MotionProgress& value);
 
 template <>
 struct JsonShape<::robcl::OutOfReach> : JsonStruct<::robcl::OutOfReach> {};
-extern template struct JsonStruct<::robcl::OutOfReach>;
+template <>
+bool JsonStruct<::robcl::OutOfReach>::visit(JsonMembers& each, ::robcl::OutOfReach& value);
 
 template <>
 struct JsonShape<::robcl::JointLimit> : JsonStruct<::robcl::JointLimit> {};
-extern template struct JsonStruct<::robcl::JointLimit>;
+template <>
+bool JsonStruct<::robcl::JointLimit>::visit(JsonMembers& each, ::robcl::JointLimit& value);
 
 template <>
 struct JsonShape<::robcl::Singular> : JsonStruct<::robcl::Singular> {};
-extern template struct JsonStruct<::robcl::Singular>;
+template <>
+bool JsonStruct<::robcl::Singular>::visit(JsonMembers& each, ::robcl::Singular& value);
 
 template <>
 struct JsonShape<::robcl::Shoulder> {
@@ -65,6 +70,7 @@ struct JsonShape<::robcl::Wrist> {
 
 template <>
 struct JsonShape<::robcl::Configuration> : JsonStruct<::robcl::Configuration> {};
-extern template struct JsonStruct<::robcl::Configuration>;
+template <>
+bool JsonStruct<::robcl::Configuration>::visit(JsonMembers& each, ::robcl::Configuration& value);
 
 }  // namespace gecos::wire

@@ -5,17 +5,14 @@
 #include <array>
 #include <cstdint>
 #include <string_view>
-#include <tuple>
 
 #include "gecos/wire/fields.hpp"
-#include "gecos/wire/json_members.hpp"
 
 namespace gecos::wire {
 
 template <>
-constexpr auto json_members<::robcl::Joints> = std::tuple{
-    JsonMember{"position", &::robcl::Joints::position},
-};
-template struct JsonStruct<::robcl::Joints>;
+bool JsonStruct<::robcl::Joints>::visit(JsonMembers& each, ::robcl::Joints& value) {
+  return each.member("position", value.position);
+}
 
 }  // namespace gecos::wire

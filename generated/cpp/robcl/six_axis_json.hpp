@@ -10,6 +10,7 @@ namespace gecos::wire {
 
 template <>
 struct JsonShape<::robcl::Joints> : JsonStruct<::robcl::Joints> {};
-extern template struct JsonStruct<::robcl::Joints>;
+template <>
+bool JsonStruct<::robcl::Joints>::visit(JsonMembers& each, ::robcl::Joints& value);
 
 }  // namespace gecos::wire

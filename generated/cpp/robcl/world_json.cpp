@@ -5,44 +5,38 @@
 #include <array>
 #include <cstdint>
 #include <string_view>
-#include <tuple>
 
 #include "gecos/wire/fields.hpp"
-#include "gecos/wire/json_members.hpp"
 
 namespace gecos::wire {
 
 template <>
-constexpr auto json_members<::robcl::Body> = std::tuple{
-    JsonMember{"name", &::robcl::Body::name},
-    JsonMember{"pose", &::robcl::Body::pose},
-    JsonMember{"size", &::robcl::Body::size},
-    JsonMember{"fixed", &::robcl::Body::fixed},
-    JsonMember{"held_by", &::robcl::Body::held_by},
-};
-template struct JsonStruct<::robcl::Body>;
+bool JsonStruct<::robcl::Body>::visit(JsonMembers& each, ::robcl::Body& value) {
+  return each.member("name", value.name) &&
+         each.member("pose", value.pose) &&
+         each.member("size", value.size) &&
+         each.member("fixed", value.fixed) &&
+         each.member("held_by", value.held_by);
+}
 
 template <>
-constexpr auto json_members<::robcl::RayHit> = std::tuple{
-    JsonMember{"hit", &::robcl::RayHit::hit},
-    JsonMember{"range", &::robcl::RayHit::range},
-    JsonMember{"body_name", &::robcl::RayHit::body_name},
-};
-template struct JsonStruct<::robcl::RayHit>;
+bool JsonStruct<::robcl::RayHit>::visit(JsonMembers& each, ::robcl::RayHit& value) {
+  return each.member("hit", value.hit) &&
+         each.member("range", value.range) &&
+         each.member("body_name", value.body_name);
+}
 
 template <>
-constexpr auto json_members<::robcl::Contact> = std::tuple{
-    JsonMember{"hit", &::robcl::Contact::hit},
-    JsonMember{"width", &::robcl::Contact::width},
-    JsonMember{"body_name", &::robcl::Contact::body_name},
-};
-template struct JsonStruct<::robcl::Contact>;
+bool JsonStruct<::robcl::Contact>::visit(JsonMembers& each, ::robcl::Contact& value) {
+  return each.member("hit", value.hit) &&
+         each.member("width", value.width) &&
+         each.member("body_name", value.body_name);
+}
 
 template <>
-constexpr auto json_members<::robcl::UnknownBody> = std::tuple{
-    JsonMember{"name", &::robcl::UnknownBody::name},
-    JsonMember{"known", &::robcl::UnknownBody::known},
-};
-template struct JsonStruct<::robcl::UnknownBody>;
+bool JsonStruct<::robcl::UnknownBody>::visit(JsonMembers& each, ::robcl::UnknownBody& value) {
+  return each.member("name", value.name) &&
+         each.member("known", value.known);
+}
 
 }  // namespace gecos::wire

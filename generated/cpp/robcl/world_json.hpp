@@ -10,18 +10,22 @@ namespace gecos::wire {
 
 template <>
 struct JsonShape<::robcl::Body> : JsonStruct<::robcl::Body> {};
-extern template struct JsonStruct<::robcl::Body>;
+template <>
+bool JsonStruct<::robcl::Body>::visit(JsonMembers& each, ::robcl::Body& value);
 
 template <>
 struct JsonShape<::robcl::RayHit> : JsonStruct<::robcl::RayHit> {};
-extern template struct JsonStruct<::robcl::RayHit>;
+template <>
+bool JsonStruct<::robcl::RayHit>::visit(JsonMembers& each, ::robcl::RayHit& value);
 
 template <>
 struct JsonShape<::robcl::Contact> : JsonStruct<::robcl::Contact> {};
-extern template struct JsonStruct<::robcl::Contact>;
+template <>
+bool JsonStruct<::robcl::Contact>::visit(JsonMembers& each, ::robcl::Contact& value);
 
 template <>
 struct JsonShape<::robcl::UnknownBody> : JsonStruct<::robcl::UnknownBody> {};
-extern template struct JsonStruct<::robcl::UnknownBody>;
+template <>
+bool JsonStruct<::robcl::UnknownBody>::visit(JsonMembers& each, ::robcl::UnknownBody& value);
 
 }  // namespace gecos::wire

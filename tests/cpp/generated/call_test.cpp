@@ -169,16 +169,31 @@ TEST_F(GeneratedCalls, FailOnANilProxy) {
   EXPECT_EQ(Deep().level().wait(), State::ConnectionFailed);
 }
 
+TEST(GeneratedDescriptions, NameEachOperationAndStream) {
+  EXPECT_EQ(StageInterface::paint.name, "paint");
+  EXPECT_EQ(StageInterface::set_level.kind, gecos::OperationKind::Setter);
+  EXPECT_EQ(StageInterface::samples_stream.code, StageInterface::samples.code);
+  EXPECT_TRUE(StageInterface::all.idempotent) << "a getter may be sent again";
+  EXPECT_FALSE(StageInterface::all.presence);
+  EXPECT_TRUE(StageInterface::paint.presence);
+}
+
 TEST(GeneratedDescriptions, AreSortedByCodeAndHoldWhatIsInherited) {
   const auto& deep = Deep::gecos_description();
   EXPECT_TRUE(deep.is_a("everything::Stage"));
-  EXPECT_EQ(deep.operations.size(), Stage::gecos_description().operations.size() + 1);
-  for (std::size_t i = 1; i < deep.operations.size(); ++i) {
-    EXPECT_LT(gecos::number(deep.operations[i - 1].code), gecos::number(deep.operations[i].code));
+  ASSERT_EQ(deep.operations.size(), 1u) << "what is inherited is not stated again";
+  EXPECT_EQ(deep.inherits[0], &Stage::gecos_description());
+  const auto all = deep.all_operations();
+  ASSERT_EQ(all.size(), Stage::gecos_description().operations.size() + 1);
+  for (std::size_t i = 1; i < all.size(); ++i) {
+    EXPECT_LT(gecos::number(all[i - 1]->code), gecos::number(all[i]->code));
+    EXPECT_EQ(deep.find(all[i]->code), all[i]);
   }
-  ASSERT_EQ(deep.streams.size(), 1u);
-  EXPECT_EQ(deep.streams[0].rate_hz, 10);
-  EXPECT_EQ(deep.find(deep.streams[0].code)->kind, gecos::OperationKind::Getter);
+  const auto streams = deep.all_streams();
+  ASSERT_EQ(streams.size(), 1u);
+  EXPECT_EQ(streams[0]->rate_hz, 10);
+  EXPECT_EQ(deep.find_stream(streams[0]->code), streams[0]);
+  EXPECT_EQ(deep.find(streams[0]->code)->kind, gecos::OperationKind::Getter);
 }
 
 }  // namespace

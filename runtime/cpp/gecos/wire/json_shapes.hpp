@@ -42,16 +42,6 @@ using MemberNames = std::span<const std::string_view>;
 template <class T>
 struct JsonShape;
 
-class JsonReader;
-class JsonWriter;
-
-/// The shape of a struct, which its `<file>_json.cpp` instantiates from the list of its members.
-template <class T>
-struct JsonStruct {
-  static void write(JsonWriter to, const T& value);
-  static bool read(const JsonReader& from, T& value);
-};
-
 /// A place in JSON that becomes one value.
 class JsonWriter {
  public:
@@ -145,6 +135,62 @@ class JsonReader {
   const JsonReader* around_ = nullptr;
   std::string_view name_;
   std::size_t index_ = no_item;
+};
+
+/// What is done with each member of a struct in turn: it is named, written or read.
+class JsonMembers {
+ public:
+  JsonMembers() = default;  ///< names them
+  explicit JsonMembers(const JsonWriter& to) : to_(&to) {}
+  explicit JsonMembers(const JsonReader& from) : from_(&from) {}
+
+  template <class T>
+  bool member(std::string_view name, T& value) {
+    if (from_ != nullptr) return from_->member(name, value);
+    if (to_ != nullptr) {
+      to_->member(name, value);
+    } else {
+      names_.push_back(name);
+    }
+    return true;
+  }
+  /// A secret: it is never shown.
+  template <class T>
+  bool hidden_member(std::string_view name, T& value) {
+    if (from_ != nullptr) return from_->hidden_member(name, value);
+    if (to_ != nullptr) {
+      to_->hidden_member(name);
+    } else {
+      names_.push_back(name);
+    }
+    return true;
+  }
+  MemberNames names() const { return names_; }
+
+ private:
+  const JsonWriter* to_ = nullptr;
+  const JsonReader* from_ = nullptr;
+  std::vector<std::string_view> names_;
+};
+
+/// The shape of a struct. Its `<file>_json.cpp` says which members it has.
+template <class T>
+struct JsonStruct {
+  static void write(JsonWriter to, const T& value) {
+    to.open_object();
+    JsonMembers writing(to);
+    static_cast<void>(visit(writing, const_cast<T&>(value)));  // which only reads it
+  }
+  static bool read(const JsonReader& from, T& value) {
+    JsonMembers naming;
+    static_cast<void>(visit(naming, value));
+    JsonMembers reading(from);
+    return from.expect_object(naming.names()) && visit(reading, value);
+  }
+
+ private:
+  /// The members of T in turn, those of its bases first, as long as none is refused.
+  static bool visit(JsonMembers& each, T& value);
 };
 
 template <class T>
