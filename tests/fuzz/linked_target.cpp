@@ -5,9 +5,9 @@
 
 #include "gecos/gecos.hpp"
 #include "gecos/media/stream_ring.hpp"
-#include "gecos/session/client/linked_session.hpp"
+#include "gecos/session/client/client_connection.hpp"
+#include "gecos/session/protocol/builtin_codec.hpp"
 #include "gecos/session/protocol/packets.hpp"
-#include "gecos/session/protocol/reserved_codec.hpp"
 #include "packet_target.hpp"
 #include "probe.hpp"
 #include "scripted_link.hpp"
@@ -151,7 +151,7 @@ struct Issued {
 
 class Program {
  public:
-  Program(Script& script, std::shared_ptr<LinkedSession> session, Server& server,
+  Program(Script& script, std::shared_ptr<ClientConnection> session, Server& server,
           ScriptedLink& link)
       : script_(script),
         session_(std::move(session)),
@@ -181,7 +181,7 @@ class Program {
  private:
   void tend(Duration later) {
     the_clock().advance(later);
-    session_->tend(the_clock().now());
+    session_->on_tick(the_clock().now());
   }
   void issue(Command<std::int32_t> command) {
     if (issued_.size() < 32) issued_.push_back({std::move(command)});
@@ -242,14 +242,14 @@ class Program {
         ++link_.beats;
         return;
       case 18:
-        return session_->glance();
+        return session_->poll_once();
       case 19:
         return tend(std::chrono::milliseconds(script_.byte() * 8));
     }
   }
 
   Script& script_;
-  const std::shared_ptr<LinkedSession> session_;
+  const std::shared_ptr<ClientConnection> session_;
   Server& server_;
   ScriptedLink& link_;
   const probe::Probe probe_;
@@ -264,8 +264,8 @@ void try_linked(Script script) {
   auto made = std::make_unique<ScriptedLink>(script.one_in(2));
   ScriptedLink& link = *made;
   Server server(script, link);
-  auto opened = LinkedSession::open(the_runtime(), std::move(made), probe::description(),
-                                    deadline_after(std::chrono::seconds(5)));
+  auto opened = ClientConnection::open(the_runtime(), std::move(made), probe::description(),
+                                       deadline_after(std::chrono::seconds(5)));
   if (!opened) return expect(!opened.error().reason.empty(), "who is not let in is told why");
   Program(script, std::move(*opened), server, link).run();
 }

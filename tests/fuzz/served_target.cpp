@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "gecos/media/inproc.hpp"
+#include "gecos/session/protocol/builtin_codec.hpp"
 #include "gecos/session/protocol/function_code.hpp"
 #include "gecos/session/protocol/packets.hpp"
-#include "gecos/session/protocol/reserved_codec.hpp"
-#include "gecos/session/server/served_object.hpp"
+#include "gecos/session/server/object_host.hpp"
 #include "packet_target.hpp"
 #include "probe.hpp"
 #include "scripted_link.hpp"
@@ -101,7 +101,7 @@ std::shared_ptr<media::Acceptor> the_door() {
 
 class Client {
  public:
-  Client(std::shared_ptr<ServedObject> object, Servant& servant, bool reliable)
+  Client(std::shared_ptr<ObjectHost> object, Servant& servant, bool reliable)
       : object_(std::move(object)), servant_(servant) {
     auto link = std::make_unique<ScriptedLink>(reliable);
     link_ = link.get();
@@ -138,7 +138,7 @@ class Client {
         return send(script, other, serial);
     }
   }
-  void depart(ServedObject::Departure how) { object_->depart(session_, how); }
+  void depart(ObjectHost::Departure how) { object_->depart(session_, how); }
 
  private:
   void take(ByteView packet) {
@@ -185,10 +185,10 @@ class Client {
     if (header.kind == Kind::Goodbye && !script.one_in(4)) return;  // it would be over too soon
     if (header.kind != Kind::Call) return take(bent(script, header, script.bytes(20)));
     Bytes body(8);
-    if (number(header.code) <= last_reserved_code) {
-      const auto asks = static_cast<Reserved>(number(header.code));
+    if (number(header.code) <= last_builtin_code) {
+      const auto asks = static_cast<BuiltIn>(number(header.code));
       body = reserved_body(script, other, asks);
-      if (asks == Reserved::Acquire) asked_.insert(header.counter);
+      if (asks == BuiltIn::Acquire) asked_.insert(header.counter);
     } else {
       // Whoever repeats a call repeats it as it was; then it may arrive any number of times.
       auto& as = serials_[{number(header.session), header.counter}];
@@ -198,21 +198,21 @@ class Client {
     take(wire::encode_packet(header, body));
   }
 
-  Bytes reserved_body(Script& script, const Client& other, Reserved which) {
+  Bytes reserved_body(Script& script, const Client& other, BuiltIn which) {
     if (script.one_in(8)) return script.bytes(40);
     Bytes body(24);
     wire::Encoder to(body);
     switch (which) {
-      case Reserved::Acquire:
+      case BuiltIn::Acquire:
         to.put(static_cast<std::int32_t>(script.below(4)));
         to.put(script.one_in(4));
         to.put_string("pw");
         break;
-      case Reserved::Release:
+      case BuiltIn::Release:
         to.put(number(epoch_));
         to.put(script.one_in(2));
         break;
-      case Reserved::Outcome:
+      case BuiltIn::Outcome:
         to.put(script.one_in(8) ? script.number() : number(process_boot()));
         to.put(number(script.one_in(2) ? other.session_->id() : session_->id()));
         to.put(newest_ - script.below(4));
@@ -253,7 +253,7 @@ class Client {
     }
   }
 
-  const std::shared_ptr<ServedObject> object_;
+  const std::shared_ptr<ObjectHost> object_;
   Servant& servant_;
   ScriptedLink* link_ = nullptr;
   std::shared_ptr<ServerSession> session_;
@@ -270,7 +270,7 @@ void try_served(Script script) {
   ObjectOptions options;
   options.thread_safe = script.one_in(2);
   const bool reliable = script.one_in(2);
-  const auto object = std::make_shared<ServedObject>(the_runtime(), "FUZZED", servant, options);
+  const auto object = std::make_shared<ObjectHost>(the_runtime(), "FUZZED", servant, options);
   object->streams().offer(the_door());
   {
     Client first(object, servant, reliable);
@@ -283,12 +283,12 @@ void try_served(Script script) {
           break;
         case 1:
           the_clock().advance(std::chrono::milliseconds(script.byte() * 4));
-          object->tend(the_clock().now());
+          object->on_tick(the_clock().now());
           break;
         case 2:
           for (Client* client : {&first, &second}) {
             if (object->judge_silence(client->session()))
-              client->depart(ServedObject::Departure::Lost);
+              client->depart(ObjectHost::Departure::Lost);
           }
           break;
         case 3:
@@ -298,7 +298,7 @@ void try_served(Script script) {
           if (script.one_in(32)) object->close();
           break;
         case 5:
-          if (script.one_in(32)) first.depart(ServedObject::Departure::InOrder);
+          if (script.one_in(32)) first.depart(ObjectHost::Departure::InOrder);
           break;
         case 6:
         case 7:
@@ -309,8 +309,8 @@ void try_served(Script script) {
           first.act(script, second, serial);
       }
     }
-    first.depart(ServedObject::Departure::InOrder);
-    second.depart(ServedObject::Departure::Lost);
+    first.depart(ObjectHost::Departure::InOrder);
+    second.depart(ObjectHost::Departure::Lost);
     object->close();
     servant.drop_kept();
     object->join();

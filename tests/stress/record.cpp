@@ -12,7 +12,7 @@
 
 #include "../cpp/settles.hpp"
 #include "gecos/base/clock.hpp"
-#include "gecos/session/process/termination.hpp"
+#include "gecos/session/process/termination_signals.hpp"
 
 namespace stress {
 namespace {
@@ -80,7 +80,7 @@ Census census() {
 }
 
 Census Balance::at_first() {
-  gecos::session::Termination::prepare();  // its descriptor stays the process's
+  gecos::session::TerminationSignals::prepare();  // its descriptor stays the process's
   return census();
 }
 

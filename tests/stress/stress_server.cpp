@@ -8,7 +8,7 @@
 #include <cstdio>
 
 #include "gecos/gecos.hpp"
-#include "gecos/session/process/termination.hpp"
+#include "gecos/session/process/termination_signals.hpp"
 #include "record.hpp"
 #include "setting.hpp"
 #include "workbench.hpp"
@@ -55,7 +55,7 @@ int main(int count, char** words) {
       return 1;
     }
     if (setting.text("child") == "yes") leave_a_child();
-    const gecos::session::Termination from_here_on;  // also before run() takes the signals
+    const gecos::session::TerminationSignals from_here_on;  // also before run() takes the signals
     record.note("serve " + std::to_string(getpid()));
     std::puts("ready");
     std::fflush(stdout);

@@ -53,7 +53,7 @@ struct CreateError {
 std::ostream& operator<<(std::ostream& out, const CreateError& error);
 
 namespace session {
-class LabCore;
+class Context;
 /// An opened session and what had to be passed over to get it.
 struct Created {
   std::shared_ptr<ClientSession> session;
@@ -66,7 +66,7 @@ struct NoLab {
   /// of.
   std::optional<std::system_error> missing{};
 };
-using LabOrWhyNot = tl::expected<std::shared_ptr<LabCore>, NoLab>;
+using LabOrWhyNot = tl::expected<std::shared_ptr<Context>, NoLab>;
 /// "this process has nothing left for a Lab: eventfd (see `ulimit -n` …): Too many open files".
 std::string nothing_left(std::string_view what_for, const std::system_error& why);
 tl::expected<Created, CreateError> create(const LabOrWhyNot& lab,

@@ -45,11 +45,11 @@ class ClientSession {
   virtual const media::Offer& offer() const = 0;
   /// What others find the object by; nil for a proxy that was never created.
   virtual ObjectRef reference() const = 0;
-  /// A lease was acquired: commands are issued under its epoch from now on. Gives what `let_go`
-  /// wants.
-  virtual std::uint64_t hold(std::uint64_t epoch) = 0;
+  /// A lease was acquired: commands are issued under its epoch from now on. Gives what
+  /// `lease_released` wants.
+  virtual std::uint64_t lease_acquired(std::uint64_t epoch) = 0;
   /// That lease is given back. After the last one of a status, commands are issued under none.
-  virtual void let_go(std::uint64_t held) = 0;
+  virtual void lease_released(std::uint64_t held) = 0;
   /// Calls that were sent so far.
   virtual std::uint64_t issued() = 0;
 };

@@ -17,7 +17,7 @@ struct ObjectOptions {
   bool thread_safe = false;  ///< handlers may run on several threads at once
   bool blocking =
       false;  ///< every handler runs on the object's worker, none on the thread that polls
-  /// Called at once, on a housekeeping thread, when somebody stops the object: must not block.
+  /// Called at once, on a maintenance thread, when somebody stops the object: must not block.
   std::function<void()> on_stop{};
   /// Media that clients may use; empty: all that can be opened here.
   std::vector<media::Kind> media{};

@@ -81,8 +81,8 @@ class Direct final : public gecos::session::ClientSession {
   const std::string& object_name() const override { return name_; }
   gecos::ObjectRef reference() const override { return {}; }
   const gecos::media::Offer& offer() const override { return offer_; }
-  std::uint64_t hold(std::uint64_t) override { return 0; }
-  void let_go(std::uint64_t) override {}
+  std::uint64_t lease_acquired(std::uint64_t) override { return 0; }
+  void lease_released(std::uint64_t) override {}
   std::uint64_t issued() override { return 0; }
 
   int sent = 0;

@@ -9,7 +9,7 @@
 #include "../settles.hpp"
 #include "gecos/broker/broker.hpp"
 #include "gecos/gecos.hpp"
-#include "gecos/session/process/termination.hpp"
+#include "gecos/session/process/termination_signals.hpp"
 #include "probe.hpp"
 
 namespace probe {
@@ -25,7 +25,7 @@ class NothingLeftOpen : public ::testing::Test {
 
  private:
   static std::ptrdiff_t open_at_first() {
-    gecos::session::Termination::prepare();  // which the process keeps
+    gecos::session::TerminationSignals::prepare();  // which the process keeps
     return open_now();
   }
   static std::ptrdiff_t open_now() {

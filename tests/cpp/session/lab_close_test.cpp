@@ -3,8 +3,8 @@
 #include <future>
 
 #include "../settles.hpp"
-#include "gecos/session/client/lab_core.hpp"
-#include "gecos/session/client/linked_session.hpp"
+#include "gecos/session/client/client_connection.hpp"
+#include "gecos/session/client/context.hpp"
 #include "over_media.hpp"
 
 namespace {
@@ -106,7 +106,7 @@ TEST_P(ClosedLab, SendsNothingAndCreatesNothing) {
 }
 
 TEST_P(ClosedLab, KeepsNoSessionThatIsOpenedMeanwhile) {
-  const auto late = std::dynamic_pointer_cast<gecos::session::LinkedSession>(other_.session());
+  const auto late = std::dynamic_pointer_cast<gecos::session::ClientConnection>(other_.session());
   ASSERT_NE(late, nullptr);
   EXPECT_TRUE(lab_.core().value()->keep(late));
   lab_.close();

@@ -17,19 +17,19 @@ OperationDescription operation(access::Status status) {
 const OperationDescription moves = operation(access::Status::Actor);
 const OperationDescription reads = operation(access::Status::Sensor);
 
-std::shared_ptr<Ticket> ticket(const OperationDescription& which, SessionId client = ada) {
-  return std::make_shared<Ticket>(client, which);
+std::shared_ptr<QueueEntry> entry(const OperationDescription& which, SessionId client = ada) {
+  return std::make_shared<QueueEntry>(client, which);
 }
 
-void finish(ObjectQueue& queue, const Ticket& done) {
+void finish(ObjectQueue& queue, const QueueEntry& done) {
   queue.returned(done);
   queue.ended(done);
 }
 
 TEST(ObjectQueue, StartsActorCommandsOneAtATimeInTheirOrder) {
   ObjectQueue queue(LaneThreads::Many);
-  const auto first = ticket(moves);
-  const auto second = ticket(moves, bob);
+  const auto first = entry(moves);
+  const auto second = entry(moves, bob);
   ASSERT_TRUE(queue.push(first));
   ASSERT_TRUE(queue.push(second));
   EXPECT_EQ(queue.next(), first);
@@ -41,8 +41,8 @@ TEST(ObjectQueue, StartsActorCommandsOneAtATimeInTheirOrder) {
 
 TEST(ObjectQueue, KeepsTheLaneUntilTheAnswerThoughTheHandlerReturned) {
   ObjectQueue queue(LaneThreads::One);
-  const auto first = ticket(moves);
-  const auto second = ticket(moves);
+  const auto first = entry(moves);
+  const auto second = entry(moves);
   ASSERT_TRUE(queue.push(first));
   ASSERT_TRUE(queue.push(second));
   ASSERT_EQ(queue.next(), first);
@@ -54,9 +54,9 @@ TEST(ObjectQueue, KeepsTheLaneUntilTheAnswerThoughTheHandlerReturned) {
 
 TEST(ObjectQueue, LetsReadingOvertakeAMotion) {
   ObjectQueue queue(LaneThreads::Many);
-  const auto move = ticket(moves);
-  const auto waits = ticket(moves);
-  const auto read = ticket(reads);
+  const auto move = entry(moves);
+  const auto waits = entry(moves);
+  const auto read = entry(reads);
   ASSERT_TRUE(queue.push(move));
   ASSERT_EQ(queue.next(), move);
   ASSERT_TRUE(queue.push(waits));
@@ -67,8 +67,8 @@ TEST(ObjectQueue, LetsReadingOvertakeAMotion) {
 
 TEST(ObjectQueue, RunsOneHandlerAtATimeForAServantThatIsNotThreadSafe) {
   ObjectQueue queue(LaneThreads::One);
-  const auto move = ticket(moves);
-  const auto read = ticket(reads);
+  const auto move = entry(moves);
+  const auto read = entry(reads);
   ASSERT_TRUE(queue.push(move));
   ASSERT_TRUE(queue.push(read));
   ASSERT_EQ(queue.next(), read) << "reading first, but not beside the motion";
@@ -81,8 +81,8 @@ TEST(ObjectQueue, PutsSafetyBeforeEverything) {
   OperationDescription halts = operation(access::Status::Sensor);
   halts.safety = true;
   ObjectQueue queue(LaneThreads::Many);
-  const auto read = ticket(reads);
-  const auto halt = ticket(halts);
+  const auto read = entry(reads);
+  const auto halt = entry(halts);
   ASSERT_TRUE(queue.push(read));
   ASSERT_TRUE(queue.push(halt));
   EXPECT_EQ(queue.next(), halt);
@@ -92,9 +92,9 @@ TEST(ObjectQueue, RunsAParallelCommandBesideAnother) {
   OperationDescription blinks = operation(access::Status::Actor);
   blinks.parallel = true;
   ObjectQueue queue(LaneThreads::Many);
-  const auto move = ticket(moves);
-  const auto blink = ticket(blinks);
-  const auto waits = ticket(moves);
+  const auto move = entry(moves);
+  const auto blink = entry(blinks);
+  const auto waits = entry(moves);
   for (const auto& one : {move, blink, waits}) ASSERT_TRUE(queue.push(one));
   EXPECT_EQ(queue.next(), move);
   EXPECT_EQ(queue.next(), blink);
@@ -105,9 +105,9 @@ TEST(ObjectQueue, KeepsAnOrderedReadingBehindTheCommandsOfItsCallerOnly) {
   OperationDescription probes = operation(access::Status::Sensor);
   probes.ordered = true;
   ObjectQueue queue(LaneThreads::Many);
-  const auto move = ticket(moves, ada);
-  const auto of_ada = ticket(probes, ada);
-  const auto of_bob = ticket(probes, bob);
+  const auto move = entry(moves, ada);
+  const auto of_ada = entry(probes, ada);
+  const auto of_bob = entry(probes, bob);
   ASSERT_TRUE(queue.push(move));
   ASSERT_TRUE(queue.push(of_ada));
   ASSERT_TRUE(queue.push(of_bob));
@@ -121,20 +121,20 @@ TEST(ObjectQueue, KeepsAnOrderedReadingBehindTheCommandsOfItsCallerOnly) {
 TEST(ObjectQueue, RefusesAClientThatFillsItAndStillTakesOthers) {
   ObjectQueue queue(LaneThreads::Many);
   for (std::size_t at = 0; at < ObjectQueue::most_of_client; ++at) {
-    ASSERT_TRUE(queue.push(ticket(moves, ada)));
+    ASSERT_TRUE(queue.push(entry(moves, ada)));
   }
-  const auto refused = queue.push(ticket(moves, ada));
+  const auto refused = queue.push(entry(moves, ada));
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error(), ObjectQueue::Full::Client);
-  EXPECT_TRUE(queue.push(ticket(moves, bob)));
+  EXPECT_TRUE(queue.push(entry(moves, bob)));
 }
 
 TEST(ObjectQueue, RefusesEverybodyWhenItIsFull) {
   ObjectQueue queue(LaneThreads::Many);
   for (std::size_t at = 0; at < ObjectQueue::most_of_object; ++at) {
-    ASSERT_TRUE(queue.push(ticket(moves, SessionId{1 + at / ObjectQueue::most_of_client})));
+    ASSERT_TRUE(queue.push(entry(moves, SessionId{1 + at / ObjectQueue::most_of_client})));
   }
-  const auto refused = queue.push(ticket(moves, SessionId{99}));
+  const auto refused = queue.push(entry(moves, SessionId{99}));
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error(), ObjectQueue::Full::Object);
 }
@@ -143,19 +143,19 @@ TEST(ObjectQueue, HasRoomForOneThatReplacesTheCommandsThoughNotForOneThatFollows
   OperationDescription replacing = moves;
   replacing.on_new = OnNew::Preempt;
   ObjectQueue queue(LaneThreads::Many);
-  while (queue.push(ticket(moves))) continue;
-  EXPECT_TRUE(queue.push(ticket(replacing)));
-  EXPECT_FALSE(queue.push(ticket(moves)));
+  while (queue.push(entry(moves))) continue;
+  EXPECT_TRUE(queue.push(entry(replacing)));
+  EXPECT_FALSE(queue.push(entry(moves)));
 
   ObjectQueue reading(LaneThreads::Many);
-  while (reading.push(ticket(reads))) continue;
-  EXPECT_FALSE(reading.push(ticket(replacing))) << "what it does not replace stays";
+  while (reading.push(entry(reads))) continue;
+  EXPECT_FALSE(reading.push(entry(replacing))) << "what it does not replace stays";
 }
 
 TEST(ObjectQueue, TakesOutWhatHasNotStarted) {
   ObjectQueue queue(LaneThreads::Many);
-  const auto first = ticket(moves);
-  const auto second = ticket(moves);
+  const auto first = entry(moves);
+  const auto second = entry(moves);
   ASSERT_TRUE(queue.push(first));
   ASSERT_TRUE(queue.push(second));
   ASSERT_EQ(queue.next(), first);
@@ -166,8 +166,8 @@ TEST(ObjectQueue, TakesOutWhatHasNotStarted) {
   EXPECT_EQ(queue.next(), nullptr);
 }
 
-std::shared_ptr<Ticket> large(std::size_t bytes, SessionId client = ada) {
-  return std::make_shared<Ticket>(client, reads, bytes);
+std::shared_ptr<QueueEntry> large(std::size_t bytes, SessionId client = ada) {
+  return std::make_shared<QueueEntry>(client, reads, bytes);
 }
 
 TEST(ObjectQueue, BoundsWhatTheCallsOfAClientTakeUntilTheyHaveEnded) {
@@ -178,7 +178,7 @@ TEST(ObjectQueue, BoundsWhatTheCallsOfAClientTakeUntilTheyHaveEnded) {
   ASSERT_TRUE(queue.push(first));
   ASSERT_TRUE(queue.push(second));
   EXPECT_EQ(queue.push(third).error(), ObjectQueue::Full::BytesOfClient);
-  EXPECT_TRUE(queue.push(ticket(reads))) << "small ones are bounded by their number";
+  EXPECT_TRUE(queue.push(entry(reads))) << "small ones are bounded by their number";
   EXPECT_TRUE(queue.push(large(ObjectQueue::small, bob))) << "another client has its own share";
   ASSERT_EQ(queue.next(), first);
   EXPECT_EQ(queue.push(third).error(), ObjectQueue::Full::BytesOfClient) << "it has only started";
@@ -213,11 +213,11 @@ TEST(ObjectQueue, TakesOneCallAloneWhateverItTakes) {
 
 TEST(ObjectQueue, ReadingsOfOthersStartBesideThoseOfAClientThatMustWait) {
   ObjectQueue queue(LaneThreads::Many);
-  const auto waits = ticket(reads, ada);
-  const auto starts = ticket(reads, bob);
+  const auto waits = entry(reads, ada);
+  const auto starts = entry(reads, bob);
   ASSERT_TRUE(queue.push(waits));
   ASSERT_TRUE(queue.push(starts));
-  const auto not_of_ada = [](const Ticket& which) { return which.client != ada; };
+  const auto not_of_ada = [](const QueueEntry& which) { return which.client != ada; };
   EXPECT_EQ(queue.next(not_of_ada), starts);
   EXPECT_EQ(queue.next(not_of_ada), nullptr);
   EXPECT_EQ(queue.next(), waits);
@@ -225,11 +225,11 @@ TEST(ObjectQueue, ReadingsOfOthersStartBesideThoseOfAClientThatMustWait) {
 
 TEST(ObjectQueue, ActorCommandsKeepTheirOrderBehindOneThatMustWait) {
   ObjectQueue queue(LaneThreads::Many);
-  const auto waits = ticket(moves, ada);
-  const auto behind = ticket(moves, bob);
+  const auto waits = entry(moves, ada);
+  const auto behind = entry(moves, bob);
   ASSERT_TRUE(queue.push(waits));
   ASSERT_TRUE(queue.push(behind));
-  EXPECT_EQ(queue.next([](const Ticket& which) { return which.client != ada; }), nullptr);
+  EXPECT_EQ(queue.next([](const QueueEntry& which) { return which.client != ada; }), nullptr);
   EXPECT_EQ(queue.next(), waits);
 }
 

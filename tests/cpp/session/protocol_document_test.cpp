@@ -9,9 +9,9 @@
 #include "gecos/crypto/ik.hpp"
 #include "gecos/crypto/transport.hpp"
 #include "gecos/media/lcm/datagram.hpp"
+#include "gecos/session/protocol/builtin_codec.hpp"
 #include "gecos/session/protocol/handshake.hpp"
 #include "gecos/session/protocol/packets.hpp"
-#include "gecos/session/protocol/reserved_codec.hpp"
 
 namespace gecos::session {
 namespace {
@@ -178,7 +178,7 @@ TEST_F(ProtocolDocument, ShowsHowAStatusIsAcquired) {
   to.put_string("two hands");
   expect_packet("acquire",
                 {.kind = wire::PacketKind::Call,
-                 .code = FunctionCode{static_cast<std::uint32_t>(Reserved::Acquire)},
+                 .code = FunctionCode{static_cast<std::uint32_t>(BuiltIn::Acquire)},
                  .session = SessionId{9},
                  .counter = 4,
                  .acknowledged = 3},

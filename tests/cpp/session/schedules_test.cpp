@@ -49,7 +49,7 @@ Told run(std::uint64_t first, std::uint64_t count, Mutant mutant = Mutant::None)
   for (std::uint64_t seed = first; seed < first + count && told.alarms.empty(); seed += at_once) {
     // Shared: set_value may still be at work when its waiter goes on.
     const auto done = std::make_shared<std::promise<void>>();
-    runtime->housekeeping().post([&, done] {
+    runtime->maintenance().post([&, done] {
       for (std::uint64_t one = seed; one < std::min(seed + at_once, first + count); ++one) {
         Schedule schedule(runtime, clock, one, mutant);
         told.alarms = schedule.run();

@@ -4,9 +4,9 @@
 #include <array>
 #include <utility>
 
+#include "gecos/session/protocol/builtin_codec.hpp"
 #include "gecos/session/protocol/packets.hpp"
-#include "gecos/session/protocol/reserved_codec.hpp"
-#include "gecos/session/server/worker_pool.hpp"
+#include "gecos/session/server/executor.hpp"
 
 namespace gecos::session {
 namespace {
@@ -16,14 +16,14 @@ std::deque<std::function<void()>> posted;
 
 }  // namespace
 
-// In place of worker_pool.cpp, so that a worker is a step as any other.
-bool WorkerPool::post(std::function<void()> job) {
+// In place of executor.cpp, so that a worker is a step as any other.
+bool Executor::post(std::function<void()> job) {
   if (ended_) return false;
   posted.push_back(std::move(job));
   return true;
 }
 
-void WorkerPool::join() { ended_ = true; }
+void Executor::join() { ended_ = true; }
 
 namespace schedules {
 namespace {
@@ -125,7 +125,7 @@ Schedule::Schedule(std::shared_ptr<Runtime> runtime, ScheduleClock& clock, std::
       dice_(seed),
       lanes_(dice_.one_in(3) ? Lanes::Queued : Lanes::Called),
       line_(static_cast<Way>(dice_.below(3)), mutant, clock_, dice_),
-      pauses_(runtime_->housekeeping().pauses()),
+      pauses_(runtime_->maintenance().pauses()),
       handlers_(std::make_unique<Handlers>(*this)) {
   clock_.after_reading = [this] {
     if (acts_ == Side::Server) read_ = clock_.now();
@@ -137,7 +137,7 @@ Schedule::Schedule(std::shared_ptr<Runtime> runtime, ScheduleClock& clock, std::
       judge_.parted();
     }
   };
-  pauses_.judged(clock_.now() + Housekeeping::tick);
+  pauses_.judged(clock_.now() + Maintenance::tick);
 }
 
 Schedule::~Schedule() {
@@ -197,7 +197,7 @@ void Schedule::open() {
   options.simulated = true;
   options.thread_safe = lanes_ == Lanes::Queued || dice_.one_in(2);
   options.blocking = dice_.one_in(4);
-  object_ = std::make_shared<ServedObject>(runtime_, "BENCH", *handlers_, options);
+  object_ = std::make_shared<ObjectHost>(runtime_, "BENCH", *handlers_, options);
   served_ = std::make_shared<ServerSession>(line_.link(Side::Server), object_);
 
   wire::PacketHeader header;
@@ -212,13 +212,13 @@ void Schedule::open() {
   welcome.interface_hash = bench().hash;
   welcome.boot = number(process_boot());
   welcome.credits = ObjectQueue::most_of_object;
-  session_ = std::make_shared<LinkedSession>(runtime_, line_.link(Side::Client), served_->id(),
-                                             std::move(welcome), std::vector<FunctionCode>{});
+  session_ = std::make_shared<ClientConnection>(runtime_, line_.link(Side::Client), served_->id(),
+                                                std::move(welcome), std::vector<FunctionCode>{});
   take_status();
 }
 
 void Schedule::take_status() {
-  const auto command = session_->call(reserved_operation(Reserved::Acquire), 4 + 1,
+  const auto command = session_->call(builtin_operation(BuiltIn::Acquire), 4 + 1,
                                       [](wire::Encoder& to) {
                                         to.put(static_cast<std::int32_t>(gecos::Status::ACTOR));
                                         to.put(false);
@@ -232,7 +232,7 @@ void Schedule::take_status() {
   }
   Grant grant;
   wire::Decoder from(command->result());
-  if (wire::get_block(from, grant, "grant")) session_->hold(grant.epoch);
+  if (wire::get_block(from, grant, "grant")) session_->lease_acquired(grant.epoch);
 }
 
 // Steps
@@ -267,7 +267,7 @@ void Schedule::client_step() {
       return session_->close(Duration(1));
     case 3:
     case 4:
-      return session_->glance();
+      return session_->poll_once();
     default:
       for (auto more = dice_.below(3); more > 0; --more) issue();
   }
@@ -275,8 +275,8 @@ void Schedule::client_step() {
 
 void Schedule::client_tends() {
   if (!session_ || !runs(Side::Client) || clock_.now() < client_due_) return;
-  static_cast<void>(session_->tend(clock_.now()));
-  client_due_ = clock_.now() + Housekeeping::tick;
+  static_cast<void>(session_->on_tick(clock_.now()));
+  client_due_ = clock_.now() + Maintenance::tick;
 }
 
 void Schedule::issue() {
@@ -321,13 +321,13 @@ void Schedule::server_polls() {
   if (started || object_->ready()) object_->run_ready(Starter::Poller, std::move(started));
 }
 
-/// As Housekeeping, Server and IoLoop do together.
+/// As Maintenance, Server and IoLoop do together.
 void Schedule::server_maintains() {
   if (const auto stood_still = pauses_.tick(clock_.since_boot())) {
     trace_(clock_.now(), "the server knows that it stood still for", stood_still->count());
     if (served_) object_->await_sign_of_life(*served_);
     object_->after_pause(*stood_still);
-    pauses_.judged(clock_.since_boot() + Housekeeping::tick);
+    pauses_.judged(clock_.since_boot() + Maintenance::tick);
   }
   const TimePoint now = clock_.now();
   if (served_) {
@@ -338,20 +338,20 @@ void Schedule::server_maintains() {
     }
     if (object_->judge_silence(served_)) {
       trace_(clock_.now(), "the server has not heard of its client for too long");
-      object_->depart(served_, ServedObject::Departure::Lost);
+      object_->depart(served_, ObjectHost::Departure::Lost);
       served_.reset();
     } else if (served_->link().loss() != media::Loss::None) {
       part();
     }
   }
-  object_->tend(now);
-  server_due_ = clock_.now() + Housekeeping::tick;
+  object_->on_tick(now);
+  server_due_ = clock_.now() + Maintenance::tick;
   const TimePoint looked = clock_.since_boot();
-  static_cast<void>(pauses_.due(looked + Housekeeping::tick, looked));  // else it is judged next
+  static_cast<void>(pauses_.due(looked + Maintenance::tick, looked));  // else it is judged next
 }
 
 void Schedule::part() {
-  using Departure = ServedObject::Departure;
+  using Departure = ObjectHost::Departure;
   trace_(clock_.now(), "the server parts from its client");
   const bool closed = served_->link().loss() == media::Loss::Closed;
   while (const auto packet = served_->link().receive()) object_->take(served_, *packet);
@@ -442,7 +442,7 @@ void Schedule::freeze_both() {
 void Schedule::wake(Side side, Duration stood_still) {
   if (side == Side::Client) return judge_.client_stood_still(stood_still);
   if (mutant_ == Mutant::PauseForgotten) clock_.hide_from_server(stood_still);
-  if (stood_still > PauseWatch::longest_gap + 2 * Housekeeping::tick) {
+  if (stood_still > PauseWatch::longest_gap + 2 * Maintenance::tick) {
     judge_.server_woke(clock_.now());
   }
 }

@@ -7,8 +7,8 @@
 #include <optional>
 #include <string>
 
-#include "gecos/session/client/linked_session.hpp"
-#include "gecos/session/server/served_object.hpp"
+#include "gecos/session/client/client_connection.hpp"
+#include "gecos/session/server/object_host.hpp"
 #include "schedules/judge.hpp"
 #include "schedules/line.hpp"
 
@@ -84,9 +84,9 @@ class Schedule {
   Judge judge_;
   PauseWatch& pauses_;
   std::unique_ptr<Handlers> handlers_;
-  std::shared_ptr<ServedObject> object_;
+  std::shared_ptr<ObjectHost> object_;
   std::shared_ptr<ServerSession> served_;
-  std::shared_ptr<LinkedSession> session_;
+  std::shared_ptr<ClientConnection> session_;
   TimePoint client_due_{};
   TimePoint server_due_{};
   TimePoint server_beat_due_{};

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "gecos/session/client/linked_session.hpp"
+#include "gecos/session/client/client_connection.hpp"
 #include "gecos/session/process/runtime.hpp"
 #include "gecos/session/protocol/sample_time.hpp"
 
@@ -22,7 +22,7 @@ std::string_view to_string(StreamEnd end) {
 
 namespace gecos::session {
 
-ClientStream::ClientStream(std::shared_ptr<LinkedSession> session, FunctionCode code,
+ClientStream::ClientStream(std::shared_ptr<ClientConnection> session, FunctionCode code,
                            std::unique_ptr<media::StreamReader> reader)
     : session_(std::move(session)), code_(code), reader_(std::move(reader)) {}
 
@@ -39,7 +39,7 @@ void ClientStream::finish(RawSample& sample) const {
 
 bool ClientStream::latest(RawSample& into) {
   if (session_->closed()) return false;  // the medium would still give samples
-  session_->glance();
+  session_->poll_once();
   if (session_->lost()) return false;
   if (reader_->latest(into.sequence, into)) finish(into);
   return into.sequence != 0;

@@ -7,12 +7,12 @@
 
 namespace gecos::session {
 
-class LinkedSession;
+class ClientConnection;
 
 /// A subscription of this process.
 class ClientStream final : public StreamCore {
  public:
-  ClientStream(std::shared_ptr<LinkedSession> session, FunctionCode code,
+  ClientStream(std::shared_ptr<ClientConnection> session, FunctionCode code,
                std::unique_ptr<media::StreamReader> reader);
   ~ClientStream() override;
 
@@ -24,7 +24,7 @@ class ClientStream final : public StreamCore {
  private:
   void finish(RawSample& sample) const;
 
-  const std::shared_ptr<LinkedSession> session_;
+  const std::shared_ptr<ClientConnection> session_;
   const FunctionCode code_;
   const std::unique_ptr<media::StreamReader> reader_;
 };

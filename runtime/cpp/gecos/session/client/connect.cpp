@@ -7,9 +7,9 @@
 
 namespace gecos::session {
 
-tl::expected<std::shared_ptr<LinkedSession>, std::string> connect(
+tl::expected<std::shared_ptr<ClientConnection>, std::string> connect(
     Runtime& runtime, const std::string& address, const InterfaceDescription& wanted,
-    TimePoint deadline, Detail* why, FunctionRef<void(LinkedSession&)> prepare) {
+    TimePoint deadline, Detail* why, FunctionRef<void(ClientConnection&)> prepare) {
   if (why != nullptr) *why = Detail::NoServer;
   const auto kind = media::kind_from(std::string_view(address).substr(0, address.find(':')));
   if (!kind) {
@@ -18,20 +18,20 @@ tl::expected<std::shared_ptr<LinkedSession>, std::string> connect(
   }
   const auto opened = runtime.medium(*kind);
   if (!opened) return tl::unexpected(opened.error().text);
-  using Session = tl::expected<std::shared_ptr<LinkedSession>, LinkedSession::NotOpened>;
+  using Session = tl::expected<std::shared_ptr<ClientConnection>, ClientConnection::NotOpened>;
   const auto open = [&]() -> Session {
     try {
       auto link = (*opened)->connect(address);
       if (!link)
-        return tl::unexpected(LinkedSession::NotOpened{Detail::NoServer, link.error().text});
-      return LinkedSession::open(runtime.shared_from_this(), std::move(*link), wanted, deadline)
-          .map_error([&](LinkedSession::NotOpened failed) {
+        return tl::unexpected(ClientConnection::NotOpened{Detail::NoServer, link.error().text});
+      return ClientConnection::open(runtime.shared_from_this(), std::move(*link), wanted, deadline)
+          .map_error([&](ClientConnection::NotOpened failed) {
             failed.reason = address + ": " + failed.reason;
             return failed;
           });
     } catch (const std::system_error& failed) {
       return tl::unexpected(
-          LinkedSession::NotOpened{Detail::NoServer, address + ": " + failed.what()});
+          ClientConnection::NotOpened{Detail::NoServer, address + ": " + failed.what()});
     }
   };
   auto session = open();
@@ -42,7 +42,7 @@ tl::expected<std::shared_ptr<LinkedSession>, std::string> connect(
   }
   (*session)->found_at(address);
   prepare(**session);
-  runtime.housekeeping().tend(*session);
+  runtime.maintenance().add(*session);
   runtime.close_at_exit(*session);
   return *session;
 }

@@ -3,15 +3,15 @@
 #include <memory>
 #include <string>
 
-#include "gecos/session/client/linked_session.hpp"
+#include "gecos/session/client/client_connection.hpp"
 #include "gecos/session/process/runtime.hpp"
 
 namespace gecos::session {
 
 /// Connects to `address` ("shm:…") and opens a session for `wanted`; `prepare` sees it first.
-tl::expected<std::shared_ptr<LinkedSession>, std::string> connect(
+tl::expected<std::shared_ptr<ClientConnection>, std::string> connect(
     Runtime& runtime, const std::string& address, const InterfaceDescription& wanted,
     TimePoint deadline, Detail* why = nullptr,
-    FunctionRef<void(LinkedSession&)> prepare = [](LinkedSession&) {});
+    FunctionRef<void(ClientConnection&)> prepare = [](ClientConnection&) {});
 
 }  // namespace gecos::session

@@ -1,7 +1,7 @@
 #include "gecos/binding.hpp"
+#include "gecos/session/client/broker_client.hpp"
 #include "gecos/session/client/connect.hpp"
-#include "gecos/session/client/lab_core.hpp"
-#include "gecos/session/client/registry.hpp"
+#include "gecos/session/client/context.hpp"
 
 namespace gecos::session {
 

@@ -4,9 +4,9 @@
 #include <ostream>
 
 #include "gecos/base/log.hpp"
+#include "gecos/session/client/broker_client.hpp"
 #include "gecos/session/client/connect.hpp"
-#include "gecos/session/client/lab_core.hpp"
-#include "gecos/session/client/registry.hpp"
+#include "gecos/session/client/context.hpp"
 #include "gecos/session/client/select.hpp"
 #include "gecos/session/protocol/packets.hpp"
 
@@ -31,7 +31,7 @@ session::LabOrWhyNot make_core(LabOptions options) {
   if (const auto& problem = log_level_problem()) return tl::unexpected(session::NoLab{*problem});
   return session::Runtime::make(std::move(options), session::system_clock())
       .map([](std::shared_ptr<session::Runtime> runtime) {
-        return std::make_shared<session::LabCore>(std::move(runtime));
+        return std::make_shared<session::Context>(std::move(runtime));
       });
 }
 
@@ -61,8 +61,8 @@ bool entry_is_a(const Entry& entry, std::string_view interface_name) {
 
 }  // namespace
 
-tl::expected<std::shared_ptr<LinkedSession>, CreateError::Attempt> open_object(
-    LabCore& lab, const InterfaceDescription& wanted, const std::string& name,
+tl::expected<std::shared_ptr<ClientConnection>, CreateError::Attempt> open_object(
+    Context& lab, const InterfaceDescription& wanted, const std::string& name,
     const CreateOptions& options) {
   if (name.empty()) {
     return tl::unexpected(Attempt{"(nil)", Detail::NoServer, "an empty name is no object"});
@@ -86,12 +86,13 @@ tl::expected<std::shared_ptr<LinkedSession>, CreateError::Attempt> open_object(
   if (!addresses) {
     return tl::unexpected(Attempt{name, Detail::QosUnavailable, name + " " + addresses.error()});
   }
-  const auto renewable = [&](LinkedSession& session) {
-    session.renew_with(lab.renewal(), {name, wanted, options});
+  const auto with_failover = [&](ClientConnection& session) {
+    session.set_failover(lab.failover(), {name, wanted, options});
   };
   Attempt failed{name, Detail::NoServer, {}};
   for (const auto& address : *addresses) {
-    auto session = connect(*lab.runtime(), address, wanted, deadline, &failed.detail, renewable);
+    auto session =
+        connect(*lab.runtime(), address, wanted, deadline, &failed.detail, with_failover);
     if (session && lab.keep(*session)) return std::move(*session);
     if (session) return tl::unexpected(closed_lab(name));  // meanwhile
     failed.reason += (failed.reason.empty() ? "" : "; ") + session.error();

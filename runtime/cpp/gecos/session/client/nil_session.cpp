@@ -1,4 +1,4 @@
-#include "gecos/session/client/linked_session.hpp"
+#include "gecos/session/client/client_connection.hpp"
 
 namespace gecos::session {
 namespace {
@@ -28,8 +28,8 @@ class NilSession final : public ClientSession {
   const std::string& object_name() const override { return object_name_; }
   const media::Offer& offer() const override { return offer_; }
   ObjectRef reference() const override { return reference_; }
-  std::uint64_t hold(std::uint64_t /*epoch*/) override { return 0; }
-  void let_go(std::uint64_t /*held*/) override {}
+  std::uint64_t lease_acquired(std::uint64_t /*epoch*/) override { return 0; }
+  void lease_released(std::uint64_t /*held*/) override {}
   std::uint64_t issued() override { return 0; }
 
  private:

@@ -8,7 +8,7 @@
 
 #include "gecos/base/log.hpp"
 #include "gecos/binding.hpp"
-#include "gecos/session/client/linked_session.hpp"
+#include "gecos/session/client/client_connection.hpp"
 #include "gecos/session/process/callbacks.hpp"
 #include "gecos/session/process/runtime.hpp"
 
@@ -48,7 +48,7 @@ PendingCommand::~PendingCommand() {
   tell_unasked(about_, failure_);
 }
 
-std::shared_ptr<LinkedSession> PendingCommand::session() const {
+std::shared_ptr<ClientConnection> PendingCommand::session() const {
   const std::lock_guard lock(mutex_);
   return session_;
 }
@@ -63,7 +63,7 @@ std::string PendingCommand::about() const {
   return session_ == nullptr ? about_ : name_in(*session_);
 }
 
-std::string PendingCommand::name_in(const LinkedSession& session) const {
+std::string PendingCommand::name_in(const ClientConnection& session) const {
   return session.object_name() + "." + std::string(operation_);
 }
 
@@ -71,18 +71,18 @@ Progress PendingCommand::progress() const {
   if (terminal()) return {detail_.load(std::memory_order_relaxed), 0, fraction_};
   bool unreachable = false;
   if (const auto session = this->session()) {
-    session->glance();
+    session->poll_once();
     unreachable = session->unreachable();
   }
   const std::lock_guard lock(mutex_);
   const Detail detail = detail_.load(std::memory_order_relaxed);
   const bool running = project(detail) == State::Running;
-  return {running && (unreachable || adrift()) ? Detail::Unreachable : detail, position_,
+  return {running && (unreachable || awaits_failover()) ? Detail::Unreachable : detail, position_,
           fraction_};
 }
 
 Bytes PendingCommand::feedback() const {
-  if (const auto session = this->session()) session->glance();
+  if (const auto session = this->session()) session->poll_once();
   const std::lock_guard lock(mutex_);
   return feedback_;
 }
@@ -109,7 +109,7 @@ int PendingCommand::descriptor() {
   if (!exported_) {
     exported_ = std::make_unique<Wakeup>();
     if (terminal()) exported_->ring();
-    be_attended();
+    watch_end();
   }
   return exported_->descriptor();
 }
@@ -119,15 +119,15 @@ void PendingCommand::when_ended(std::function<void()> then) {
     const std::lock_guard lock(mutex_);
     if (!terminal()) {
       callbacks_.push_back(std::move(then));
-      return be_attended();
+      return watch_end();
     }
   }
   run_callback(then);
 }
 
-void PendingCommand::be_attended() {
-  if (!session_ || std::exchange(attended_, true)) return;
-  session_->attend();
+void PendingCommand::watch_end() {
+  if (!session_ || std::exchange(watched_, true)) return;
+  session_->add_watcher();
 }
 
 void PendingCommand::report(Detail detail, const ProgressBody& body) {
@@ -141,7 +141,7 @@ void PendingCommand::report(Detail detail, const ProgressBody& body) {
 
 /// Publishing the terminal state is the last touch: the waiter may drop the command at once. What
 /// keeps this call alive is its caller's reference.
-void PendingCommand::log_end(const LinkedSession& in, Detail detail) const {
+void PendingCommand::log_end(const ClientConnection& in, Detail detail) const {
   std::ostringstream line;
   line << name_in(in) << " ended ";
   if (detail == Detail::Done) {
@@ -154,16 +154,16 @@ void PendingCommand::log_end(const LinkedSession& in, Detail detail) const {
 
 template <class Publish>
 void PendingCommand::end(Detail detail, Publish publish) {
-  std::shared_ptr<LinkedSession> released;
+  std::shared_ptr<ClientConnection> released;
   const std::lock_guard lock(mutex_);
   if (terminal()) return;
   publish();
   position_ = 0;
   released = std::move(session_);
   if (log_enabled(actor_ ? LogLevel::Info : LogLevel::Debug)) log_end(*released, detail);
-  if (attended_) released->attended_less();
+  if (watched_) released->remove_watcher();
   if (exported_) exported_->ring();
-  if (again) again->moored.notify_all();
+  if (again) again->attached.notify_all();
   for (auto& callback : callbacks_) released->runtime().callbacks().post(std::move(callback));
   callbacks_.clear();
   detail_.store(detail, std::memory_order_seq_cst);

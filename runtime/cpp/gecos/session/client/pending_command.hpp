@@ -14,13 +14,13 @@
 
 namespace gecos::session {
 
-class LinkedSession;
+class ClientConnection;
 
 /// A call on its way. Its session keeps it until it is terminal, and it keeps its session as long;
 /// ending cuts both ties, so a dropped command still runs and nothing is kept afterwards.
 class PendingCommand final : public CommandCore {
  public:
-  PendingCommand(std::shared_ptr<LinkedSession> session, const OperationDescription& operation)
+  PendingCommand(std::shared_ptr<ClientConnection> session, const OperationDescription& operation)
       : operation_(operation.name),
         actor_(operation.status != access::Status::Sensor),
         home_(session.get()),
@@ -43,7 +43,8 @@ class PendingCommand final : public CommandCore {
   void when_ended(std::function<void()> then) override;
   std::string about() const override;
 
-  /// Asked by who has just said that he follows the baton, so in one order with that (Baton::poke).
+  /// Asked by who has just said that he follows the leader, so in one order with that
+  /// (LeaderLock::notify).
   bool terminal() const {
     return project(detail_.load(std::memory_order_seq_cst)) != State::Running;
   }
@@ -53,15 +54,16 @@ class PendingCommand final : public CommandCore {
   void finish(ByteView result);
   void fail(Failure failure);
   std::uint64_t counter =
-      0;  ///< written before the command is shared, as the two below, or by moor()
+      0;  ///< written before the command is shared, as the two below, or by attach()
   std::uint64_t session_id = 0;
   std::uint64_t boot = 0;
   std::uint64_t sent_as = 0;      ///< the packet's number on the link; written before it is shared
   std::uint8_t marked_words = 0;  ///< where the server marks its start; written before it is shared
   /// It was sent in `session`, its first or another; with that session's mutex.
-  void moor(const std::shared_ptr<LinkedSession>& session, const CommandId& id, std::uint64_t as);
+  void attach(const std::shared_ptr<ClientConnection>& session, const CommandId& id,
+              std::uint64_t as);
   /// Its session has it no more; with that session's mutex.
-  void cast_off() { home_.store(nullptr, std::memory_order_release); }
+  void detach() { home_.store(nullptr, std::memory_order_release); }
 
   /// What a medium that loses packets needs; guarded by the session's mutex.
   struct Retry {
@@ -82,18 +84,18 @@ class PendingCommand final : public CommandCore {
     std::string_view name;
     Bytes arguments;
     TimePoint deadline = TimePoint::max();
-    int sessions = 0;                    ///< it was sent in; of who sends it
-    bool may_have_started = false;       ///< in a session that it is not in any more
-    std::condition_variable_any moored;  ///< or terminal: for who waits while it is adrift
+    int sessions = 0;                      ///< it was sent in; of who sends it
+    bool may_have_started = false;         ///< in a session that it is not in any more
+    std::condition_variable_any attached;  ///< or terminal: ends a wait during failover
   };
   std::unique_ptr<Again> again;  ///< null: it may not be sent again
 
  private:
-  std::shared_ptr<LinkedSession> session() const;
-  void be_attended();  // with the mutex
-  std::string name_in(const LinkedSession& session) const;
-  void log_end(const LinkedSession& in, Detail detail) const;
-  bool adrift() const {
+  std::shared_ptr<ClientConnection> session() const;
+  void watch_end();  // with the mutex
+  std::string name_in(const ClientConnection& session) const;
+  void log_end(const ClientConnection& in, Detail detail) const;
+  bool awaits_failover() const {
     return again != nullptr && home_.load(std::memory_order_acquire) == nullptr;
   }
   bool wait_in_any_session(TimePoint deadline);
@@ -110,14 +112,14 @@ class PendingCommand final : public CommandCore {
   Bytes feedback_;
   ShortBytes result_;
   Failure failure_;
-  std::string about_;      ///< "RX90.move"; written before it is terminal, where nobody has asked
-  bool attended_ = false;  ///< by housekeeping of session_, for who sleeps elsewhere
+  std::string about_;     ///< "RX90.move"; written before it is terminal, where nobody has asked
+  bool watched_ = false;  ///< by maintenance of session_, for who sleeps elsewhere
   std::unique_ptr<Wakeup> exported_;
   std::vector<std::function<void()>> callbacks_;
-  /// Whose it is; null while it is adrift. Publishes nothing: who waits there has to look
+  /// Whose it is; null while it waits for failover. Publishes nothing: who waits there has to look
   /// elsewhere.
-  std::atomic<const LinkedSession*> home_{nullptr};
-  std::shared_ptr<LinkedSession> session_;  ///< null once terminal
+  std::atomic<const ClientConnection*> home_{nullptr};
+  std::shared_ptr<ClientConnection> session_;  ///< null once terminal
 };
 
 }  // namespace gecos::session

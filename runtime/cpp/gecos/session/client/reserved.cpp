@@ -3,24 +3,24 @@
 #include <ostream>
 
 #include "gecos/base/log.hpp"
+#include "gecos/session/protocol/builtin_codec.hpp"
 #include "gecos/session/protocol/function_code.hpp"
 #include "gecos/session/protocol/packets.hpp"
-#include "gecos/session/protocol/reserved_codec.hpp"
 
 namespace gecos {
 namespace {
 
-using session::Reserved;
+using session::BuiltIn;
 
-std::shared_ptr<session::CommandCore> call_bare(const Object& object, Reserved which) {
-  return session_of(object)->call(session::reserved_operation(which), 0, [](wire::Encoder&) {}, {});
+std::shared_ptr<session::CommandCore> call_bare(const Object& object, BuiltIn which) {
+  return session_of(object)->call(session::builtin_operation(which), 0, [](wire::Encoder&) {}, {});
 }
 
 tl::expected<Lease, LeaseRefusal> acquire(const Object& object, Status wanted,
                                           const std::string& password) {
   const auto& session = session_of(object);
   const std::size_t size = 4 + 1 + (password.empty() ? 0 : wire::string_size(password));
-  const auto command = session->call(session::reserved_operation(Reserved::Acquire), size,
+  const auto command = session->call(session::builtin_operation(BuiltIn::Acquire), size,
                                      [&](wire::Encoder& to) {
                                        to.put(static_cast<std::int32_t>(wanted));
                                        to.put(!password.empty());
@@ -49,7 +49,7 @@ tl::expected<Lease, LeaseRefusal> acquire(const Object& object, Status wanted,
 Lease::Lease(std::shared_ptr<session::ClientSession> session, Grant grant)
     : session_(std::move(session)),
       grant_(grant),
-      held_(session_->hold(grant.epoch)),
+      held_(session_->lease_acquired(grant.epoch)),
       issued_(session_->issued()),
       since_(session::system_clock().now()) {}
 
@@ -89,8 +89,8 @@ void Lease::give_back(bool now) {
   constexpr Duration patience = std::chrono::seconds(1);
   const auto session = std::exchange(session_, nullptr);
   if (session == nullptr) return;
-  session->let_go(held_);
-  const auto released = session->call(session::reserved_operation(Reserved::Release), 8 + 1,
+  session->lease_released(held_);
+  const auto released = session->call(session::builtin_operation(BuiltIn::Release), 8 + 1,
                                       [&](wire::Encoder& to) {
                                         to.put(grant_.epoch);
                                         to.put(now);
@@ -111,23 +111,19 @@ Checked<Lease, LeaseRefusal> master(const Object& object, std::string password) 
   return acquire(object, Status::MASTER, password);
 }
 
-Command<void> stop(const Object& object) {
-  return Command<void>(call_bare(object, Reserved::Stop));
-}
+Command<void> stop(const Object& object) { return Command<void>(call_bare(object, BuiltIn::Stop)); }
 
-Command<void> ping(const Object& object) {
-  return Command<void>(call_bare(object, Reserved::Ping));
-}
+Command<void> ping(const Object& object) { return Command<void>(call_bare(object, BuiltIn::Ping)); }
 
 Command<Description> describe(const Object& object) {
-  return Command<Description>(call_bare(object, Reserved::Describe),
+  return Command<Description>(call_bare(object, BuiltIn::Describe),
                               [](wire::Decoder& from, Description& value) {
                                 return wire::get_block(from, value, "description");
                               });
 }
 
 Command<std::vector<Holder>> holders(const Object& object) {
-  return Command<std::vector<Holder>>(call_bare(object, Reserved::Holders),
+  return Command<std::vector<Holder>>(call_bare(object, BuiltIn::Holders),
                                       [](wire::Decoder& from, std::vector<Holder>& value) {
                                         return session::get_blocks(from, value);
                                       });
@@ -154,7 +150,7 @@ Command<Outcome> outcome(const Object& object, const CommandId& id) {
                             {}}),
             decode};
   }
-  return {session_of(object)->call(session::reserved_operation(Reserved::Outcome), 3 * 8,
+  return {session_of(object)->call(session::builtin_operation(BuiltIn::Outcome), 3 * 8,
                                    [&](wire::Encoder& to) {
                                      to.put(id.boot);
                                      to.put(id.session);

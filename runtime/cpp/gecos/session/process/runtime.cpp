@@ -94,7 +94,7 @@ BootId process_boot() {
 }
 
 Runtime::Runtime(LabOptions options, const Clock& clock)
-    : options_(std::move(options)), clock_(clock), housekeeping_(clock) {}
+    : options_(std::move(options)), clock_(clock), maintenance_(clock) {}
 
 Runtime::~Runtime() = default;
 

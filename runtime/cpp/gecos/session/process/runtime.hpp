@@ -12,7 +12,7 @@
 #include "gecos/lab.hpp"
 #include "gecos/media/medium.hpp"
 #include "gecos/session/process/callbacks.hpp"
-#include "gecos/session/process/housekeeping.hpp"
+#include "gecos/session/process/maintenance.hpp"
 #include "gecos/session/protocol/handshake.hpp"
 
 namespace gecos::session {
@@ -26,7 +26,7 @@ class Closable {
 };
 
 /// What sessions and servers of one lab stand on: settings, the clock, the media and the
-/// housekeeping thread. It lives as long as the last of them. Thread-safe.
+/// maintenance thread. It lives as long as the last of them. Thread-safe.
 class Runtime : public std::enable_shared_from_this<Runtime> {
  public:
   /// When the program exits, however its labs are dropped, its sessions say goodbye.
@@ -38,7 +38,7 @@ class Runtime : public std::enable_shared_from_this<Runtime> {
 
   const LabOptions& options() const { return options_; }
   const Clock& clock() const { return clock_; }
-  Housekeeping& housekeeping() { return housekeeping_; }
+  Maintenance& maintenance() { return maintenance_; }
   Callbacks& callbacks() { return callbacks_; }
   /// Silence after which a session ends, and with it what a server enlisted with a broker.
   Duration registration_ttl() const { return options_.lease_ttl + options_.grace; }
@@ -67,7 +67,7 @@ class Runtime : public std::enable_shared_from_this<Runtime> {
   std::optional<std::string> host_identity_;
   std::vector<std::weak_ptr<Closable>> sessions_;
   Callbacks callbacks_;
-  Housekeeping housekeeping_;  ///< last: its thread ends first
+  Maintenance maintenance_;  ///< last: its thread ends first
 };
 
 }  // namespace gecos::session

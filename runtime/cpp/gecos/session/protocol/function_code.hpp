@@ -16,7 +16,7 @@ constexpr FunctionCode function_code(std::string_view scoped_name) {
 }
 
 /// Codes of gecos::GecosObject, the operations that every object answers.
-enum class Reserved : std::uint32_t {
+enum class BuiltIn : std::uint32_t {
   Holders = 1,
   Stop = 2,
   Ping = 3,
@@ -27,6 +27,6 @@ enum class Reserved : std::uint32_t {
   Unsubscribe = 8,
   Outcome = 9,
 };
-inline constexpr std::uint32_t last_reserved_code = 255;
+inline constexpr std::uint32_t last_builtin_code = 255;
 
 }  // namespace gecos::session

@@ -71,18 +71,18 @@ const Clock& system_clock() {
   return clock;
 }
 
-const OperationDescription* find_reserved(FunctionCode code) {
+const OperationDescription* find_builtin(FunctionCode code) {
   static const auto table = [] {
     constexpr std::array names = {"holders", "stop",      "ping",        "describe", "acquire",
                                   "release", "subscribe", "unsubscribe", "outcome"};
-    static_assert(names.size() == static_cast<std::size_t>(Reserved::Outcome));
+    static_assert(names.size() == static_cast<std::size_t>(BuiltIn::Outcome));
     std::array<OperationDescription, names.size()> operations;
     for (std::uint32_t at = 0; at < names.size(); ++at) {
       operations[at].code = FunctionCode{at + 1};
       operations[at].name = names[at];
       operations[at].status = access::Status::Sensor;
       operations[at].presence = false;
-      operations[at].safety = at + 1 == static_cast<std::uint32_t>(Reserved::Stop);
+      operations[at].safety = at + 1 == static_cast<std::uint32_t>(BuiltIn::Stop);
     }
     return operations;
   }();
@@ -90,8 +90,8 @@ const OperationDescription* find_reserved(FunctionCode code) {
   return index < table.size() ? &table[index] : nullptr;
 }
 
-const OperationDescription& reserved_operation(Reserved which) {
-  return *find_reserved(FunctionCode{static_cast<std::uint32_t>(which)});
+const OperationDescription& builtin_operation(BuiltIn which) {
+  return *find_builtin(FunctionCode{static_cast<std::uint32_t>(which)});
 }
 
 }  // namespace gecos::session

@@ -36,7 +36,7 @@ std::string text_of(ByteView goodbye);
 const Clock& system_clock();
 
 /// How gecos::GecosObject declares it.
-const OperationDescription& reserved_operation(Reserved which);
-const OperationDescription* find_reserved(FunctionCode code);
+const OperationDescription& builtin_operation(BuiltIn which);
+const OperationDescription* find_builtin(FunctionCode code);
 
 }  // namespace gecos::session

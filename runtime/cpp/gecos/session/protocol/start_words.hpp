@@ -34,7 +34,7 @@ constexpr std::size_t marked_word(CallLane lane) { return static_cast<std::size_
 /// built-in operation, which has no handler.
 inline std::uint8_t marked_words(const OperationDescription& operation) {
   const auto bit = [](CallLane lane) { return static_cast<std::uint8_t>(1U << marked_word(lane)); };
-  if (number(operation.code) <= last_reserved_code) return 0;
+  if (number(operation.code) <= last_builtin_code) return 0;
   if (operation.safety) return bit(CallLane::Safety);
   if (operation.status != access::Status::Sensor) return bit(CallLane::Actor);
   const std::uint8_t sensor = bit(CallLane::Sensor);

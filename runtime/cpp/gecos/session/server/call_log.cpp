@@ -2,7 +2,7 @@
 
 #include <sstream>
 
-#include "gecos/session/server/served_object.hpp"
+#include "gecos/session/server/object_host.hpp"
 
 namespace gecos::session {
 namespace {

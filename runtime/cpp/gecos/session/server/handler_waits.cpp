@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "gecos/session/process/runtime.hpp"
-#include "gecos/session/server/served_object.hpp"
+#include "gecos/session/server/object_host.hpp"
 #include "gecos/session/server/server_call.hpp"
 
 namespace gecos::session {
@@ -14,7 +14,7 @@ namespace {
 
 struct Sessions {
   std::mutex mutex;
-  std::map<SessionId, std::weak_ptr<ServedObject>> objects;
+  std::map<SessionId, std::weak_ptr<ObjectHost>> objects;
 };
 
 Sessions& sessions() {
@@ -47,7 +47,7 @@ bool leads_back(Calls& way) {
 
 }  // namespace
 
-void note_session(SessionId id, std::weak_ptr<ServedObject> object) {
+void note_session(SessionId id, std::weak_ptr<ObjectHost> object) {
   const std::lock_guard lock(sessions().mutex);
   sessions().objects.insert_or_assign(id, std::move(object));
 }
@@ -57,7 +57,7 @@ void forget_session(SessionId id) {
   sessions().objects.erase(id);
 }
 
-std::shared_ptr<ServedObject> object_in(const CommandId& call) {
+std::shared_ptr<ObjectHost> object_in(const CommandId& call) {
   if (call.boot != number(process_boot())) return nullptr;
   const std::lock_guard lock(sessions().mutex);
   const auto found = sessions().objects.find(SessionId{call.session});

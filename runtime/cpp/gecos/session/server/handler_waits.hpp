@@ -11,14 +11,14 @@
 /// none of them returns, and that is told instead.
 namespace gecos::session {
 
-class ServedObject;
+class ObjectHost;
 class ServerCall;
 
 /// Sessions of clients of any process with objects of this one.
-void note_session(SessionId id, std::weak_ptr<ServedObject> object);
+void note_session(SessionId id, std::weak_ptr<ObjectHost> object);
 void forget_session(SessionId id);
 /// The object of that session; null when it is none of this process.
-std::shared_ptr<ServedObject> object_in(const CommandId& call);
+std::shared_ptr<ObjectHost> object_in(const CommandId& call);
 
 /// How `handler`, which waits, waits for its own end: "the handler of 'dim' of LAMP waits for it
 /// …", or nothing when it is not certain that it does. No object's mutex may be held.

@@ -47,8 +47,7 @@ IoLoop::IoLoop(std::shared_ptr<Runtime> runtime)
 
 IoLoop::~IoLoop() { end(); }
 
-void IoLoop::serve(std::shared_ptr<ServedObject> object,
-                   std::shared_ptr<media::Acceptor> acceptor) {
+void IoLoop::serve(std::shared_ptr<ObjectHost> object, std::shared_ptr<media::Acceptor> acceptor) {
   object->streams().offer(acceptor);
   {
     const std::lock_guard list(list_mutex_);
@@ -104,8 +103,8 @@ void IoLoop::run_standby() {
   }
 }
 
-void IoLoop::run_handlers(ServedObject& object, std::shared_ptr<ServerCall> started,
-                          Starter starter, Polling& polling) {
+void IoLoop::run_handlers(ObjectHost& object, std::shared_ptr<ServerCall> started, Starter starter,
+                          Polling& polling) {
   const bool main = starter == Starter::Poller;
   const auto turn = handler_turn_.load(std::memory_order_relaxed);
   if (main) handler_turn_.store(turn + 1, std::memory_order_release);
@@ -296,12 +295,12 @@ void IoLoop::part_if_lost(const std::shared_ptr<ServerSession>& session) {
             session->object()->name() + ": a link is lost: " + session->link().loss_text());
   // In order where it said goodbye. A client that closes its link without one has given up its
   // calls.
-  session->object()->depart(session, ServedObject::Departure::Lost);
+  session->object()->depart(session, ObjectHost::Departure::Lost);
   if (session->object()->ready())
     session->object()->run_ready(Starter::Other);  // what it sent last
 }
 
-/// Housekeeping saw that they are lost; what they sent before is still to be read, here.
+/// Maintenance saw that they are lost; what they sent before is still to be read, here.
 void IoLoop::part_from_suspects() {
   if (!suspects_.exchange(false)) return;
   shut_doors();
@@ -329,7 +328,7 @@ void IoLoop::await_signs_of_life() {
   for (const auto& [key, session] : sessions_) session->object()->await_sign_of_life(*session);
 }
 
-TimePoint IoLoop::tend(TimePoint now) {
+TimePoint IoLoop::on_tick(TimePoint now) {
   const std::uint64_t handler = handler_turn_.load();
   if (handler % 2 == 1 && handler == handler_seen_) {
     const std::lock_guard called(standby_mutex_);
@@ -352,17 +351,17 @@ TimePoint IoLoop::tend(TimePoint now) {
     if (beat) session->link().beat();
     if (session->object()->judge_silence(session)) {
       session->gone = true;
-      session->object()->depart(session, ServedObject::Departure::Lost);
+      session->object()->depart(session, ObjectHost::Departure::Lost);
     }
     suspects =
         suspects || session->gone.load() || (beat && session->link().loss() != media::Loss::None);
   }
   if (suspects) suspects_.store(true);
   if (suspects || (beat && somebody_waits_.load())) wakeup_.ring();
-  return now + (handler % 2 == 1 ? Housekeeping::tick : Housekeeping::calm_tick);
+  return now + (handler % 2 == 1 ? Maintenance::tick : Maintenance::calm_tick);
 }
 
-void IoLoop::withdraw(const ServedObject& object) {
+void IoLoop::withdraw(const ObjectHost& object) {
   {
     const std::lock_guard list(list_mutex_);
     for (const auto& [key, session] : sessions_) {
@@ -394,7 +393,7 @@ void IoLoop::end() {
       if (!packet) break;
       session->object()->take(session, *packet);
     }
-    session->object()->depart(session, ServedObject::Departure::InOrder);
+    session->object()->depart(session, ObjectHost::Departure::InOrder);
     session->flush();
     wire::PacketHeader header;
     header.kind = wire::PacketKind::Goodbye;

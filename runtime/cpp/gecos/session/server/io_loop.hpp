@@ -12,7 +12,7 @@
 #include "gecos/media/waiting.hpp"
 #include "gecos/session/process/runtime.hpp"
 #include "gecos/session/process/wakeup.hpp"
-#include "gecos/session/server/served_object.hpp"
+#include "gecos/session/server/object_host.hpp"
 
 namespace gecos::session {
 
@@ -28,21 +28,21 @@ class IoLoop {
   ~IoLoop();
 
   /// Accepts clients of `object` from now on.
-  void serve(std::shared_ptr<ServedObject> object, std::shared_ptr<media::Acceptor> acceptor);
+  void serve(std::shared_ptr<ObjectHost> object, std::shared_ptr<media::Acceptor> acceptor);
   /// Parts from the clients of `object` and lets no more in. @pre it is closed
-  void withdraw(const ServedObject& object);
+  void withdraw(const ObjectHost& object);
   /// After a pause of this process: each session's calls wait for a heartbeat that comes from now
-  /// on. On the housekeeping thread.
+  /// on. On the maintenance thread.
   void await_signs_of_life();
-  /// Heartbeats, silence and lost links; wakes the standby. On the housekeeping thread. Gives when
+  /// Heartbeats, silence and lost links; wakes the standby. On the maintenance thread. Gives when
   /// the next look is due.
-  TimePoint tend(TimePoint now);
+  TimePoint on_tick(TimePoint now);
   /// Waits until the threads have ended, a running handler included; then parts from the clients.
   void end();
 
  private:
   struct Door {
-    std::shared_ptr<ServedObject> object;
+    std::shared_ptr<ObjectHost> object;
     std::shared_ptr<media::Acceptor> acceptor;
   };
   using Polling = std::unique_lock<Mutex>;
@@ -55,7 +55,7 @@ class IoLoop {
   void run();
   void run_standby();
   /// Gives polling up meanwhile.
-  void run_handlers(ServedObject& object, std::shared_ptr<ServerCall> started, Starter starter,
+  void run_handlers(ObjectHost& object, std::shared_ptr<ServerCall> started, Starter starter,
                     Polling& polling);
   bool main_is_inside() const { return handler_turn_.load() % 2 == 1; }
   /// One look at everything hot; sleeps when nothing is.
@@ -103,7 +103,7 @@ class IoLoop {
   std::mutex standby_mutex_;
   std::condition_variable standby_called_;
   bool standby_wanted_ = false;
-  std::uint64_t handler_seen_ = 0;  ///< housekeeping: which handler ran at the last tick
+  std::uint64_t handler_seen_ = 0;  ///< maintenance: which handler ran at the last tick
   TimePoint next_beat_{};
   std::thread main_;
   std::thread standby_;

@@ -6,9 +6,9 @@ namespace gecos::session {
 namespace {
 
 /// The commands before it end when it is queued, so their room is its own.
-bool replaces(const Ticket& ticket) { return ticket.operation.on_new == OnNew::Preempt; }
+bool replaces(const QueueEntry& entry) { return entry.operation.on_new == OnNew::Preempt; }
 
-bool beside_each_other(const Ticket& one, const Ticket& other) {
+bool beside_each_other(const QueueEntry& one, const QueueEntry& other) {
   const bool both_blend =
       one.operation.on_new == OnNew::Blend && other.operation.on_new == OnNew::Blend;
   return one.operation.parallel || other.operation.parallel || both_blend;
@@ -16,54 +16,53 @@ bool beside_each_other(const Ticket& one, const Ticket& other) {
 
 }  // namespace
 
-tl::expected<void, ObjectQueue::Full> ObjectQueue::push(std::shared_ptr<Ticket> ticket) {
-  const std::size_t commands = replaces(*ticket) ? 0 : actor_.size();
+tl::expected<void, ObjectQueue::Full> ObjectQueue::push(std::shared_ptr<QueueEntry> entry) {
+  const std::size_t commands = replaces(*entry) ? 0 : actor_.size();
   const std::size_t waiting = safety_.size() + sensor_.size() + commands;
-  if (waiting != 0 && !ticket->operation.safety) {
+  if (waiting != 0 && !entry->operation.safety) {
     if (waiting >= most_of_object) return tl::unexpected(Full::Object);
     std::ptrdiff_t of_client = 0;
     for (const Lane* lane : {&sensor_, &actor_}) {
       if (lane == &actor_ && commands == 0) continue;
-      of_client += std::count_if(lane->begin(), lane->end(), [&](const auto& other) {
-        return other->client == ticket->client;
-      });
+      of_client += std::count_if(lane->begin(), lane->end(),
+                                 [&](const auto& other) { return other->client == entry->client; });
     }
     if (of_client >= static_cast<std::ptrdiff_t>(most_of_client)) {
       return tl::unexpected(Full::Client);
     }
   }
-  if (ticket->bytes >= small) {
-    if (const auto full = too_large(*ticket)) return tl::unexpected(*full);
-    large_.push_back(ticket.get());
+  if (entry->bytes >= small) {
+    if (const auto full = too_large(*entry)) return tl::unexpected(*full);
+    large_.push_back(entry.get());
   }
-  if (ticket->operation.safety) {
-    ticket->lane = CallLane::Safety;
-  } else if (ticket->operation.status == access::Status::Sensor && !keeps_place(*ticket)) {
-    ticket->lane = CallLane::Sensor;
+  if (entry->operation.safety) {
+    entry->lane = CallLane::Safety;
+  } else if (entry->operation.status == access::Status::Sensor && !keeps_place(*entry)) {
+    entry->lane = CallLane::Sensor;
   } else {
-    ticket->lane = CallLane::Actor;
+    entry->lane = CallLane::Actor;
   }
-  lane_of(*ticket).push_back(std::move(ticket));
+  lane_of(*entry).push_back(std::move(entry));
   return {};
 }
 
-std::optional<ObjectQueue::Full> ObjectQueue::too_large(const Ticket& ticket) const {
+std::optional<ObjectQueue::Full> ObjectQueue::too_large(const QueueEntry& entry) const {
   std::size_t of_object = 0;
   std::size_t of_client = 0;
-  for (const Ticket* const other : large_) {
-    if (replaces(ticket) && other->lane == CallLane::Actor) continue;
+  for (const QueueEntry* const other : large_) {
+    if (replaces(entry) && other->lane == CallLane::Actor) continue;
     of_object += other->bytes;
-    if (other->client == ticket.client) of_client += other->bytes;
+    if (other->client == entry.client) of_client += other->bytes;
   }
-  if (of_client != 0 && of_client + ticket.bytes > most_bytes_of_client) return Full::BytesOfClient;
-  if (of_object != 0 && of_object + ticket.bytes > most_bytes_of_object) return Full::BytesOfObject;
+  if (of_client != 0 && of_client + entry.bytes > most_bytes_of_client) return Full::BytesOfClient;
+  if (of_object != 0 && of_object + entry.bytes > most_bytes_of_object) return Full::BytesOfObject;
   return std::nullopt;
 }
 
 /// An @ordered reading queues behind the commands of its own caller.
-bool ObjectQueue::keeps_place(const Ticket& ticket) const {
-  if (!ticket.operation.ordered) return false;
-  const auto same_client = [&](const auto& other) { return other->client == ticket.client; };
+bool ObjectQueue::keeps_place(const QueueEntry& entry) const {
+  if (!entry.operation.ordered) return false;
+  const auto same_client = [&](const auto& other) { return other->client == entry.client; };
   return std::any_of(actor_.begin(), actor_.end(), same_client) ||
          std::any_of(running_.begin(), running_.end(), same_client);
 }
@@ -72,8 +71,8 @@ bool ObjectQueue::idle() const {
   return actor_.empty() && sensor_.empty() && safety_.empty() && running_.empty() && inside_ == 0;
 }
 
-ObjectQueue::Lane& ObjectQueue::lane_of(const Ticket& ticket) {
-  switch (ticket.lane) {
+ObjectQueue::Lane& ObjectQueue::lane_of(const QueueEntry& entry) {
+  switch (entry.lane) {
     case CallLane::Safety:
       return safety_;
     case CallLane::Sensor:
@@ -83,32 +82,31 @@ ObjectQueue::Lane& ObjectQueue::lane_of(const Ticket& ticket) {
   }
 }
 
-bool ObjectQueue::beside_running(const Ticket& ticket) const {
+bool ObjectQueue::beside_running(const QueueEntry& entry) const {
   return std::all_of(running_.begin(), running_.end(),
-                     [&](const Ticket* other) { return beside_each_other(*other, ticket); });
+                     [&](const QueueEntry* other) { return beside_each_other(*other, entry); });
 }
 
-std::vector<Ticket*> ObjectQueue::holding_up() const {
-  std::vector<Ticket*> holding;
+std::vector<QueueEntry*> ObjectQueue::holding_up() const {
+  std::vector<QueueEntry*> holding;
   if (actor_.empty()) return holding;
-  for (Ticket* const running : running_) {
+  for (QueueEntry* const running : running_) {
     if (!beside_each_other(*running, *actor_.front())) holding.push_back(running);
   }
   return holding;
 }
 
-std::shared_ptr<Ticket> ObjectQueue::next() {
+std::shared_ptr<QueueEntry> ObjectQueue::next() {
   if (threads_ == LaneThreads::One && inside_ != 0) return nullptr;
   Lane* lane = !safety_.empty() ? &safety_ : !sensor_.empty() ? &sensor_ : nullptr;
   if (lane == nullptr && !actor_.empty() && beside_running(*actor_.front())) lane = &actor_;
   return lane == nullptr ? nullptr : start(*lane, lane->begin());
 }
 
-std::shared_ptr<Ticket> ObjectQueue::next(FunctionRef<bool(const Ticket&)> wanted) {
+std::shared_ptr<QueueEntry> ObjectQueue::next(FunctionRef<bool(const QueueEntry&)> wanted) {
   if (threads_ == LaneThreads::One && inside_ != 0) return nullptr;
   for (Lane* const lane : {&safety_, &sensor_}) {
-    const auto at =
-        std::ranges::find_if(*lane, [&](const auto& ticket) { return wanted(*ticket); });
+    const auto at = std::ranges::find_if(*lane, [&](const auto& entry) { return wanted(*entry); });
     if (at != lane->end()) return start(*lane, at);
   }
   if (actor_.empty() || !wanted(*actor_.front()) || !beside_running(*actor_.front())) {
@@ -117,34 +115,34 @@ std::shared_ptr<Ticket> ObjectQueue::next(FunctionRef<bool(const Ticket&)> wante
   return start(actor_, actor_.begin());
 }
 
-std::shared_ptr<Ticket> ObjectQueue::start(Lane& lane, Lane::iterator at) {
-  auto ticket = std::move(*at);
+std::shared_ptr<QueueEntry> ObjectQueue::start(Lane& lane, Lane::iterator at) {
+  auto entry = std::move(*at);
   lane.erase(at);
-  ticket->started = true;
+  entry->started = true;
   ++inside_;
-  if (ticket->lane == CallLane::Actor) running_.push_back(ticket.get());
-  return ticket;
+  if (entry->lane == CallLane::Actor) running_.push_back(entry.get());
+  return entry;
 }
 
-void ObjectQueue::returned(const Ticket& /*ticket*/) { --inside_; }
+void ObjectQueue::returned(const QueueEntry& /*entry*/) { --inside_; }
 
-void ObjectQueue::ended(const Ticket& ticket) {
-  running_.erase(std::remove(running_.begin(), running_.end(), &ticket), running_.end());
-  if (ticket.bytes >= small) std::erase(large_, &ticket);
+void ObjectQueue::ended(const QueueEntry& entry) {
+  running_.erase(std::remove(running_.begin(), running_.end(), &entry), running_.end());
+  if (entry.bytes >= small) std::erase(large_, &entry);
 }
 
-bool ObjectQueue::remove(const Ticket& ticket) {
-  if (ticket.started) return false;
-  Lane& lane = lane_of(ticket);
+bool ObjectQueue::remove(const QueueEntry& entry) {
+  if (entry.started) return false;
+  Lane& lane = lane_of(entry);
   const auto at = std::find_if(lane.begin(), lane.end(),
-                               [&](const auto& other) { return other.get() == &ticket; });
+                               [&](const auto& other) { return other.get() == &entry; });
   if (at == lane.end()) return false;
   lane.erase(at);
   return true;
 }
 
-std::vector<std::shared_ptr<Ticket>> ObjectQueue::drop() {
-  std::vector<std::shared_ptr<Ticket>> dropped;
+std::vector<std::shared_ptr<QueueEntry>> ObjectQueue::drop() {
+  std::vector<std::shared_ptr<QueueEntry>> dropped;
   for (Lane* lane : {&safety_, &sensor_, &actor_}) {
     dropped.insert(dropped.end(), lane->begin(), lane->end());
     lane->clear();
@@ -152,9 +150,9 @@ std::vector<std::shared_ptr<Ticket>> ObjectQueue::drop() {
   return dropped;
 }
 
-std::optional<std::size_t> ObjectQueue::position(const Ticket& ticket) const {
+std::optional<std::size_t> ObjectQueue::position(const QueueEntry& entry) const {
   const auto at = std::find_if(actor_.begin(), actor_.end(),
-                               [&](const auto& other) { return other.get() == &ticket; });
+                               [&](const auto& other) { return other.get() == &entry; });
   if (at == actor_.end()) return std::nullopt;
   return static_cast<std::size_t>(at - actor_.begin()) + running_.size();
 }

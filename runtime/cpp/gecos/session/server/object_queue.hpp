@@ -15,10 +15,11 @@
 namespace gecos::session {
 
 /// A call as the queue of its object sees it.
-struct Ticket {
-  Ticket(SessionId its_client, const OperationDescription& its_operation, std::size_t its_bytes = 0)
+struct QueueEntry {
+  QueueEntry(SessionId its_client, const OperationDescription& its_operation,
+             std::size_t its_bytes = 0)
       : client(its_client), operation(its_operation), bytes(its_bytes) {}
-  virtual ~Ticket() = default;
+  virtual ~QueueEntry() = default;
 
   const SessionId client;
   const OperationDescription& operation;
@@ -51,47 +52,47 @@ class ObjectQueue {
   enum class Full : std::uint8_t { Object, Client, BytesOfObject, BytesOfClient };
   /// One that preempts needs no room beside the commands that it replaces; its owner ends them
   /// then.
-  tl::expected<void, Full> push(std::shared_ptr<Ticket> ticket);
+  tl::expected<void, Full> push(std::shared_ptr<QueueEntry> entry);
 
   /// The next call that may start now; from then on it counts as started. Null when none may.
-  std::shared_ptr<Ticket> next();
+  std::shared_ptr<QueueEntry> next();
   /// Likewise, of those that `wanted` picks. Actor commands keep their order: one that is not
   /// wanted holds up those behind it.
-  std::shared_ptr<Ticket> next(FunctionRef<bool(const Ticket&)> wanted);
+  std::shared_ptr<QueueEntry> next(FunctionRef<bool(const QueueEntry&)> wanted);
   /// Its handler's thread came back. The call may be answered later.
-  void returned(const Ticket& ticket);
+  void returned(const QueueEntry& entry);
   /// It is answered and its handler has returned: its successor may start.
-  void ended(const Ticket& ticket);
+  void ended(const QueueEntry& entry);
   /// Takes it out before it started; false when it is not queued.
-  bool remove(const Ticket& ticket);
+  bool remove(const QueueEntry& entry);
   /// Takes out all that has not started.
-  std::vector<std::shared_ptr<Ticket>> drop();
+  std::vector<std::shared_ptr<QueueEntry>> drop();
 
   /// Actor commands that wait, first to start first.
-  const std::deque<std::shared_ptr<Ticket>>& waiting() const { return actor_; }
+  const std::deque<std::shared_ptr<QueueEntry>>& waiting() const { return actor_; }
   /// Actor commands that started and have not ended.
-  const std::vector<Ticket*>& running() const { return running_; }
+  const std::vector<QueueEntry*>& running() const { return running_; }
   /// Nothing waits and no handler is inside.
   bool idle() const;
   /// Those of them that the next one waits for.
-  std::vector<Ticket*> holding_up() const;
-  std::optional<std::size_t> position(const Ticket& ticket) const;
+  std::vector<QueueEntry*> holding_up() const;
+  std::optional<std::size_t> position(const QueueEntry& entry) const;
 
  private:
-  using Lane = std::deque<std::shared_ptr<Ticket>>;
-  Lane& lane_of(const Ticket& ticket);
-  bool keeps_place(const Ticket& ticket) const;
-  std::shared_ptr<Ticket> start(Lane& lane, Lane::iterator at);
-  std::optional<Full> too_large(const Ticket& ticket) const;
-  bool beside_running(const Ticket& ticket) const;
+  using Lane = std::deque<std::shared_ptr<QueueEntry>>;
+  Lane& lane_of(const QueueEntry& entry);
+  bool keeps_place(const QueueEntry& entry) const;
+  std::shared_ptr<QueueEntry> start(Lane& lane, Lane::iterator at);
+  std::optional<Full> too_large(const QueueEntry& entry) const;
+  bool beside_running(const QueueEntry& entry) const;
 
   const LaneThreads threads_;
   Lane safety_;
   Lane sensor_;
   Lane actor_;
-  std::vector<Ticket*> running_;
-  std::size_t inside_ = 0;            ///< handlers whose thread has not come back
-  std::vector<const Ticket*> large_;  ///< not below `small`, that have not ended
+  std::vector<QueueEntry*> running_;
+  std::size_t inside_ = 0;                ///< handlers whose thread has not come back
+  std::vector<const QueueEntry*> large_;  ///< not below `small`, that have not ended
 };
 
 }  // namespace gecos::session

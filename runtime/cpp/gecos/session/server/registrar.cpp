@@ -9,9 +9,9 @@
 
 #include "gecos/base/log.hpp"
 #include "gecos/base/thread.hpp"
+#include "gecos/session/client/broker_client.hpp"
 #include "gecos/session/client/connect.hpp"
-#include "gecos/session/client/registry.hpp"
-#include "gecos/session/server/served_object.hpp"
+#include "gecos/session/server/object_host.hpp"
 
 namespace gecos::session {
 namespace {
@@ -25,7 +25,7 @@ constexpr Duration between_looks = std::chrono::milliseconds(20);
 constexpr Duration before_told = std::chrono::seconds(1);
 
 /// Others than this process, so that another server may be given the name.
-bool others_find(const Entry& entry, const LinkedSession& broker) {
+bool others_find(const Entry& entry, const ClientConnection& broker) {
   const auto elsewhere = [](const std::string& address) {
     return media::kind_from(std::string_view(address).substr(0, address.find(':'))) !=
            media::Kind::Inproc;
@@ -35,7 +35,7 @@ bool others_find(const Entry& entry, const LinkedSession& broker) {
 
 }  // namespace
 
-Registrar::Registrar(std::shared_ptr<LabCore> lab) : lab_(std::move(lab)) {
+Registrar::Registrar(std::shared_ptr<Context> lab) : lab_(std::move(lab)) {
   thread_ = start_thread("gecos-registrar", [this] { run(); });
 }
 
@@ -71,7 +71,7 @@ bool Registrar::rest(Duration length, TimePoint deadline) {
   return !ended_ && clock.now() < deadline;
 }
 
-tl::expected<void, std::string> Registrar::add(const std::shared_ptr<ServedObject>& object,
+tl::expected<void, std::string> Registrar::add(const std::shared_ptr<ObjectHost>& object,
                                                std::vector<std::string> addresses) {
   const InterfaceDescription& interface = object->interface();
   const Hello self = lab_->runtime()->introduce(interface);
@@ -91,7 +91,7 @@ tl::expected<void, std::string> Registrar::add(const std::shared_ptr<ServedObjec
   registration.object = object;
 
   const auto enlisted =
-      enlist_first(registration, deadline_after(std::max(patience, object->options().patience)));
+      register_first(registration, deadline_after(std::max(patience, object->options().patience)));
   if (!enlisted) return tl::unexpected(entry.name + " is not served: " + enlisted.error());
   const std::lock_guard lock(mutex_);
   registrations_.push_back(std::move(registration));
@@ -102,20 +102,20 @@ tl::expected<void, std::string> Registrar::add(const std::shared_ptr<ServedObjec
 /// A broker that goes while it is asked may be back soon, and takes the same entry again. So does
 /// one that has not noticed yet that who had the name before has ended: a server that is started
 /// again after it was killed may be quicker.
-tl::expected<Duration, std::string> Registrar::enlist_first(Registration& registration,
-                                                            TimePoint deadline) {
+tl::expected<Duration, std::string> Registrar::register_first(Registration& registration,
+                                                              TimePoint deadline) {
   for (;;) {
     const auto broker = find_broker(deadline);
     if (!broker) {
       if (rest(between_tries, deadline)) continue;
       return tl::unexpected(broker.error());
     }
-    ServedObject& object = *registration.object;
+    ObjectHost& object = *registration.object;
     if (others_find(registration.entry, **broker)) object.claim_name();
     const auto question = object.name_question();
     registration.since = lab_->runtime()->clock().since_boot();
-    const auto asked = enlist(**broker, registration.entry, Duration::zero());
-    const auto enlisted = await_enlisted(*asked, deadline);
+    const auto asked = register_object(**broker, registration.entry, Duration::zero());
+    const auto enlisted = await_registered(*asked, deadline);
     if (enlisted) {
       if (*enlisted == Duration::zero()) object.name_held(question);
       return *enlisted;
@@ -183,7 +183,7 @@ Duration Registrar::ask(const std::vector<Registration>& registrations) {
   Duration rest = answers.missing.empty() ? Duration::max() : between_tries;
   std::string untold;
   for (std::size_t i = 0; i < registrations.size(); ++i) {
-    ServedObject& object = *registrations[i].object;
+    ObjectHost& object = *registrations[i].object;
     const auto& enlisted = answers.of_each[i];
     if (enlisted && *enlisted == Duration::zero()) {
       object.name_held(questions[i]);
@@ -212,14 +212,14 @@ Registrar::Answers Registrar::ask_broker(const std::vector<Registration>& regist
   if (!broker) {
     answers.missing = broker.error();
     answers.of_each.assign(registrations.size(),
-                           tl::unexpected(NotEnlisted{false, {}, true, broker.error()}));
+                           tl::unexpected(NotRegistered{false, {}, true, broker.error()}));
     return answers;
   }
   std::vector<std::shared_ptr<CommandCore>> asked;
   for (const auto& one : registrations) {
-    asked.push_back(enlist(**broker, one.entry, served_for(one)));
+    asked.push_back(register_object(**broker, one.entry, served_for(one)));
   }
-  for (const auto& command : asked) answers.of_each.push_back(await_enlisted(*command, deadline));
+  for (const auto& command : asked) answers.of_each.push_back(await_registered(*command, deadline));
   answers.lost = (*broker)->lost();
   return answers;
 }
@@ -265,7 +265,7 @@ void Registrar::end() {
     registrations.swap(registrations_);
   }
   for (const auto& one : registrations) {
-    if (broker && !broker->lost()) withdraw(*broker, one.entry.name);
+    if (broker && !broker->lost()) unregister_object(*broker, one.entry.name);
   }
 }
 

@@ -9,25 +9,25 @@
 #include <vector>
 
 #include "gecos/broker_types.hpp"  // generated from idl/gecos/broker.gidl
-#include "gecos/session/client/lab_core.hpp"
-#include "gecos/session/client/registry.hpp"
+#include "gecos/session/client/broker_client.hpp"
+#include "gecos/session/client/context.hpp"
 
 namespace gecos::session {
 
-class ServedObject;
+class ObjectHost;
 
 /// Keeps the objects of a server findable: enlists them with the broker, and again with every
 /// broker that comes up at the same place after the one before was lost. Tells each object how its
 /// claim to its name stands; after a pause of this process it asks anew.
 class Registrar {
  public:
-  explicit Registrar(std::shared_ptr<LabCore> lab);
+  explicit Registrar(std::shared_ptr<Context> lab);
   ~Registrar() { end(); }
 
   /// Waits until a broker answers, for it may be about to start; else says what was tried.
   tl::expected<void, std::string> await_broker(TimePoint deadline);
   /// Enlists it; findable when this returns. Fails when no broker answers or the name is taken.
-  tl::expected<void, std::string> add(const std::shared_ptr<ServedObject>& object,
+  tl::expected<void, std::string> add(const std::shared_ptr<ObjectHost>& object,
                                       std::vector<std::string> addresses);
   /// Sees to it that a lost broker is looked for. Never blocks.
   void look();
@@ -39,14 +39,14 @@ class Registrar {
  private:
   struct Registration {
     Entry entry;
-    std::shared_ptr<ServedObject> object;
+    std::shared_ptr<ObjectHost> object;
     TimePoint since{};  ///< when it was enlisted first, by CLOCK_BOOTTIME
   };
-  using Broker = std::shared_ptr<LinkedSession>;
+  using Broker = std::shared_ptr<ClientConnection>;
 
   void run();
   struct Answers {
-    std::vector<tl::expected<Duration, NotEnlisted>> of_each;
+    std::vector<tl::expected<Duration, NotRegistered>> of_each;
     std::string missing;  ///< why there is no broker
     bool lost = false;    ///< the session in which it was asked
   };
@@ -57,7 +57,8 @@ class Registrar {
   tl::expected<Broker, std::string> find_broker(TimePoint deadline);
   void ask_soon();
   Duration served_for(const Registration& registration) const;
-  tl::expected<Duration, std::string> enlist_first(Registration& registration, TimePoint deadline);
+  tl::expected<Duration, std::string> register_first(Registration& registration,
+                                                     TimePoint deadline);
   /// Tells the user once why there is none when that lasts; empty when there is one.
   void note_broker(const std::string& missing);
   /// Of this host, for of others it cannot be told. Whoever has no pid here counts as ended too.
@@ -65,7 +66,7 @@ class Registrar {
   /// False when it is over: the deadline has come, or the end.
   bool rest(Duration length, TimePoint deadline);
 
-  const std::shared_ptr<LabCore> lab_;
+  const std::shared_ptr<Context> lab_;
   std::mutex mutex_;
   std::condition_variable changed_;  ///< of our thread and of all that rest: always told to all
   std::vector<Registration> registrations_;

@@ -10,16 +10,16 @@
 #include "gecos/base/descriptors.hpp"
 #include "gecos/base/log.hpp"
 #include "gecos/base/system_error.hpp"
-#include "gecos/session/client/lab_core.hpp"
-#include "gecos/session/process/termination.hpp"
+#include "gecos/session/client/context.hpp"
+#include "gecos/session/process/termination_signals.hpp"
 #include "gecos/session/server/io_loop.hpp"
+#include "gecos/session/server/object_host.hpp"
 #include "gecos/session/server/registrar.hpp"
-#include "gecos/session/server/served_object.hpp"
 
 namespace gecos {
 
-using session::LabCore;
-using session::ServedObject;
+using session::Context;
+using session::ObjectHost;
 
 namespace {
 
@@ -36,13 +36,13 @@ class Server::Core {
  public:
   using Made = tl::expected<std::unique_ptr<Core>, std::string>;
   static Made make(const session::LabOrWhyNot& lab);
-  explicit Core(std::shared_ptr<LabCore> lab)
+  explicit Core(std::shared_ptr<Context> lab)
       : lab_(std::move(lab)),
         io_(lab_->runtime()),
         registrar_(lab_),
         upkeep_(std::make_shared<Upkeep>(*this)) {
-    session::Termination::prepare();
-    lab_->runtime()->housekeeping().tend(upkeep_);
+    session::TerminationSignals::prepare();
+    lab_->runtime()->maintenance().add(upkeep_);
   }
   ~Core();
 
@@ -54,10 +54,10 @@ class Server::Core {
   bool inherited() const { return getpid() != owner_; }
 
  private:
-  /// What housekeeping holds: it lets go of the server before the server's parts end.
-  struct Upkeep final : session::Tended {
+  /// What maintenance holds: it lets go of the server before the server's parts end.
+  struct Upkeep final : session::TickTarget {
     explicit Upkeep(Core& its_core) : core(&its_core) {}
-    TimePoint tend(TimePoint now) override;
+    TimePoint on_tick(TimePoint now) override;
     void after_pause(Duration stood_still) override;
     std::mutex mutex;
     Core* core;  ///< null once the server ends
@@ -71,9 +71,9 @@ class Server::Core {
                                                const ObjectOptions& options);
 
   const pid_t owner_ = getpid();
-  const std::shared_ptr<LabCore> lab_;
+  const std::shared_ptr<Context> lab_;
   std::mutex mutex_;
-  std::vector<std::shared_ptr<ServedObject>> objects_;
+  std::vector<std::shared_ptr<ObjectHost>> objects_;
   session::Wakeup ended_;
   session::IoLoop io_;
   session::Registrar registrar_;
@@ -89,13 +89,13 @@ Server::Core::Made Server::Core::make(const session::LabOrWhyNot& lab) {
   }
 }
 
-TimePoint Server::Core::Upkeep::tend(TimePoint now) {
+TimePoint Server::Core::Upkeep::on_tick(TimePoint now) {
   const std::lock_guard lock(mutex);
   if (core == nullptr) return TimePoint::max();
-  TimePoint next = core->io_.tend(now);
+  TimePoint next = core->io_.on_tick(now);
   core->registrar_.look();
   const std::lock_guard objects(core->mutex_);
-  for (const auto& object : core->objects_) next = std::min(next, object->tend(now));
+  for (const auto& object : core->objects_) next = std::min(next, object->on_tick(now));
   return next;
 }
 
@@ -111,7 +111,7 @@ void Server::Core::Upkeep::after_pause(Duration stood_still) {
 Server::Core::~Core() {
   registrar_.end();
   {
-    // Housekeeping takes this mutex first, then ours: never the other way round.
+    // Maintenance takes this mutex first, then ours: never the other way round.
     const std::lock_guard lock(upkeep_->mutex);
     upkeep_->core = nullptr;
   }
@@ -181,7 +181,7 @@ tl::expected<void, ServeError> Server::Core::add(std::string name, Servant& serv
   }
   auto opened = open_places(name, options);
   if (!opened) return tl::unexpected(opened.error());
-  auto object = std::make_shared<ServedObject>(lab_->runtime(), name, servant, std::move(options));
+  auto object = std::make_shared<ObjectHost>(lab_->runtime(), name, servant, std::move(options));
   servant.gecos_attach(object);
   for (auto& acceptor : opened->acceptors) io_.serve(object, std::move(acceptor));
   {
@@ -204,7 +204,7 @@ tl::expected<void, ServeError> Server::Core::add(std::string name, Servant& serv
 }
 
 void Server::Core::run() {
-  const session::Termination asked;
+  const session::TerminationSignals asked;
   const int descriptors[] = {asked.descriptor(), ended_.descriptor()};
   while (media::sleep_on(descriptors, TimePoint::max()) == media::Wake::Interrupted) {
   }

@@ -1,6 +1,6 @@
 #include "gecos/session/server/server_call.hpp"
 
-#include "gecos/session/server/served_object.hpp"
+#include "gecos/session/server/object_host.hpp"
 #include "gecos/session/server/server_session.hpp"
 
 namespace gecos::session {
@@ -8,13 +8,13 @@ namespace gecos::session {
 ServerCall::ServerCall(std::shared_ptr<ServerSession> its_session,
                        const OperationDescription& its_operation, std::uint64_t its_counter,
                        Epoch its_epoch, ByteView arguments)
-    : Ticket(its_session->id(), its_operation, arguments.size()),
+    : QueueEntry(its_session->id(), its_operation, arguments.size()),
       session(std::move(its_session)),
       counter(its_counter),
       epoch(its_epoch),
       arguments_(arguments) {}
 
-ServedObject& ServerCall::object() const { return *session->object(); }
+ObjectHost& ServerCall::object() const { return *session->object(); }
 
 std::string ServerCall::title() const {
   return "'" + std::string(operation().name) + "' of " + object().name();

@@ -12,19 +12,19 @@
 
 namespace gecos::session {
 
-class ServedObject;
+class ObjectHost;
 class ServerSession;
 
 /// One call at the server, from its arrival until it is answered and its handler has returned.
 class ServerCall final : public CallCore,
-                         public Ticket,
+                         public QueueEntry,
                          public HandlerHere,
                          public std::enable_shared_from_this<ServerCall> {
  public:
   ServerCall(std::shared_ptr<ServerSession> session, const OperationDescription& operation,
              std::uint64_t counter, Epoch epoch, ByteView arguments);
 
-  const OperationDescription& operation() const override { return Ticket::operation; }
+  const OperationDescription& operation() const override { return QueueEntry::operation; }
   ByteView arguments() const override { return arguments_.view(); }
   const Caller& caller() const override;
   bool interrupted() const override { return interrupted_.load(std::memory_order_acquire); }
@@ -43,11 +43,11 @@ class ServerCall final : public CallCore,
   void note_mark(TimePoint now) { marked_at_.store(now, std::memory_order_relaxed); }
 
   /// Who is told how it goes, and under which number; with the object's mutex.
-  ServerSession& listener() const { return heir ? *heir : *session; }
+  ServerSession& listener() const { return resumed_in ? *resumed_in : *session; }
   std::uint64_t counter_in(const ServerSession& teller) const {
-    return heir.get() == &teller ? heir_counter : counter;
+    return resumed_in.get() == &teller ? resumed_counter : counter;
   }
-  ServedObject& object() const;
+  ObjectHost& object() const;
   /// "'move' of RX90"
   std::string title() const;
   /// Who waits for it is woken by its object.
@@ -62,8 +62,9 @@ class ServerCall final : public CallCore,
   const Epoch epoch;
 
   // Guarded by the object's mutex.
-  std::shared_ptr<ServerSession> heir;  ///< in which it was sent again, because its own was lost
-  std::uint64_t heir_counter = 0;
+  std::shared_ptr<ServerSession>
+      resumed_in;  ///< in which it was sent again, because its own was lost
+  std::uint64_t resumed_counter = 0;
   TimePoint deadline = TimePoint::max();
   bool terminal = false;  ///< the caller has its outcome
   bool answered = false;  ///< the handler has given its answer, heard or not
@@ -77,9 +78,9 @@ class ServerCall final : public CallCore,
   bool listed = false;  ///< among the object's open calls
   double fraction = 0;
   Bytes feedback;
-  bool untold = false;  ///< progress that the caller does not know yet
-  TimePoint told{};
-  std::size_t told_position = 0;
+  bool progress_dirty = false;  ///< progress that the caller does not know yet
+  TimePoint progress_sent{};
+  std::size_t position_sent = 0;
 
  private:
   const ShortBytes arguments_;

@@ -6,7 +6,7 @@
 #include "gecos/session/protocol/handshake.hpp"
 #include "gecos/session/protocol/packets.hpp"
 #include "gecos/session/server/handler_waits.hpp"
-#include "gecos/session/server/served_object.hpp"
+#include "gecos/session/server/object_host.hpp"
 
 namespace gecos::session {
 namespace {
@@ -43,8 +43,7 @@ Failure shortened(const Failure& failure, std::size_t takes, std::size_t carried
 
 }  // namespace
 
-ServerSession::ServerSession(std::unique_ptr<media::Link> link,
-                             std::shared_ptr<ServedObject> object)
+ServerSession::ServerSession(std::unique_ptr<media::Link> link, std::shared_ptr<ObjectHost> object)
     : link_(std::move(link)), object_(std::move(object)), repeats_(!link_->offer().reliable) {}
 
 ServerSession::~ServerSession() {
@@ -74,7 +73,7 @@ void ServerSession::reply_as(std::uint64_t counter, const wire::PacketView& befo
   } else {
     write_packet(packet_, header, before.body);
   }
-  if (repeats_ || departed) replies->keep(counter, packet_);
+  if (repeats_ || closed) replies->keep(counter, packet_);
   deliver(packet_);
 }
 
@@ -102,7 +101,7 @@ void ServerSession::reply(std::uint64_t counter, ByteView result, Epoch epoch) {
   } else {
     write_packet(packet_, header, result);
   }
-  if (repeats_ || departed) replies->keep(counter, packet_);
+  if (repeats_ || closed) replies->keep(counter, packet_);
   deliver(packet_);
 }
 
@@ -115,7 +114,7 @@ void ServerSession::reply(std::uint64_t counter, const Failure& failure) {
     const std::size_t takes = packet_.size();
     write_failure(packet_, header, shortened(failure, takes, carried));
   }
-  if (repeats_ || departed) replies->keep(counter, packet_);
+  if (repeats_ || closed) replies->keep(counter, packet_);
   deliver(packet_);
 }
 

@@ -13,7 +13,7 @@
 #include "gecos/base/mutex.hpp"
 #include "gecos/media/medium.hpp"
 #include "gecos/session/protocol/call_table.hpp"
-#include "gecos/session/protocol/duplicates.hpp"
+#include "gecos/session/protocol/receive_window.hpp"
 #include "gecos/session/server/server_call.hpp"
 #include "gecos/wire/packet.hpp"
 
@@ -32,13 +32,13 @@ struct EarlyCall {
 /// the members below are guarded by is said with them.
 class ServerSession {
  public:
-  ServerSession(std::unique_ptr<media::Link> link, std::shared_ptr<ServedObject> object);
+  ServerSession(std::unique_ptr<media::Link> link, std::shared_ptr<ObjectHost> object);
   ~ServerSession();
   ServerSession(const ServerSession&) = delete;
   ServerSession& operator=(const ServerSession&) = delete;
 
   media::Link& link() { return *link_; }
-  const std::shared_ptr<ServedObject>& object() const { return object_; }
+  const std::shared_ptr<ObjectHost>& object() const { return object_; }
   bool repeats() const { return repeats_; }
 
   /// What it was opened as; the caller is constant once greeted.
@@ -77,7 +77,7 @@ class ServerSession {
 
   // Guarded by the object's mutex.
   CallTable<ServerCall> calls;
-  DuplicateWindow window;
+  ReceiveWindow window;
   /// Of a medium that loses packets, and what is answered once the link is gone: it may be asked
   /// for in another session.
   const std::shared_ptr<ReplyCache> replies = std::make_shared<ReplyCache>();
@@ -93,7 +93,7 @@ class ServerSession {
       0};                  ///< as its client asked: what is older is not taken up; 0: however old
   bool left = false;       ///< said goodbye
   bool withdrawn = false;  ///< and nothing of it starts any more
-  bool departed = false;   ///< its link is gone
+  bool closed = false;     ///< its link is gone
   bool parted_in_order = false;  ///< and what it had issued still runs
   std::uint64_t beats_judged = 0;
   TimePoint last_sign{};
@@ -105,7 +105,7 @@ class ServerSession {
   void deliver(ByteView packet);
 
   const std::unique_ptr<media::Link> link_;
-  const std::shared_ptr<ServedObject> object_;
+  const std::shared_ptr<ObjectHost> object_;
   const bool repeats_;
   SessionId id_{};
   Caller caller_;

@@ -1,0 +1,356 @@
+#include "gecos/session/client/client_connection.hpp"
+
+#include <algorithm>
+
+#include "gecos/base/log.hpp"
+#include "gecos/base/recycling_allocator.hpp"
+#include "gecos/session/process/runtime.hpp"
+#include "gecos/session/protocol/function_code.hpp"
+#include "gecos/session/protocol/packets.hpp"
+#include "gecos/session/protocol/retry.hpp"
+#include "gecos/session/protocol/sample_time.hpp"
+#include "gecos/session/protocol/start_words.hpp"
+
+namespace gecos::session {
+
+ClientConnection::ClientConnection(std::shared_ptr<Runtime> runtime,
+                                   std::unique_ptr<media::Link> link, SessionId id, Welcome welcome,
+                                   std::vector<FunctionCode> differing)
+    : runtime_(std::move(runtime)),
+      link_(std::move(link)),
+      id_(id),
+      welcome_(std::move(welcome)),
+      differing_(std::move(differing)),
+      repeats_(!link_->offer().reliable),
+      spin_(system_clock()),
+      // All that has arrived is read before it is judged, so a judge who was kept from running for
+      // as long as this still judges rightly, and on a busy machine not later than promised.
+      watched_(runtime_->clock().now(), runtime_->options().lease_ttl),
+      last_sign_(watched_.now()),
+      answers_(runtime_->options().lease_ttl,
+               2 * (runtime_->options().lease_ttl + runtime_->options().grace), watched_.now()) {
+  if (!log_enabled(LogLevel::Info)) return;
+  log_info("client", "connected to " + welcome_.object + " (" + welcome_.interface_name +
+                         ") over " + std::string(media::to_string(link_->offer().kind)) + ": " +
+                         link_->peer().description);
+}
+
+ObjectRef ClientConnection::reference() const {
+  return {welcome_.object, welcome_.interface_hash, welcome_.boot,
+          std::string(media::to_string(link_->offer().kind)) + ": " + link_->peer().description};
+}
+
+ClientConnection::~ClientConnection() {
+  if (watching_) leader_lock_.drop();  // maintenance slept for it, and cannot give it back any more
+  close(runtime_->maintenance().on_this_thread() ? Duration{} : runtime_->options().heartbeat * 2);
+}
+
+// Calls
+
+std::shared_ptr<CommandCore> ClientConnection::call(const OperationDescription& operation,
+                                                    std::size_t size,
+                                                    FunctionRef<void(wire::Encoder&)> encode,
+                                                    const CallOptions& options) {
+  if (auto refused = differs(operation.code, operation.name)) return ended(std::move(*refused));
+  if (options.deadline && *options.deadline <= Duration{}) {
+    return ended({Detail::Expired,
+                  "the deadline of '" + std::string(operation.name) +
+                      "' passed before it was sent; it was not carried out",
+                  {},
+                  {}});
+  }
+  if (failover_ && operation.idempotent && operation.status == access::Status::Sensor) {
+    return call_repeatable(operation, size, encode, options);
+  }
+  auto command = make_recycled<PendingCommand>(shared_from_this(), operation);
+  command->marked_words = marked_words(operation);
+  wire::PacketHeader header;
+  header.kind = wire::PacketKind::Call;
+  header.code = operation.code;
+  header.session = id_;
+  header.epoch = Epoch{epoch_.load(std::memory_order_relaxed)};
+  header.deadline = options.deadline.value_or(operation.quality.deadline);
+
+  // Who has no credits left can still stop what he started, and give back what he holds.
+  const bool urgent = operation.safety || number(operation.code) <= last_builtin_code;
+  const std::size_t most = welcome_.credits + (urgent ? welcome_.credits / 4 : 0);
+  auto sent = send_call(header, most, size, encode, command);
+  if (!sent && sent.error() == media::SendProblem::Full) {
+    poll_once();  // replies that wait may make room
+    sent = send_call(header, most, size, encode, command);
+  }
+  if (!sent) command->fail(not_sent(operation.name, size, sent.error()));
+  return command;
+}
+
+tl::expected<void, media::SendProblem> ClientConnection::send_call(
+    wire::PacketHeader& header, std::size_t most, std::size_t size,
+    FunctionRef<void(wire::Encoder&)> encode, const std::shared_ptr<PendingCommand>& command) {
+  const std::lock_guard lock(mutex_);
+  if (lost_.load(std::memory_order_relaxed)) return tl::unexpected(media::SendProblem::Lost);
+  if (calls_.size() >= most) return tl::unexpected(media::SendProblem::Full);
+  if (wire::packet_size(size) > link_->offer().largest_packet) {
+    return tl::unexpected(media::SendProblem::TooLarge);
+  }
+  header.counter = next_counter_;
+  if (repeats_) header.acknowledged = finished_up_to();
+  write_packet(packet_, header, size, encode);
+  const auto sent = send_first(packet_);
+  if (!sent && !(repeats_ && sent.error() == media::SendProblem::Full)) {
+    return tl::unexpected(sent.error());
+  }
+  ++next_counter_;
+  if (command->again) {
+    command->attach(shared_from_this(), {welcome_.boot, number(id_), header.counter},
+                    sent.value_or(0));
+  } else {
+    command->counter = header.counter;
+    command->session_id = number(id_);
+    command->boot = welcome_.boot;
+    command->sent_as = sent.value_or(0);
+  }
+  if (repeats_) {
+    auto& retry = command->retry;
+    const TimePoint now = runtime_->clock().now();
+    retry.packet = packet_;
+    retry.first = now;
+    retry.next = now + retry_after(1);
+    retry.on_its_way = sent.has_value();
+    const TimePoint since_boot = runtime_->clock().since_boot();
+    if (header.deadline > Duration{} && header.deadline < TimePoint::max() - since_boot) {
+      retry.deadline = since_boot + header.deadline;
+    }
+  }
+  calls_.insert(header.counter, command);
+  return {};
+}
+
+/// To who is silent nothing is sent: it would wait there until nobody knows of it any more.
+tl::expected<std::uint64_t, media::SendProblem> ClientConnection::send_first(ByteView packet) {
+  if (repeats_ && unreachable()) return tl::unexpected(media::SendProblem::Full);
+  return link_->send(packet, {});
+}
+
+/// What it would read is not what was meant, so nothing is sent.
+std::optional<Failure> ClientConnection::differs(FunctionCode code, std::string_view name) const {
+  if (!std::binary_search(differing_.begin(), differing_.end(), code)) return std::nullopt;
+  return Failure{Detail::Refused,
+                 "'" + std::string(name) + "' of " + welcome_.object +
+                     " was not sent: the server's " + welcome_.interface_name +
+                     " has another one than this program; build the older of them again from the "
+                     "newer interface (`gidl breaking` tells what differs)",
+                 {},
+                 {}};
+}
+
+Failure ClientConnection::not_sent(std::string_view name, std::size_t size,
+                                   media::SendProblem problem) {
+  const std::string what = "'" + std::string(name) + "' of " + welcome_.object;
+  switch (problem) {
+    case media::SendProblem::Full: {
+      const std::lock_guard lock(mutex_);
+      if (calls_.size() < welcome_.credits) {
+        return {Detail::QueueFull,
+                what + " was not sent: " + std::string(media::to_string(link_->offer().kind)) +
+                    " is full of what the server has not taken yet; wait for a "
+                    "call that was sent before",
+                {},
+                {}};
+      }
+      return {Detail::QueueFull,
+              what + " was not sent: " + std::to_string(welcome_.credits) +
+                  " calls are unanswered; wait for one of them",
+              {},
+              {}};
+    }
+    case media::SendProblem::TooLarge:
+      return {Detail::BadParameter,
+              what + " was not sent: its arguments take " + std::to_string(size) + " bytes and " +
+                  std::string(media::to_string(link_->offer().kind)) + " carries " +
+                  std::to_string(link_->offer().largest_packet),
+              {},
+              {}};
+    case media::SendProblem::Lost:
+      break;
+  }
+  const std::lock_guard lock(mutex_);
+  return {Detail::NoServer,
+          what + " was not sent: " + (loss_text_.empty() ? "the connection is lost" : loss_text_) +
+              "; create a new proxy",
+          {},
+          {}};
+}
+
+bool ClientConnection::cancel(PendingCommand& command, std::uint64_t counter) {
+  const std::lock_guard lock(mutex_);
+  const auto* const found = calls_.find(counter);
+  if (command.terminal() || found == nullptr || found->get() != &command) return false;
+  command.retry.cancel = true;
+  wire::PacketHeader header;
+  header.kind = wire::PacketKind::Cancel;
+  header.counter = counter;
+  if (!send(header, {})) {
+    command.retry.next = {};  // maintenance tries again
+    cancels_waiting_ = true;
+    wake_maintenance();
+  }
+  return true;
+}
+
+tl::expected<std::uint64_t, media::SendProblem> ClientConnection::send(wire::PacketHeader header,
+                                                                       ByteView body) {
+  header.session = id_;
+  header.acknowledged = repeats_ ? finished_up_to() : 0;
+  write_packet(packet_, header, body);
+  return link_->send(packet_, {});
+}
+
+TimePoint ClientConnection::by_our_clock(TimePoint theirs) {
+  const auto difference = link_->clock_difference();
+  if (!difference) return theirs;
+  const std::lock_guard lock(mutex_);
+  return theirs + std::clamp(*difference, -longest_age, longest_age) - quickest_answer_;
+}
+
+std::uint64_t ClientConnection::lease_acquired(std::uint64_t epoch) {
+  const std::lock_guard lock(mutex_);
+  if (epoch_.exchange(epoch, std::memory_order_relaxed) != epoch) {
+    ++statuses_;
+    leases_ = 0;
+  }
+  ++leases_;
+  return statuses_;
+}
+
+void ClientConnection::lease_released(std::uint64_t held) {
+  const std::lock_guard lock(mutex_);
+  if (held != statuses_ || --leases_ != 0) return;
+  epoch_.store(0, std::memory_order_relaxed);
+}
+
+std::uint64_t ClientConnection::issued() {
+  const std::lock_guard lock(mutex_);
+  return next_counter_ - 1;
+}
+
+std::uint64_t ClientConnection::finished_up_to() const {
+  const auto open = calls_.lowest();
+  return open != 0 ? open - 1 : next_counter_ - 1;
+}
+
+// The end
+
+void ClientConnection::lose(Ending how, const std::string& text) {
+  std::vector<std::pair<std::uint64_t, std::shared_ptr<PendingCommand>>> open;
+  std::vector<PendingFailover> pending;
+  bool goes_on = false;
+  {
+    const std::lock_guard lock(mutex_);
+    if (lost_.load(std::memory_order_relaxed)) return;
+    loss_text_ = text;
+    lost_.store(true, std::memory_order_release);
+    // A goodbye that the server acknowledged drains: what is queued there still runs. So does one
+    // that nobody waited for: a proxy was dropped, and its commands are meant to go on.
+    const bool drains =
+        how == Ending::ByUs && (goodbye_heard_.load(std::memory_order_relaxed) || !awaits_goodbye_);
+    goes_on = drains;
+    if (link_->offer().shared_words && !drains) {
+      link_->write_word(withdrawn_word, next_counter_ - 1);
+      withdrawn_ = true;  // before any of them is reported: none of them starts any more
+    } else if (!drains) {
+      withdraw_by_packet();
+    }
+    // A loss that is reported leaves them `grace`; after silence that is over already.
+    if (how == Ending::Died || how == Ending::Closed) pending = detach(how, text);
+    open = calls_.take_all();
+  }
+  log_info("client", "the session with " + welcome_.object + " ended: " + text);
+  for (const auto& [counter, command] : open) {
+    if (goes_on) command->observe();  // whoever closed the session meant it to
+    command->fail(failure_of(*command, how, text));
+  }
+  leader_lock_.notify_all();
+  wake_leader();
+  if (!pending.empty()) failover_->take(shared_from_this(), std::move(pending));
+}
+
+/// Nobody is there later to repeat it. A server that stands still reads it when it goes on.
+void ClientConnection::withdraw_by_packet() {
+  constexpr int copies = 3;
+  wire::PacketHeader header;
+  header.kind = wire::PacketKind::Goodbye;
+  header.flags = withdraws;
+  for (int left = repeats_ ? copies : 1; left > 0; --left) static_cast<void>(send(header, {}));
+}
+
+Failure ClientConnection::failure_of(const PendingCommand& command, Ending how,
+                                     const std::string& text) const {
+  if (repeats_ && !command.retry.on_its_way) {
+    return {Detail::NotStarted, text + "; this command was never sent", {}, {}};
+  }
+  if (!may_have_started(command, how)) {
+    return {Detail::NotStarted, text + " before it started this command", {}, {}};
+  }
+  if (how == Ending::Died) {
+    return {
+        Detail::ServerCrashed, text + "; the command may have been carried out in part", {}, {}};
+  }
+  return {
+      Detail::OutcomeUnknown, text + "; whether the command was carried out is not known", {}, {}};
+}
+
+/// False where it is proved that the server has not started it and will not. With the mutex, and
+/// where the medium has words after the withdrawal.
+bool ClientConnection::may_have_started(const PendingCommand& command, Ending how) const {
+  if (how == Ending::Broken) return true;  // then its words prove nothing
+  if (withdrawn_ && command.marked_words != 0) {
+    for (std::size_t word = 0; word < media::shared_word_count; ++word) {
+      const bool may_stand_here = (command.marked_words >> word & 1U) != 0;
+      if (may_stand_here && link_->peer_word(word) >= command.counter) return true;
+    }
+    return false;
+  }
+  // A peer that is gone takes nothing any more; one that is only silent may still.
+  if (how != Ending::Died && how != Ending::Closed) return true;
+  const auto taken = link_->taken_by_peer();
+  return !taken || command.sent_as <= *taken;
+}
+
+void ClientConnection::close(Duration patience) {
+  closed_.store(true, std::memory_order_relaxed);
+  if (lost()) return;
+  const TimePoint give_up = deadline_after(patience);
+  if (repeats_ && patience > Duration{}) {
+    wait(
+        nullptr, [this] { return lost() || everything_arrived(); }, give_up);
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    awaits_goodbye_ = patience > Duration{};
+  }
+  bool sent = false;
+  int tries = 1;
+  do {
+    if (!sent || repeats_) {
+      const std::lock_guard lock(mutex_);
+      wire::PacketHeader header;
+      header.kind = wire::PacketKind::Goodbye;
+      sent = send(header, {}).has_value();
+    }
+    if (patience == Duration{}) break;
+    const TimePoint next = sent && !repeats_ ? give_up : deadline_after(retry_after(tries++));
+    wait(
+        nullptr, [this] { return goodbye_heard_.load() || lost(); }, std::min(next, give_up));
+  } while (!lost() && std::chrono::steady_clock::now() < give_up);
+  lose(Ending::ByUs, closed_by_us);
+}
+
+bool ClientConnection::everything_arrived() {
+  const std::lock_guard lock(mutex_);
+  for (const auto& [counter, command] : calls_.all()) {
+    if (!command->retry.arrived) return false;
+  }
+  return true;
+}
+
+}  // namespace gecos::session

@@ -1,0 +1,224 @@
+#pragma once
+
+#include <atomic>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "gecos/base/mutex.hpp"
+#include "gecos/media/waiting.hpp"
+#include "gecos/object.hpp"
+#include "gecos/session/client/answer_watch.hpp"
+#include "gecos/session/client/failover.hpp"
+#include "gecos/session/client/leader_lock.hpp"
+#include "gecos/session/client/pending_command.hpp"
+#include "gecos/session/process/maintenance.hpp"
+#include "gecos/session/process/runtime.hpp"
+#include "gecos/session/protocol/call_table.hpp"
+#include "gecos/session/protocol/handshake.hpp"
+#include "gecos/session/protocol/watched_time.hpp"
+#include "gecos/wire/packet.hpp"
+
+namespace gecos::session {
+
+class ClientStream;
+
+/// Client side of a session over one link.
+///
+/// Sending takes the mutex; receiving belongs to the leader. A session that was lost
+/// stays lost: every later call is CONNECTION_FAILED, and `Lab::create` makes a new one. Only
+/// `@idempotent` readings go on, in one that follows it (failover.hpp).
+class ClientConnection final : public ClientSession,
+                               public Closable,
+                               public TickTarget,
+                               public std::enable_shared_from_this<ClientConnection> {
+ public:
+  /// Why the server opened no session.
+  struct NotOpened {
+    Detail detail = Detail::NoServer;
+    std::string reason;
+  };
+  /// Greets the server and waits for its answer until `deadline`.
+  static tl::expected<std::shared_ptr<ClientConnection>, NotOpened> open(
+      std::shared_ptr<Runtime> runtime, std::unique_ptr<media::Link> link,
+      const InterfaceDescription& wanted, TimePoint deadline);
+
+  /// `differing`: operations that are not to the server what they are to this program, sorted.
+  ClientConnection(std::shared_ptr<Runtime> runtime, std::unique_ptr<media::Link> link,
+                   SessionId id, Welcome welcome, std::vector<FunctionCode> differing);
+  ~ClientConnection() override;  ///< says goodbye: what was issued still runs
+
+  std::shared_ptr<CommandCore> call(const OperationDescription& operation, std::size_t size,
+                                    FunctionRef<void(wire::Encoder&)> encode,
+                                    const CallOptions& options) override;
+  tl::expected<std::shared_ptr<StreamCore>, Failure> subscribe(
+      const StreamDescription& stream) override;
+  const std::string& interface_name() const override { return welcome_.interface_name; }
+  const std::string& object_name() const override { return welcome_.object; }
+  const media::Offer& offer() const override { return link_->offer(); }
+  ObjectRef reference() const override;
+  std::uint64_t lease_acquired(std::uint64_t epoch) override;
+  void lease_released(std::uint64_t held) override;
+  std::uint64_t issued() override;
+
+  Runtime& runtime() { return *runtime_; }
+  /// The address that it was opened at; said before it is shared.
+  void found_at(std::string address) { place_ = std::move(address); }
+  const std::string& place() const { return place_; }
+  const Welcome& welcome() const { return welcome_; }
+  bool lost() const { return lost_.load(std::memory_order_acquire); }
+  /// This program has closed it, or is about to.
+  bool closed() const { return closed_.load(std::memory_order_relaxed); }
+  bool unreachable() const { return unreachable_.load(std::memory_order_relaxed); }
+
+  // For the sending again of what may be.
+  /// How another session with its object is found; said before it is shared.
+  void set_failover(std::shared_ptr<Failover> failover, ConnectTarget target);
+  const ConnectTarget& connect_target() const { return *connect_target_; }
+  /// The session that was opened in its place, if it still lives.
+  std::shared_ptr<ClientConnection> successor();
+  void set_successor(std::shared_ptr<ClientConnection> successor);
+  /// Sends it here; false when there is no room, or this is lost too. It is nobody else's
+  /// meanwhile.
+  tl::expected<bool, Failure> send_again(const std::shared_ptr<PendingCommand>& command);
+  /// Lets go of all that may be sent again elsewhere.
+  std::vector<PendingFailover> detach_repeatable();
+
+  /// Ends the session in order. Waits at most `patience` until the server has acknowledged it: what
+  /// was sent then still runs. Without acknowledgement what has not started never starts, where the
+  /// medium lets that be said.
+  void close(Duration patience) override;
+
+  // For commands and streams.
+  /// What the server's CLOCK_BOOTTIME said, in ours; between hosts at most a round trip too early,
+  /// never too late.
+  TimePoint by_our_clock(TimePoint theirs);
+  /// Reads what has arrived, unless another thread is reading. Never waits.
+  void poll_once();
+  /// Reads, or waits for who reads, until `done` or `deadline`; gives `done()`.
+  bool wait(const void* subject, FunctionRef<bool()> done, TimePoint deadline);
+  /// False when it is not here under this counter, or not any more.
+  bool cancel(PendingCommand& command, std::uint64_t counter);
+  /// Somebody sleeps on a descriptor: until `remove_watcher` packets are read though nobody waits
+  /// here.
+  void add_watcher() {
+    watchers_.fetch_add(1, std::memory_order_relaxed);
+    wake_maintenance();
+  }
+  void remove_watcher() { watchers_.fetch_sub(1, std::memory_order_relaxed); }
+
+  TimePoint on_tick(TimePoint now) override;
+  void watch(std::vector<pollfd>& into) override;
+  void unwatch() override;
+
+ private:
+  friend class ClientStream;
+
+  // As the leader.
+  bool lead(FunctionRef<bool()> done, TimePoint deadline);
+  std::size_t read_all();
+  bool rest(FunctionRef<bool()> done, TimePoint deadline);
+  void sleep(FunctionRef<bool()> done, TimePoint deadline);
+  void quiet_leader();
+  void take_packet(ByteView bytes);
+  void take_reply(const wire::PacketView& packet);
+  void take_progress(const wire::PacketView& packet);
+  void look_for_loss();
+  bool has_watchers() const { return watchers_.load(std::memory_order_relaxed) > 0; }
+
+  void wake_leader();
+  std::shared_ptr<ClientConnection> next();
+  std::shared_ptr<CommandCore> call_repeatable(const OperationDescription& operation,
+                                               std::size_t size,
+                                               FunctionRef<void(wire::Encoder&)> encode,
+                                               const CallOptions& options);
+  tl::expected<void, media::SendProblem> send_repeatable(
+      const std::shared_ptr<PendingCommand>& command);
+  tl::expected<void, media::SendProblem> send_call(wire::PacketHeader& header, std::size_t most,
+                                                   std::size_t size,
+                                                   FunctionRef<void(wire::Encoder&)> encode,
+                                                   const std::shared_ptr<PendingCommand>& command);
+  tl::expected<std::uint64_t, media::SendProblem> send_first(ByteView packet);
+  std::optional<Failure> differs(FunctionCode code, std::string_view name) const;
+  Failure not_sent(std::string_view name, std::size_t size, media::SendProblem problem);
+  std::unique_ptr<media::StreamReader> open_stream(std::uint32_t id);
+  tl::expected<std::shared_ptr<StreamCore>, Failure> open_subscribed(
+      const StreamDescription& stream, CommandCore& subscribed);
+  void unsubscribe(FunctionCode stream);
+
+  // With the mutex.
+  tl::expected<std::uint64_t, media::SendProblem> send(wire::PacketHeader header, ByteView body);
+  std::uint64_t finished_up_to() const;
+
+  enum class Ending : std::uint8_t { Died, Closed, Silent, Broken, ByUs };
+  static constexpr const char* closed_by_us = "this program closed the session";
+  void lose(Ending how, const std::string& text);
+  void withdraw_by_packet();
+  bool may_have_started(const PendingCommand& command, Ending how) const;
+  Failure failure_of(const PendingCommand& command, Ending how, const std::string& text) const;
+  std::vector<PendingFailover> detach(Ending how, const std::string& text);
+  bool has_repeatable();
+  void judge_silence(TimePoint now);
+  void judge_answers(TimePoint now);
+  void ask_after_calls();
+  /// When the next look is due.
+  TimePoint repeat(TimePoint now);
+  void wake_maintenance();
+  bool everything_arrived();
+
+  const std::shared_ptr<Runtime> runtime_;
+  const std::unique_ptr<media::Link> link_;
+  const SessionId id_;
+  const Welcome welcome_;
+  std::string place_;
+  const std::vector<FunctionCode> differing_;
+  const bool repeats_;                                   ///< the medium may lose packets
+  std::shared_ptr<Failover> failover_;                   ///< null: nothing is sent again
+  std::unique_ptr<const ConnectTarget> connect_target_;  ///< there is one with failover_
+
+  LeaderLock leader_lock_;
+  media::SpinPolicy spin_;        ///< the leader
+  std::vector<int> descriptors_;  ///< the leader: reused
+  Wakeup leader_wakeup_;
+  std::atomic<bool> leader_called_{false};  // publishes nothing: spares a vain look at the wakeup
+  std::atomic<bool> lost_{false};           // publishes loss_text_
+  std::atomic<bool> closed_{false};         // publishes nothing but itself
+  std::atomic<bool> unreachable_{false};    // publishes nothing but itself
+  std::atomic<TimePoint> silent_since_{};   // publishes nothing but itself; while it is unreachable
+  std::atomic<int> watchers_{0};            // publishes nothing but itself
+  std::atomic<bool> loss_look_due_{false};  // of the next leader; publishes nothing
+  std::atomic<bool> goodbye_heard_{false};  // publishes nothing but itself
+  std::atomic<bool> answer_lost_{false};    // publishes nothing but itself
+  std::atomic<std::uint64_t> heard_{0};     // packets, by the leader; publishes nothing
+  std::atomic<std::uint64_t> epoch_{0};     // publishes nothing but itself
+
+  std::mutex
+      subscribing_;  ///< taken before mutex_: so that no subscription is ended by another's end
+  std::map<FunctionCode, std::size_t> subscriptions_;  ///< of each stream; guarded by subscribing_
+
+  Mutex mutex_;
+  std::uint64_t next_counter_ = 1;
+  CallTable<PendingCommand> calls_;
+  Bytes packet_;  ///< sending: reused
+  std::string loss_text_;
+  bool awaits_goodbye_ = false;  ///< this program closes it, and waits for the server to know
+  bool withdrawn_ = false;       ///< the server starts nothing more of this session
+  std::shared_ptr<ClientConnection> successor_;
+  bool cancels_waiting_ = false;                        ///< one found no room
+  Duration quickest_answer_ = std::chrono::seconds(1);  ///< of a medium that loses packets
+  std::uint64_t statuses_ = 0;  ///< how many there were; leases of the newest count
+  std::uint64_t leases_ = 0;    ///< of the newest, not given back
+
+  // Maintenance thread only.
+  bool watching_ = false;
+  std::uint64_t beats_judged_ = 0;
+  WatchedTime watched_;  ///< the server is judged by it
+  TimePoint last_sign_;
+  TimePoint next_beat_{};
+  AnswerWatch answers_;
+  std::uint64_t open_when_asked_ = 0;  ///< the newest call when it was last asked after calls
+};
+
+}  // namespace gecos::session

@@ -1,0 +1,210 @@
+// The client side of a session whose @idempotent readings go on in another when it is lost.
+#include <algorithm>
+
+#include "gecos/base/recycling_allocator.hpp"
+#include "gecos/session/client/client_connection.hpp"
+#include "gecos/session/process/runtime.hpp"
+#include "gecos/session/protocol/packets.hpp"
+#include "gecos/session/protocol/start_words.hpp"
+
+namespace gecos::session {
+
+void ClientConnection::set_failover(std::shared_ptr<Failover> failover, ConnectTarget target) {
+  failover_ = std::move(failover);
+  connect_target_ = std::make_unique<const ConnectTarget>(std::move(target));
+}
+
+/// Of those that followed one another the last counts; those between are let go.
+std::shared_ptr<ClientConnection> ClientConnection::successor() {
+  const auto first = next();
+  auto last = first;
+  while (last && last->lost()) last = last->next();
+  if (last == first) return last;
+  auto between = first;  // ends without the mutex
+  const std::lock_guard lock(mutex_);
+  if (successor_ == first) successor_ = last;
+  return last;
+}
+
+std::shared_ptr<ClientConnection> ClientConnection::next() {
+  const std::lock_guard lock(mutex_);
+  return successor_;
+}
+
+void ClientConnection::set_successor(std::shared_ptr<ClientConnection> successor) {
+  const std::lock_guard lock(mutex_);
+  successor_.swap(successor);
+}
+
+std::shared_ptr<CommandCore> ClientConnection::call_repeatable(
+    const OperationDescription& operation, std::size_t size,
+    FunctionRef<void(wire::Encoder&)> encode, const CallOptions& options) {
+  if (lost()) {
+    if (const auto next = successor()) return next->call(operation, size, encode, options);
+  }
+  auto command = make_recycled<PendingCommand>(shared_from_this(), operation);
+  command->again = std::make_unique<PendingCommand::Again>();
+  auto& again = *command->again;
+  command->marked_words = marked_words(operation);
+  again.code = operation.code;
+  again.name = operation.name;
+  again.arguments.resize(size);
+  wire::Encoder to(again.arguments);
+  encode(to);
+  const Duration within = options.deadline.value_or(operation.quality.deadline);
+  if (within.count() > 0) {
+    const TimePoint now = runtime_->clock().since_boot();  // in centuries: none
+    if (within < TimePoint::max() - now) again.deadline = now + within;
+  }
+
+  auto sent = send_repeatable(command);
+  if (!sent && sent.error() == media::SendProblem::Full) {
+    poll_once();
+    sent = send_repeatable(command);
+  }
+  if (sent) return command;
+  Failure failure = not_sent(operation.name, size, sent.error());
+  if (sent.error() != media::SendProblem::Lost) {
+    command->fail(std::move(failure));
+    return command;
+  }
+  command->detach();
+  const TimePoint give_up = runtime_->clock().now() + runtime_->options().grace;
+  failover_->take(shared_from_this(), {{command, std::move(failure), give_up}});
+  return command;
+}
+
+tl::expected<void, media::SendProblem> ClientConnection::send_repeatable(
+    const std::shared_ptr<PendingCommand>& command) {
+  const auto& again = *command->again;
+  wire::PacketHeader header;
+  header.kind = wire::PacketKind::Call;
+  header.code = again.code;
+  header.session = id_;
+  if (again.deadline != TimePoint::max()) {
+    header.deadline = std::max(again.deadline - runtime_->clock().since_boot(), Duration{1});
+  }
+  // To another process it is a new call; the same one may know what became of it.
+  const bool known = again.sessions != 0 && command->boot == welcome_.boot;
+  if (known) header.flags = sent_again;
+  return send_call(
+      header, welcome_.credits, again.arguments.size() + (known ? sent_before_size : 0),
+      [&](wire::Encoder& to) {
+        if (known) to.put(command->session_id);
+        if (known) to.put(command->counter);
+        to.put_bytes(again.arguments);
+      },
+      command);
+}
+
+tl::expected<bool, Failure> ClientConnection::send_again(
+    const std::shared_ptr<PendingCommand>& command) {
+  const auto& again = *command->again;
+  if (auto refused = differs(again.code, again.name)) return tl::unexpected(std::move(*refused));
+  const auto sent = send_repeatable(command);
+  if (sent) return true;
+  if (sent.error() != media::SendProblem::TooLarge) return false;
+  return tl::unexpected(not_sent(again.name, again.arguments.size(), sent.error()));
+}
+
+bool ClientConnection::has_repeatable() {
+  const std::lock_guard lock(mutex_);
+  return std::ranges::any_of(calls_.all(),
+                             [](const auto& call) { return call.second->again != nullptr; });
+}
+
+std::vector<PendingFailover> ClientConnection::detach_repeatable() {
+  std::vector<PendingFailover> pending;
+  {
+    const std::lock_guard lock(mutex_);
+    pending = detach(Ending::Silent, "the server of " + welcome_.object + " (" +
+                                         link_->peer().description + ") fell silent");
+  }
+  if (pending.empty()) return pending;
+  leader_lock_.notify_all();
+  wake_leader();
+  return pending;
+}
+
+/// With the mutex. Who was cancelled stays.
+std::vector<PendingFailover> ClientConnection::detach(Ending how, const std::string& text) {
+  std::vector<PendingFailover> pending;
+  if (failover_ == nullptr) return pending;
+  const TimePoint since =
+      unreachable() ? silent_since_.load(std::memory_order_relaxed) : runtime_->clock().now();
+  for (const auto& [counter, command] : calls_.all()) {
+    if (!command->again || command->retry.cancel) continue;
+    Failure failure = failure_of(*command, how, text);
+    if (failure.state() != State::ConnectionFailed) command->again->may_have_started = true;
+    calls_.take(counter);
+    command->detach();
+    pending.push_back({command, std::move(failure), since + runtime_->options().grace});
+  }
+  return pending;
+}
+
+// The command that changes its session
+
+void PendingCommand::attach(const std::shared_ptr<ClientConnection>& session, const CommandId& id,
+                            std::uint64_t as) {
+  std::shared_ptr<ClientConnection> before;
+  const std::lock_guard lock(mutex_);
+  boot = id.boot;
+  session_id = id.session;
+  counter = id.counter;
+  sent_as = as;
+  retry = {};
+  ++again->sessions;
+  if (terminal()) return;
+  before = std::exchange(session_, session);
+  detail_.store(Detail::Sent, std::memory_order_relaxed);
+  position_ = 0;
+  fraction_ = 0;
+  feedback_.clear();
+  home_.store(session.get(), std::memory_order_release);
+  again->attached.notify_all();
+  if (before == session || !watched_) return;
+  if (before) before->remove_watcher();
+  session->add_watcher();
+}
+
+bool PendingCommand::wait_in_any_session(TimePoint deadline) {
+  for (;;) {
+    std::shared_ptr<ClientConnection> session;
+    {
+      std::unique_lock lock(mutex_);
+      const auto settled = [this] { return terminal() || !awaits_failover(); };
+      if (deadline == TimePoint::max()) {
+        again->attached.wait(lock, settled);
+      } else if (!again->attached.wait_until(lock, deadline, settled)) {
+        return false;
+      }
+      if (terminal()) return true;
+      session = session_;
+    }
+    const auto over = [&] { return terminal() || home_.load() != session.get(); };
+    if (!session->wait(this, over, deadline)) return false;
+  }
+}
+
+void PendingCommand::cancel_in_any_session() {
+  for (;;) {
+    std::shared_ptr<ClientConnection> session;
+    std::uint64_t here = 0;
+    bool at_sea = false;
+    {
+      const std::lock_guard lock(mutex_);
+      if (terminal()) return;
+      session = session_;
+      here = counter;
+      at_sea = awaits_failover();
+    }
+    if (at_sea) {
+      return fail(
+          {Detail::Canceled, "canceled while its server was gone; it is not sent again", {}, {}});
+    }
+    if (session->cancel(*this, here) || home_.load() == session.get()) return;
+  }
+}
+
+}  // namespace gecos::session

@@ -1,0 +1,99 @@
+// The greeting that opens the client side of a session.
+#include <algorithm>
+
+#include "gecos/base/log.hpp"
+#include "gecos/session/client/client_connection.hpp"
+#include "gecos/session/process/runtime.hpp"
+#include "gecos/session/protocol/packets.hpp"
+#include "gecos/session/protocol/retry.hpp"
+
+namespace gecos::session {
+namespace {
+
+using NotOpened = ClientConnection::NotOpened;
+
+/// Why no welcome came: what the other end or the medium said of the loss, else nobody spoke.
+NotOpened unanswered(media::Link& link) {
+  const std::string& who = link.peer().description;
+  const bool lost = link.loss() != media::Loss::None;
+  const std::string why = link.loss_text();
+  if (lost) return {Detail::NoServer, who + " did not let us in: " + why};
+  return {Detail::NoServer, who + " did not answer" + (why.empty() ? "" : ": " + why)};
+}
+
+/// Those that both have, and that are not the same to both. Says so once, by name.
+std::vector<FunctionCode> differing_operations(const InterfaceDescription& wanted,
+                                               const Welcome& welcome) {
+  std::vector<FunctionCode> differing;
+  std::string names;
+  for (const auto& theirs : welcome.operations) {
+    const OperationDescription* const ours = wanted.find(theirs.code);
+    if (ours == nullptr || ours->hash == theirs.hash) continue;
+    differing.push_back(theirs.code);
+    names += (names.empty() ? "" : ", ") + std::string(ours->name);
+  }
+  std::ranges::sort(differing);
+  if (!differing.empty()) {
+    log_warning("session", welcome.object + ": the server's " + welcome.interface_name +
+                               " differs from this program's " + std::string(wanted.name) + " in " +
+                               names + "; these calls are refused");
+  }
+  return differing;
+}
+
+/// The next packet before `deadline`; nothing when there was none, or the link is lost.
+std::optional<wire::PacketView> next_packet(media::Link& link, TimePoint deadline) {
+  for (;;) {
+    while (const auto bytes = link.receive()) {
+      if (const auto packet = wire::decode_packet(*bytes)) return *packet;
+    }
+    if (link.loss() != media::Loss::None || std::chrono::steady_clock::now() >= deadline) {
+      return std::nullopt;
+    }
+    if (link.arm()) media::sleep_on(link.descriptors(), deadline);
+    link.disarm();
+  }
+}
+
+}  // namespace
+
+tl::expected<std::shared_ptr<ClientConnection>, NotOpened> ClientConnection::open(
+    std::shared_ptr<Runtime> runtime, std::unique_ptr<media::Link> link,
+    const InterfaceDescription& wanted, TimePoint deadline) {
+  wire::PacketHeader header;
+  header.kind = wire::PacketKind::Hello;
+  Bytes greeting;
+  write_packet(greeting, header, wire::to_bytes(runtime->introduce(wanted)));
+
+  for (int sent = 1;; ++sent) {
+    if (const auto left = link->send(greeting, {}); !left) {
+      if (left.error() != media::SendProblem::Full) return tl::unexpected(unanswered(*link));
+    }
+    const TimePoint again =
+        link->offer().reliable ? deadline : std::min(deadline, deadline_after(retry_after(sent)));
+    while (const auto packet = next_packet(*link, again)) {
+      if (packet->header.kind == wire::PacketKind::Refused) {
+        const auto detail = detail_from(static_cast<std::uint8_t>(packet->header.flags));
+        return tl::unexpected(NotOpened{Detail::Refused, failure_from(detail, packet->body).text});
+      }
+      if (packet->header.kind != wire::PacketKind::Welcome ||
+          packet->header.version != wire::packet_version) {
+        continue;
+      }
+      auto welcome = wire::from_bytes<Welcome>(packet->body);
+      if (!welcome || packet->header.session == SessionId{} || welcome->credits == 0) {
+        return tl::unexpected(NotOpened{Detail::Refused, "its welcome does not decode"});
+      }
+      auto differing = differing_operations(wanted, *welcome);
+      return std::make_shared<ClientConnection>(std::move(runtime), std::move(link),
+                                                packet->header.session, std::move(*welcome),
+                                                std::move(differing));
+    }
+    const bool lost = link->loss() != media::Loss::None;
+    if (lost || std::chrono::steady_clock::now() >= deadline) {
+      return tl::unexpected(unanswered(*link));
+    }
+  }
+}
+
+}  // namespace gecos::session

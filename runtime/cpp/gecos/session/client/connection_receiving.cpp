@@ -1,0 +1,215 @@
+// How a client's session waits and what it does with what arrives: the leader's part.
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "gecos/media/waiting.hpp"
+#include "gecos/session/client/client_connection.hpp"
+#include "gecos/session/process/runtime.hpp"
+#include "gecos/session/protocol/packets.hpp"
+
+namespace gecos::session {
+
+namespace {
+
+/// From so many unanswered calls on a client rests …
+constexpr std::size_t calls_of_a_flood = 32;
+/// … about as long as the looks in vain took that are behind it.
+constexpr Duration rest_of_a_flood = std::chrono::microseconds(400);
+
+}  // namespace
+
+void ClientConnection::poll_once() {
+  std::size_t taken = 0;
+  if (leader_lock_.try_take()) {
+    taken = read_all();
+    if (loss_look_due_.load(std::memory_order_relaxed)) {
+      loss_look_due_.store(false, std::memory_order_relaxed);
+      look_for_loss();
+    }
+    leader_lock_.drop();
+  } else if (!repeats_ && leader_lock_.borrow()) {
+    taken = read_all();  // the leader is rung by whoever sends what ends its wait
+    leader_lock_.give_back();
+  }
+  if (taken != 0) leader_lock_.notify(nullptr);
+}
+
+bool ClientConnection::wait(const void* subject, FunctionRef<bool()> done, TimePoint deadline) {
+  if (done()) return true;
+  for (;;) {
+    if (leader_lock_.try_take()) {
+      const bool finished = lead(done, deadline);
+      leader_lock_.drop();
+      if (has_watchers()) wake_maintenance();  // it reads on for who sleeps elsewhere
+      return finished;
+    }
+    switch (leader_lock_.follow(subject, done, deadline)) {
+      case LeaderLock::Woken::Done:
+        return true;
+      case LeaderLock::Woken::TimedOut:
+        return done();
+      case LeaderLock::Woken::Notified:
+        break;
+    }
+  }
+}
+
+bool ClientConnection::lead(FunctionRef<bool()> done, TimePoint deadline) {
+  bool rested = false;
+  bool slept = false;
+  spin_.begin();
+  for (;;) {
+    const std::size_t taken = read_all();
+    if (slept && taken == 0) look_for_loss();
+    const bool finished = done();
+    if (std::exchange(slept, false)) {
+      spin_.woke(link_->peer_whereabouts().rang_at,
+                 finished ? media::Woken::ByAnswer : media::Woken::Early);
+      spin_.begin();
+    }
+    if (finished) return true;
+    if (taken != 0) {
+      leader_lock_.notify(nullptr);
+      // Others' answers may go on coming for as long as they call.
+      if (deadline != TimePoint::max() && std::chrono::steady_clock::now() >= deadline)
+        return false;
+      rested = false;
+      spin_.begin();
+    } else if (!spin_.again([this] { return media::place_of(link_->peer_whereabouts()); })) {
+      if (std::chrono::steady_clock::now() >= deadline) return false;
+      rested = !rested && rest(done, deadline);
+      if (rested) {
+        spin_.begin();
+      } else {
+        sleep(done, deadline);
+        slept = true;
+      }
+      leader_lock_.notify(nullptr);
+    }
+  }
+}
+
+/// Who keeps many calls going beside its server on one core leaves it the core for a while: woken
+/// by each answer, it would take the core from the server for one call, and from all its other
+/// clients.
+bool ClientConnection::rest(FunctionRef<bool()> done, TimePoint deadline) {
+  if (!spin_.gave_way()) return false;
+  {
+    const std::lock_guard lock(mutex_);
+    if (calls_.size() < calls_of_a_flood) return false;
+  }
+  quiet_leader();
+  if (done()) return true;
+  const std::array woken_by{leader_wakeup_.descriptor()};
+  media::sleep_on(woken_by, std::min(deadline, std::chrono::steady_clock::now() + rest_of_a_flood));
+  return true;
+}
+
+void ClientConnection::sleep(FunctionRef<bool()> done, TimePoint deadline) {
+  quiet_leader();
+  if (link_->arm() && !done()) {
+    descriptors_.assign(link_->descriptors().begin(), link_->descriptors().end());
+    descriptors_.push_back(leader_wakeup_.descriptor());
+    leader_lock_.rest();
+    media::sleep_on(descriptors_, deadline);
+    leader_lock_.resume();
+  }
+  link_->disarm();
+}
+
+void ClientConnection::wake_leader() {
+  leader_wakeup_.ring();
+  leader_called_.store(true);  // after the ring: a bell that nobody quiets would ring for ever
+}
+
+void ClientConnection::quiet_leader() {
+  if (leader_called_.exchange(false)) leader_wakeup_.quiet();
+}
+
+std::size_t ClientConnection::read_all() {
+  std::size_t taken = 0;
+  while (const auto packet = link_->receive()) {
+    take_packet(*packet);
+    ++taken;
+  }
+  return taken;
+}
+
+void ClientConnection::look_for_loss() {
+  const media::Loss loss = link_->loss();
+  if (loss == media::Loss::None || lost()) return;
+  read_all();  // what it answered before it went
+  const std::string who = welcome_.object + " (" + link_->peer().description + ")";
+  switch (loss) {
+    case media::Loss::Died:
+      return lose(Ending::Died, "the server of " + who + " died");
+    case media::Loss::Broken:
+      return lose(Ending::Broken,
+                  "the server of " + who + " broke the rules of its medium: " + link_->loss_text());
+    default:
+      return lose(Ending::Closed, "the server closed the session with " + who);
+  }
+}
+
+void ClientConnection::take_packet(ByteView bytes) {
+  const auto packet = wire::decode_packet(bytes);
+  if (!packet || packet->header.session != id_) return;
+  if (packet->header.version != wire::packet_version) return;
+  heard_.store(heard_.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
+  switch (packet->header.kind) {
+    case wire::PacketKind::Reply:
+    case wire::PacketKind::Progress:
+      if (packet->header.counter == 0) return;  // counts no call: damage, or malice
+      return packet->header.kind == wire::PacketKind::Reply ? take_reply(*packet)
+                                                            : take_progress(*packet);
+    case wire::PacketKind::Goodbye:
+      goodbye_heard_.store(true, std::memory_order_release);
+      if (closed()) return lose(Ending::ByUs, closed_by_us);  // the answer to ours
+      return lose(Ending::Closed,
+                  "the server closed the session with " + welcome_.object + text_of(packet->body));
+    default:
+      return;  // newer kinds, and answers to what is over
+  }
+}
+
+void ClientConnection::take_reply(const wire::PacketView& packet) {
+  std::shared_ptr<PendingCommand> command;
+  {
+    const std::lock_guard lock(mutex_);
+    command = calls_.take(packet.header.counter);
+    if (!command) return;  // a repeated reply
+    if (repeats_) {
+      quickest_answer_ = std::min(quickest_answer_, runtime_->clock().now() - command->retry.first);
+    }
+    if (packet.header.epoch != Epoch{} && leases_ != 0) {  // a stop renewed it
+      epoch_.store(number(packet.header.epoch), std::memory_order_relaxed);
+    }
+  }
+  const auto detail = detail_from(static_cast<std::uint8_t>(packet.header.flags));
+  // Where nothing is lost, an answer that the server has no more was lost: the medium is broken.
+  if (!repeats_ && detail == Detail::OutcomeUnknown) answer_lost_.store(true);
+  if (detail == Detail::Done) {
+    command->finish(packet.body);
+  } else {
+    command->fail(failure_from(detail, packet.body));
+  }
+  leader_lock_.notify(command.get());
+}
+
+void ClientConnection::take_progress(const wire::PacketView& packet) {
+  std::shared_ptr<PendingCommand> command;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto* found = calls_.find(packet.header.counter);
+    if (found == nullptr) return;
+    command = *found;
+    command->retry.arrived = true;
+  }
+  const auto detail = detail_from(static_cast<std::uint8_t>(packet.header.flags));
+  const auto body = wire::from_bytes<ProgressBody>(packet.body);
+  if (!body || !detail || *detail < Detail::Queued || *detail > Detail::Canceling) return;
+  command->report(*detail, *body);
+}
+
+}  // namespace gecos::session

@@ -1,0 +1,75 @@
+// What a session does for the streams that its client reads.
+#include "gecos/session/client/client_connection.hpp"
+#include "gecos/session/client/client_stream.hpp"
+#include "gecos/session/process/runtime.hpp"
+#include "gecos/session/protocol/packets.hpp"
+
+namespace gecos::session {
+
+tl::expected<std::shared_ptr<StreamCore>, Failure> ClientConnection::subscribe(
+    const StreamDescription& stream) {
+  const OperationDescription operation = builtin_operation(BuiltIn::Subscribe);
+  const auto code = number(stream.code);
+  std::shared_ptr<CommandCore> command;
+  if (auto refused = differs(stream.code, stream.name)) return tl::unexpected(std::move(*refused));
+  {
+    const std::lock_guard lock(subscribing_);
+    ++subscriptions_[stream.code];
+    command = call(operation, sizeof code, [&](wire::Encoder& to) { to.put(code); }, {});
+  }
+  auto opened = open_subscribed(stream, *command);
+  if (!opened) unsubscribe(stream.code);
+  return opened;
+}
+
+tl::expected<std::shared_ptr<StreamCore>, Failure> ClientConnection::open_subscribed(
+    const StreamDescription& stream, CommandCore& subscribed) {
+  subscribed.wait_until(TimePoint::max());
+  if (subscribed.progress().detail != Detail::Done) return tl::unexpected(subscribed.failure());
+  std::uint32_t id = 0;
+  if (wire::Decoder from(subscribed.result()); !from.get(id, "id")) {
+    return tl::unexpected(
+        Failure{Detail::Fault, "the reply does not decode: " + from.error().message(), {}, {}});
+  }
+  std::unique_ptr<media::StreamReader> reader;
+  std::string impossible;
+  wait(
+      nullptr,
+      [&] {
+        if (!reader) reader = open_stream(id);
+        if (!reader) impossible = link_->why_no_stream(id);
+        return reader != nullptr || !impossible.empty() || lost();
+      },
+      deadline_after(runtime_->options().grace));
+  const std::string what = "stream '" + std::string(stream.name) + "' of " + welcome_.object;
+  if (!reader && !impossible.empty()) {
+    return tl::unexpected(Failure{
+        Detail::Refused, what + " cannot be opened in this process: " + impossible, {}, {}});
+  }
+  if (!reader) {
+    return tl::unexpected(
+        Failure{Detail::OutcomeUnknown,
+                what + " did not arrive over " + std::string(media::to_string(link_->offer().kind)),
+                {},
+                {}});
+  }
+  return std::make_shared<ClientStream>(shared_from_this(), stream.code, std::move(reader));
+}
+
+std::unique_ptr<media::StreamReader> ClientConnection::open_stream(std::uint32_t id) {
+  return link_->open_stream(id);
+}
+
+void ClientConnection::unsubscribe(FunctionCode stream) {
+  const std::lock_guard lock(subscribing_);
+  const auto found = subscriptions_.find(stream);
+  if (--found->second != 0) return;
+  subscriptions_.erase(found);
+  if (lost()) return;
+  const auto code = number(stream);
+  call(builtin_operation(BuiltIn::Unsubscribe), sizeof code,
+       [&](wire::Encoder& to) { to.put(code); }, {})
+      ->observe();
+}
+
+}  // namespace gecos::session

@@ -1,0 +1,171 @@
+// What maintenance does for the client side of a session.
+#include <algorithm>
+#include <cstdio>
+
+#include "gecos/session/client/client_connection.hpp"
+#include "gecos/session/process/runtime.hpp"
+#include "gecos/session/protocol/packets.hpp"
+#include "gecos/session/protocol/retry.hpp"
+
+namespace gecos::session {
+namespace {
+
+/// Silence after which a server counts as UNREACHABLE: earlier than it ends our status for our
+/// silence, so that its commands have ended `grace` + `lease_ttl` after its death, with time to
+/// notice it.
+Duration unreachable_after(const LabOptions& options) {
+  return std::max(options.lease_ttl - 2 * options.heartbeat, 2 * options.heartbeat);
+}
+
+/// Between looks at open calls where nothing is lost: a packet that came quietly waits no longer.
+constexpr Duration between_looks = std::chrono::milliseconds(50);
+
+}  // namespace
+
+void ClientConnection::wake_maintenance() { runtime_->maintenance().wake(); }
+
+TimePoint ClientConnection::on_tick(TimePoint now) {
+  if (lost()) return TimePoint::max();
+  // Each look costs a wake-up, so a beat that is due soon goes out with this one if it is no
+  // packet.
+  const Duration early = repeats_ ? Duration{} : Maintenance::calm_tick;
+  const bool beat = now + early >= next_beat_;
+  if (beat) {
+    link_->beat();
+    next_beat_ = now + runtime_->options().heartbeat;
+    loss_look_due_.store(true, std::memory_order_relaxed);
+  }
+  poll_once();
+  if (!lost()) judge_silence(now);
+  if (!lost() && !unreachable()) judge_answers(watched_.now());
+  return lost() ? TimePoint::max() : repeat(now);
+}
+
+void ClientConnection::judge_silence(TimePoint now) {
+  now = watched_.look(now);
+  const auto beats = link_->beats_seen();
+  if (beats != beats_judged_) {
+    beats_judged_ = beats;
+    last_sign_ = now;
+    unreachable_.store(false, std::memory_order_relaxed);
+    return;
+  }
+  const Duration silent = now - last_sign_;
+  const Duration patience = unreachable_after(runtime_->options());
+  if (silent < patience) return;
+  if (!unreachable_.exchange(true, std::memory_order_relaxed)) {
+    silent_since_.store(runtime_->clock().now(), std::memory_order_relaxed);
+  }
+  if (silent < patience + runtime_->options().grace) {
+    if (failover_ && has_repeatable()) failover_->look_for_another(shared_from_this());
+    return;
+  }
+  const auto milliseconds = std::chrono::duration_cast<std::chrono::milliseconds>(silent).count();
+  lose(Ending::Silent, "the server of " + welcome_.object + " (" + link_->peer().description +
+                           ") has been silent for " + std::to_string(milliseconds) + " ms");
+}
+
+/// One that beats need not answer: no call waits longer than that for it.
+void ClientConnection::judge_answers(TimePoint now) {
+  const std::string who = welcome_.object + " (" + link_->peer().description + ")";
+  if (answer_lost_.load()) {
+    return lose(Ending::Broken, "an answer of the server of " + who +
+                                    " was lost on its way, over " +
+                                    std::string(media::to_string(link_->offer().kind)) +
+                                    ", which loses nothing unless its memory is damaged");
+  }
+  bool open = false;
+  {
+    const std::lock_guard lock(mutex_);
+    open = calls_.size() != 0;
+  }
+  switch (answers_.judge(open, heard_.load(std::memory_order_relaxed), now)) {
+    case AnswerWatch::Verdict::Fine:
+      return;
+    case AnswerWatch::Verdict::Ask:
+      return ask_after_calls();
+    case AnswerWatch::Verdict::Mute:
+      char seconds[32];
+      std::snprintf(seconds, sizeof seconds, "%.1f s",
+                    std::chrono::duration<double>(answers_.silent_for(now)).count());
+      return lose(Ending::Silent, "the server of " + who +
+                                      " gives signs of life but has answered "
+                                      "nothing for " +
+                                      seconds + "; start it anew if it hangs");
+  }
+}
+
+/// Where nothing is lost a call is not repeated. One that is open for long is asked after all the
+/// same: its answer may have been damaged in shared memory.
+void ClientConnection::ask_after_calls() {
+  if (repeats_) return;
+  const std::lock_guard lock(mutex_);
+  for (const auto& [counter, command] : calls_.all()) {
+    if (counter > open_when_asked_) break;
+    wire::PacketHeader header;
+    header.kind = wire::PacketKind::Query;
+    header.counter = counter;
+    if (!send(header, {})) break;
+  }
+  open_when_asked_ = next_counter_ - 1;
+}
+
+/// Until a call's outcome is known it is asked for again under its own counter: in full while it
+/// may not have arrived, then without its arguments.
+TimePoint ClientConnection::repeat(TimePoint now) {
+  const std::lock_guard lock(mutex_);
+  // With nothing open the next sign of life is all that is due: many idle clients shall cost
+  // nothing.
+  if (!repeats_ && calls_.size() == 0) return next_beat_;
+  if (!repeats_ && !cancels_waiting_) return std::min(next_beat_, now + between_looks);
+  const TimePoint soon = now + Maintenance::tick;
+  cancels_waiting_ = false;
+  for (const auto& [counter, command] : calls_.all()) {
+    auto& retry = command->retry;
+    if (!repeats_ && !retry.cancel) continue;
+    if (now < retry.next) continue;
+    wire::PacketHeader header;
+    header.counter = counter;
+    if (retry.cancel) {
+      header.kind = wire::PacketKind::Cancel;
+      if (!send(header, {})) cancels_waiting_ = true;
+    }
+    if (repeats_ && retry.arrived) {
+      header.kind = wire::PacketKind::Query;
+      static_cast<void>(send(header, {}));
+    } else if (repeats_ && !unreachable()) {
+      if (retry.deadline != TimePoint::max()) {
+        const Duration left = retry.deadline - runtime_->clock().since_boot();
+        wire::write_deadline(retry.packet, std::max(left, Duration{1}));
+      }
+      if (link_->send(retry.packet, {})) retry.on_its_way = true;
+    }
+    retry.next = now + retry_after(++retry.sent);
+    if (!repeats_) retry.cancel = cancels_waiting_;
+  }
+  return soon;
+}
+
+void ClientConnection::watch(std::vector<pollfd>& into) {
+  if (lost() || !has_watchers() || !leader_lock_.try_take()) return;
+  watching_ = true;
+  if (link_->arm()) {
+    for (const int descriptor : link_->descriptors()) into.push_back({descriptor, POLLIN, 0});
+  } else {
+    wake_maintenance();
+  }
+  leader_lock_.rest();
+}
+
+void ClientConnection::unwatch() {
+  if (!watching_) return;
+  watching_ = false;
+  leader_lock_.resume();
+  link_->disarm();
+  read_all();
+  look_for_loss();
+  leader_lock_.drop();
+  leader_lock_.notify(nullptr);
+}
+
+}  // namespace gecos::session

@@ -1,0 +1,120 @@
+#include "gecos/session/client/context.hpp"
+
+#include <cstdlib>
+#include <utility>
+
+#include "gecos/session/client/broker_client.hpp"
+#include "gecos/session/client/connect.hpp"
+#include "gecos/session/client/failover.hpp"
+
+namespace gecos::session {
+
+namespace {
+
+void append(std::string& list, const std::string& text) {
+  list += (list.empty() ? "" : "; ") + text;
+}
+
+}  // namespace
+
+Context::Context(std::shared_ptr<Runtime> runtime)
+    : runtime_(std::move(runtime)), failover_(std::make_shared<Failover>(*this)) {}
+
+Context::~Context() { failover_->end(); }
+
+bool Context::keep(const std::shared_ptr<ClientConnection>& session) {
+  const std::lock_guard lock(keeping_);
+  if (closed_) return false;
+  std::erase_if(kept_, [](const auto& known) { return known.expired(); });
+  kept_.push_back(session);
+  return true;
+}
+
+bool Context::closed() const {
+  const std::lock_guard lock(keeping_);
+  return closed_;
+}
+
+void Context::close(Duration patience) {
+  std::vector<std::shared_ptr<Closable>> open;
+  {
+    const std::lock_guard lock(keeping_);
+    closed_ = true;
+    for (const auto& known : kept_) {
+      if (auto session = known.lock()) open.push_back(std::move(session));
+    }
+    kept_.clear();
+  }
+  runtime_->close_all(open, patience);
+  failover_->end();
+}
+
+std::vector<std::string> Context::broker_addresses(std::string& tried) {
+  std::string named = runtime_->options().broker;
+  if (named.empty()) {
+    const char* variable = std::getenv("GECOS_BROKER");
+    if (variable != nullptr) named = variable;
+  }
+  std::vector<std::string> addresses;
+  const auto add_well_known = [&](media::Kind kind) {
+    if (const auto opened = runtime_->medium(kind)) {
+      addresses.push_back((*opened)->well_known_address(broker_name));
+    } else {
+      append(tried, opened.error().text);
+    }
+  };
+  if (const auto kind = media::kind_from(named)) {  // "lcm": its well-known place
+    add_well_known(*kind);
+  } else if (!named.empty()) {
+    addresses.push_back(named);
+  } else {
+    add_well_known(media::Kind::Inproc);
+    add_well_known(media::Kind::Shm);
+  }
+  return addresses;
+}
+
+tl::expected<std::shared_ptr<ClientConnection>, std::string> Context::broker(TimePoint deadline) {
+  const auto known = [this] { return broker_ && !broker_->lost(); };
+  std::unique_lock lock(mutex_);
+  if (!looked_.wait_until(lock, deadline, [&] { return known() || !looking_; })) {
+    return tl::unexpected("no broker was found in time: another thread of this program still asks" +
+                          (missing_.empty() ? std::string() : "; before it, " + missing_));
+  }
+  if (known()) return broker_;
+  const auto lost = std::exchange(broker_, nullptr);  // ends when nobody waits for us
+  looking_ = true;
+  lock.unlock();
+  tl::expected<std::shared_ptr<ClientConnection>, std::string> found;
+  try {
+    found = look_for_broker(deadline);
+  } catch (...) {
+    note_broker(nullptr, {});
+    throw;
+  }
+  note_broker(found.value_or(nullptr), found ? std::string() : found.error());
+  return found;
+}
+
+void Context::note_broker(std::shared_ptr<ClientConnection> found, std::string missing) {
+  const std::lock_guard lock(mutex_);
+  broker_ = std::move(found);
+  missing_ = std::move(missing);
+  looking_ = false;
+  looked_.notify_all();
+}
+
+tl::expected<std::shared_ptr<ClientConnection>, std::string> Context::look_for_broker(
+    TimePoint deadline) {
+  std::string tried;
+  for (const auto& address : broker_addresses(tried)) {
+    auto session = connect(*runtime_, address, broker_interface(), deadline);
+    if (session) return session;
+    append(tried, session.error());
+  }
+  return tl::unexpected(
+      "no broker answers; start `gecos broker`, or say where it is in GECOS_BROKER" +
+      (tried.empty() ? std::string() : " (tried " + tried + ")"));
+}
+
+}  // namespace gecos::session

@@ -1,0 +1,253 @@
+#include "gecos/session/client/failover.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <iterator>
+#include <system_error>
+#include <utility>
+
+#include "gecos/base/thread.hpp"
+#include "gecos/session/client/broker_client.hpp"
+#include "gecos/session/client/client_connection.hpp"
+#include "gecos/session/client/context.hpp"
+
+namespace gecos::session {
+namespace {
+
+constexpr Duration between_looks = std::chrono::milliseconds(30);
+/// Who does not answer so long holds up the search for others.
+constexpr Duration longest_look = std::chrono::milliseconds(250);
+
+void end_as(PendingFailover& pending, const std::string& more) {
+  pending.failure.text += "; " + more;
+  pending.command->fail(std::move(pending.failure));
+}
+
+void end_late(PendingFailover& pending) {
+  const bool started = pending.failure.state() != State::ConnectionFailed;
+  const std::string what =
+      "the deadline of '" + std::string(pending.command->again->name) + "' passed ";
+  pending.command->fail({started ? Detail::TimedOut : Detail::Expired,
+                         what + "while it could not be sent again: " + pending.failure.text,
+                         {},
+                         {}});
+}
+
+bool late(const PendingFailover& pending, const Clock& clock) {
+  const TimePoint deadline = pending.command->again->deadline;
+  return deadline != TimePoint::max() && clock.since_boot() >= deadline;
+}
+
+template <class T>
+void append(std::vector<T>& to, std::vector<T> from) {
+  std::move(from.begin(), from.end(), std::back_inserter(to));
+}
+
+}  // namespace
+
+Failover::Failover(Context& lab) : lab_(lab), owner_(getpid()) {}
+
+Failover::~Failover() { end(); }
+
+void Failover::take(const std::shared_ptr<ClientConnection>& from,
+                    std::vector<PendingFailover> commands) {
+  if (getpid() != owner_) {
+    for (PendingFailover& pending : commands) {
+      end_as(pending,
+             "it is not sent again: its Lab belongs to the process that forked this one: make your "
+             "own");
+    }
+    return;
+  }
+  std::vector<PendingFailover> refused;
+  std::string why = "it is not sent again: its Lab is closed";
+  {
+    const Lock lock(mutex_);
+    if (ended_) {
+      refused = std::move(commands);
+    } else if (!started()) {
+      refused = std::move(commands);
+      why = "it is not sent again: no thread can be had for that, see `ulimit -u`";
+    } else {
+      Search& search = search_of(from);
+      for (PendingFailover& pending : commands) {
+        (search.commands.size() < most_pending ? search.commands : refused)
+            .push_back(std::move(pending));
+      }
+      why = "it is not sent again: " + std::to_string(most_pending) +
+            " others wait for a server already";
+    }
+  }
+  for (PendingFailover& pending : refused) end_as(pending, why);
+}
+
+void Failover::look_for_another(const std::shared_ptr<ClientConnection>& from) {
+  const Lock lock(mutex_);
+  if (!ended_ && started()) search_of(from);
+}
+
+/// With the mutex; not after the end.
+bool Failover::started() {
+  if (thread_.joinable()) return true;
+  try {
+    thread_ = start_thread("gecos-failover", [this] { run(); });
+  } catch (const std::system_error&) {
+    return false;
+  }
+  lab_.runtime()->maintenance().add(weak_from_this());
+  return true;
+}
+
+/// With the mutex.
+Failover::Search& Failover::search_of(const std::shared_ptr<ClientConnection>& from) {
+  for (Search& search : searches_) {
+    if (search.from == from) return search;
+  }
+  changed_.notify_one();
+  lab_.runtime()->maintenance().wake();
+  return searches_.emplace_back(Search{from, {}, {}, "there was no time to look for one"});
+}
+
+TimePoint Failover::on_tick(TimePoint now) {
+  const Clock& clock = lab_.runtime()->clock();
+  std::vector<std::pair<PendingFailover, std::string>> over;
+  bool idle = false;
+  {
+    const Lock lock(mutex_);
+    idle = searches_.empty();
+    for (Search& search : searches_) {
+      std::erase_if(search.commands, [&](PendingFailover& pending) {
+        if (pending.command->terminal()) return true;
+        if (now < pending.give_up && !late(pending, clock)) return false;
+        over.emplace_back(std::move(pending), search.why);
+        return true;
+      });
+    }
+  }
+  for (auto& [pending, why] : over) {
+    if (late(pending, clock)) {
+      end_late(pending);
+    } else {
+      end_as(pending, "there was none to send it to again in time: " + why);
+    }
+  }
+  return idle ? TimePoint::max() : now + Maintenance::tick;
+}
+
+void Failover::run() {
+  Lock lock(mutex_);
+  while (!ended_) {
+    std::vector<Search> done;  // may be the last to have their sessions, which take a while to end
+    const auto is_done = [](const Search& search) {
+      return search.commands.empty() && (search.from->lost() || !search.from->unreachable());
+    };
+    const auto open = std::stable_partition(searches_.begin(), searches_.end(), is_done);
+    std::move(searches_.begin(), open, std::back_inserter(done));
+    searches_.erase(searches_.begin(), open);
+    if (!done.empty()) {
+      lock.unlock();
+      done.clear();
+      lock.lock();
+      continue;
+    }
+    const auto next = std::ranges::min_element(searches_, {}, &Search::next);
+    if (next == searches_.end()) {
+      changed_.wait(lock, [this] { return ended_ || !searches_.empty(); });
+    } else if (const TimePoint when = next->next; when > std::chrono::steady_clock::now()) {
+      changed_.wait_until(lock, when);
+    } else {
+      look(next->from, lock);
+    }
+  }
+}
+
+/// Gives the mutex up meanwhile, in which the search may end. `from` is a copy therefore.
+void Failover::look(std::shared_ptr<ClientConnection> from, Lock& lock) {
+  lock.unlock();
+  auto found = find(*from);
+  std::vector<PendingFailover> commands;
+  if (found) {
+    from->set_successor(*found);
+    if (!from->lost()) commands = from->detach_repeatable();
+  }
+  lock.lock();
+  if (found) {
+    append(commands, std::exchange(search_of(from).commands, {}));
+    lock.unlock();
+    commands = send_to(**found, std::move(commands));
+    found->reset();  // its end takes a while
+    lock.lock();
+  }
+  Search& search = search_of(from);
+  append(search.commands, std::move(commands));
+  search.next = std::chrono::steady_clock::now() + between_looks;
+  if (!found) search.why = std::move(found.error());
+}
+
+tl::expected<std::shared_ptr<ClientConnection>, std::string> Failover::find(
+    ClientConnection& from) {
+  if (auto successor = from.successor()) return successor;
+  const ConnectTarget& target = from.connect_target();
+  if (!from.lost()) {
+    const auto entry = look_up(lab_, target.name, deadline_after(longest_look));
+    if (!entry) return tl::unexpected(entry.error());
+    if (entry->boot == from.welcome().boot) {
+      return tl::unexpected(std::string("no other server has taken its place"));
+    }
+  }
+  CreateOptions options = target.options;
+  options.patience = longest_look;
+  auto created = open_object(lab_, target.wanted, target.name, options);
+  if (!created) return tl::unexpected(std::move(created.error().reason));
+  return std::move(*created);
+}
+
+/// Gives back those that it could not take.
+std::vector<PendingFailover> Failover::send_to(ClientConnection& found,
+                                               std::vector<PendingFailover> commands) {
+  std::vector<PendingFailover> back;
+  for (PendingFailover& pending : commands) {
+    const auto& again = *pending.command->again;
+    if (pending.command->terminal()) continue;
+    if (again.sessions >= most_sessions) {
+      end_as(pending, "it is not sent again, because so it went " + std::to_string(again.sessions) +
+                          " times");
+    } else if (late(pending, lab_.runtime()->clock())) {
+      end_late(pending);
+    } else if (const auto sent = found.send_again(pending.command); !sent) {
+      pending.command->fail(sent.error());
+    } else if (!*sent) {
+      back.push_back(std::move(pending));
+    }
+  }
+  return back;
+}
+
+void Failover::end() {
+  std::vector<Search> open;
+  std::thread thread;
+  {
+    const Lock lock(mutex_);
+    ended_ = true;
+    thread = std::exchange(thread_, {});
+  }
+  changed_.notify_one();
+  if (thread.joinable()) {
+    if (getpid() != owner_) {
+      thread.detach();  // a forked child has no such thread
+    } else {
+      thread.join();
+    }
+  }
+  {
+    const Lock lock(mutex_);
+    open.swap(searches_);
+  }
+  for (Search& search : open) {
+    for (PendingFailover& pending : search.commands)
+      end_as(pending, "it is not sent again: its Lab is closed");
+  }
+}
+
+}  // namespace gecos::session

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <cstdint>
+#include <mutex>
+#include <vector>
+
+#include "gecos/base/clock.hpp"
+#include "gecos/base/function_ref.hpp"
+
+namespace gecos::session {
+
+/// Who reads a link. One thread at a time leads and completes everybody's commands; the others
+/// follow: they sleep until the leader has something for them or leaves. While the leader sleeps
+/// for a packet that wakes it, another thread may read what came quietly (media/quiet.hpp).
+class LeaderLock {
+ public:
+  bool try_take() { return change(State::Free, State::Held); }
+  /// Leaves it to a follower, if there is one.
+  void drop();
+
+  /// The leader sleeps from now on, and another thread may read in its place.
+  void rest() { state_.store(State::Resting, std::memory_order_release); }
+  /// The leader is awake. Waits for a thread that reads in its place.
+  void resume();
+  /// True: the leader sleeps, and the calling thread reads in its place until `give_back`.
+  bool borrow() { return change(State::Resting, State::Borrowed); }
+  void give_back();
+
+  enum class Woken : std::uint8_t { Done, Notified, TimedOut };
+  /// Sleeps until `done`, or notified (then look again and try to lead), or `deadline`. `subject`
+  /// is what `notify` names; null for whoever wants to look at everything that arrives.
+  Woken follow(const void* subject, FunctionRef<bool()> done, TimePoint deadline);
+
+  /// Wakes those who wait for `subject`. Call it after what they wait for is published.
+  void notify(const void* subject);
+  void notify_all();
+
+ private:
+  struct Follower {
+    const void* subject = nullptr;
+    bool notified = false;
+    std::condition_variable woken;
+  };
+  enum class State : std::uint8_t { Free, Held, Resting, Borrowed };
+  bool change(State from, State to) {
+    return state_.compare_exchange_strong(from, to, std::memory_order_acquire,
+                                          std::memory_order_relaxed);
+  }
+  bool free() const { return state_.load(std::memory_order_seq_cst) == State::Free; }
+  void notify_one();
+
+  std::atomic<State> state_{State::Free};  // publishes the link's receiving side to the next reader
+  std::atomic<int> follower_count_{0};     // publishes nothing: spares the lock when there is none
+  std::mutex mutex_;
+  std::vector<Follower*> followers_;
+};
+
+}  // namespace gecos::session

@@ -1,0 +1,130 @@
+#include "gecos/session/process/maintenance.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <utility>
+
+#include "gecos/base/log.hpp"
+#include "gecos/base/suspension.hpp"
+#include "gecos/base/thread.hpp"
+#include "gecos/session/process/wakeup.hpp"
+
+namespace gecos::session {
+
+/// What the thread needs; it outlives a Maintenance that is destroyed on its own thread.
+struct Maintenance::Shared {
+  explicit Shared(const Clock& its_clock) : clock(its_clock) {}
+
+  void run();
+  std::vector<std::function<void()>> take_jobs();
+  std::vector<std::shared_ptr<TickTarget>> look_at();
+  void judge_pause(const std::vector<std::shared_ptr<TickTarget>>& alive);
+
+  const Clock& clock;
+  PauseWatch pauses;
+  const pid_t owner = getpid();
+  Wakeup wakeup;
+  std::thread thread;
+  std::atomic<bool> ended{false};  // publishes nothing but itself
+  std::mutex mutex;
+  std::vector<std::weak_ptr<TickTarget>> targets;
+  std::vector<std::function<void()>> jobs;
+};
+
+std::vector<std::function<void()>> Maintenance::Shared::take_jobs() {
+  const std::lock_guard lock(mutex);
+  return std::exchange(jobs, {});
+}
+
+std::vector<std::shared_ptr<TickTarget>> Maintenance::Shared::look_at() {
+  const std::lock_guard lock(mutex);
+  std::vector<std::shared_ptr<TickTarget>> alive;
+  for (const auto& candidate : targets) {
+    if (auto one = candidate.lock()) alive.push_back(std::move(one));
+  }
+  targets.assign(alive.begin(), alive.end());
+  return alive;
+}
+
+void Maintenance::Shared::judge_pause(const std::vector<std::shared_ptr<TickTarget>>& alive) {
+  const TimePoint now = clock.since_boot();
+  const auto stood_still = pauses.tick(now);
+  if (!stood_still) return;
+  log_warning("session", "this process " + stood_still_for(*stood_still));
+  for (const auto& one : alive) one->after_pause(*stood_still);
+  pauses.judged(clock.since_boot() + tick);
+}
+
+void Maintenance::Shared::run() {
+  std::vector<pollfd> descriptors;
+  for (;;) {
+    wakeup.quiet();  // before looking at what it was rung for, or a ring between the two is lost
+    if (ended.load()) return;
+    for (const auto& job : take_jobs()) job();
+    auto alive = look_at();
+    note_suspension(clock);
+    judge_pause(alive);
+    const TimePoint now = clock.now();
+    TimePoint next = TimePoint::max();
+    for (const auto& one : alive) next = std::min(next, one->on_tick(now));
+
+    const bool idle = next == TimePoint::max();
+    const auto rest = std::chrono::ceil<std::chrono::milliseconds>(std::max(next - now, tick));
+    const TimePoint looked = clock.since_boot();
+    if (!pauses.due(idle ? TimePoint::max() : looked + rest, looked)) continue;
+
+    descriptors.assign(1, {wakeup.descriptor(), POLLIN, 0});
+    for (const auto& one : alive) one->watch(descriptors);
+    std::vector<std::weak_ptr<TickTarget>> watched(alive.begin(), alive.end());
+    alive.clear();  // whoever is dropped meanwhile ends at once, not after this sleep
+    poll(descriptors.data(), descriptors.size(), idle ? -1 : static_cast<int>(rest.count()));
+    for (const auto& one : watched) {
+      if (const auto still = one.lock()) still->unwatch();
+    }
+  }
+}
+
+Maintenance::Maintenance(const Clock& clock) : shared_(std::make_shared<Shared>(clock)) {
+  shared_->thread = start_thread("gecos-maint", [shared = shared_] { shared->run(); });
+}
+
+Maintenance::~Maintenance() {
+  shared_->ended = true;
+  shared_->wakeup.ring();
+  if (on_this_thread() || getpid() != shared_->owner) {  // a forked child has no such thread
+    shared_->thread.detach();
+  } else {
+    shared_->thread.join();
+  }
+}
+
+void Maintenance::add(std::weak_ptr<TickTarget> target) {
+  {
+    const std::lock_guard lock(shared_->mutex);
+    shared_->targets.push_back(std::move(target));
+  }
+  wake();
+}
+
+void Maintenance::post(std::function<void()> job) {
+  {
+    const std::lock_guard lock(shared_->mutex);
+    shared_->jobs.push_back(std::move(job));
+  }
+  wake();
+}
+
+void Maintenance::wake() { shared_->wakeup.ring(); }
+
+PauseWatch& Maintenance::pauses() { return shared_->pauses; }
+
+bool Maintenance::on_this_thread() const {
+  return std::this_thread::get_id() == shared_->thread.get_id();
+}
+
+}  // namespace gecos::session

@@ -1,0 +1,69 @@
+#include "gecos/session/process/termination_signals.hpp"
+
+#include <signal.h>
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <mutex>
+
+#include "gecos/session/process/wakeup.hpp"
+
+namespace gecos::session {
+namespace {
+
+constexpr std::array<int, 2> signals{SIGINT, SIGTERM};
+
+/// All that a handler may touch: set before it is installed, and never freed.
+std::atomic<Wakeup*> came{nullptr};
+std::atomic<pid_t> owner{0};
+static_assert(std::atomic<Wakeup*>::is_always_lock_free && std::atomic<pid_t>::is_always_lock_free);
+
+std::mutex mutex;
+int living = 0;
+std::array<struct sigaction, signals.size()> before;
+
+extern "C" void on_termination(int signal) {
+  const int kept = errno;
+  if (getpid() == owner) {
+    came.load()->ring();
+  } else {  // a forked child, which shares the descriptor with its parent
+    ::signal(signal, SIG_DFL);
+    raise(signal);
+  }
+  errno = kept;
+}
+
+}  // namespace
+
+void TerminationSignals::prepare() {
+  const std::lock_guard lock(mutex);
+  if (came == nullptr) came = new Wakeup();
+}
+
+TerminationSignals::TerminationSignals() {
+  prepare();
+  const std::lock_guard lock(mutex);
+  if (living++ > 0) return;
+  came.load()->quiet();
+  owner = getpid();
+  struct sigaction ours {};
+  ours.sa_handler = on_termination;
+  ours.sa_flags = SA_RESTART;
+  sigfillset(&ours.sa_mask);
+  for (std::size_t i = 0; i < signals.size(); ++i) {
+    sigaction(signals[i], nullptr, &before[i]);
+    if (before[i].sa_handler != SIG_IGN) sigaction(signals[i], &ours, nullptr);
+  }
+}
+
+TerminationSignals::~TerminationSignals() {
+  const std::lock_guard lock(mutex);
+  if (--living > 0) return;
+  for (std::size_t i = 0; i < signals.size(); ++i) sigaction(signals[i], &before[i], nullptr);
+}
+
+int TerminationSignals::descriptor() const { return came.load()->descriptor(); }
+
+}  // namespace gecos::session

@@ -1,0 +1,331 @@
+// What every object answers, whatever its interface says: gecos::GecosObject.
+#include <unistd.h>
+
+#include <algorithm>
+
+#include "gecos/session/protocol/builtin_codec.hpp"
+#include "gecos/session/protocol/function_code.hpp"
+#include "gecos/session/protocol/packets.hpp"
+#include "gecos/session/server/call_log.hpp"
+#include "gecos/session/server/object_host.hpp"
+
+namespace gecos::session {
+namespace {
+
+double seconds(Duration duration) { return std::chrono::duration<double>(duration).count(); }
+
+std::string cut(std::string text, std::size_t longest) {
+  while (text.size() > longest) text.pop_back();
+  while (!wire::valid_utf8(text)) text.pop_back();
+  return text;
+}
+
+Holder shown(const access::Holder& holder, TimePoint now) {
+  Holder line;
+  line.status = status_of(holder.status);
+  line.user = cut(holder.client.user, 64);
+  line.host = cut(holder.client.host, 64);
+  line.program = cut(holder.client.program, 128);
+  line.pid = holder.client.pid;
+  line.held_for = seconds(now - holder.since);
+  line.expires_in = std::max(0.0, seconds(holder.expires - now));
+  line.releasing = holder.releasing;
+  return line;
+}
+
+std::vector<Holder> shown(const std::vector<access::Holder>& roster, TimePoint now) {
+  std::vector<Holder> lines;
+  for (const auto& holder : roster) lines.push_back(shown(holder, now));
+  return lines;
+}
+
+Failure undecodable(const wire::Decoder& from) {
+  return {Detail::BadParameter, from.error().message(), {}, {}};
+}
+
+/// Shorter than a client waits for any answer.
+constexpr Duration longest_wait_for_status = std::chrono::seconds(1);
+
+Failure refusal(std::string reason, std::vector<Holder> holders) {
+  StatusRefused refused;
+  refused.reason = std::move(reason);
+  refused.holders = std::move(holders);
+  return {Detail::Fault, refused.reason, std::string(StatusRefused::type_name()),
+          wire::to_bytes(refused)};
+}
+
+std::uint8_t number_of(Detail detail) { return static_cast<std::uint8_t>(detail); }
+
+}  // namespace
+
+void ObjectHost::answer_builtin(const std::shared_ptr<ServerSession>& session,
+                                const wire::PacketView& packet) {
+  const std::uint64_t counter = packet.header.counter;
+  if (log_enabled(LogLevel::Debug)) {
+    log_debug("server", name_ + ": " + who(session->caller()) + " calls the reserved operation " +
+                            std::to_string(number(packet.header.code)));
+  }
+  wire::Decoder from(packet.body);
+  switch (static_cast<BuiltIn>(number(packet.header.code))) {
+    case BuiltIn::Holders:
+      return holders(*session, counter);
+    case BuiltIn::Stop:
+      return stop(*session, counter);
+    case BuiltIn::Ping:
+      return session->reply(counter, ByteView{});
+    case BuiltIn::Describe:
+      return describe(*session, counter);
+    case BuiltIn::Acquire:
+      return acquire(session, counter, from);
+    case BuiltIn::Release:
+      return release(*session, counter, from);
+    case BuiltIn::Subscribe:
+      return subscribe(*session, counter, from);
+    case BuiltIn::Unsubscribe:
+      return unsubscribe(*session, counter, from);
+    case BuiltIn::Outcome:
+      return outcome(*session, counter, from);
+  }
+  session->reply(counter, Failure{Detail::UnknownOperation,
+                                  "reserved code " + std::to_string(number(packet.header.code)) +
+                                      " is newer than this server",
+                                  {},
+                                  {}});
+}
+
+void ObjectHost::holders(ServerSession& session, std::uint64_t counter) {
+  session.reply(counter, blocks_bytes(shown(leases_.roster(), watched_.now())));
+}
+
+void ObjectHost::describe(ServerSession& session, std::uint64_t counter) {
+  Description about;
+  about.name = name_;
+  about.interface_name = interface_.name;
+  about.version = interface_.version;
+  about.interface_hash = interface_.hash;
+  about.simulated = options_.simulated;
+  about.presence = options_.simulated ? "not required (simulated)" : "not checked yet";
+  about.authentication = session.link().peer().uid ? "user and process, named by the kernel"
+                         : session.link().offer().same_host_only
+                             ? "this process"
+                             : "key, proved by a handshake: " + session.link().peer().description;
+  about.epoch = number(leases_.epoch());
+  about.queued = static_cast<std::uint32_t>(queue_.waiting().size());
+  if (!queue_.running().empty()) about.executing = queue_.running().front()->operation.name;
+  about.pid = getpid();
+  about.registration = claim_.text();
+  about.handlers = running_handlers();
+  session.reply(counter, block_bytes(about));
+}
+
+void ObjectHost::acquire(const std::shared_ptr<ServerSession>& session, std::uint64_t counter,
+                         wire::Decoder& from) {
+  Status wanted{};
+  std::optional<std::string> password;
+  const bool read =
+      decode_enum(from, wanted, "wanted") &&
+      (from.at_end() || wire::get_optional(from, password, "password", [&](std::string& text) {
+         return from.get_string(text, 1024, "password");
+       }));
+  if (!read) return session->reply(counter, undecodable(from));
+  if (status_of(wanted) == access::Status::Sensor) {
+    return session->reply(
+        counter,
+        Failure{
+            Detail::BadParameter, "sensor status is everybody's: acquire actor or master", {}, {}});
+  }
+  Acquire what{wanted, password.value_or("")};
+  if (outlives_its_status() == nullptr) return grant(*session, counter, what);
+  waiting_.push_back(
+      {session, counter, std::move(what), runtime_->clock().now() + longest_wait_for_status});
+}
+
+void ObjectHost::grant(ServerSession& session, std::uint64_t counter, const Acquire& what) {
+  if (claim_.standing() == NameClaim::Standing::Taken) {
+    return session.reply(counter, refusal(name_ + ": " + claim_.text(), {}));
+  }
+  const TimePoint now = watched_.now();
+  const bool held_before = leases_.status_of(session.id()) != access::Status::Sensor;
+  auto granted = leases_.acquire(session.id(), session.client(), status_of(what.wanted),
+                                 access::plain_proof(what.password), now);
+  if (log_enabled(LogLevel::Info)) {
+    log_info("server", name_ + ": " + who(session.caller()) + (granted ? " has " : " is refused ") +
+                           std::string(to_string(what.wanted)) + " status" +
+                           (granted ? "" : ": " + granted.error().text));
+  }
+  if (granted) {
+    if (!held_before) session.held_from = number(granted->epoch);
+    return session.reply(counter,
+                         block_bytes(Grant{status_of(granted->status), number(granted->epoch)}));
+  }
+  session.reply(counter,
+                refusal(name_ + ": " + granted.error().text, shown(granted.error().holders, now)));
+}
+
+const ServerCall* ObjectHost::outlives_its_status() const {
+  if (!leases_.roster().empty()) return nullptr;
+  for (const QueueEntry* const entry : queue_.running()) {
+    const auto& call = static_cast<const ServerCall&>(*entry);
+    if (call.terminal && call.operation().status != access::Status::Sensor) return &call;
+  }
+  return nullptr;
+}
+
+void ObjectHost::grant_to_waiting() {
+  if (waiting_.empty() || outlives_its_status() != nullptr) return;
+  for (const auto& waiting : std::exchange(waiting_, {})) {
+    grant(*waiting.session, waiting.counter, waiting.what);
+  }
+}
+
+void ObjectHost::refuse_waiting(TimePoint now) {
+  const ServerCall* const runs = outlives_its_status();
+  if (runs == nullptr) return grant_to_waiting();
+  std::erase_if(waiting_, [&](const WaitingForStatus& waiting) {
+    if (now < waiting.give_up) return false;
+    access::Holder last;
+    last.client = runs->session->client();
+    last.since = last.expires = watched_.now();
+    last.releasing = true;
+    waiting.session->reply(
+        waiting.counter,
+        refusal(name_ + ": " + std::string(access::to_string(status_of(waiting.what.wanted))) +
+                    " status refused: the handler of '" + std::string(runs->operation().name) +
+                    "' still runs, which " + who(runs->caller()) +
+                    " issued; its status has ended and the handler was told to end; try again",
+                shown(std::vector{last}, watched_.now())));
+    return true;
+  });
+}
+
+bool ObjectHost::waits_for_status(const ServerSession& session, std::uint64_t counter) const {
+  return std::ranges::any_of(waiting_, [&](const WaitingForStatus& waiting) {
+    return waiting.session.get() == &session && waiting.counter == counter;
+  });
+}
+
+void ObjectHost::release(ServerSession& session, std::uint64_t counter, wire::Decoder& from) {
+  using Commands = access::LeaseTable::Commands;
+  std::uint64_t epoch = 0;
+  bool now = false;
+  if (!from.get(epoch, "epoch") || !from.get(now, "now")) {
+    return session.reply(counter, undecodable(from));
+  }
+  const std::uint64_t held_now = number(leases_.epoch());
+  if (session.held_from <= epoch && epoch < held_now)
+    epoch = held_now;  // stops of its own renewed it
+  if (now && Epoch{epoch} == leases_.epoch() &&
+      leases_.status_of(session.id()) != access::Status::Sensor) {
+    end_commands([&](const ServerCall& call) { return call.client == session.id(); },
+                 Failure{Detail::Stopped, "its caller gave the status back at once", {}, {}});
+  }
+  leases_.release(session.id(), Epoch{epoch},
+                  session.commands != 0 && !now ? Commands::Pending : Commands::None);
+  if (log_enabled(LogLevel::Info)) {
+    log_info("server", name_ + ": " + who(session.caller()) + " gives its status back" +
+                           (now ? ", and stops what was issued under it" : ""));
+  }
+  session.reply(counter, ByteView{});
+}
+
+/// Acted on here, whatever a handler is doing: status, queue and interruption are the session's.
+void ObjectHost::stop(ServerSession& by, std::uint64_t counter) {
+  const std::string why = "stopped by " + who(by.caller());
+  log_info("server", name_ + ": " + why);
+  leases_.stop(by.id(), why);
+  const bool still_holds = leases_.status_of(by.id()) != access::Status::Sensor;
+  end_commands([](const ServerCall&) { return true; }, Failure{Detail::Stopped, why, {}, {}});
+  if (options_.on_stop) tell_user(options_.on_stop);
+  by.reply(counter, ByteView{}, still_holds ? leases_.epoch() : Epoch{});
+}
+
+void ObjectHost::outcome(ServerSession& session, std::uint64_t counter, wire::Decoder& from) {
+  std::uint64_t boot = 0;
+  std::uint64_t asked = 0;
+  std::uint64_t which = 0;
+  if (!from.get(boot, "boot") || !from.get(asked, "session") || !from.get(which, "counter")) {
+    return session.reply(counter, undecodable(from));
+  }
+  OutcomeRecord record;
+  if (boot != number(process_boot())) {
+    record = {
+        number_of(Detail::OutcomeUnknown),
+        "the server of " + name_ + " was started anew since; what came before it does not know"};
+  } else {
+    record = outcome_of(SessionId{asked}, which);
+  }
+  session.reply(counter, block_bytes(record));
+}
+
+OutcomeRecord ObjectHost::outcome_of(SessionId asked, std::uint64_t counter) {
+  if (const auto* entry = outcomes_.find(asked, counter)) {
+    return {number_of(entry->detail), entry->text};
+  }
+  const OutcomeRecord never{number_of(Detail::NotStarted),
+                            "it has not arrived, and does not start if it still arrives"};
+  if (const auto session = outcomes_.open(asked)) {
+    if (const auto* call = session->calls.find(counter)) {
+      return {number_of((*call)->running_detail()), {}};
+    }
+    if (session->early.contains(counter)) {
+      return {number_of(Detail::Queued), "it waits for what was issued before it"};
+    }
+    if (!session->window.seen(counter)) {
+      if (!session->repeats()) return {number_of(Detail::Sent), "it is on its way"};
+      if (session->window.arrived(counter) == ReceiveWindow::Verdict::Beyond) {
+        return {
+            number_of(Detail::Sent),
+            "it has not arrived, and is too far ahead of a missing one to be barred; ask again"};
+      }
+      session->reply(counter, Failure{Detail::NotStarted, never.text, {}, {}});
+      take_early(session);
+      return never;
+    }
+  } else if (outcomes_.had_arrived(asked, counter) == std::optional(false)) {
+    return never;
+  }
+  return {
+      number_of(Detail::OutcomeUnknown),
+      "it is not known, or not any more: the last outcomes of actor commands are kept, and none "
+      "of sensor operations"};
+}
+
+void ObjectHost::subscribe(ServerSession& session, std::uint64_t counter, wire::Decoder& from) {
+  std::uint32_t code = 0;
+  if (!from.get(code, "code")) return session.reply(counter, undecodable(from));
+  const StreamDescription* stream = interface_.find_stream(FunctionCode{code});
+  if (stream == nullptr) {
+    return session.reply(counter, Failure{Detail::UnknownOperation,
+                                          name_ + " (" + std::string(interface_.name) +
+                                              ") has no stream with code " + std::to_string(code),
+                                          {},
+                                          {}});
+  }
+  const auto may = leases_.may_queue(session.id(), leases_.epoch(), stream->status, watched_.now());
+  if (!may) {
+    return session.reply(counter, Failure{Detail::Denied,
+                                          "stream '" + std::string(stream->name) + "' of " + name_ +
+                                              " " + may.error().text,
+                                          {},
+                                          {}});
+  }
+  const auto shared = session.share(*stream);
+  if (!shared) return session.reply(counter, Failure{Detail::Rejected, shared.error(), {}, {}});
+  session.subscriptions[stream->code] = *shared;
+  Bytes result(sizeof *shared);
+  wire::Encoder(result).put(*shared);
+  session.reply(counter, result);
+}
+
+void ObjectHost::unsubscribe(ServerSession& session, std::uint64_t counter, wire::Decoder& from) {
+  std::uint32_t code = 0;
+  if (!from.get(code, "code")) return session.reply(counter, undecodable(from));
+  const auto found = session.subscriptions.find(FunctionCode{code});
+  if (found != session.subscriptions.end()) {
+    session.unshare(found->second);
+    session.subscriptions.erase(found);
+  }
+  session.reply(counter, ByteView{});
+}
+
+}  // namespace gecos::session

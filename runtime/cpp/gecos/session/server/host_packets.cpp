@@ -1,0 +1,424 @@
+// What a served object does with the packets of its clients.
+#include <pwd.h>
+#include <sys/random.h>
+
+#include <algorithm>
+
+#include "gecos/base/recycling_allocator.hpp"
+#include "gecos/session/protocol/function_code.hpp"
+#include "gecos/session/protocol/packets.hpp"
+#include "gecos/session/server/call_log.hpp"
+#include "gecos/session/server/handler_waits.hpp"
+#include "gecos/session/server/object_host.hpp"
+
+namespace gecos::session {
+namespace {
+
+/// While this process was stopped, say: its client has been told that nobody knows, or asks again.
+/// Where the medium loses nothing, a call also waits unread behind handlers that take long, which
+/// is no reason to refuse it: there only a pause is.
+bool waited_too_long(ServerSession& session) {
+  return (session.repeats() || session.awaited) && session.accept_within > Duration{} &&
+         session.link().age() > session.accept_within;
+}
+
+std::string text_of(ObjectQueue::Full full, std::size_t bytes) {
+  const auto calls = [](std::size_t most, const char* whose) {
+    return std::to_string(most) + " calls of " + whose + " wait already; wait for one of them";
+  };
+  const auto room = [&](std::size_t most, const char* whose) {
+    return "its arguments take " + std::to_string(bytes) + " bytes, and with those of " + whose +
+           " calls that have not ended more than " + std::to_string(most) +
+           "; wait for one of them";
+  };
+  switch (full) {
+    case ObjectQueue::Full::Object:
+      return calls(ObjectQueue::most_of_object, "all clients");
+    case ObjectQueue::Full::Client:
+      return calls(ObjectQueue::most_of_client, "this client");
+    case ObjectQueue::Full::BytesOfObject:
+      return room(ObjectQueue::most_bytes_of_object, "all clients'");
+    case ObjectQueue::Full::BytesOfClient:
+      return room(ObjectQueue::most_bytes_of_client, "this client's");
+  }
+  return {};
+}
+
+constexpr const char* given_up = "it was not started: its caller had given it up";
+
+SessionId new_session_id() {
+  std::uint64_t id = 0;
+  while (id == 0) {
+    if (getrandom(&id, sizeof id, 0) != sizeof id) id = 0;
+  }
+  return SessionId{id};
+}
+
+/// The kernel's word counts more than the client's.
+std::string user_of(const media::Peer& peer, const std::string& claimed) {
+  if (!peer.uid) return claimed;
+  passwd entry{};
+  passwd* found = nullptr;
+  char text[4096];
+  if (getpwuid_r(*peer.uid, &entry, text, sizeof text, &found) != 0 || found == nullptr) {
+    return "uid " + std::to_string(*peer.uid);
+  }
+  return entry.pw_name;
+}
+
+}  // namespace
+
+void ObjectHost::take(const std::shared_ptr<ServerSession>& session, ByteView bytes) {
+  const Lock lock(mutex_);
+  take_packet(session, bytes);
+}
+
+std::shared_ptr<ServerCall> ObjectHost::take_and_start(
+    const std::shared_ptr<ServerSession>& session, ByteView bytes, Starter starter) {
+  const Lock lock(mutex_);
+  take_packet(session, bytes);
+  return ready() ? start_next(starter) : nullptr;
+}
+
+void ObjectHost::take_packet(const std::shared_ptr<ServerSession>& session, ByteView bytes) {
+  const auto packet = wire::decode_packet(bytes);
+  if (!packet) return;
+  const auto& header = packet->header;
+  if (header.kind == wire::PacketKind::Hello) return greet(session, *packet);
+  if (header.version != wire::packet_version) return;  // no session of another version was opened
+  const bool theirs = session->greeted() && header.session == session->id();
+  if (header.kind == wire::PacketKind::Goodbye) {
+    if (theirs) {
+      session->left = true;
+      // One that was sent while this process stood still may be of somebody who is dead by now.
+      if (header.flags == withdraws || unheard_since_a_pause(*session)) withdraw(*session);
+      give_back_all(*session);
+    }
+    return say_goodbye(*session, header.session, "as you asked");
+  }
+  if (!theirs || session->closed)
+    return say_goodbye(*session, header.session, "it is not known here");
+
+  if (session->repeats()) acknowledge(session, header.acknowledged);
+  if (header.counter == 0) return;  // counts no call: damage, or malice
+  switch (header.kind) {
+    case wire::PacketKind::Call:
+      return arrive(session, *packet);
+    case wire::PacketKind::Cancel:
+      return cancel(*session, header.counter);
+    case wire::PacketKind::Query:
+      return answer_again(*session, header.counter);
+    default:
+      return;  // a newer client's
+  }
+}
+
+/// What its client has given up comes no more: nothing waits for it.
+void ObjectHost::acknowledge(const std::shared_ptr<ServerSession>& session, std::uint64_t counter) {
+  session->replies->acknowledged(counter);
+  if (counter <= session->window.all_up_to()) return;
+  session->early.erase(session->early.begin(), session->early.upper_bound(counter));
+  session->window.given_up(counter);
+  take_early(session);
+}
+
+void ObjectHost::greet(const std::shared_ptr<ServerSession>& session,
+                       const wire::PacketView& packet) {
+  const auto hello = wire::from_bytes<Hello>(packet.body);
+  wire::PacketHeader header;
+  const auto refuse = [&](const std::string& why) {
+    header.kind = wire::PacketKind::Refused;
+    header.flags = static_cast<std::int8_t>(Detail::Refused);
+    const FailureBody body{why, {}, {}};
+    session->send(header, wire::to_bytes(body));
+  };
+  if (packet.header.version != wire::packet_version) {
+    return refuse("this server speaks version " + std::to_string(wire::packet_version) +
+                  " of the session protocol and the client " +
+                  std::to_string(packet.header.version) + "; update the older one");
+  }
+  if (!hello) return refuse("the greeting does not decode: " + hello.error().message());
+  if (closed_) return refuse("the server is about to end");
+  if (!interface_.is_a(hello->interface_name)) {
+    return refuse(name_ + " is a " + std::string(interface_.name) + ", not a " +
+                  hello->interface_name);
+  }
+  if (!session->greeted()) {
+    Caller caller;
+    caller.user = user_of(session->link().peer(), hello->user);
+    caller.host = hello->host;
+    caller.program = hello->program;
+    caller.pid = session->link().peer().pid.value_or(hello->pid);
+    caller.boot = hello->boot;
+    const SessionId id = new_session_id();
+    caller.session = number(id);
+    session->greet(id, std::move(caller));
+    session->accept_within = hello->accept_within;
+    session->last_sign = watched_.now();
+    outcomes_.opened(id, session);
+    note_session(id, weak_from_this());
+    if (log_enabled(LogLevel::Info)) log_arrival(name_, *session);
+  }
+  Welcome welcome{name_,
+                  std::string(interface_.name),
+                  {},
+                  interface_.hash,
+                  number(process_boot()),
+                  static_cast<std::uint32_t>(ObjectQueue::most_of_object),
+                  {}};
+  welcome.bases.assign(interface_.bases.begin(), interface_.bases.end());
+  if (hello->interface_hash != interface_.hash) {
+    for (const OperationDescription* operation : interface_.all_operations()) {
+      welcome.operations.push_back({operation->code, operation->hash});
+    }
+  }
+  header.kind = wire::PacketKind::Welcome;
+  session->send(header, wire::to_bytes(welcome));
+}
+
+/// Whatever was read of it may be older than the pause.
+bool ObjectHost::unheard_since_a_pause(const ServerSession& session) const {
+  return session.awaited ||
+         runtime_->maintenance().pauses().suspected(runtime_->clock().since_boot());
+}
+
+/// Its client has given up what has not started.
+void ObjectHost::withdraw(ServerSession& session) {
+  session.withdrawn = true;  // also for what waits for its thread
+  while (!session.early.empty()) {
+    end_early(session, session.early.begin()->first, Detail::NotStarted, given_up);
+  }
+  std::vector<std::shared_ptr<ServerCall>> calls;
+  for (const auto& [counter, call] : session.calls.all()) calls.push_back(call);
+  for (const auto& call : calls) {
+    if (!queue_.remove(*call)) continue;
+    end(*call, Failure{Detail::NotStarted, given_up, {}, {}});
+    call->answered = call->returned = true;
+    finished(*call);
+  }
+  note_ready();
+}
+
+void ObjectHost::say_goodbye(ServerSession& session, SessionId to, const std::string& why) {
+  wire::PacketHeader header;
+  header.kind = wire::PacketKind::Goodbye;
+  header.session = to;
+  Bytes body(wire::string_size(why));
+  wire::Encoder(body).put_string(why);
+  session.send(header, body);
+}
+
+void ObjectHost::arrive(const std::shared_ptr<ServerSession>& session,
+                        const wire::PacketView& packet) {
+  const std::uint64_t counter = packet.header.counter;
+  if (waited_too_long(*session)) {
+    if (session->repeats()) return;  // its client asks again, or has given it up
+    session->window.arrived_in_order(counter);
+    const std::string why = "it was not started: it lay unread for more than " +
+                            std::to_string(session->accept_within / std::chrono::milliseconds(1)) +
+                            " ms, because this process or its machine was kept from running";
+    outcomes_.ended({session->id(), counter, Detail::NotStarted, why});
+    return session->reply(counter, Failure{Detail::NotStarted, why, {}, {}});
+  }
+  if (session->repeats()) {
+    // What was issued before a release still runs: until all of it is here, it has not arrived.
+    const bool release =
+        packet.header.code == FunctionCode{static_cast<std::uint32_t>(BuiltIn::Release)};
+    if (release && counter > session->window.all_up_to() + 1) return;
+    switch (session->window.arrived(counter)) {
+      case ReceiveWindow::Verdict::New:
+        break;
+      case ReceiveWindow::Verdict::Seen:
+        return answer_again(*session, counter);
+      case ReceiveWindow::Verdict::Beyond:
+        return;  // answered now, a copy of it could still start later
+    }
+  } else {
+    session->window.arrived_in_order(counter);
+  }
+  wire::PacketView aged = packet;
+  if (Duration& left = aged.header.deadline; left > Duration{}) {
+    left = std::max(left - session->link().age(), Duration{1});
+  }
+  take_call(session, aged);
+  take_early(session);
+}
+
+void ObjectHost::take_call(const std::shared_ptr<ServerSession>& session,
+                           const wire::PacketView& packet) {
+  const std::uint64_t counter = packet.header.counter;
+  const FunctionCode code = packet.header.code;
+  if (number(code) <= last_builtin_code) return answer_builtin(session, packet);
+  if (packet.header.flags == sent_again) return take_again(session, packet);
+  const OperationDescription* operation = interface_.find(code);
+  if (operation == nullptr) {
+    return session->reply(
+        counter, Failure{Detail::UnknownOperation,
+                         name_ + " (" + std::string(interface_.name) + ", version " +
+                             std::string(interface_.version) + ") has no operation with code " +
+                             std::to_string(number(code)) +
+                             "; its server is older than this client's interface",
+                         {},
+                         {}});
+  }
+  const std::size_t most =
+      ObjectQueue::most_of_object + (operation->safety ? ObjectQueue::most_of_object / 4 : 0);
+  if (session->calls.size() + session->early.size() >= most) {  // which no client of ours does
+    return session->reply(
+        counter, Failure{Detail::QueueFull, "more calls are unanswered than were granted", {}, {}});
+  }
+  if (!too_early(*session, packet, *operation)) admit(session, packet, *operation);
+}
+
+/// Over a medium that loses packets a command may arrive before one that was issued before it; it
+/// waits for that one, or an arm would move to its second goal first. True: it was put aside.
+bool ObjectHost::too_early(ServerSession& session, const wire::PacketView& packet,
+                           const OperationDescription& operation) {
+  const bool keeps_place = operation.status != access::Status::Sensor || operation.ordered;
+  if (!session.repeats() || operation.safety || !keeps_place ||
+      packet.header.counter <= session.window.all_up_to()) {
+    return false;
+  }
+  std::size_t bytes = packet.body.size();
+  for (const auto& [counter, other] : session.early) bytes += other.body.size();
+  if (!session.early.empty() && bytes > ObjectQueue::most_bytes_of_client) {
+    const auto why = text_of(ObjectQueue::Full::BytesOfClient, packet.body.size());
+    end_early(session, packet.header.counter, Detail::QueueFull, "it was not queued: " + why);
+    return true;
+  }
+  session.early.emplace(packet.header.counter,
+                        EarlyCall{packet.header, Bytes(packet.body.begin(), packet.body.end()),
+                                  runtime_->clock().since_boot()});
+  return true;
+}
+
+void ObjectHost::end_early(ServerSession& session, std::uint64_t counter, Detail how,
+                           const std::string& why) {
+  session.early.erase(counter);
+  outcomes_.ended({session.id(), counter, how, why});
+  session.reply(counter, Failure{how, why, {}, {}});
+}
+
+/// Those that nothing is missing before any more.
+void ObjectHost::take_early(const std::shared_ptr<ServerSession>& session) {
+  auto& early = session->early;
+  while (!early.empty() && early.begin()->first <= session->window.all_up_to()) {
+    EarlyCall call = std::move(early.extract(early.begin()).mapped());
+    if (call.header.deadline > Duration{}) {
+      const Duration waited = runtime_->clock().since_boot() - call.arrived;
+      call.header.deadline = std::max(call.header.deadline - waited, Duration{1});
+    }
+    take_call(session, {call.header, call.body, {}});
+  }
+}
+
+void ObjectHost::admit(const std::shared_ptr<ServerSession>& session,
+                       const wire::PacketView& packet, const OperationDescription& operation) {
+  const auto refuse = [&](Detail detail, const std::string& why) {
+    const Failure failure{
+        detail, "'" + std::string(operation.name) + "' of " + name_ + " " + why, {}, {}};
+    if (operation.status != access::Status::Sensor) {
+      outcomes_.ended({session->id(), packet.header.counter, detail, failure.text});
+    }
+    session->reply(packet.header.counter, failure);
+    if (log_enabled(level_of(operation))) log_refused(name_, operation, session->caller(), failure);
+  };
+  if (closed_) return refuse(Detail::Rejected, "was not started: the server is about to end");
+  if (!operation.safety) {
+    const auto may =
+        leases_.may_queue(session->id(), packet.header.epoch, operation.status, watched_.now());
+    if (!may) return refuse(detail_of(may.error().reason), may.error().text);
+  }
+  if (claim_.refuses() && needs_name(operation)) {
+    return refuse(Detail::NotStarted, "was not started: " + claim_.text());
+  }
+  if (operation.on_new == OnNew::Reject && !queue_.running().empty()) {
+    return refuse(Detail::Rejected, "was not started: '" +
+                                        std::string(queue_.running().front()->operation.name) +
+                                        "' runs; wait until it has ended, or cancel it");
+  }
+  auto call = make_recycled<ServerCall>(session, operation, packet.header.counter,
+                                        packet.header.epoch, packet.body);
+  if (log_enabled(level_of(operation))) call->arrived = runtime_->clock().now();
+  if (packet.header.deadline > Duration{}) {
+    const TimePoint now = runtime_->clock().since_boot();  // in centuries: none
+    if (packet.header.deadline < TimePoint::max() - now)
+      call->deadline = now + packet.header.deadline;
+  }
+  if (const auto queued = queue_.push(call); !queued) {
+    return refuse(Detail::QueueFull,
+                  "was not queued: " + text_of(queued.error(), packet.body.size()));
+  }
+  session->calls.insert(call->counter, call);
+  ++session->unreturned;
+  if (call->lane == CallLane::Actor) {
+    ++session->commands;
+    if (operation.on_new == OnNew::Preempt) preempt(*call);
+    const auto position = queue_.position(*call).value_or(0);
+    if (position != 0 || session->repeats() || runs_long(operation)) {
+      call->position_sent = position;
+      if (position != 0) session->report(*call, Detail::Queued, position);
+    }
+  }
+  if (call->deadline != TimePoint::max()) list(*call);
+  note_ready();
+}
+
+void ObjectHost::preempt(const ServerCall& by) {
+  const Failure failure{Detail::Preempted,
+                        "replaced by '" + std::string(by.operation().name) + "' of " +
+                            by.caller().program + " (pid " + std::to_string(by.caller().pid) + ")",
+                        {},
+                        {}};
+  end_commands([&](const ServerCall& other) { return &other != &by; }, failure);
+}
+
+void ObjectHost::answer_again(ServerSession& session, std::uint64_t counter) {
+  if (const Bytes* kept = session.replies->find(counter)) return session.send_again(*kept);
+  const auto* found = session.calls.find(counter);
+  if (found == nullptr) {
+    // Never seen: its call is on the way again. Acknowledged: a packet that was late. Early: it has
+    // not arrived yet as far as its caller shall know.
+    if (session.early.contains(counter) || waits_for_status(session, counter)) return;
+    if (!session.window.seen(counter) || !session.replies->awaited(counter)) return;
+    return session.reply(counter,
+                         Failure{Detail::OutcomeUnknown,
+                                 "it came to an end, but its answer was lost and is not kept"
+                                 " any more: too many later ones were unacknowledged",
+                                 {},
+                                 {}});
+  }
+  const ServerCall& call = **found;
+  session.report(call, call.running_detail(), queue_.position(call).value_or(0));
+}
+
+void ObjectHost::cancel(ServerSession& session, std::uint64_t counter) {
+  if (session.early.contains(counter)) {
+    return end_early(session, counter, Detail::Canceled, "canceled before it started");
+  }
+  const auto* found = session.calls.find(counter);
+  if (found == nullptr) return;
+  const std::shared_ptr<ServerCall> call = *found;
+  const bool motion = call->started && call->operation().cancelable;
+  if (motion && !call->canceling) {
+    call->canceling = true;
+    interrupt(*call);
+    session.report(*call, Detail::Canceling, 0);
+    end_commands(
+        [&](const ServerCall& other) {
+          return other.client == call->client && !other.started && other.counter > call->counter;
+        },
+        Failure{Detail::Canceled, "canceled with the command before it", {}, {}});
+    for (auto at = session.early.upper_bound(counter); at != session.early.end();
+         at = session.early.upper_bound(counter)) {
+      end_early(session, at->first, Detail::Canceled, "canceled with the command before it");
+    }
+  } else if (!call->started && queue_.remove(*call)) {
+    end(*call, Failure{Detail::Canceled, "canceled before it started", {}, {}});
+    call->answered = call->returned = true;
+    finished(*call);
+    note_ready();
+  }
+}
+
+}  // namespace gecos::session

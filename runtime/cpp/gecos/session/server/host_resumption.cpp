@@ -1,0 +1,63 @@
+// A call that its client sends again because it lost the session in which it had sent it.
+#include "gecos/session/protocol/function_code.hpp"
+#include "gecos/session/protocol/packets.hpp"
+#include "gecos/session/server/object_host.hpp"
+
+namespace gecos::session {
+
+/// What it was then it still is, as long as that is known: a call that runs is told of here, one
+/// that has ended is answered again, one that never came does not come any more. Else it is a new
+/// one.
+void ObjectHost::take_again(const std::shared_ptr<ServerSession>& session,
+                            const wire::PacketView& packet) {
+  wire::Decoder from(packet.body);
+  std::uint64_t lost = 0;
+  std::uint64_t counter = 0;
+  if (!from.get(lost, "session") || !from.get(counter, "counter")) {
+    return session->reply(packet.header.counter,
+                          Failure{Detail::BadParameter, from.error().message(), {}, {}});
+  }
+  wire::PacketView call = packet;
+  call.header.flags = 0;
+  call.body = packet.body.subspan(packet.body.size() - from.remaining());
+  const OperationDescription* const operation = interface_.find(packet.header.code);
+  if (operation == nullptr || !operation->idempotent || SessionId{lost} == session->id()) {
+    return take_call(session, call);
+  }
+  if (const Bytes* const kept = outcomes_.reply(SessionId{lost}, counter)) {
+    if (const auto reply = wire::decode_packet(*kept)) {
+      return session->reply_as(packet.header.counter, *reply);
+    }
+  }
+  if (const auto before = outcomes_.session(SessionId{lost})) {
+    if (const auto* found = before->calls.find(counter)) return resume(session, packet, *found);
+    reject_late(before, counter);
+  }
+  take_call(session, call);
+}
+
+/// From now on it is told of in `session`.
+void ObjectHost::resume(const std::shared_ptr<ServerSession>& session,
+                        const wire::PacketView& packet, std::shared_ptr<ServerCall> call) {
+  if (call->operation().code != packet.header.code) {
+    return session->reply(packet.header.counter,
+                          Failure{Detail::BadParameter, "it was another operation before", {}, {}});
+  }
+  if (call->resumed_in) call->resumed_in->calls.take(call->resumed_counter);
+  call->resumed_in = session;
+  call->resumed_counter = packet.header.counter;
+  session->calls.insert(call->resumed_counter, call);
+  session->report(*call, call->running_detail(), queue_.position(*call).value_or(0));
+}
+
+/// Should it still come in its own session, it is too late.
+void ObjectHost::reject_late(const std::shared_ptr<ServerSession>& before, std::uint64_t counter) {
+  if (before->closed || !before->repeats()) return;
+  if (before->early.contains(counter)) {
+    end_early(*before, counter, Detail::NotStarted, "it was sent again in another session");
+  } else if (before->window.arrived(counter) == ReceiveWindow::Verdict::New) {
+    take_early(before);
+  }
+}
+
+}  // namespace gecos::session

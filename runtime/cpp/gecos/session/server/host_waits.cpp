@@ -1,0 +1,116 @@
+// Handlers that wait: what describe() shows of them, and the end of what would wait for ever.
+#include <algorithm>
+
+#include "gecos/base/log.hpp"
+#include "gecos/session/server/handler_waits.hpp"
+#include "gecos/session/server/object_host.hpp"
+
+namespace gecos::session {
+
+void ObjectHost::waits(ServerCall& call, const CommandId& awaited, std::string name) {
+  const Lock lock(mutex_);
+  if (call.begun == TimePoint{} || call.awaited) return;
+  call.awaited = awaited;
+  call.awaited_name = std::move(name);
+  call.awaited_since = runtime_->clock().now();
+  ++waiting_handlers_;
+}
+
+void ObjectHost::goes_on(ServerCall& call) {
+  const Lock lock(mutex_);
+  if (std::exchange(call.awaited, std::nullopt)) --waiting_handlers_;
+}
+
+std::optional<CommandId> ObjectHost::awaited_by(const ServerCall& call) {
+  const Lock lock(mutex_);
+  return call.awaited;
+}
+
+std::shared_ptr<ServerCall> ObjectHost::find(const CommandId& call) {
+  const Lock lock(mutex_);
+  const auto session = outcomes_.open(SessionId{call.session});
+  const auto* const found = session == nullptr ? nullptr : session->calls.find(call.counter);
+  return found == nullptr ? nullptr : *found;
+}
+
+std::vector<std::shared_ptr<ServerCall>> ObjectHost::held_up_by(const ServerCall& call) {
+  const Lock lock(mutex_);
+  std::vector<std::shared_ptr<ServerCall>> holding;
+  if (call.begun != TimePoint{} || call.terminal || call.deadline != TimePoint::max()) return {};
+  if (call.started) {  // it is queued by a servant that begins its calls itself
+    for (ServerCall* const handler : handlers_) {
+      if (!servant_.gecos_share_thread(handler->operation(), call.operation())) continue;
+      holding.push_back(handler->shared_from_this());
+    }
+    return holding;
+  }
+  if (!options_.thread_safe) {
+    for (ServerCall* const handler : handlers_) {
+      if (!handler->returned) holding.push_back(handler->shared_from_this());
+    }
+  }
+  if (call.lane == CallLane::Actor) {
+    for (QueueEntry* const running : queue_.holding_up()) {
+      holding.push_back(static_cast<ServerCall*>(running)->shared_from_this());
+    }
+  }
+  return holding;
+}
+
+/// A circle of handlers that wait for each other without a bound stays one: it is certain. What has
+/// just begun to wait may wait for what ends this very moment.
+void ObjectHost::end_endless_waits(TimePoint now) {
+  constexpr Duration certain_after = std::chrono::milliseconds(200);
+  std::vector<std::shared_ptr<ServerCall>> waiting;
+  {
+    const Lock lock(mutex_);
+    if (waiting_handlers_ == 0) return;
+    for (ServerCall* const handler : handlers_) {
+      if (!handler->awaited || now - handler->awaited_since < certain_after) continue;
+      waiting.push_back(handler->shared_from_this());
+    }
+  }
+  for (const auto& handler : waiting) {
+    const auto awaited = awaited_by(*handler);
+    const auto object = awaited ? object_in(*awaited) : nullptr;
+    if (object == nullptr) continue;
+    if (const auto why = waits_for_itself(handler); !why.empty()) {
+      object->refuse_endless(*awaited, why);
+    }
+  }
+}
+
+void ObjectHost::refuse_endless(const CommandId& id, const std::string& why) {
+  const auto call = find(id);
+  if (call == nullptr) return;
+  const Lock lock(mutex_);
+  if (call->terminal || call->begun != TimePoint{}) return;
+  const std::string text = call->title() + " was not started: " + why +
+                           "; call the method itself, or let another thread wait";
+  log_warning("server", text);
+  const bool waited_here = queue_.remove(*call);
+  end(*call, Failure{Detail::Rejected, text, {}, {}});
+  if (!waited_here) return;  // its servant drops it
+  call->answered = call->returned = true;
+  finished(*call);
+  note_ready();
+}
+
+std::vector<RunningHandler> ObjectHost::running_handlers() {
+  const TimePoint now = runtime_->clock().since_boot();
+  std::vector<RunningHandler> handlers;
+  for (const ServerCall* const call : handlers_) {
+    RunningHandler& line = handlers.emplace_back();
+    const Caller& caller = call->caller();
+    line.operation = call->operation().name;
+    line.running_for = std::chrono::duration<double>(now - call->begun).count();
+    line.user = caller.user;
+    line.host = caller.host;
+    line.program = caller.program;
+    line.pid = caller.pid;
+    if (call->awaited) line.waits_for = call->awaited_name;
+  }
+  return handlers;
+}
+
+}  // namespace gecos::session

@@ -1,0 +1,602 @@
+#include "gecos/session/server/object_host.hpp"
+
+#include <algorithm>
+#include <exception>
+
+#include "gecos/base/log.hpp"
+#include "gecos/session/protocol/function_code.hpp"
+#include "gecos/session/protocol/packets.hpp"
+#include "gecos/session/protocol/start_words.hpp"
+#include "gecos/session/server/call_log.hpp"
+#include "gecos/session/server/handler_waits.hpp"
+
+namespace gecos::session {
+
+namespace {
+
+/// What the user gave, where no caller could be told that it threw.
+void run_for_user(const std::string& object, const std::function<void()>& what) {
+  try {
+    what();
+  } catch (const std::exception& error) {
+    log_error("session", object + ": on_stop or gecos_session_ended threw: " + error.what());
+  } catch (...) {
+    log_error("session",
+              object + ": on_stop or gecos_session_ended threw what is no std::exception");
+  }
+}
+
+}  // namespace
+
+Detail detail_of(access::Denial::Reason reason) {
+  switch (reason) {
+    case access::Denial::Reason::LeaseEnded:
+      return Detail::LeaseLost;
+    case access::Denial::Reason::Stopped:
+      return Detail::Stopped;
+    default:
+      return Detail::Denied;
+  }
+}
+
+ObjectHost::ObjectHost(std::shared_ptr<Runtime> runtime, std::string name, Servant& servant,
+                       ObjectOptions options)
+    : runtime_(std::move(runtime)),
+      name_(std::move(name)),
+      servant_(servant),
+      interface_(servant.gecos_interface()),
+      options_(std::move(options)),
+      leases_(process_boot(), runtime_->options().lease_ttl),
+      queue_(options_.thread_safe ? LaneThreads::Many : LaneThreads::One),
+      watched_(runtime_->clock().now(), runtime_->options().heartbeat * 2),
+      streams_(name_, interface_),
+      executor_("gecos-" + name_) {}
+
+// Running handlers
+
+void ObjectHost::run_ready(Starter starter, std::shared_ptr<ServerCall> started) {
+  const auto next = [&] {
+    const Lock lock(mutex_);
+    return start_next(starter);
+  };
+  auto call = started ? std::move(started) : next();
+  while (call) {
+    if (starter == Starter::Other || runs_long(call->operation())) {
+      const bool posted = executor_.post([self = shared_from_this(), call] {
+        self->run_ready(Starter::Worker,
+                        self->begins(*call) ? self->execute(call, Starter::Worker) : nullptr);
+      });
+      if (!posted) not_begun(*call);
+      call = next();
+    } else {
+      call = execute(call, starter);
+    }
+  }
+}
+
+std::shared_ptr<ServerCall> ObjectHost::execute(const std::shared_ptr<ServerCall>& call,
+                                                Starter starter) {
+  try {
+    const RunsHere here(*call);
+    servant_.gecos_dispatch(IncomingCall(call));
+  } catch (...) {  // dropped unanswered, the call has ended as FAULT
+    log_error("session", name_ + ": the servant threw while it dispatched '" +
+                             std::string(call->operation().name) +
+                             "'; catch it there and fail the call with its text");
+  }
+  const Lock lock(mutex_);
+  call->returned = true;
+  queue_.returned(*call);
+  if (call->answered) {
+    finished(*call);
+  } else if (!call->terminal) {
+    list(*call);  // its handler answers later
+    call->listener().report(*call, Detail::Executing, 0);
+  }
+  return start_next(starter);
+}
+
+/// False for one that was ended before a thread came to it, or may not start any more: its caller
+/// was told, so it does not begin.
+bool ObjectHost::begins(ServerCall& call) {
+  std::unique_lock lock(mutex_);
+  const TimePoint now = await_judgement(lock);
+  if (!may_start(call) || (!servant_.gecos_begins_calls() && !marked(call, now))) {
+    never_began(call);
+    return false;
+  }
+  if (runs_long(call.operation())) call.listener().report(call, Detail::Executing, 0);
+  return true;
+}
+
+bool ObjectHost::begin(ServerCall& call) {
+  runs_here(call.weak_from_this());
+  std::unique_lock lock(mutex_);
+  const TimePoint now = await_judgement(lock);
+  return may_start(call) && marked(call, now);
+}
+
+/// Gives the time, of CLOCK_BOOTTIME, at which no pause was to be judged: with the mutex, so that
+/// whoever marks a call then has not waited for anything since.
+TimePoint ObjectHost::await_judgement(std::unique_lock<Mutex>& lock) {
+  PauseWatch& pauses = runtime_->maintenance().pauses();
+  for (;;) {
+    const TimePoint now = runtime_->clock().since_boot();
+    if (!pauses.suspected(now)) return now;
+    lock.unlock();
+    pauses.await_judgement(runtime_->clock());
+    lock.lock();
+  }
+}
+
+/// All was ended before, or there is no thread for it.
+void ObjectHost::not_begun(ServerCall& call) {
+  const Lock lock(mutex_);
+  if (!call.terminal) {
+    end(call, Failure{Detail::Rejected,
+                      "it was not started: no thread can be had for its handler, see "
+                      "`ulimit -u` of the server",
+                      {},
+                      {}});
+  }
+  never_began(call);
+}
+
+void ObjectHost::never_began(ServerCall& call) {
+  call.answered = call.returned = true;
+  queue_.returned(call);
+  finished(call);
+}
+
+std::shared_ptr<ServerCall> ObjectHost::start_next(Starter starter) {
+  ready_.store(false, std::memory_order_relaxed);
+  if (runtime_->maintenance().pauses().suspected(runtime_->clock(), pause_)) {
+    note_ready();  // maintenance starts what may start once it has judged the pause
+    return nullptr;
+  }
+  while (auto entry = next_entry()) {
+    auto call = std::static_pointer_cast<ServerCall>(std::move(entry));
+    const bool here = starter != Starter::Other && !runs_long(call->operation());
+    if (may_start(*call) && (!here || servant_.gecos_begins_calls() || marked(*call, pause_.at))) {
+      if (!here) list(*call);
+      return call;
+    }
+    never_began(*call);
+  }
+  return nullptr;
+}
+
+std::shared_ptr<QueueEntry> ObjectHost::next_entry() {
+  if (awaited_ == 0 && !claim_.waits()) return queue_.next();
+  return queue_.next([this](const QueueEntry& entry) {
+    return !static_cast<const ServerCall&>(entry).listener().awaited &&
+           !needs_name(entry.operation);
+  });
+}
+
+/// What was true when it was queued need not be true any more.
+bool ObjectHost::may_start(ServerCall& call) {
+  if (call.terminal) return false;
+  const ServerSession& caller = call.listener();
+  if (caller.closed && !caller.parted_in_order) {
+    end(call, Failure{Detail::NotStarted, "its caller was gone before it started", {}, {}});
+    return false;
+  }
+  if (caller.withdrawn) {
+    end(call,
+        Failure{Detail::NotStarted, "it was not started: its caller had given it up", {}, {}});
+    return false;
+  }
+  if (caller.awaited) {  // it waited for its thread during the pause, and the thread came first
+    end(call,
+        Failure{Detail::NotStarted,
+                "it was not started: its caller has not been heard since the server stood still, "
+                "or for too long",
+                {},
+                {}});
+    return false;
+  }
+  if (call.deadline != TimePoint::max() && runtime_->clock().since_boot() >= call.deadline) {
+    end(call, Failure{Detail::Expired,
+                      "the deadline of '" + std::string(call.operation().name) +
+                          "' passed before it started; it was not carried out",
+                      {},
+                      {}});
+    return false;
+  }
+  if (call.operation().safety) return true;
+  const auto may =
+      leases_.may_start(call.client, call.epoch, call.operation().status, watched_.now());
+  if (may) return true;
+  end(call,
+      Failure{detail_of(may.error().reason),
+              "'" + std::string(call.operation().name) + "' of " + name_ + " " + may.error().text,
+              {},
+              {}});
+  return false;
+}
+
+/// Marks it as started, directly before its handler begins. False when its caller has withdrawn it,
+/// and so has been told, or will be, that it did not start.
+bool ObjectHost::marked(ServerCall& call, TimePoint now) {
+  call.note_mark(now);
+  if (!withdrawn(call)) {
+    call.begun = now;
+    handlers_.push_back(&call);
+    if (log_enabled(LogLevel::Debug)) log_begin(call);
+    return true;
+  }
+  end(call, Failure{Detail::NotStarted,
+                    "'" + std::string(call.operation().name) + "' of " + name_ +
+                        " was not started: its caller had given it up",
+                    {},
+                    {}});
+  return false;
+}
+
+/// Where client and server share memory, what the client has withdrawn is read after the mark.
+bool ObjectHost::withdrawn(const ServerCall& call) {
+  ServerSession& session = call.listener();
+  if (!session.link().offer().shared_words) return false;
+  const std::uint64_t counter = call.counter_in(session);
+  const std::size_t word = marked_word(call.lane);
+  session.marked.at(word) = std::max(session.marked.at(word), counter);
+  session.link().write_word(word, session.marked.at(word));
+  return session.link().peer_word(withdrawn_word) >= counter;
+}
+
+// Outcomes
+
+void ObjectHost::answered(ServerCall& call, ByteView result) {
+  bool freed = false;
+  let_pause_be_judged(call);
+  {
+    const Lock lock(mutex_);
+    if (std::exchange(call.answered, true)) return;
+    if (!call.terminal) end(call, result);
+    freed = call.returned;
+    if (freed) finished(call);
+  }
+  if (freed) run_ready(Starter::Other);
+}
+
+void ObjectHost::answered(ServerCall& call, Failure failure) {
+  bool freed = false;
+  let_pause_be_judged(call);
+  {
+    const Lock lock(mutex_);
+    if (std::exchange(call.answered, true)) return;
+    if (!call.terminal) {
+      if (failure.detail == Detail::Canceled) failure.text = "canceled while it was executing";
+      if (project(failure.detail) == State::Running || failure.detail == Detail::Done) {
+        failure.detail = Detail::Fault;
+      }
+      end(call, failure);
+    }
+    freed = call.returned;
+    if (freed) finished(call);
+  }
+  if (freed) run_ready(Starter::Other);
+}
+
+/// What ran through a pause ends as the judgement says, however quick its handler is afterwards.
+void ObjectHost::let_pause_be_judged(const ServerCall& call) {
+  if (!runs_long(call.operation()) || call.lane != CallLane::Actor) return;
+  Maintenance& maintenance = runtime_->maintenance();
+  if (!maintenance.on_this_thread()) maintenance.pauses().await_judgement(runtime_->clock());
+}
+
+void ObjectHost::end(ServerCall& call, ByteView result) {
+  settle(call, Detail::Done, {});
+  call.listener().reply(call.counter_in(call.listener()), result);
+}
+
+void ObjectHost::end(ServerCall& call, const Failure& failure) {
+  settle(call, failure.detail, failure.text);
+  call.listener().reply(call.counter_in(call.listener()), failure);
+}
+
+/// Before its caller is told: whoever has seen the last command of a released status end finds the
+/// status free. What the next holder commands still waits for the handler to return.
+void ObjectHost::settle(ServerCall& call, Detail detail, const std::string& text) {
+  call.terminal = true;
+  if (log_enabled(level_of(call.operation()))) log_end(call, detail, text, runtime_->clock().now());
+  call.session->calls.take(call.counter);
+  if (call.resumed_in) call.resumed_in->calls.take(call.resumed_counter);
+  if (call.lane != CallLane::Actor) return;
+  outcomes_.ended({call.client, call.counter, detail, text});
+  if (--call.session->commands == 0) leases_.drained(call.client);
+}
+
+void ObjectHost::list(ServerCall& call) {
+  if (!std::exchange(call.listed, true)) open_.push_back(call.shared_from_this());
+}
+
+/// Its handler has returned and answered: the lane is free.
+void ObjectHost::finished(ServerCall& call) {
+  queue_.ended(call);
+  if (std::exchange(call.begun, TimePoint{}) != TimePoint{}) std::erase(handlers_, &call);
+  if (std::exchange(call.awaited, std::nullopt)) --waiting_handlers_;
+  if (std::exchange(call.listed, false)) {
+    open_.erase(std::find_if(open_.begin(), open_.end(),
+                             [&](const auto& other) { return other.get() == &call; }));
+  }
+  grant_to_waiting();
+  ServerSession& session = *call.session;
+  if (--session.unreturned != 0 || !session.closed) return;
+  tell_user([this, id = number(session.id())] { servant_.gecos_session_ended(id); });
+}
+
+void ObjectHost::tell_user(std::function<void()> what) {
+  runtime_->maintenance().post([weak = weak_from_this(), what = std::move(what)] {
+    const auto self = weak.lock();
+    if (self == nullptr) return;
+    const std::lock_guard lock(self->user_mutex_);
+    if (!self->joined_) run_for_user(self->name_, what);
+  });
+}
+
+/// Those that have not ended, in the order in which they start.
+std::vector<std::shared_ptr<ServerCall>> ObjectHost::actor_commands() const {
+  std::vector<std::shared_ptr<ServerCall>> commands;
+  for (QueueEntry* entry : queue_.running()) {
+    commands.push_back(static_cast<ServerCall*>(entry)->shared_from_this());
+  }
+  for (const auto& entry : queue_.waiting()) {
+    commands.push_back(std::static_pointer_cast<ServerCall>(entry));
+  }
+  return commands;
+}
+
+void ObjectHost::interrupt(ServerCall& call) {
+  call.interrupt();
+  interrupted_.notify_all();
+}
+
+bool ObjectHost::wait_interrupted(const ServerCall& call, TimePoint deadline) {
+  const auto wanted = [&] { return call.interrupted(); };
+  {
+    std::unique_lock lock(mutex_);
+    if (deadline != TimePoint::max()) {
+      interrupted_.wait_until(lock, deadline, wanted);
+    } else {
+      interrupted_.wait(lock, wanted);
+    }
+  }
+  let_pause_be_judged(call);
+  return wanted();
+}
+
+void ObjectHost::end_commands(const std::function<bool(const ServerCall&)>& which,
+                              const Failure& failure) {
+  for (const auto& call : actor_commands()) {
+    if (!which(*call)) continue;
+    if (!call->started) {
+      queue_.remove(*call);
+      end(*call, failure);
+      call->answered = call->returned = true;
+      finished(*call);
+    } else {
+      interrupt(*call);
+      if (!call->terminal) end(*call, failure);
+    }
+  }
+  note_ready();
+}
+
+void ObjectHost::progressed(ServerCall& call, double fraction, ByteView feedback) {
+  const Lock lock(mutex_);
+  if (call.terminal) return;
+  call.fraction = fraction;
+  call.feedback.assign(feedback.begin(), feedback.end());
+  call.progress_dirty = true;
+  tell(call, runtime_->clock().now());
+}
+
+void ObjectHost::tell(ServerCall& call, TimePoint now) {
+  constexpr Duration between = std::chrono::milliseconds(2);
+  if (!call.progress_dirty || call.terminal || now < call.progress_sent + between) return;
+  const Detail detail = call.canceling ? Detail::Canceling : Detail::Executing;
+  if (!call.listener().report(call, detail, 0)) return;
+  call.progress_dirty = false;
+  call.progress_sent = now;
+}
+
+void ObjectHost::tell_positions() {
+  std::size_t position = queue_.running().size();
+  for (const auto& entry : queue_.waiting()) {
+    auto& call = static_cast<ServerCall&>(*entry);
+    if (call.position_sent != position && call.listener().report(call, Detail::Queued, position)) {
+      call.position_sent = position;
+    }
+    ++position;
+  }
+}
+
+// Time and losses
+
+TimePoint ObjectHost::on_tick(TimePoint now) {
+  look_at_time(now);
+  end_endless_waits(now);
+  // What has become free, and what nobody else looks at: its client is gone, its poller sleeps.
+  if (ready()) run_ready(Starter::Other);
+  const Lock lock(mutex_);
+  const bool calm = queue_.idle() && open_.empty();
+  return now + (calm ? Maintenance::calm_tick : Maintenance::tick);
+}
+
+void ObjectHost::look_at_time(TimePoint now) {
+  const Lock lock(mutex_);
+  for (const auto& holder : leases_.expire(watched_.look(now))) {
+    lose_status(holder.session,
+                "its holder has been silent for " +
+                    std::to_string(std::chrono::duration_cast<std::chrono::milliseconds>(
+                                       runtime_->options().lease_ttl)
+                                       .count()) +
+                    " ms");
+  }
+  const auto open = open_;
+  const TimePoint by_deadlines = open.empty() ? now : runtime_->clock().since_boot();
+  for (const auto& call : open) {
+    if (!call->terminal && by_deadlines >= call->deadline) {
+      if (queue_.remove(*call)) {
+        end(*call, Failure{Detail::Expired,
+                           "the deadline of '" + std::string(call->operation().name) +
+                               "' passed before it started; it was not carried out",
+                           {},
+                           {}});
+        call->answered = call->returned = true;
+        finished(*call);
+      } else {
+        interrupt(*call);
+        end(*call, Failure{Detail::TimedOut,
+                           "the deadline of '" + std::string(call->operation().name) +
+                               "' passed while it was executing; it was told to stop",
+                           {},
+                           {}});
+      }
+      note_ready();
+    }
+    tell(*call, now);
+  }
+  tell_positions();
+  if (!waiting_.empty()) refuse_waiting(now);
+}
+
+void ObjectHost::await_sign_of_life(ServerSession& session) {
+  const Lock lock(mutex_);
+  session.beats_judged = session.link().beats_seen();
+  hold(session);
+}
+
+void ObjectHost::hold(ServerSession& session) {
+  if (session.closed) return;  // no heartbeat of it can come any more to end the wait
+  if (!std::exchange(session.awaited, true)) ++awaited_;
+}
+
+void ObjectHost::no_more_awaited(ServerSession& session) {
+  if (!std::exchange(session.awaited, false)) return;
+  --awaited_;
+  note_ready();
+}
+
+void ObjectHost::after_pause(Duration stood_still) {
+  const Lock lock(mutex_);
+  end_commands([](const ServerCall& call) { return call.started; },
+               Failure{Detail::Fault,
+                       "the server " + stood_still_for(stood_still) + " while it was running",
+                       {},
+                       {}});
+  if (claim_.standing() == NameClaim::Standing::Unregistered) return;
+  if (stood_still > runtime_->registration_ttl()) claim_.ask();
+}
+
+bool ObjectHost::judge_silence(const std::shared_ptr<ServerSession>& session) {
+  const Lock lock(mutex_);
+  if (session->overrun()) return true;
+  const TimePoint now = watched_.now();
+  const auto beats = session->link().beats_seen();
+  if (beats != session->beats_judged || session->last_sign == TimePoint{}) {
+    session->beats_judged = beats;
+    session->last_sign = now;
+    no_more_awaited(*session);
+    leases_.renew(session->id(), now);
+    return false;
+  }
+  const Duration silent = now - session->last_sign;
+  // Its client may have given up by the time at which it is heard again, and nothing can tell.
+  if (session->repeats() && silent >= runtime_->options().lease_ttl) hold(*session);
+  return silent >= runtime_->registration_ttl();
+}
+
+void ObjectHost::depart(const std::shared_ptr<ServerSession>& session, Departure how) {
+  bool calls_are_over = false;
+  {
+    const Lock lock(mutex_);
+    if (std::exchange(session->closed, true)) return;
+    session->parted_in_order = how == Departure::InOrder || session->left;
+    no_more_awaited(*session);
+    leases_.forget(session->id());
+    std::erase_if(waiting_, [&](const auto& waiting) { return waiting.session == session; });
+    if (how == Departure::InOrder || session->left) {
+      give_back_all(*session);
+    } else if (leases_.lose(session->id())) {
+      lose_status(session->id(), "its holder (" + session->caller().program + ", pid " +
+                                     std::to_string(session->caller().pid) + ") is gone");
+    }
+    // What was missing before them does not come any more.
+    while (!session->early.empty()) {
+      end_early(*session, session->early.begin()->first, Detail::Rejected,
+                "it was not started: the session ended before what was issued before it arrived");
+    }
+    session->subscriptions.clear();
+    if (session->greeted()) {
+      if (log_enabled(LogLevel::Info)) log_departure(name_, *session);
+      const bool lost = how == Departure::Lost && !session->left;
+      outcomes_.closed(session->id(), session->window, lost ? session : nullptr);
+    }
+    calls_are_over = session->unreturned == 0;
+  }
+  if (!session->greeted() || !calls_are_over) return;
+  run_for_user(name_, [&] { servant_.gecos_session_ended(number(session->id())); });
+}
+
+void ObjectHost::lose_status(SessionId session, const std::string& why) {
+  log_info("server", name_ + ": a status ended: " + why);
+  const Failure failure{
+      Detail::LeaseLost, "the status under which it was issued ended: " + why, {}, {}};
+  end_commands(
+      [&](const ServerCall& call) {
+        return call.client == session && call.operation().status != access::Status::Sensor &&
+               !(call.started && call.operation().on_loss == OnLoss::Finish);
+      },
+      failure);
+}
+
+void ObjectHost::give_back_all(ServerSession& session) {
+  using Commands = access::LeaseTable::Commands;
+  while (leases_.status_of(session.id()) != access::Status::Sensor &&
+         !leases_.releasing(session.id())) {
+    leases_.release(session.id(), leases_.epoch(),
+                    session.commands != 0 ? Commands::Pending : Commands::None);
+  }
+}
+
+void ObjectHost::close() {
+  const Lock lock(mutex_);
+  closed_ = true;
+  const Failure failure{Detail::Stopped, "the server withdrew " + name_, {}, {}};
+  end_commands([](const ServerCall&) { return true; }, failure);
+  for (const auto& entry : queue_.drop()) {
+    auto& call = static_cast<ServerCall&>(*entry);
+    end(call, failure);
+    call.answered = call.returned = true;
+    finished(call);
+  }
+  for (const auto& waiting : std::exchange(waiting_, {})) {
+    waiting.session->reply(waiting.counter,
+                           Failure{Detail::Rejected, "the server is about to end", {}, {}});
+  }
+  const auto open = open_;  // what is left reads, and is answered later
+  for (const auto& call : open) {
+    interrupt(*call);
+    if (!call->terminal) end(*call, failure);
+  }
+}
+
+bool ObjectHost::closed() {
+  const Lock lock(mutex_);
+  return closed_;
+}
+
+void ObjectHost::join() {
+  executor_.join();
+  const std::lock_guard lock(user_mutex_);
+  joined_ = true;
+}
+
+void ObjectHost::publish(const StreamDescription& stream, ByteView sample, std::int64_t stamp_ns) {
+  streams_.publish(stream, sample, sample_time(stamp_ns, runtime_->clock()));
+}
+
+}  // namespace gecos::session

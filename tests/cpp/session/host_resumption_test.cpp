@@ -1,0 +1,110 @@
+// Calls that a client sends again because it lost the session in which it had sent them.
+#include "object_host_bench.hpp"
+
+namespace gecos::session {
+namespace {
+
+/// Over each kind of line.
+class SentAgain : public ServedObjects, public ::testing::WithParamInterface<bool> {
+ protected:
+  SentAgain() : ServedObjects(GetParam()) {}
+
+  /// The client lost its session, and the server noticed.
+  SessionId lose() {
+    object_->depart(session_, ObjectHost::Departure::Lost);
+    return connect()->id();
+  }
+  Bytes last_body() const {
+    const auto packet = wire::decode_packet(link_->sent.back());
+    return Bytes(packet->body.begin(), packet->body.end());
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Over, SentAgain, ::testing::Bool(), [](const auto& made) {
+  return std::string(made.param ? "AReliableLine" : "ALossyLine");
+});
+
+TEST_P(SentAgain, WhatRunsIsNotStartedTwiceAndToldOfWhereItWasSentLast) {
+  servant_.keep = true;
+  call(5, probe::look_code);
+  const SessionId lost = lose();
+  again(1, lost, 5);
+  packet(wire::PacketKind::Query, 1);
+  const auto told = wire::decode_packet(link_->sent.back());
+  EXPECT_EQ(told->header.kind, wire::PacketKind::Progress);
+  EXPECT_EQ(told->header.counter, 1u);
+  ASSERT_EQ(servant_.kept.size(), 1u);
+  const Bytes result(3, std::byte{7});
+  servant_.kept[0].finish(result);
+  EXPECT_EQ(reply_to(1), Detail::Done);
+  EXPECT_EQ(last_body(), result);
+  EXPECT_EQ(servant_.calls, 1);
+}
+
+TEST_P(SentAgain, WhatRunsIsFoundAlsoInTheThirdSession) {
+  servant_.keep = true;
+  call(5, probe::look_code);
+  const SessionId first = lose();
+  again(1, first, 5);
+  const SessionId second = lose();
+  again(1, second, 1);
+  servant_.kept.at(0).finish({});
+  EXPECT_EQ(reply_to(1), Detail::Done);
+  EXPECT_EQ(servant_.calls, 1);
+}
+
+TEST_P(SentAgain, WhatEndedAfterTheLossIsAnsweredAgain) {
+  servant_.keep = true;
+  call(1, probe::look_code);
+  const SessionId lost = lose();
+  servant_.kept.at(0).finish({});
+  again(9, lost, 1);
+  EXPECT_EQ(reply_to(9), Detail::Done);
+  EXPECT_EQ(servant_.calls, 1);
+}
+
+TEST_P(SentAgain, WhatNeverCameIsCarriedOut) {
+  const SessionId lost = lose();
+  again(1, lost, 4);
+  EXPECT_EQ(reply_to(1), Detail::Done);
+  EXPECT_EQ(servant_.calls, 1);
+}
+
+TEST_P(SentAgain, WhatNobodyRemembersIsCarriedOut) {
+  again(1, SessionId{4711}, 4);
+  EXPECT_EQ(reply_to(1), Detail::Done);
+  EXPECT_EQ(servant_.calls, 1);
+}
+
+TEST_P(SentAgain, WhatIsNotIdempotentIsACallOfItsOwn) {
+  const SessionId lost = lose();
+  again(1, lost, 1, probe::read_code);
+  EXPECT_EQ(reply_to(1), Detail::Done);
+}
+
+TEST_P(SentAgain, WhatDoesNotSayOfWhichItIsRefused) {
+  packet(wire::PacketKind::Call, 1, probe::look_code, Bytes(sent_before_size - 1), {}, sent_again);
+  EXPECT_EQ(reply_to(1), Detail::BadParameter);
+  EXPECT_EQ(servant_.calls, 0);
+}
+
+TEST_F(OverALossyLine, WhatEndedBeforeTheLossIsAnsweredAgain) {
+  call(1, probe::look_code);
+  ASSERT_EQ(servant_.calls, 1);
+  object_->depart(session_, ObjectHost::Departure::Lost);
+  const auto lost = connect();
+  again(1, lost->id(), 1);
+  EXPECT_EQ(reply_to(1), Detail::Done);
+  EXPECT_EQ(servant_.calls, 1);
+}
+
+TEST_F(OverALossyLine, WhatWasSentAgainDoesNotComeInItsFirstSessionAnyMore) {
+  const auto first = connect();
+  again(1, first->id(), 1);
+  ASSERT_EQ(servant_.calls, 1);
+  session_ = first;
+  call(1, probe::look_code);
+  EXPECT_EQ(servant_.calls, 1) << "it was late";
+}
+
+}  // namespace
+}  // namespace gecos::session

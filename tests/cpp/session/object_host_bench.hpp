@@ -1,0 +1,201 @@
+// A served object and the server's end of a client's session, packet by packet.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <vector>
+
+#include "gecos/session/protocol/builtin_codec.hpp"
+#include "gecos/session/protocol/function_code.hpp"
+#include "gecos/session/protocol/packets.hpp"
+#include "gecos/session/server/object_host.hpp"
+#include "probe.hpp"
+
+namespace gecos::session {
+
+/// The server's end of a line that loses what the test says.
+class TestLink final : public media::Link {
+ public:
+  explicit TestLink(bool reliable) { offer_.reliable = reliable, carry(64 * 1024); }
+  void carry(std::size_t largest_packet) { offer_.largest_packet = largest_packet; }
+
+  const media::Offer& offer() const override { return offer_; }
+  const media::Peer& peer() const override { return peer_; }
+  tl::expected<std::uint64_t, media::SendProblem> send(ByteView head, ByteView) override {
+    if (full) return tl::unexpected(media::SendProblem::Full);
+    sent.emplace_back(head.begin(), head.end());
+    return sent.size();
+  }
+  std::optional<ByteView> receive() override { return std::nullopt; }
+  std::optional<std::uint64_t> taken_by_peer() override { return std::nullopt; }
+  bool arm() override { return true; }
+  void disarm() override {}
+  std::span<const int> descriptors() const override { return {}; }
+  void beat() override {}
+  std::uint64_t beats_seen() override { return silent ? beats_ : ++beats_; }
+  media::Loss loss() override { return media::Loss::None; }
+  std::string loss_text() const override { return {}; }
+  tl::expected<void, media::SendProblem> share(std::uint32_t, media::StreamWriter&) override {
+    return {};
+  }
+  void unshare(std::uint32_t) override {}
+  std::unique_ptr<media::StreamReader> open_stream(std::uint32_t) override { return nullptr; }
+
+  bool full = false;
+  bool silent = false;  ///< no more signs of life come
+  std::vector<Bytes> sent;
+
+ private:
+  media::Offer offer_;
+  media::Peer peer_;
+  std::uint64_t beats_ = 0;
+};
+
+/// The system's clock on a machine that the test suspends.
+class SuspendedMachine final : public Clock {
+ public:
+  TimePoint now() const override { return system_.now(); }
+  TimePoint since_boot() const override { return system_.since_boot() + suspended_.load(); }
+  double unix_seconds() const override { return system_.unix_seconds(); }
+  void suspend(Duration length) { suspended_ = suspended_.load() + length; }
+
+ private:
+  const SystemClock system_;
+  std::atomic<Duration> suspended_{Duration::zero()};  // publishes nothing but itself
+};
+
+class Servant final : public probe::ProbeServant {
+ public:
+  void gecos_dispatch(IncomingCall call) override {
+    ++calls;
+    marked_at = call.marked_at();
+    if (keep) {
+      kept.push_back(std::move(call));
+    } else {
+      call.finish(result);
+    }
+  }
+  bool gecos_begins_calls() const override { return queues; }
+  void gecos_session_ended(std::uint64_t) override { ++sessions_ended; }
+
+  std::atomic<int> calls = 0;  ///< that were carried out, or begun
+  bool keep = false;
+  bool queues = false;                 ///< calls, and begins them later
+  std::optional<TimePoint> marked_at;  ///< the last of them
+  Bytes result;
+  std::vector<IncomingCall> kept;
+  int sessions_ended = 0;
+};
+
+class ServedObjects : public ::testing::Test {
+ protected:
+  explicit ServedObjects(bool reliable = true) : reliable_(reliable) { connect(); }
+  ~ServedObjects() override {
+    object_->close();
+    servant_.kept.clear();
+    object_->join();
+  }
+
+  std::shared_ptr<ObjectHost> make_object() {
+    return std::make_shared<ObjectHost>(runtime_, "PROBE", servant_, ObjectOptions{});
+  }
+  /// Another session takes the place of the one that the packets below are of. Gives the one
+  /// before.
+  std::shared_ptr<ServerSession> connect() {
+    auto before = session_;
+    auto link = std::make_unique<TestLink>(reliable_);
+    link_ = link.get();
+    session_ = std::make_shared<ServerSession>(std::move(link), object_);
+    Hello hello;
+    hello.user = "ada";
+    hello.interface_name = "probe::Probe";
+    wire::PacketHeader header;
+    header.kind = wire::PacketKind::Hello;
+    take(header, wire::to_bytes(hello));
+    return before;
+  }
+
+  void take(wire::PacketHeader header, ByteView body = {}) {
+    Bytes packet;
+    write_packet(packet, header, body);
+    object_->take(session_, packet);
+    object_->run_ready(Starter::Poller);
+  }
+  wire::PacketHeader header_of(wire::PacketKind kind, std::uint64_t counter,
+                               FunctionCode code) const {
+    wire::PacketHeader header;
+    header.kind = kind;
+    header.session = session_->id();
+    header.counter = counter;
+    header.code = code;
+    return header;
+  }
+  void packet(wire::PacketKind kind, std::uint64_t counter, FunctionCode code = {},
+              ByteView body = {}, Epoch epoch = {}, std::int8_t flags = 0) {
+    auto header = header_of(kind, counter, code);
+    header.flags = flags;
+    header.epoch = epoch;
+    header.acknowledged = acknowledged_;
+    take(header, body);
+  }
+  void call(std::uint64_t counter, FunctionCode code, ByteView body = {}, Epoch epoch = {}) {
+    packet(wire::PacketKind::Call, counter, code, body, epoch);
+  }
+  /// A call that was sent under `before` in the session `lost` already.
+  void again(std::uint64_t counter, SessionId lost, std::uint64_t before,
+             FunctionCode code = probe::look_code) {
+    Bytes body(sent_before_size);
+    wire::Encoder to(body);
+    to.put(number(lost));
+    to.put(before);
+    packet(wire::PacketKind::Call, counter, code, body, {}, sent_again);
+  }
+  void acquire(std::uint64_t counter) {
+    Bytes body(4 + 1);
+    wire::Encoder to(body);
+    to.put(static_cast<std::int32_t>(Status::ACTOR));
+    to.put(false);
+    call(counter, FunctionCode{static_cast<std::uint32_t>(BuiltIn::Acquire)}, body);
+  }
+  void release(std::uint64_t counter, Epoch epoch) {
+    Bytes body(8 + 1);
+    wire::Encoder to(body);
+    to.put(number(epoch));
+    to.put(false);
+    call(counter, FunctionCode{static_cast<std::uint32_t>(BuiltIn::Release)}, body);
+  }
+  /// Detail of the newest reply to `counter`; nothing while there was none.
+  std::optional<Detail> reply_to(std::uint64_t counter) const {
+    for (auto at = link_->sent.rbegin(); at != link_->sent.rend(); ++at) {
+      const auto packet = wire::decode_packet(*at);
+      if (packet->header.kind == wire::PacketKind::Reply && packet->header.counter == counter) {
+        return detail_from(static_cast<std::uint8_t>(packet->header.flags));
+      }
+    }
+    return std::nullopt;
+  }
+  Epoch granted() const {
+    Grant grant;
+    const auto packet = wire::decode_packet(link_->sent.back());
+    wire::Decoder from(packet->body);
+    EXPECT_TRUE(wire::get_block(from, grant, "grant"));
+    return Epoch{grant.epoch};
+  }
+
+  const bool reliable_;
+  Servant servant_;
+  SuspendedMachine clock_;
+  std::shared_ptr<Runtime> runtime_ = Runtime::make({}, clock_).value();
+  std::shared_ptr<ObjectHost> object_ = make_object();
+  std::shared_ptr<ServerSession> session_;
+  TestLink* link_ = nullptr;
+  std::uint64_t acknowledged_ = 0;
+};
+
+class OverALossyLine : public ServedObjects {
+ protected:
+  OverALossyLine() : ServedObjects(false) {}
+};
+
+}  // namespace gecos::session
