@@ -287,7 +287,7 @@ void try_served(Script script) {
           break;
         case 2:
           for (Client* client : {&first, &second}) {
-            if (object->judge_silence(client->session()))
+            if (object->check_liveness(client->session()))
               client->depart(ObjectHost::Departure::Lost);
           }
           break;

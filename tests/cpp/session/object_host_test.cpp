@@ -40,7 +40,7 @@ TEST_F(ServedObjects, BeginNothingThatWaitedForItsThreadDuringAPauseUnlessItsCal
   object_->await_sign_of_life(*session_);
   EXPECT_FALSE(servant_.kept.at(0).begin());
   EXPECT_EQ(reply_to(1), Detail::NotStarted);
-  ASSERT_FALSE(object_->judge_silence(session_));
+  ASSERT_FALSE(object_->check_liveness(session_));
   EXPECT_TRUE(servant_.kept.at(1).begin());
 }
 
@@ -133,7 +133,7 @@ TEST_F(ServedObjects, AreForgottenThoughTheyEndedBeforeAThreadCameToACallThatHad
 }
 
 TEST_F(ServedObjects, PartsFromAClientThatAsksAndNeverListens) {
-  ASSERT_FALSE(object_->judge_silence(session_));
+  ASSERT_FALSE(object_->check_liveness(session_));
   link_->full = true;
   bool parted = false;
   for (std::uint64_t counter = 1; counter < 100'000 && !parted; ++counter) {
@@ -141,7 +141,7 @@ TEST_F(ServedObjects, PartsFromAClientThatAsksAndNeverListens) {
     parted = session_->overrun();
   }
   EXPECT_TRUE(parted);
-  EXPECT_TRUE(object_->judge_silence(session_)) << "though it gives signs of life";
+  EXPECT_TRUE(object_->check_liveness(session_)) << "though it gives signs of life";
 }
 
 TEST_F(ServedObjects, GivesUpLargeResultsOfAClientThatTakesNone) {
@@ -215,29 +215,29 @@ TEST_F(ServedObjects, ADeadlineInCenturiesIsNone) {
 }
 
 TEST_F(OverALossyLine, StartNothingOfAClientThatIsSilentBeforeItIsHeardAgain) {
-  ASSERT_FALSE(object_->judge_silence(session_));
+  ASSERT_FALSE(object_->check_liveness(session_));
   link_->silent = true;
   TimePoint now = system_clock().now();
   for (int look = 0; look < 4; ++look) object_->on_tick(now += std::chrono::milliseconds(200));
-  ASSERT_FALSE(object_->judge_silence(session_));
+  ASSERT_FALSE(object_->check_liveness(session_));
   call(1, probe::read_code);
   EXPECT_EQ(reply_to(1), std::nullopt) << "its client may have given it up";
   link_->silent = false;
-  ASSERT_FALSE(object_->judge_silence(session_));
+  ASSERT_FALSE(object_->check_liveness(session_));
   object_->run_ready(Starter::Poller);
   EXPECT_EQ(reply_to(1), Detail::Done);
 }
 
 TEST_F(OverALossyLine, CallsOfAClientThatSaidGoodbyeAreNotHeldUpWhenItsSilenceIsJudgedOnceMore) {
-  ASSERT_FALSE(object_->judge_silence(session_));
+  ASSERT_FALSE(object_->check_liveness(session_));
   link_->silent = true;
   TimePoint now = system_clock().now();
   for (int look = 0; look < 4; ++look) object_->on_tick(now += std::chrono::milliseconds(200));
-  ASSERT_FALSE(object_->judge_silence(session_));
+  ASSERT_FALSE(object_->check_liveness(session_));
   call(1, probe::read_code);
   ASSERT_EQ(servant_.calls, 0) << "the client is silent: the call waits";
   object_->depart(session_, ObjectHost::Departure::InOrder);
-  object_->judge_silence(session_);  // by maintenance, which had listed the session before
+  object_->check_liveness(session_);  // by maintenance, which had listed the session before
   object_->run_ready(Starter::Poller);
   EXPECT_EQ(servant_.calls, 1) << "an ordered call that waits holds up the commands of all clients";
 }

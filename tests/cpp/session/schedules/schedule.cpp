@@ -336,7 +336,7 @@ void Schedule::server_maintains() {
       served_->link().beat();
       server_beat_due_ = now + runtime_->options().heartbeat;
     }
-    if (object_->judge_silence(served_)) {
+    if (object_->check_liveness(served_)) {
       trace_(clock_.now(), "the server has not heard of its client for too long");
       object_->depart(served_, ObjectHost::Departure::Lost);
       served_.reset();

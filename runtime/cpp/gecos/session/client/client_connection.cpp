@@ -12,6 +12,17 @@
 #include "gecos/session/protocol/start_words.hpp"
 
 namespace gecos::session {
+namespace {
+
+/// A server is UNREACHABLE earlier than it ends our status for our silence, so that its commands
+/// have ended `grace` + `lease_ttl` after its death, with time to notice it.
+PeerLiveness::Bounds bounds_of_server(const LabOptions& options) {
+  const Duration suspect =
+      std::max(options.lease_ttl - 2 * options.heartbeat, 2 * options.heartbeat);
+  return {.suspect_after = suspect, .dead_after = suspect + options.grace};
+}
+
+}  // namespace
 
 ClientConnection::ClientConnection(std::shared_ptr<Runtime> runtime,
                                    std::unique_ptr<media::Link> link, SessionId id, Welcome welcome,
@@ -25,10 +36,12 @@ ClientConnection::ClientConnection(std::shared_ptr<Runtime> runtime,
       spin_(system_clock()),
       // All that has arrived is read before it is judged, so a judge who was kept from running for
       // as long as this still judges rightly, and on a busy machine not later than promised.
-      watched_(runtime_->clock().now(), runtime_->options().lease_ttl),
-      last_sign_(watched_.now()),
+      liveness_clock_(runtime_->clock().now(), runtime_->options().lease_ttl),
+      liveness_(bounds_of_server(runtime_->options())),
       answers_(runtime_->options().lease_ttl,
-               2 * (runtime_->options().lease_ttl + runtime_->options().grace), watched_.now()) {
+               2 * (runtime_->options().lease_ttl + runtime_->options().grace),
+               liveness_clock_.now()) {
+  liveness_.heard(liveness_clock_.now());
   if (!log_enabled(LogLevel::Info)) return;
   log_info("client", "connected to " + welcome_.object + " (" + welcome_.interface_name +
                          ") over " + std::string(media::to_string(link_->offer().kind)) + ": " +

@@ -18,7 +18,8 @@
 #include "gecos/session/process/runtime.hpp"
 #include "gecos/session/protocol/call_table.hpp"
 #include "gecos/session/protocol/handshake.hpp"
-#include "gecos/session/protocol/watched_time.hpp"
+#include "gecos/session/protocol/peer_liveness.hpp"
+#include "gecos/session/protocol/suspend_aware_clock.hpp"
 #include "gecos/wire/packet.hpp"
 
 namespace gecos::session {
@@ -160,7 +161,7 @@ class ClientConnection final : public ClientSession,
   Failure failure_of(const PendingCommand& command, Ending how, const std::string& text) const;
   std::vector<PendingFailover> detach(Ending how, const std::string& text);
   bool has_repeatable();
-  void judge_silence(TimePoint now);
+  void check_liveness(TimePoint now);
   void judge_answers(TimePoint now);
   void ask_after_calls();
   /// When the next look is due.
@@ -213,9 +214,8 @@ class ClientConnection final : public ClientSession,
 
   // Maintenance thread only.
   bool watching_ = false;
-  std::uint64_t beats_judged_ = 0;
-  WatchedTime watched_;  ///< the server is judged by it
-  TimePoint last_sign_;
+  SuspendAwareClock liveness_clock_;  ///< the server is judged by it
+  PeerLiveness liveness_;
   TimePoint next_beat_{};
   AnswerWatch answers_;
   std::uint64_t open_when_asked_ = 0;  ///< the newest call when it was last asked after calls

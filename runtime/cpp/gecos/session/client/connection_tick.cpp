@@ -10,13 +10,6 @@
 namespace gecos::session {
 namespace {
 
-/// Silence after which a server counts as UNREACHABLE: earlier than it ends our status for our
-/// silence, so that its commands have ended `grace` + `lease_ttl` after its death, with time to
-/// notice it.
-Duration unreachable_after(const LabOptions& options) {
-  return std::max(options.lease_ttl - 2 * options.heartbeat, 2 * options.heartbeat);
-}
-
 /// Between looks at open calls where nothing is lost: a packet that came quietly waits no longer.
 constexpr Duration between_looks = std::chrono::milliseconds(50);
 
@@ -36,31 +29,26 @@ TimePoint ClientConnection::on_tick(TimePoint now) {
     loss_look_due_.store(true, std::memory_order_relaxed);
   }
   poll_once();
-  if (!lost()) judge_silence(now);
-  if (!lost() && !unreachable()) judge_answers(watched_.now());
+  if (!lost()) check_liveness(now);
+  if (!lost() && !unreachable()) judge_answers(liveness_clock_.now());
   return lost() ? TimePoint::max() : repeat(now);
 }
 
-void ClientConnection::judge_silence(TimePoint now) {
-  now = watched_.look(now);
-  const auto beats = link_->beats_seen();
-  if (beats != beats_judged_) {
-    beats_judged_ = beats;
-    last_sign_ = now;
-    unreachable_.store(false, std::memory_order_relaxed);
-    return;
-  }
-  const Duration silent = now - last_sign_;
-  const Duration patience = unreachable_after(runtime_->options());
-  if (silent < patience) return;
-  if (!unreachable_.exchange(true, std::memory_order_relaxed)) {
+void ClientConnection::check_liveness(TimePoint now) {
+  now = liveness_clock_.advance(now);
+  const auto verdict = liveness_.check(link_->beats_seen(), now);
+  if (verdict == PeerLiveness::Verdict::Quiet) return;
+  const bool silent = verdict != PeerLiveness::Verdict::Alive;
+  if (silent && !unreachable()) {
     silent_since_.store(runtime_->clock().now(), std::memory_order_relaxed);
   }
-  if (silent < patience + runtime_->options().grace) {
+  unreachable_.store(silent, std::memory_order_relaxed);
+  if (verdict == PeerLiveness::Verdict::Suspect) {
     if (failover_ && has_repeatable()) failover_->look_for_another(shared_from_this());
-    return;
   }
-  const auto milliseconds = std::chrono::duration_cast<std::chrono::milliseconds>(silent).count();
+  if (verdict != PeerLiveness::Verdict::Dead) return;
+  const Duration length = liveness_.silent_for(now);
+  const auto milliseconds = std::chrono::duration_cast<std::chrono::milliseconds>(length).count();
   lose(Ending::Silent, "the server of " + welcome_.object + " (" + link_->peer().description +
                            ") has been silent for " + std::to_string(milliseconds) + " ms");
 }

@@ -94,7 +94,7 @@ void ObjectHost::answer_builtin(const std::shared_ptr<ServerSession>& session,
 }
 
 void ObjectHost::holders(ServerSession& session, std::uint64_t counter) {
-  session.reply(counter, blocks_bytes(shown(leases_.roster(), watched_.now())));
+  session.reply(counter, blocks_bytes(shown(leases_.roster(), lease_clock_.now())));
 }
 
 void ObjectHost::describe(ServerSession& session, std::uint64_t counter) {
@@ -144,7 +144,7 @@ void ObjectHost::grant(ServerSession& session, std::uint64_t counter, const Acqu
   if (claim_.standing() == NameClaim::Standing::Taken) {
     return session.reply(counter, refusal(name_ + ": " + claim_.text(), {}));
   }
-  const TimePoint now = watched_.now();
+  const TimePoint now = lease_clock_.now();
   const bool held_before = leases_.status_of(session.id()) != access::Status::Sensor;
   auto granted = leases_.acquire(session.id(), session.client(), status_of(what.wanted),
                                  access::plain_proof(what.password), now);
@@ -185,7 +185,7 @@ void ObjectHost::refuse_waiting(TimePoint now) {
     if (now < waiting.give_up) return false;
     access::Holder last;
     last.client = runs->session->client();
-    last.since = last.expires = watched_.now();
+    last.since = last.expires = lease_clock_.now();
     last.releasing = true;
     waiting.session->reply(
         waiting.counter,
@@ -193,7 +193,7 @@ void ObjectHost::refuse_waiting(TimePoint now) {
                     " status refused: the handler of '" + std::string(runs->operation().name) +
                     "' still runs, which " + who(runs->caller()) +
                     " issued; its status has ended and the handler was told to end; try again",
-                shown(std::vector{last}, watched_.now())));
+                shown(std::vector{last}, lease_clock_.now())));
     return true;
   });
 }
@@ -301,7 +301,8 @@ void ObjectHost::subscribe(ServerSession& session, std::uint64_t counter, wire::
                                           {},
                                           {}});
   }
-  const auto may = leases_.may_queue(session.id(), leases_.epoch(), stream->status, watched_.now());
+  const auto may =
+      leases_.may_queue(session.id(), leases_.epoch(), stream->status, lease_clock_.now());
   if (!may) {
     return session.reply(counter, Failure{Detail::Denied,
                                           "stream '" + std::string(stream->name) + "' of " + name_ +

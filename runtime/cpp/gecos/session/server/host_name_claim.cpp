@@ -4,13 +4,6 @@
 #include "gecos/session/server/object_host.hpp"
 
 namespace gecos::session {
-namespace {
-
-bool commands_the_object(const OperationDescription& operation) {
-  return operation.status != access::Status::Sensor && !operation.safety;
-}
-
-}  // namespace
 
 bool ObjectHost::needs_name(const OperationDescription& operation) const {
   return (claim_.waits() || claim_.refuses()) && commands_the_object(operation);

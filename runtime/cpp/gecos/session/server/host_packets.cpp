@@ -154,7 +154,7 @@ void ObjectHost::greet(const std::shared_ptr<ServerSession>& session,
     caller.session = number(id);
     session->greet(id, std::move(caller));
     session->accept_within = hello->accept_within;
-    session->last_sign = watched_.now();
+    session->liveness.heard(lease_clock_.now());
     outcomes_.opened(id, session);
     note_session(id, weak_from_this());
     if (log_enabled(LogLevel::Info)) log_arrival(name_, *session);
@@ -314,40 +314,29 @@ void ObjectHost::take_early(const std::shared_ptr<ServerSession>& session) {
 
 void ObjectHost::admit(const std::shared_ptr<ServerSession>& session,
                        const wire::PacketView& packet, const OperationDescription& operation) {
-  const auto refuse = [&](Detail detail, const std::string& why) {
-    const Failure failure{
-        detail, "'" + std::string(operation.name) + "' of " + name_ + " " + why, {}, {}};
+  const auto refuse = [&](const Failure& failure) {
     if (operation.status != access::Status::Sensor) {
-      outcomes_.ended({session->id(), packet.header.counter, detail, failure.text});
+      outcomes_.ended({session->id(), packet.header.counter, failure.detail, failure.text});
     }
     session->reply(packet.header.counter, failure);
     if (log_enabled(level_of(operation))) log_refused(name_, operation, session->caller(), failure);
   };
-  if (closed_) return refuse(Detail::Rejected, "was not started: the server is about to end");
-  if (!operation.safety) {
-    const auto may =
-        leases_.may_queue(session->id(), packet.header.epoch, operation.status, watched_.now());
-    if (!may) return refuse(detail_of(may.error().reason), may.error().text);
-  }
-  if (claim_.refuses() && needs_name(operation)) {
-    return refuse(Detail::NotStarted, "was not started: " + claim_.text());
-  }
-  if (operation.on_new == OnNew::Reject && !queue_.running().empty()) {
-    return refuse(Detail::Rejected, "was not started: '" +
-                                        std::string(queue_.running().front()->operation.name) +
-                                        "' runs; wait until it has ended, or cancel it");
+  if (const auto refusal = refusal_to_queue({operation, session->id(), packet.header.epoch},
+                                            as_asked(), claim_, queue_, closed_)) {
+    return refuse(*refusal);
   }
   auto call = make_recycled<ServerCall>(session, operation, packet.header.counter,
                                         packet.header.epoch, packet.body);
   if (log_enabled(level_of(operation))) call->arrived = runtime_->clock().now();
   if (packet.header.deadline > Duration{}) {
-    const TimePoint now = runtime_->clock().since_boot();  // in centuries: none
-    if (packet.header.deadline < TimePoint::max() - now)
-      call->deadline = now + packet.header.deadline;
+    call->deadline = expiry(packet.header.deadline, runtime_->clock().since_boot());
   }
   if (const auto queued = queue_.push(call); !queued) {
-    return refuse(Detail::QueueFull,
-                  "was not queued: " + text_of(queued.error(), packet.body.size()));
+    return refuse({Detail::QueueFull,
+                   "'" + std::string(operation.name) + "' of " + name_ +
+                       " was not queued: " + text_of(queued.error(), packet.body.size()),
+                   {},
+                   {}});
   }
   session->calls.insert(call->counter, call);
   ++session->unreturned;

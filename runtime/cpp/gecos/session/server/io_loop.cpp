@@ -349,7 +349,7 @@ TimePoint IoLoop::on_tick(TimePoint now) {
   for (const auto& session : sessions) {
     session->flush();
     if (beat) session->link().beat();
-    if (session->object()->judge_silence(session)) {
+    if (session->object()->check_liveness(session)) {
       session->gone = true;
       session->object()->depart(session, ObjectHost::Departure::Lost);
     }

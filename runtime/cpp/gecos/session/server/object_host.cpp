@@ -28,17 +28,6 @@ void run_for_user(const std::string& object, const std::function<void()>& what) 
 
 }  // namespace
 
-Detail detail_of(access::Denial::Reason reason) {
-  switch (reason) {
-    case access::Denial::Reason::LeaseEnded:
-      return Detail::LeaseLost;
-    case access::Denial::Reason::Stopped:
-      return Detail::Stopped;
-    default:
-      return Detail::Denied;
-  }
-}
-
 ObjectHost::ObjectHost(std::shared_ptr<Runtime> runtime, std::string name, Servant& servant,
                        ObjectOptions options)
     : runtime_(std::move(runtime)),
@@ -48,7 +37,7 @@ ObjectHost::ObjectHost(std::shared_ptr<Runtime> runtime, std::string name, Serva
       options_(std::move(options)),
       leases_(process_boot(), runtime_->options().lease_ttl),
       queue_(options_.thread_safe ? LaneThreads::Many : LaneThreads::One),
-      watched_(runtime_->clock().now(), runtime_->options().heartbeat * 2),
+      lease_clock_(runtime_->clock().now(), runtime_->options().heartbeat * 2),
       streams_(name_, interface_),
       executor_("gecos-" + name_) {}
 
@@ -174,46 +163,19 @@ std::shared_ptr<QueueEntry> ObjectHost::next_entry() {
   });
 }
 
-/// What was true when it was queued need not be true any more.
+/// Ends it when it may not.
 bool ObjectHost::may_start(ServerCall& call) {
   if (call.terminal) return false;
   const ServerSession& caller = call.listener();
-  if (caller.closed && !caller.parted_in_order) {
-    end(call, Failure{Detail::NotStarted, "its caller was gone before it started", {}, {}});
-    return false;
-  }
-  if (caller.withdrawn) {
-    end(call,
-        Failure{Detail::NotStarted, "it was not started: its caller had given it up", {}, {}});
-    return false;
-  }
-  if (caller.awaited) {  // it waited for its thread during the pause, and the thread came first
-    end(call,
-        Failure{Detail::NotStarted,
-                "it was not started: its caller has not been heard since the server stood still, "
-                "or for too long",
-                {},
-                {}});
-    return false;
-  }
-  if (call.deadline != TimePoint::max() && runtime_->clock().since_boot() >= call.deadline) {
-    end(call, Failure{Detail::Expired,
-                      "the deadline of '" + std::string(call.operation().name) +
-                          "' passed before it started; it was not carried out",
-                      {},
-                      {}});
-    return false;
-  }
-  if (call.operation().safety) return true;
-  const auto may =
-      leases_.may_start(call.client, call.epoch, call.operation().status, watched_.now());
-  if (may) return true;
-  end(call,
-      Failure{detail_of(may.error().reason),
-              "'" + std::string(call.operation().name) + "' of " + name_ + " " + may.error().text,
-              {},
-              {}});
-  return false;
+  const bool expired =
+      call.deadline != TimePoint::max() && runtime_->clock().since_boot() >= call.deadline;
+  const auto refusal = refusal_to_start({call.operation(), call.client, call.epoch}, as_asked(),
+                                        {.gone = caller.closed && !caller.parted_in_order,
+                                         .withdrawn = caller.withdrawn,
+                                         .unheard = caller.awaited},
+                                        expired);
+  if (refusal) end(call, *refusal);
+  return !refusal;
 }
 
 /// Marks it as started, directly before its handler begins. False when its caller has withdrawn it,
@@ -427,7 +389,7 @@ TimePoint ObjectHost::on_tick(TimePoint now) {
 
 void ObjectHost::look_at_time(TimePoint now) {
   const Lock lock(mutex_);
-  for (const auto& holder : leases_.expire(watched_.look(now))) {
+  for (const auto& holder : leases_.expire(lease_clock_.advance(now))) {
     lose_status(holder.session,
                 "its holder has been silent for " +
                     std::to_string(std::chrono::duration_cast<std::chrono::milliseconds>(
@@ -465,7 +427,7 @@ void ObjectHost::look_at_time(TimePoint now) {
 
 void ObjectHost::await_sign_of_life(ServerSession& session) {
   const Lock lock(mutex_);
-  session.beats_judged = session.link().beats_seen();
+  session.liveness.await_heartbeat_after(session.link().beats_seen());
   hold(session);
 }
 
@@ -491,22 +453,20 @@ void ObjectHost::after_pause(Duration stood_still) {
   if (stood_still > runtime_->registration_ttl()) claim_.ask();
 }
 
-bool ObjectHost::judge_silence(const std::shared_ptr<ServerSession>& session) {
+bool ObjectHost::check_liveness(const std::shared_ptr<ServerSession>& session) {
   const Lock lock(mutex_);
   if (session->overrun()) return true;
-  const TimePoint now = watched_.now();
-  const auto beats = session->link().beats_seen();
-  if (beats != session->beats_judged || session->last_sign == TimePoint{}) {
-    session->beats_judged = beats;
-    session->last_sign = now;
+  const TimePoint now = lease_clock_.now();
+  const auto verdict = session->liveness.check(session->link().beats_seen(), now);
+  if (verdict == PeerLiveness::Verdict::Quiet) return false;
+  if (verdict == PeerLiveness::Verdict::Alive) {
     no_more_awaited(*session);
     leases_.renew(session->id(), now);
     return false;
   }
-  const Duration silent = now - session->last_sign;
   // Its client may have given up by the time at which it is heard again, and nothing can tell.
-  if (session->repeats() && silent >= runtime_->options().lease_ttl) hold(*session);
-  return silent >= runtime_->registration_ttl();
+  if (session->repeats()) hold(*session);
+  return verdict == PeerLiveness::Verdict::Dead;
 }
 
 void ObjectHost::depart(const std::shared_ptr<ServerSession>& session, Departure how) {

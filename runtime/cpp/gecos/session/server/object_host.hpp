@@ -13,7 +13,8 @@
 #include "gecos/server.hpp"
 #include "gecos/session/process/runtime.hpp"
 #include "gecos/session/protocol/handshake.hpp"
-#include "gecos/session/protocol/watched_time.hpp"
+#include "gecos/session/protocol/suspend_aware_clock.hpp"
+#include "gecos/session/server/admission.hpp"
 #include "gecos/session/server/executor.hpp"
 #include "gecos/session/server/name_claim.hpp"
 #include "gecos/session/server/object_queue.hpp"
@@ -30,9 +31,6 @@ enum class Starter : std::uint8_t {
   Other,   ///< runs none: a thread of the user, maintenance, or a standby that polls
 };
 
-/// How a command ends that may not be queued or started.
-Detail detail_of(access::Denial::Reason reason);
-
 /// One object of a server: admits calls, keeps its leases, queues commands, runs handlers, answers.
 /// Every call that was taken is answered exactly once, by its handler or by what ended it.
 class ObjectHost final : public Publisher, public std::enable_shared_from_this<ObjectHost> {
@@ -43,6 +41,10 @@ class ObjectHost final : public Publisher, public std::enable_shared_from_this<O
   const std::string& name() const { return name_; }
   const InterfaceDescription& interface() const { return interface_; }
   const ObjectOptions& options() const { return options_; }
+  PeerLiveness::Bounds bounds_of_clients() const {
+    return {.suspect_after = runtime_->options().lease_ttl,
+            .dead_after = runtime_->registration_ttl()};
+  }
 
   // The poller.
   /// Takes one packet of `session`. Handlers that it makes ready run in `run_ready`.
@@ -64,7 +66,7 @@ class ObjectHost final : public Publisher, public std::enable_shared_from_this<O
   /// Ends the actor commands that ran meanwhile; after a long pause the name has to be confirmed.
   void after_pause(Duration stood_still);
   /// Heartbeat seen from it, or not, judged every tick. True: it ends, silent for so long or deaf.
-  bool judge_silence(const std::shared_ptr<ServerSession>& session);
+  bool check_liveness(const std::shared_ptr<ServerSession>& session);
   /// Deadlines, leases, progress that waits to be told, and what may start and nobody looks at. On
   /// the maintenance thread. Gives when the next look is due.
   TimePoint on_tick(TimePoint now);
@@ -178,6 +180,7 @@ class ObjectHost final : public Publisher, public std::enable_shared_from_this<O
   void hold(ServerSession& session);
   void no_more_awaited(ServerSession& session);
   bool may_start(ServerCall& call);
+  AdmittingObject as_asked() const { return {name_, leases_, lease_clock_.now()}; }
   TimePoint await_judgement(std::unique_lock<Mutex>& lock);
   bool marked(ServerCall& call, TimePoint now);
   void not_begun(ServerCall& call);
@@ -224,7 +227,7 @@ class ObjectHost final : public Publisher, public std::enable_shared_from_this<O
   std::vector<std::shared_ptr<ServerCall>> open_;  ///< what has a deadline, and what may take long
   std::vector<ServerCall*> handlers_;              ///< that have begun and are not over
   std::size_t waiting_handlers_ = 0;               ///< of those that wait without a bound
-  WatchedTime watched_;                            ///< leases and silence are judged by it
+  SuspendAwareClock lease_clock_;                  ///< leases and silence are judged by it
   PauseWatch::Checked pause_;                      ///< by whoever starts calls
   std::vector<WaitingForStatus> waiting_;          ///< the first asked first
   std::size_t awaited_ = 0;                        ///< sessions whose calls wait for a heartbeat

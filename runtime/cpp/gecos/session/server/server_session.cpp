@@ -44,7 +44,10 @@ Failure shortened(const Failure& failure, std::size_t takes, std::size_t carried
 }  // namespace
 
 ServerSession::ServerSession(std::unique_ptr<media::Link> link, std::shared_ptr<ObjectHost> object)
-    : link_(std::move(link)), object_(std::move(object)), repeats_(!link_->offer().reliable) {}
+    : liveness(object->bounds_of_clients()),
+      link_(std::move(link)),
+      object_(std::move(object)),
+      repeats_(!link_->offer().reliable) {}
 
 ServerSession::~ServerSession() {
   if (greeted()) forget_session(id_);

@@ -13,6 +13,7 @@
 #include "gecos/base/mutex.hpp"
 #include "gecos/media/medium.hpp"
 #include "gecos/session/protocol/call_table.hpp"
+#include "gecos/session/protocol/peer_liveness.hpp"
 #include "gecos/session/protocol/receive_window.hpp"
 #include "gecos/session/server/server_call.hpp"
 #include "gecos/wire/packet.hpp"
@@ -95,8 +96,7 @@ class ServerSession {
   bool withdrawn = false;  ///< and nothing of it starts any more
   bool closed = false;     ///< its link is gone
   bool parted_in_order = false;  ///< and what it had issued still runs
-  std::uint64_t beats_judged = 0;
-  TimePoint last_sign{};
+  PeerLiveness liveness;
   /// The server stood still, or its client is silent: nothing of it starts before it has shown a
   /// sign of life.
   bool awaited = false;

@@ -1,0 +1,90 @@
+#include "gecos/session/server/admission.hpp"
+
+#include <string>
+
+namespace gecos::session {
+namespace {
+
+Detail detail_of(access::Denial::Reason reason) {
+  switch (reason) {
+    case access::Denial::Reason::LeaseEnded:
+      return Detail::LeaseLost;
+    case access::Denial::Reason::Stopped:
+      return Detail::Stopped;
+    default:
+      return Detail::Denied;
+  }
+}
+
+Failure refused(Detail detail, const CallRequest& call, const AdmittingObject& object,
+                const std::string& why) {
+  return {detail,
+          "'" + std::string(call.operation.name) + "' of " + std::string(object.name) + " " + why,
+          {},
+          {}};
+}
+
+}  // namespace
+
+bool commands_the_object(const OperationDescription& operation) {
+  return operation.status != access::Status::Sensor && !operation.safety;
+}
+
+std::optional<Failure> refusal_to_queue(const CallRequest& call, const AdmittingObject& object,
+                                        const NameClaim& claim, const ObjectQueue& queue,
+                                        bool closing) {
+  const OperationDescription& operation = call.operation;
+  if (closing) {
+    return refused(Detail::Rejected, call, object, "was not started: the server is about to end");
+  }
+  if (!operation.safety) {
+    const auto may =
+        object.leases.may_queue(call.session, call.epoch, operation.status, object.now);
+    if (!may) return refused(detail_of(may.error().reason), call, object, may.error().text);
+  }
+  if (claim.refuses() && commands_the_object(operation)) {
+    return refused(Detail::NotStarted, call, object, "was not started: " + claim.text());
+  }
+  if (operation.on_new == OnNew::Reject && !queue.running().empty()) {
+    return refused(Detail::Rejected, call, object,
+                   "was not started: '" + std::string(queue.running().front()->operation.name) +
+                       "' runs; wait until it has ended, or cancel it");
+  }
+  return std::nullopt;
+}
+
+std::optional<Failure> refusal_to_start(const CallRequest& call, const AdmittingObject& object,
+                                        const CallerState& caller, bool expired) {
+  if (caller.gone) {
+    return Failure{Detail::NotStarted, "its caller was gone before it started", {}, {}};
+  }
+  if (caller.withdrawn) {
+    return Failure{Detail::NotStarted, "it was not started: its caller had given it up", {}, {}};
+  }
+  if (caller.unheard) {
+    return Failure{Detail::NotStarted,
+                   "it was not started: its caller has not been heard since the server stood "
+                   "still, or for too long",
+                   {},
+                   {}};
+  }
+  if (expired) {
+    return Failure{Detail::Expired,
+                   "the deadline of '" + std::string(call.operation.name) +
+                       "' passed before it started; it was not carried out",
+                   {},
+                   {}};
+  }
+  if (call.operation.safety) return std::nullopt;
+  const auto may =
+      object.leases.may_start(call.session, call.epoch, call.operation.status, object.now);
+  if (may) return std::nullopt;
+  return refused(detail_of(may.error().reason), call, object, may.error().text);
+}
+
+TimePoint expiry(Duration left, TimePoint since_boot) {
+  if (left <= Duration{} || left >= TimePoint::max() - since_boot) return TimePoint::max();
+  return since_boot + left;
+}
+
+}  // namespace gecos::session
