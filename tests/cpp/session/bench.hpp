@@ -35,7 +35,7 @@ class NothingLeftOpen : public ::testing::Test {
 };
 
 /// Nobody loses a lease here because the machine was busy; what silence does is judged with a clock
-/// of its own and by real processes (watched_time_test, served_object_test, death_test).
+/// of its own and by real processes (suspend_aware_clock_test, object_host_test, death_test).
 inline gecos::LabOptions patient() {
   gecos::LabOptions options;
   options.lease_ttl = std::chrono::seconds(20);
