@@ -102,7 +102,10 @@ def test_a_forbidden_include_is_found(path: str, header: str) -> None:
         ("runtime/cpp/gecos/session/process/runtime.hpp", '"gecos/session/protocol/handshake.hpp"'),
         ("runtime/cpp/gecos/session/client/lab.cpp", '"gecos/session/process/runtime.hpp"'),
         ("runtime/cpp/gecos/session/server/server.cpp", '"gecos/session/client/context.hpp"'),
-        ("runtime/cpp/gecos/session/server/registrar.hpp", '"gecos/session/client/broker_client.hpp"'),
+        (
+            "runtime/cpp/gecos/session/server/registrar.hpp",
+            '"gecos/session/client/broker_client.hpp"',
+        ),
         ("tests/cpp/session/create_test.cpp", '"gecos/session/client/select.hpp"'),
         ("tests/cpp/session/json_test.cpp", "<nlohmann/json.hpp>"),
         ("runtime/cpp/robcl/arm/chain.cpp", "<kdl/chain.hpp>"),
