@@ -73,8 +73,9 @@ TEST_F(Create, SaysThatTheServerIsOffline) {
   }();
   auto broker = lab_.core().value()->broker(gecos::deadline_after(std::chrono::seconds(5)));
   ASSERT_TRUE(broker) << broker.error();
-  ASSERT_TRUE(gecos::session::await_registered(*gecos::session::enlist(**broker, entry, {}),
-                                               gecos::deadline_after(std::chrono::seconds(5))));
+  ASSERT_TRUE(
+      gecos::session::await_registered(*gecos::session::register_object(**broker, entry, {}),
+                                       gecos::deadline_after(std::chrono::seconds(5))));
   const auto error = attempts({"DEAD"});
   ASSERT_EQ(error.attempts.size(), 1u);
   EXPECT_EQ(error.attempts[0].detail, Detail::NoServer);

@@ -8,36 +8,36 @@ namespace {
 using namespace std::chrono_literals;
 using Verdict = PeerLiveness::Verdict;
 
-constexpr TimePoint begin{100s};
+constexpr TimePoint start{100s};
 
 class PeerLivenessTest : public ::testing::Test {
  protected:
-  Verdict check(Duration after) { return peer.check(heartbeats, begin + after); }
+  Verdict check(Duration after) { return peer.check(heartbeats, start + after); }
 
   std::uint64_t heartbeats = 0;
   PeerLiveness peer{{.suspect_after = 300ms, .dead_after = 1300ms}};
 };
 
 TEST_F(PeerLivenessTest, IsAliveAtTheFirstCheckFromWhichSilenceCounts) {
-  EXPECT_EQ(peer.silent_for(begin + 10s), Duration::zero());
+  EXPECT_EQ(peer.silent_for(start + 10s), Duration::zero());
   EXPECT_EQ(check(10s), Verdict::Alive);
   EXPECT_EQ(check(10s + 299ms), Verdict::Quiet);
   EXPECT_EQ(check(10s + 300ms), Verdict::Suspect);
 }
 
 TEST_F(PeerLivenessTest, SilenceCountsFromWhenItWasHeard) {
-  peer.heard(begin);
+  peer.heard(start);
   EXPECT_EQ(check(299ms), Verdict::Quiet);
   EXPECT_EQ(check(300ms), Verdict::Suspect);
   EXPECT_EQ(check(1299ms), Verdict::Suspect);
   EXPECT_EQ(check(1300ms), Verdict::Dead);
-  EXPECT_EQ(peer.silent_for(begin + 1300ms), 1300ms);
+  EXPECT_EQ(peer.silent_for(start + 1300ms), 1300ms);
 }
 
 TEST_F(PeerLivenessTest, StaysAliveAsLongAsHeartbeatsCome) {
-  for (int tick = 0; tick < 100; ++tick) {
+  for (int second = 0; second < 100; ++second) {
     ++heartbeats;
-    EXPECT_EQ(check(tick * 1s), Verdict::Alive) << "however late a check is";
+    EXPECT_EQ(check(second * 1s), Verdict::Alive) << "however late a check is";
   }
 }
 
@@ -49,7 +49,7 @@ TEST_F(PeerLivenessTest, AHeartbeatIsASignOfLifeOnce) {
 }
 
 TEST_F(PeerLivenessTest, ASuspectIsAliveAgainWithItsNextHeartbeat) {
-  peer.heard(begin);
+  peer.heard(start);
   ASSERT_EQ(check(1200ms), Verdict::Suspect);
   ++heartbeats;
   EXPECT_EQ(check(1250ms), Verdict::Alive);
@@ -57,7 +57,7 @@ TEST_F(PeerLivenessTest, ASuspectIsAliveAgainWithItsNextHeartbeat) {
 }
 
 TEST_F(PeerLivenessTest, HeartbeatsThatMustNotCountAreNoSign) {
-  peer.heard(begin);
+  peer.heard(start);
   heartbeats = 3;
   peer.await_heartbeat_after(heartbeats);
   EXPECT_EQ(check(10ms), Verdict::Quiet);
