@@ -127,9 +127,6 @@ class Interface:
     streams: tuple[OutwardStream, ...] = ()  # likewise
     quality: Quality = ASKED_NOTHING
     handlers: Mapping[int, Handler] = field(default_factory=dict, compare=False, repr=False)
-    methods: Mapping[str, Method[Any, Any]] = field(
-        default_factory=dict, compare=False, repr=False
-    )  # own and all inherited, by the name of the operation
 
     def __post_init__(self) -> None:
         """Several bases may bring the same ones, which it has once."""
@@ -287,9 +284,7 @@ def interface(
     inherited: list[Interface] = [base._gecos_interface for base in bases]  # type: ignore[attr-defined]
     own = tuple(methods)
     handlers = {code: each for base in inherited for code, each in base.handlers.items()}
-    known = {name: each for base in inherited for name, each in base.methods.items()}
     for each in own:
-        known[each.operation.name] = each
         handlers[each.operation.code] = Handler(
             each.operation, each.handler, each.arguments.decode, each.body, each.raises
         )
@@ -305,5 +300,4 @@ def interface(
         streams=(*streams, *(each.stream for each in own if each.stream is not None)),
         quality=quality,
         handlers=handlers,
-        methods=known,
     )

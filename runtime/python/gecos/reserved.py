@@ -7,14 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 from gecos.command import Command
 from gecos.errors import Detail, State
-from gecos.interface import Access, Method, Operation, nothing
+from gecos.interface import Access, Method, Operation, method, nothing
 from gecos.proxy import Object
-from gecos.wire import Decoder
+from gecos.wire import Decoder, layout
 
 if TYPE_CHECKING:
     from gecos_idl.object_types import Description, Holder
 
-# These carry nothing, and no import delays a stop.
 _STOP = Method[None, None](Operation(2, "stop", Access.SENSOR), nothing)
 _PING = Method[None, None](Operation(3, "ping", Access.SENSOR), nothing)
 
@@ -31,12 +30,17 @@ def ping(robot: Object) -> Command[None]:
 
 def describe(robot: Object) -> Command[Description]:
     """What the object is and what state it is in."""
-    return _call(robot, _declared("describe"))
+    from gecos_idl.object_types import Description
+
+    return _call(robot, method(Operation(4, "describe", Access.SENSOR), gives=Description))
 
 
 def holders(robot: Object) -> Command[list[Holder]]:
     """Who holds actor or master status."""
-    return _call(robot, _declared("holders"))
+    from gecos_idl.object_types import Holder
+
+    listed = layout.items(Holder)
+    return _call(robot, method(Operation(1, "holders", Access.SENSOR), gives=listed))
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +64,9 @@ def outcome(robot: Object, command: str) -> Command[Outcome]:
     since, or keeps it no more (it keeps the last 1024 of each object). Raises ValueError for what
     is no id.
     """
-    asked = _declared("outcome")
+    from gecos_idl.object_types import OutcomeRecord
+
+    asked = method(Operation(9, "outcome", Access.SENSOR), gives=OutcomeRecord)
     core = robot._gecos_session.outcome(command)
 
     def told(source: Decoder) -> Outcome:
@@ -68,13 +74,6 @@ def outcome(robot: Object, command: str) -> Command[Outcome]:
         return Outcome(Detail(record.detail), record.text)
 
     return Command(core, replace(asked, result=told))
-
-
-def _declared(name: str) -> Method[Any, Any]:
-    """As idl/gecos/object.gidl has it."""
-    from gecos_idl.object import GecosObject
-
-    return GecosObject._gecos_interface.methods[name]
 
 
 def _call(robot: Object, method: Method[Any, Any]) -> Command[Any]:
