@@ -50,6 +50,12 @@ def test_no_refusal_shows_a_secret_number_or_what_a_secret_list_holds() -> None:
         assert str(caught.value).startswith("Door.pin: ")
 
 
+def test_several_results_stand_in_a_reply_without_a_size(everything: Path) -> None:
+    module, types = import_module("everything"), import_module("everything_types")
+    reply = b"".join(module._STAGE_MEASURE.body(types.Stage_measure_result(1.0)))
+    assert reply.startswith(bytes.fromhex("3ff0000000000000"))
+
+
 def test_a_layout_of_another_length_than_its_struct_is_refused() -> None:
     vector = import_module("robcl.geometry_types").Vector
     with pytest.raises(TypeError, match="Vector: 2 steps for 3 members"):

@@ -240,7 +240,7 @@ def _answer(kind: Carried, label: str) -> tuple[Callable[[Decoder], Any], Callab
         kind.put(value, out, label)
         return out
 
-    if isinstance(kind, Nested) and not kind.layout.open:
+    if isinstance(kind, Nested) and not kind.layout.in_block:
         return kind.kind.decode, written
     return read, written
 

@@ -311,27 +311,29 @@ class Flags(Kind):
 
 
 class Nested(Kind):
-    """A value of a type with a layout of its own; in a block where that may grow."""
+    """A value of a type with a layout of its own; in a block where it may grow."""
 
     __slots__ = ("kind", "layout", "put")
 
     def __init__(self, kind: Any, layout: Any) -> None:
         self.kind = kind
         self.layout = layout
-        write = put_block if layout.open else put
+        write = put_block if layout.in_block else put
         # A function instead of a method: it is one call less.
         self.put = lambda value, out, label: write(value, kind, out, label)  # type: ignore[method-assign]
 
     @property
     def least(self) -> int:  # type: ignore[override]
-        return 4 if self.layout.open else self.layout.least
+        return 4 if self.layout.in_block else self.layout.least
 
     def take(self, source: Decoder, label: str) -> Any:
-        return self.kind.decode(source.block(label) if self.layout.open else source)
+        return self.kind.decode(source.block(label) if self.layout.in_block else source)
 
     def step(self) -> Any:
         return (
-            ("block" if self.layout.open else "struct", self.kind) if self.layout.planned else None
+            ("block" if self.layout.in_block else "struct", self.kind)
+            if self.layout.planned
+            else None
         )
 
     def plain(self, value: Any) -> Any:
@@ -430,8 +432,8 @@ class Twin:
         self.struct = struct
 
     @property
-    def open(self) -> bool:
-        return self.struct._gecos_layout.open  # type: ignore[no-any-return]
+    def in_block(self) -> bool:
+        return self.struct._gecos_layout.in_block  # type: ignore[no-any-return]
 
     @property
     def least(self) -> int:

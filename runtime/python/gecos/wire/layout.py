@@ -194,10 +194,13 @@ def struct(
 def result(
     *steps: Step, missing: int = 0, names: Mapping[str, str] | None = None
 ) -> Callable[[_KindT], _KindT]:
-    """The same of what an operation gives that gives several values."""
+    """The same of what an operation gives that gives several values: it grows, and is the whole of
+    a reply, so it needs no block."""
 
     def tell(kind: _KindT) -> _KindT:
-        _describe(kind, StructLayout(kind, None, steps, missing, True, False, "", names or {}))
+        layout = StructLayout(kind, None, steps, missing, True, False, "", names or {})
+        layout.in_block = False
+        _describe(kind, layout)
         return kind
 
     return tell

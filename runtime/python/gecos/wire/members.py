@@ -118,7 +118,16 @@ def _single(steps: Sequence[Any]) -> Iterator[Any]:
 class StructLayout(Members):
     """The layout of a dataclass; `gecos.wire.layout.struct` explains the rest."""
 
-    __slots__ = ("_deep", "_values", "attributes", "fingerprint", "kind", "open", "planned")
+    __slots__ = (
+        "_deep",
+        "_values",
+        "attributes",
+        "fingerprint",
+        "in_block",
+        "kind",
+        "open",
+        "planned",
+    )
 
     def __init__(
         self,
@@ -139,6 +148,7 @@ class StructLayout(Members):
         self.kind = kind
         self.fingerprint = fingerprint
         self.open = open
+        self.in_block = open
         self.planned = False
         self._deep = deep
         self._values: Callable[[Any], Sequence[Any]] = _getter(self.attributes)

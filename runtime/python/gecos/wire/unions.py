@@ -54,8 +54,8 @@ class UnionLayout:
     """The layout of a dataclass with `tag` and `value`; `gecos.wire.layout.union` explains it."""
 
     __slots__ = (
-        "_deep", "_otherwise", "_selected", "_tag", "arms", "fingerprint", "kind", "label", "open",
-        "tag",
+        "_deep", "_otherwise", "_selected", "_tag", "arms", "fingerprint", "in_block", "kind",
+        "label", "open", "tag",
     )  # fmt: skip
     planned = False
 
@@ -74,6 +74,7 @@ class UnionLayout:
         self.tag = tag
         self.arms = arms
         self.open = open
+        self.in_block = open
         self.label = label or kind.__name__
         self._deep = deep
         self._tag: Any = _Tag(tag) if isinstance(tag, Number | Char) else tag
