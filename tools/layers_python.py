@@ -97,11 +97,6 @@ ROWS = (
         "the command stands on gecos, with typer and rich",
     ),
     _row(
-        r"gecos\.reserved",
-        r"gecos(\..*)?|gecos_idl\.(object|\w+_types)",
-        "gecos.reserved carries out the built-in operations, which idl/gecos/object.gidl declares",
-    ),
-    _row(
         r"gecos(\..*)?",
         # typing_extensions is read by type checkers alone, which bring it.
         r"numpy(\..*)?|typing_extensions|gecos(\..*)?|gecos_idl\.\w+_types",
