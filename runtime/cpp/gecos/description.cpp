@@ -32,8 +32,9 @@ std::vector<const Entry*> all_by_code(const InterfaceDescription& interface, Tab
   std::vector<const Entry*> all;
   collect(interface, table, all);
   std::ranges::sort(all, {}, &Entry::code);
-  const auto again = std::ranges::unique(all, {}, &Entry::code);  // over two ways to one base
-  all.erase(again.begin(), again.end());
+  // Two ways may lead to one base. (clang 14 does not compile libstdc++'s std::ranges::unique.)
+  const auto same = [](const Entry* one, const Entry* other) { return one->code == other->code; };
+  all.erase(std::unique(all.begin(), all.end(), same), all.end());
   return all;
 }
 
