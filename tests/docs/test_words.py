@@ -40,9 +40,7 @@ INSTEAD = {  # as whole words, in the plural too
     "whoever": "the one who, with a noun",
 }
 
-EXCEPTIONS: dict[str, set[str]] = {
-    "docs/life-of-a-call.md": {"baton"},  # the name of a file
-}
+EXCEPTIONS: dict[str, set[str]] = {}
 
 
 def prose_of(document: Path) -> str:

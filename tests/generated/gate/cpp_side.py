@@ -106,7 +106,7 @@ class Program:
 
     def _sources(self) -> Iterator[str]:
         for stem in self._stems:
-            for part in ("types", "client", "server", "json"):
+            for part in ("types", "interface", "client", "server", "json"):
                 if (self._cpp / f"{stem}_{part}.cpp").exists():
                     yield f"{stem}_{part}.cpp"
 

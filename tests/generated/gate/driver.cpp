@@ -78,6 +78,9 @@ std::shared_ptr<CommandCore> ended(Failure failure) {
   return std::make_shared<gate::Done>(std::move(failure));
 }
 
+Refused::Refused(std::string why)
+    : core_(ended(Failure{Detail::BadParameter, std::move(why), {}, {}})) {}
+
 const std::shared_ptr<ClientSession>& nil_session() {
   static const std::shared_ptr<ClientSession> nil = std::make_shared<gate::Line>(ByteView{});
   return nil;
