@@ -20,7 +20,8 @@ CONTRACT = re.compile(r"^gecos/media/(?:(?:core|medium|quiet|waiting)\.[hc]pp|op
 DESCRIPTION = re.compile(r"^gecos/description\.[hc]pp$")
 # The headers that users and generated code include, and their sources.
 PUBLIC = re.compile(
-    r"^gecos/(?:binding|command|lab|object|reserved|servant|server|stream)\.[hc]pp$"
+    r"^gecos/(?:binding|command|lab|object|reconnecting|reserved|servant|serve|server|stream)"
+    r"\.[hc]pp$"
 )
 HAND_WRITTEN = re.compile(
     r"^(?:gecos/(base|wire|qos|access|crypto|media|session/(?:protocol|process|client|server)|"

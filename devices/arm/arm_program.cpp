@@ -22,21 +22,26 @@ JointValues in_radians(const std::vector<double>& degrees) {
   return joints;
 }
 
+std::unique_ptr<JointDriver> simulated(const ArmProgram& program, const CommandLine& line) {
+  SimulatedDriver::Imperfection imperfection;
+  imperfection.seed = static_cast<unsigned>(line.number("seed"));
+  return std::make_unique<SimulatedDriver>(in_radians(program.start_degrees), imperfection);
+}
+
 int run(const ArmProgram& program, const MakeServant& make_servant, const CommandLine& line) {
   const auto model = robcl::arm::ArmModel::from_urdf(
       program.urdf, program.base_link, program.flange_link, program.seconds_to_full_speed);
   if (!model) return fail(program.program, model.error().text);
-  SimulatedDriver::Imperfection imperfection;
-  imperfection.seed = static_cast<unsigned>(line.number("seed"));
-  SimulatedDriver driver(in_radians(program.start_degrees), imperfection);
+  const auto driver = program.connect ? program.connect() : simulated(program, line);
   ArmDevice::Settings settings;
   settings.tool_offset = robcl::translate(0, 0, robcl::mm(line.number("tool-length")));
-  SixAxisDevice arm(*model, settings, driver);
+  SixAxisDevice arm(*model, settings, *driver);
   const Periodic control(cycle, [&arm](double seconds) { arm.step(seconds); });
 
   gecos::Lab lab;
   const auto servant = make_servant(arm, program.place);
   Served how{program.program, line.text("name")};
+  how.simulated = !program.connect;
   how.beats = {{cycle, [&servant](double) { servant->publish(); }}};
   return serve_device(lab, *servant, how);
 }
@@ -45,7 +50,8 @@ int run(const ArmProgram& program, const MakeServant& make_servant, const Comman
 
 int serve_arm(const ArmProgram& program, const MakeServant& make_servant, int count, char** words) {
   const CommandLine line(program.program,
-                         "Serves a simulated " + program.arm + " with a control cycle of 4 ms.",
+                         (program.connect ? "Serves a " : "Serves a simulated ") + program.arm +
+                             " with a control cycle of 4 ms.",
                          {{"name", program.name, "name to register"},
                           {"tool-length", "150", "from the flange to the tool frame, along z, mm"},
                           {"seed", "1", "of the encoders' noise"}},

@@ -22,11 +22,13 @@ struct ArmProgram {
   double seconds_to_full_speed = 0.25;
   std::vector<double> start_degrees;  ///< where the joints of the simulated arm stand at first
   std::string place;                  ///< why it has no carrier; see ManipulatorServant
+  /// Makes the driver of the real joints. Empty: they are simulated.
+  std::function<std::unique_ptr<JointDriver>()> connect{};
 };
 
 using MakeServant = std::function<std::unique_ptr<SixAxisServant>(SixAxisDevice&, std::string)>;
 
-/// Serves the arm with simulated joints until SIGINT or SIGTERM. Gives the program's exit status.
+/// Serves the arm until SIGINT or SIGTERM. Gives the program's exit status.
 int serve_arm(const ArmProgram& arm, const MakeServant& make_servant, int count, char** words);
 
 /// As above; `Skeleton` is what gidl generates for the arm's interface.

@@ -17,16 +17,18 @@ gecos::Fault out_of_range(const SimulatedGripper::OutOfRange& refused) {
   return robcl::OutOfRange{refused.what, refused.value, refused.lower, refused.upper};
 }
 
-gecos::Fault as_fault(const gecos::Failure& failure) { return gecos::Fault::failed(failure.text); }
+gecos::Fault as_fault(const gecos::Failure& failure) {
+  const bool nobody = failure.detail == gecos::Detail::NoServer;
+  return gecos::Fault::failed((nobody ? "the simulated world is not there: " : "") + failure.text);
+}
 
 }  // namespace
 
 GripperServant::GripperServant(gecos::Lab& lab, std::string name, std::string world,
                                const std::string& carrier, const robcl::Frame& base_from_grip_point,
                                const SimulatedGripper::Settings& settings)
-    : lab_(lab),
-      name_(std::move(name)),
-      world_name_(std::move(world)),
+    : name_(std::move(name)),
+      world_(lab, std::move(world)),
       mounting_(lab, carrier, robcl::Frame()),
       base_from_grip_point_(base_from_grip_point),
       gripper_(settings) {}
@@ -54,27 +56,14 @@ gecos::Result<robcl::Frame> GripperServant::grip_point() {
   return *world_from_base * base_from_grip_point_;
 }
 
-gecos::Result<robcl::World> GripperServant::world() {
-  const std::lock_guard lock(connecting_);
-  if (!world_ || gecos::ping(*world_).wait_for(500ms) != gecos::State::Finished) {
-    auto found = lab_.create<robcl::World>(world_name_);
-    if (!found) {
-      return tl::unexpected(
-          gecos::Fault::failed("the simulated world is not there: " + found.error().to_string()));
-    }
-    world_ = *found;
-  }
-  return *world_;
-}
-
 /// What the jaws would meet where they are now.
 gecos::Result<std::optional<SimulatedGripper::Contact>> GripperServant::contact() {
-  if (world_name_.empty()) return std::nullopt;
+  if (world_.name().empty()) return std::nullopt;
   const auto point = grip_point();
   if (!point) return tl::unexpected(point.error());
-  const auto there = world();
-  if (!there) return tl::unexpected(there.error());
-  const auto met = there->between(*point, gripper_.state().width).get();
+  const auto met = world_.call([&](const robcl::World& world) {
+    return world.between(*point, gripper_.state().width).get();
+  });
   if (!met) return tl::unexpected(as_fault(met.error()));
   if (!met->hit) return std::nullopt;
   return SimulatedGripper::Contact{met->width, met->body_name};
@@ -98,17 +87,16 @@ gecos::Result<void> GripperServant::let_jaws_move(Run& run) {
 /// or standing.
 gecos::Result<void> GripperServant::wait_for_world(const std::string& body,
                                                    const std::string& holder, Run& run) {
-  const auto there = world();
-  if (!there) return tl::unexpected(there.error());
   const auto deadline = std::chrono::steady_clock::now() + world_takes_notice;
   while (std::chrono::steady_clock::now() < deadline) {
-    const auto found = there->find(body).get();
+    const auto found =
+        world_.call([&](const robcl::World& world) { return world.find(body).get(); });
     if (!found) return tl::unexpected(as_fault(found.error()));
     if (found->fixed || found->held_by == holder) return {};
     if (run.wait_interrupted(beat)) return tl::unexpected(gecos::Fault::interrupted());
   }
   return tl::unexpected(gecos::Fault::failed(
-      "world '" + world_name_ + "' does not notice that '" + name_ + "' " +
+      "world '" + world_.name() + "' does not notice that '" + name_ + "' " +
       (holder.empty() ? "let go of" : "holds") + " '" + body + "': does it watch this gripper?"));
 }
 
@@ -124,7 +112,7 @@ gecos::Result<void> GripperServant::open(double width, Run& run) {
     return tl::unexpected(out_of_range(opening.error()));
   }
   if (auto moved = let_jaws_move(run); !moved) return moved;
-  if (!before.holding || world_name_.empty()) return {};
+  if (!before.holding || world_.name().empty()) return {};
   return wait_for_world(before.held, {}, run);
 }
 
@@ -136,7 +124,7 @@ gecos::Result<void> GripperServant::close(double force, Run& run) {
   }
   if (auto moved = let_jaws_move(run); !moved) return moved;
   const SimulatedGripper::State now = gripper_.state();
-  if (!now.holding || world_name_.empty()) return {};
+  if (!now.holding || world_.name().empty()) return {};
   return wait_for_world(now.held, name_, run);
 }
 

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <mutex>
 #include <optional>
 #include <string>
 
+#include "gecos/reconnecting.hpp"
 #include "gripper/simulated_gripper.hpp"
 #include "robcl/gripper_server.hpp"
 #include "robcl/world_client.hpp"
@@ -38,19 +38,15 @@ class GripperServant final : public robcl::GripperServant {
   gecos::Result<void> open(double width, Run& run) override;
   gecos::Result<void> close(double force, Run& run) override;
 
-  gecos::Result<robcl::World> world();
   gecos::Result<std::optional<SimulatedGripper::Contact>> contact();
   gecos::Result<void> let_jaws_move(Run& run);
   gecos::Result<void> wait_for_world(const std::string& body, const std::string& holder, Run& run);
 
-  gecos::Lab& lab_;
-  const std::string name_, world_name_;
+  const std::string name_;
+  gecos::Reconnecting<robcl::World> world_;
   Mounting mounting_;
   const robcl::Frame base_from_grip_point_;
   SimulatedGripper gripper_;
-
-  std::mutex connecting_;  // of world_
-  std::optional<robcl::World> world_;
 };
 
 }  // namespace devices

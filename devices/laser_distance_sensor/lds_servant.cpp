@@ -1,47 +1,20 @@
 #include "laser_distance_sensor/lds_servant.hpp"
 
-#include <chrono>
 #include <utility>
 
 namespace devices {
-namespace {
-
-using namespace std::chrono_literals;
-
-constexpr auto between_tries = 500ms;
-
-}  // namespace
-
 LdsServant::LdsServant(gecos::Lab& lab, std::string world, const std::string& carrier,
                        const robcl::Frame& carrier_from_base,
                        const SimulatedBeam::Settings& settings)
-    : lab_(lab),
-      world_name_(std::move(world)),
-      mounting_(lab, carrier, carrier_from_base),
-      beam_(settings) {}
+    : world_(lab, std::move(world)), mounting_(lab, carrier, carrier_from_base), beam_(settings) {}
 
 tl::expected<robcl::RayHit, std::string> LdsServant::cast() {
   const auto origin = mounting_.base();
   if (!origin) return tl::unexpected(origin.error().failure().text);
-  std::optional<robcl::World> world;
-  {
-    const std::lock_guard lock(connecting_);
-    if (!world_) {
-      if (std::chrono::steady_clock::now() < next_try_) {
-        return tl::unexpected("the simulated world '" + world_name_ + "' is not there");
-      }
-      next_try_ = std::chrono::steady_clock::now() + between_tries;
-      auto found = lab_.create<robcl::World>(world_name_);
-      if (!found) return tl::unexpected(found.error().to_string());
-      world_ = *found;
-    }
-    world = world_;
-  }
-  auto hit = world->cast(*origin, beam_.settings().upper).get();
-  if (hit) return *hit;
-  const std::lock_guard lock(connecting_);
-  world_.reset();
-  return tl::unexpected(hit.error().text);
+  const auto hit = world_.call(
+      [&](const robcl::World& world) { return world.cast(*origin, beam_.settings().upper).get(); });
+  if (!hit) return tl::unexpected(hit.error().text);
+  return *hit;
 }
 
 gecos::Result<robcl::Distance> LdsServant::measure() {

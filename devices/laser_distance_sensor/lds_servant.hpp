@@ -1,10 +1,9 @@
 #pragma once
 
 #include <atomic>
-#include <mutex>
-#include <optional>
 #include <string>
 
+#include "gecos/reconnecting.hpp"
 #include "laser_distance_sensor/simulated_beam.hpp"
 #include "robcl/laser_distance_sensor_server.hpp"
 #include "robcl/world_client.hpp"
@@ -34,15 +33,10 @@ class LdsServant final : public robcl::LaserDistanceSensorServant {
 
   tl::expected<robcl::RayHit, std::string> cast();
 
-  gecos::Lab& lab_;
-  const std::string world_name_;
+  gecos::Reconnecting<robcl::World> world_;
   Mounting mounting_;
   SimulatedBeam beam_;
   std::atomic<bool> on_{true};
-
-  std::mutex connecting_;  // of world_ and next_try_
-  std::optional<robcl::World> world_;
-  gecos::TimePoint next_try_{};
 };
 
 }  // namespace devices

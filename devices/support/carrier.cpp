@@ -8,76 +8,44 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr gecos::Duration between_tries = 500ms;
-
-gecos::TimePoint now() { return std::chrono::steady_clock::now(); }
-
-struct Connection {
-  std::optional<gecos::Stream<robcl::Frame>> flange;
-  std::string problem;
-};
-
-Connection connect(gecos::Lab& lab, const std::string& name, gecos::Duration patience) {
-  gecos::CreateOptions options;
-  options.patience = patience;
-  auto arm = lab.create<robcl::Manipulator>(name, options);
-  if (!arm) return {std::nullopt, arm.error().to_string()};
-  auto flange = arm->flange(gecos::stream);
-  if (!flange) return {std::nullopt, flange.error().text};
-  return {std::move(*flange), {}};
+std::shared_ptr<FlangeStream> flange_of(gecos::Lab& lab, const std::string& name,
+                                        gecos::Duration patience) {
+  gecos::ReconnectOptions options;
+  options.create.patience = patience;
+  options.silence = Carrier::patience;
+  const auto open = [](const robcl::Manipulator& arm) { return arm.flange(gecos::stream); };
+  return std::make_shared<FlangeStream>(lab, name, open, options);
 }
 
 }  // namespace
 
 void Carrier::follow(const std::string& name) {
   const std::lock_guard lock(guard_);
-  if (name == name_) return;
-  name_ = name;
-  flange_.reset();
-  last_.reset();
-  problem_ = "'" + name + "' was not heard yet";
-  next_try_ = {};
+  if (name == (flange_ ? flange_->name() : std::string())) return;
+  flange_ = name.empty() ? nullptr : flange_of(lab_, name, 200ms);
+}
+
+std::shared_ptr<FlangeStream> Carrier::flange() const {
+  const std::lock_guard lock(guard_);
+  return flange_;
 }
 
 std::string Carrier::name() const {
-  const std::lock_guard lock(guard_);
-  return name_;
-}
-
-bool Carrier::heard() {
-  if (!flange_) return false;
-  const auto sample = flange_->latest();
-  if (!sample) return now() - connected_ < patience;
-  if (sample->age > patience) return false;
-  last_ = sample->value;
-  return true;
+  const auto flange = this->flange();
+  return flange ? flange->name() : std::string();
 }
 
 void Carrier::tend() {
-  std::string name;
-  {
-    const std::lock_guard lock(guard_);
-    if (name_.empty() || now() < next_try_ || heard()) return;
-    name = name_;
-    if (flange_) problem_ = "'" + name + "' is silent";
-    flange_.reset();
-    last_.reset();
-  }
-  Connection made = connect(lab_, name, 200ms);
-  const std::lock_guard lock(guard_);
-  if (name != name_) return;
-  next_try_ = now() + between_tries;
-  connected_ = now();
-  flange_ = std::move(made.flange);
-  if (!flange_) problem_ = std::move(made.problem);
+  if (const auto flange = this->flange()) flange->tend();
 }
 
 tl::expected<robcl::Frame, std::string> Carrier::frame() {
-  const std::lock_guard lock(guard_);
-  if (name_.empty()) return robcl::Frame();
-  if (heard() && last_) return *last_;
-  return tl::unexpected("where the flange of '" + name_ +
-                        "' is, is not known: " + (problem_.empty() ? "it is silent" : problem_));
+  const auto flange = this->flange();
+  if (!flange) return robcl::Frame();
+  const auto sample = flange->latest();
+  if (sample) return sample->value;
+  return tl::unexpected("where the flange of '" + flange->name() +
+                        "' is, is not known: " + sample.error());
 }
 
 Mounting::Mounting(gecos::Lab& lab, const std::string& carrier,
@@ -96,8 +64,10 @@ gecos::Result<robcl::Frame> Mounting::base() {
 gecos::Result<void> Mounting::mount(const std::string& carrier,
                                     const robcl::Frame& carrier_from_base) {
   if (!carrier.empty()) {
-    if (const Connection tried = connect(lab_, carrier, 500ms); !tried.flange) {
-      return tl::unexpected(robcl::MountRefused{tried.problem});
+    const auto flange = flange_of(lab_, carrier, 500ms);
+    flange->tend();
+    if (!flange->proxy()) {
+      return tl::unexpected(robcl::MountRefused{flange->latest().error()});
     }
   }
   const std::lock_guard lock(guard_);

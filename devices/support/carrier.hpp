@@ -1,15 +1,18 @@
 // Where devices are that stand on something that moves.
 #pragma once
 
+#include <memory>
 #include <mutex>
-#include <optional>
 #include <string>
 
 #include "gecos/gecos.hpp"
+#include "gecos/reconnecting.hpp"
 #include "robcl/frames/frame.hpp"
 #include "robcl/manipulator_client.hpp"
 
 namespace devices {
+
+using FlangeStream = gecos::ReconnectingStream<robcl::Manipulator, robcl::Frame>;
 
 /// The flange of a manipulator, as its stream last said; or the world, which stands. Any thread may
 /// ask; one thread tends.
@@ -32,16 +35,11 @@ class Carrier {
   tl::expected<robcl::Frame, std::string> frame();
 
  private:
-  bool heard();
+  std::shared_ptr<FlangeStream> flange() const;
 
   gecos::Lab& lab_;
-  mutable std::mutex guard_;  // of all below; never held while connecting
-  std::string name_;
-  std::optional<gecos::Stream<robcl::Frame>> flange_;
-  std::optional<robcl::Frame> last_;
-  std::string problem_;
-  gecos::TimePoint next_try_{};
-  gecos::TimePoint connected_{};
+  mutable std::mutex guard_;              // of flange_; never held while connecting
+  std::shared_ptr<FlangeStream> flange_;  // null: the world
 };
 
 /// A device's base: fixed to a carrier.

@@ -4,27 +4,27 @@
 #include <exception>
 #include <memory>
 
+#include "gecos/serve.hpp"
 #include "support/periodic.hpp"
 
 namespace devices {
 
 int serve_device(gecos::Lab& lab, gecos::Servant& servant, const Served& how) {
-  gecos::Server server(lab);
-  gecos::ObjectOptions options;
-  options.simulated = true;
-  options.thread_safe = true;
-  options.blocking = how.blocking;
-  if (const auto served = server.add(how.name, servant, options); !served) {
-    return fail(how.program, served.error().text);
-  }
-  std::vector<std::unique_ptr<Periodic>> beating;
-  for (const Beat& beat : how.beats) {
-    beating.push_back(std::make_unique<Periodic>(beat.period, beat.work));
-  }
-  std::printf("%s: %s is ready\n", how.program.c_str(), how.name.c_str());
-  std::fflush(stdout);
-  server.run();
-  return 0;
+  gecos::ObjectOptions object;
+  object.simulated = how.simulated;
+  object.thread_safe = true;
+  object.blocking = how.blocking;
+  gecos::ServeOptions options;
+  options.program = how.program;
+  options.ready = how.program + ": " + how.name + " is ready";
+  options.started = [&how] {
+    auto beating = std::make_shared<std::vector<std::unique_ptr<Periodic>>>();
+    for (const Beat& beat : how.beats) {
+      beating->push_back(std::make_unique<Periodic>(beat.period, beat.work));
+    }
+    return beating;
+  };
+  return gecos::serve(lab, {{how.name, servant, object}}, options);
 }
 
 int device_main(const char* program, const std::function<int()>& work) {

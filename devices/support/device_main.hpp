@@ -18,12 +18,13 @@ struct Beat {
 struct Served {
   std::string program;  ///< "robcl-rx90": begins each line that is printed
   std::string name;     ///< to register
+  bool simulated = true;
   /// Handlers wait for other objects: each runs on the object's worker.
   bool blocking = false;
   std::vector<Beat> beats{};  ///< started once it is served
 };
 
-/// Serves a simulated, thread-safe `servant` until SIGINT or SIGTERM. Prints one line when it is
+/// Serves a thread-safe `servant` until SIGINT or SIGTERM. Prints one line when it is
 /// ready, and why it cannot be served. Gives the program's exit status.
 int serve_device(gecos::Lab& lab, gecos::Servant& servant, const Served& how);
 

@@ -8,42 +8,29 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto between_tries = 500ms;
-constexpr auto silent = 1s;  // a gripper that sends nothing for so long is connected to again
+gecos::ReconnectOptions patient() {
+  gecos::ReconnectOptions options;
+  options.create.patience = 200ms;
+  return options;
+}
 
-gecos::TimePoint now() { return std::chrono::steady_clock::now(); }
+tl::expected<gecos::Stream<robcl::GripperState>, gecos::Failure> jaws_of(
+    const robcl::Gripper& gripper) {
+  return gripper.jaws(gecos::stream);
+}
 
 }  // namespace
 
 GripperWatch::GripperWatch(gecos::Lab& lab, SimulatedWorld& world, std::string gripper)
-    : lab_(lab), world_(world), name_(std::move(gripper)), carrier_(lab) {}
-
-bool GripperWatch::connect() {
-  if (jaws_) return true;
-  if (now() < next_try_) return false;
-  next_try_ = now() + between_tries;
-  gecos::CreateOptions options;
-  options.patience = 200ms;
-  auto gripper = lab_.create<robcl::Gripper>(name_, options);
-  if (!gripper) return false;
-  auto jaws = gripper->jaws(gecos::stream);
-  if (!jaws) return false;
-  gripper_ = std::move(*gripper);
-  jaws_ = std::move(*jaws);
-  connected_ = now();
-  return true;
-}
+    : world_(world),
+      name_(std::move(gripper)),
+      carrier_(lab),
+      jaws_(lab, name_, jaws_of, patient()) {}
 
 void GripperWatch::tend() {
   carrier_.tend();
-  if (connect()) {
-    const auto sample = jaws_->latest();
-    if (sample && sample->age <= silent) {
-      see(sample->value);
-    } else if (sample || now() - connected_ > silent) {
-      jaws_.reset();  // jaws without power stay closed: what they hold stays held
-    }
-  }
+  jaws_.tend();
+  if (const auto jaws = jaws_.latest()) see(jaws->value);  // else what they hold stays held
   carry();
 }
 
@@ -54,7 +41,9 @@ void GripperWatch::see(const robcl::GripperState& jaws) {
     if (holds == held_) return;
   }
   if (!holds.empty()) {
-    const auto parent = gripper_->parent();
+    const auto gripper = jaws_.proxy();
+    if (!gripper) return;
+    const auto parent = gripper->parent();
     if (parent.wait_for(200ms) != gecos::State::Finished) return;
     const auto name = parent.get();
     if (!name) return;

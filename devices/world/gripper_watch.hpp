@@ -1,7 +1,6 @@
 #pragma once
 
 #include <mutex>
-#include <optional>
 #include <string>
 
 #include "robcl/gripper_client.hpp"
@@ -22,19 +21,12 @@ class GripperWatch {
   void carry();
 
  private:
-  bool connect();
   void see(const robcl::GripperState& jaws);
 
-  gecos::Lab& lab_;
   SimulatedWorld& world_;
   const std::string name_;
   Carrier carrier_;
-
-  // The tending thread's own.
-  std::optional<robcl::Gripper> gripper_;
-  std::optional<gecos::Stream<robcl::GripperState>> jaws_;
-  gecos::TimePoint next_try_{};
-  gecos::TimePoint connected_{};
+  gecos::ReconnectingStream<robcl::Gripper, robcl::GripperState> jaws_;
 
   std::mutex guard_;  // of held_
   std::string held_;  // what the world was told that the gripper holds

@@ -2,9 +2,9 @@
 // Run `gecos broker` first, then this, then any of the clients beside it.
 
 #include <cmath>
-#include <cstdio>
 
 #include "gecos/gecos.hpp"
+#include "gecos/serve.hpp"
 #include "robcl/frames/frame.hpp"
 #include "robcl/laser_distance_sensor_server.hpp"
 
@@ -47,13 +47,6 @@ class SwayingWall : public robcl::LaserDistanceSensorServant {
 
 int main() {
   gecos::Lab lab;
-  gecos::Server server(lab);
   SwayingWall sensor;
-  if (auto served = server.add("LASER", sensor, {.simulated = true}); !served) {
-    std::fprintf(stderr, "%s\n", served.error().text.c_str());
-    return 1;
-  }
-  std::puts("LASER is ready");
-  std::fflush(stdout);
-  server.run();
+  return gecos::serve(lab, {{"LASER", sensor, {.simulated = true}}});  // until Ctrl-C
 }

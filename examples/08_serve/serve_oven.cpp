@@ -2,9 +2,9 @@
 
 #include <atomic>
 #include <chrono>
-#include <cstdio>
 
 #include "gecos/gecos.hpp"
+#include "gecos/serve.hpp"
 #include "oven_server.hpp"
 
 using namespace std::chrono_literals;
@@ -35,13 +35,7 @@ class SimulatedOven : public plant::OvenServant {
 
 int main() {
   gecos::Lab lab;
-  gecos::Server server(lab);
   SimulatedOven oven;
-  if (auto served = server.add("OVEN", oven, {.simulated = true, .thread_safe = true}); !served) {
-    std::fprintf(stderr, "%s\n", served.error().text.c_str());
-    return 1;
-  }
-  std::puts("serving OVEN");
-  std::fflush(stdout);
-  server.run();  // until Ctrl-C
+  // Until Ctrl-C.
+  return gecos::serve(lab, {{"OVEN", oven, {.simulated = true, .thread_safe = true}}});
 }

@@ -1,0 +1,166 @@
+#pragma once
+
+/// Proxies and streams of programs that outlive the servers they use.
+#include <chrono>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <utility>
+
+#include "gecos/lab.hpp"
+
+namespace gecos {
+
+struct ReconnectOptions {
+  CreateOptions create{};                                   ///< of each try
+  Duration between_tries = std::chrono::milliseconds(500);  ///< from the end of one that failed
+  /// A stream that has given nothing for so long is opened again, through a new proxy.
+  Duration silence = std::chrono::seconds(1);
+};
+
+/// A proxy that is created when it is first needed, and again after its server was lost. The object
+/// need not be online before. Thread-safe; `lab` must outlive it.
+template <class Proxy>
+class Reconnecting {
+ public:
+  Reconnecting(Lab& lab, std::string name, ReconnectOptions options = {})
+      : lab_(lab), name_(std::move(name)), options_(std::move(options)) {}
+
+  const std::string& name() const { return name_; }
+
+  /// The proxy. Where there is none it is created, which takes `create.patience` at most; for
+  /// `between_tries` after that failed its reason is given at once. Other threads wait meanwhile.
+  tl::expected<Proxy, std::string> get() {
+    const std::lock_guard lock(mutex_);
+    if (proxy_) return *proxy_;
+    if (std::chrono::steady_clock::now() < next_try_) return tl::unexpected(problem_);
+    auto created = lab_.create<Proxy>(name_, options_.create);
+    if (created) return proxy_.emplace(std::move(*created));
+    problem_ = created.error().to_string();
+    next_try_ = std::chrono::steady_clock::now() + options_.between_tries;
+    return tl::unexpected(problem_);
+  }
+
+  /// What `call` gives, which issues a command through the proxy that it is passed and waits for
+  /// it. The proxy is dropped when the server was lost; the call is repeated once, through a new
+  /// one, when it is proved that it did not start (CONNECTION_FAILED).
+  template <class Call>
+  std::invoke_result_t<Call&, const Proxy&> call(Call call) {
+    auto result = call_once(call);
+    if (result || project(result.error().detail) != State::ConnectionFailed) return result;
+    return call_once(call);
+  }
+
+  /// The next `get` creates a new proxy, unless that was done since `lost` was given.
+  void drop(const Proxy& lost) {
+    const std::lock_guard lock(mutex_);
+    if (proxy_ && session_of(*proxy_) == session_of(lost)) proxy_.reset();
+  }
+
+ private:
+  template <class Call>
+  std::invoke_result_t<Call&, const Proxy&> call_once(Call& call) {
+    const auto proxy = get();
+    if (!proxy) return tl::unexpected(Failure{Detail::NoServer, proxy.error(), {}, {}});
+    auto result = call(*proxy);
+    if (!result && lost(result.error().detail)) drop(*proxy);
+    return result;
+  }
+  static bool lost(Detail detail) {
+    return project(detail) == State::ConnectionFailed || detail == Detail::ServerCrashed ||
+           detail == Detail::OutcomeUnknown;
+  }
+
+  Lab& lab_;
+  const std::string name_;
+  const ReconnectOptions options_;
+  std::mutex mutex_;  // guards what follows; held while connecting
+  std::optional<Proxy> proxy_;
+  std::string problem_;
+  TimePoint next_try_{};
+};
+
+/// A stream that is opened again, through a new proxy, when it is lost or silent. One thread tends
+/// it; any thread reads. `lab` must outlive it.
+template <class Proxy, class T>
+class ReconnectingStream {
+ public:
+  /// `[](const Manipulator& arm) { return arm.flange(gecos::stream); }`
+  using Open = std::function<tl::expected<Stream<T>, Failure>(const Proxy&)>;
+
+  ReconnectingStream(Lab& lab, std::string name, Open open, ReconnectOptions options = {})
+      : lab_(lab),
+        name_(std::move(name)),
+        open_(std::move(open)),
+        options_(std::move(options)),
+        problem_("'" + name_ + "' was not heard yet") {}
+
+  const std::string& name() const { return name_; }
+
+  /// Opens it, or opens it again, where that is needed. Call it now and then: it returns at once
+  /// while samples come, else within `create.patience` and the second that a stream may take.
+  void tend() {
+    {
+      const std::lock_guard lock(mutex_);
+      if (std::chrono::steady_clock::now() < next_try_ || alive()) return;
+      if (stream_) problem_ = "'" + name_ + "' is silent";
+      stream_.reset();
+      proxy_.reset();
+    }
+    auto created = lab_.create<Proxy>(name_, options_.create);
+    auto stream = opened(created);
+    const std::lock_guard lock(mutex_);
+    since_ = std::chrono::steady_clock::now();
+    next_try_ = since_ + options_.between_tries;
+    if (!stream) {
+      problem_ = std::move(stream.error());
+      return;
+    }
+    stream_ = std::move(*stream);
+    proxy_ = std::move(*created);
+  }
+
+  /// The newest sample; why there is none, where the newest is older than `silence`. Never waits.
+  tl::expected<Sample<T>, std::string> latest() {
+    const std::lock_guard lock(mutex_);
+    if (!stream_) return tl::unexpected(problem_);
+    auto sample = stream_->latest();
+    if (sample && sample->age <= options_.silence) return *std::move(sample);
+    if (!sample && !stream_->lost()) return tl::unexpected("'" + name_ + "' was not heard yet");
+    return tl::unexpected("'" + name_ + "' is silent");
+  }
+
+  /// The proxy that the stream was opened through; nothing while there is no stream.
+  std::optional<Proxy> proxy() const {
+    const std::lock_guard lock(mutex_);
+    return proxy_;
+  }
+
+ private:
+  tl::expected<Stream<T>, std::string> opened(const Checked<Proxy, CreateError>& created) const {
+    if (!created) return tl::unexpected(created.error().to_string());
+    auto stream = open_(*created);
+    if (!stream) return tl::unexpected(stream.error().text);
+    return *std::move(stream);
+  }
+  bool alive() {
+    if (!stream_) return false;
+    if (const auto sample = stream_->latest()) return sample->age <= options_.silence;
+    return !stream_->lost() && std::chrono::steady_clock::now() - since_ < options_.silence;
+  }
+
+  Lab& lab_;
+  const std::string name_;
+  const Open open_;
+  const ReconnectOptions options_;
+  mutable std::mutex mutex_;  // guards what follows; never held while connecting
+  std::optional<Stream<T>> stream_;
+  std::optional<Proxy> proxy_;
+  std::string problem_;
+  TimePoint next_try_{};
+  TimePoint since_{};  // when the stream was opened
+};
+
+}  // namespace gecos
