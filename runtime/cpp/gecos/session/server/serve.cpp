@@ -5,12 +5,12 @@
 #include <exception>
 
 #include "gecos/media/waiting.hpp"
-#include "gecos/session/process/termination.hpp"
+#include "gecos/session/process/termination_signals.hpp"
 
 namespace gecos {
 namespace {
 
-using session::Termination;
+using session::TerminationSignals;
 
 constexpr Duration look_for_signals = std::chrono::milliseconds(200);
 
@@ -29,14 +29,14 @@ void say_ready(const std::vector<Serving>& objects, const ServeOptions& options)
   std::fflush(stdout);
 }
 
-bool came(const Termination& signals) {
+bool came(const TerminationSignals& signals) {
   const int descriptors[] = {signals.descriptor()};
   return media::sleep_on(descriptors, std::chrono::steady_clock::now()) == media::Wake::Ready;
 }
 
 /// Waits for the broker, but not after the user has had enough: false then.
 tl::expected<bool, ServeError> broker_found(Server& server, const std::vector<Serving>& objects,
-                                            const Termination& signals) {
+                                            const TerminationSignals& signals) {
   Duration patience{};
   for (const Serving& object : objects) {
     if (!object.options.well_known) patience = std::max(patience, object.options.patience);
@@ -55,7 +55,7 @@ tl::expected<bool, ServeError> broker_found(Server& server, const std::vector<Se
 int serve_until_signal(Lab& lab, const std::vector<Serving>& objects, const ServeOptions& options) {
   Server server(lab);
   std::shared_ptr<void> started;
-  const Termination signals;  // ends first: while the others end, the next signal ends the program
+  const TerminationSignals signals;  // ends first: while the others end, the next signal ends the program
   const auto found = broker_found(server, objects, signals);
   if (!found) return fail(options, objects.front().name + " is not served: " + found.error().text);
   if (!*found) return 0;
