@@ -11,7 +11,10 @@ CPP_BEFORE = """\
 #include <iostream>
 
 #include "gecos/gecos.hpp"
+#include "gecos/reconnecting.hpp"
+#include "gecos/serve.hpp"
 #include "oven_client.hpp"
+#include "oven_server.hpp"
 
 template <class Error>
 int fail(const Error& error) {
@@ -38,7 +41,8 @@ def thermocouple() -> float:
 def test_the_cpp_compiles(generated: Path, tmp_path: Path) -> None:
     functions = [
         f"[[maybe_unused]] int piece_{at}([[maybe_unused]] Oven& oven, "
-        f"[[maybe_unused]] Robot& robot) {{\n{block}  return 0;\n}}\n"
+        f"[[maybe_unused]] Robot& robot, [[maybe_unused]] gecos::Lab& lab, "
+        f"[[maybe_unused]] plant::OvenServant& servant) {{\n{block}  return 0;\n}}\n"
         for at, block in enumerate(blocks(PROGRAMS, "cpp"))
     ]
     compile_cpp(CPP_BEFORE + "".join(functions), generated, tmp_path)
