@@ -110,15 +110,15 @@ class ReconnectingStream {
       proxy_.reset();
     }
     auto created = lab_.create<Proxy>(name_, options_.create);
-    auto stream = opened(created);
+    auto fresh = opened(created);
     const std::lock_guard lock(mutex_);
     since_ = std::chrono::steady_clock::now();
     next_try_ = since_ + options_.between_tries;
-    if (!stream) {
-      problem_ = std::move(stream.error());
+    if (!fresh) {
+      problem_ = std::move(fresh.error());
       return;
     }
-    stream_ = std::move(*stream);
+    stream_ = std::move(*fresh);
     proxy_ = std::move(*created);
   }
 
@@ -141,9 +141,9 @@ class ReconnectingStream {
  private:
   tl::expected<Stream<T>, std::string> opened(const Checked<Proxy, CreateError>& created) const {
     if (!created) return tl::unexpected(created.error().to_string());
-    auto stream = open_(*created);
-    if (!stream) return tl::unexpected(stream.error().text);
-    return *std::move(stream);
+    auto opened = open_(*created);
+    if (!opened) return tl::unexpected(opened.error().text);
+    return *std::move(opened);
   }
   bool alive() {
     if (!stream_) return false;
