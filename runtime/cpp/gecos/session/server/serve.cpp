@@ -55,7 +55,8 @@ tl::expected<bool, ServeError> broker_found(Server& server, const std::vector<Se
 int serve_until_signal(Lab& lab, const std::vector<Serving>& objects, const ServeOptions& options) {
   Server server(lab);
   std::shared_ptr<void> started;
-  const TerminationSignals signals;  // ends first: while the others end, the next signal ends the program
+  const TerminationSignals
+      signals;  // ends first: while the others end, the next signal ends the program
   const auto found = broker_found(server, objects, signals);
   if (!found) return fail(options, objects.front().name + " is not served: " + found.error().text);
   if (!*found) return 0;
