@@ -378,14 +378,12 @@ template <class Servant>
 Answers serve(std::uint32_t code, gecos::ByteView request, gecos::ByteView neutral_result) {
   Servant servant;
   servant.gate_handler.neutral_result = neutral_result;
-  for (const auto& operation : servant.gecos_interface().operations) {
-    if (gecos::number(operation.code) != code) continue;
-    const auto call = std::make_shared<Incoming>(operation, request);
-    servant.gecos_dispatch(gecos::IncomingCall(call));
-    if (!servant.gate_handler.heard) return {call->reply, {}};
-    return {yes(*servant.gate_handler.heard), call->reply};
-  }
-  return {no("the servant has no such operation"), {}};
+  const auto* operation = servant.gecos_interface().find(gecos::FunctionCode{code});
+  if (operation == nullptr) return {no("the servant has no such operation"), {}};
+  const auto call = std::make_shared<Incoming>(*operation, request);
+  servant.gecos_dispatch(gecos::IncomingCall(call));
+  if (!servant.gate_handler.heard) return {call->reply, {}};
+  return {yes(*servant.gate_handler.heard), call->reply};
 }
 
 struct Samples final : gecos::session::Publisher {
