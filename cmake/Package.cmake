@@ -104,7 +104,7 @@ foreach(command "gidl:gidl.cli:run:jinja2" "gecos:gecos.cli:main:numpy typer ric
   install(PROGRAMS "${written}/${name}" DESTINATION "${CMAKE_INSTALL_BINDIR}")
 endforeach()
 
-# The package, once for what is installed and once for this build folder.
+# The package is written twice: for the installation and for this build folder.
 set(parts "${PROJECT_SOURCE_DIR}/cmake/Gidl.cmake" "${PROJECT_SOURCE_DIR}/cmake/SystemLibraries.cmake")
 set(config "${PROJECT_SOURCE_DIR}/cmake/robclConfig.cmake.in")
 set(idl "${idl_dir}")

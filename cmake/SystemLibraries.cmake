@@ -1,5 +1,5 @@
 # Libraries of the system and LCM's archive, as targets that ours name wherever they are used: in the tree, from a build
-# folder and from an installed SDK. GECOS_LCM_LIBRARY is the path of liblcm.a. robcl_missing says what was not found.
+# folder and from an installed SDK. GECOS_LCM_LIBRARY is the path of liblcm.a. robcl_missing lists the libraries that were not found.
 set(robcl_missing "")
 function(gecos_imported target type location)
   if(NOT TARGET ${target})

@@ -117,7 +117,7 @@ void ArmController::take(tl::expected<JointState, DriverFault> answer, bool moti
     publish();
     return;
   }
-  // The last answer stays what is known, and its stamp says how old it is.
+  // The last answer remains; its stamp tells its age.
   silent_ = true;
   command_ = state_.position;
   last_.commanded = last_.joints;

@@ -68,7 +68,7 @@ class JointDriver {
 
   virtual Capabilities capabilities() const = 0;
 
-  /// What is measured now; commands nothing.
+  /// Reads the measured state without a command to the drives.
   virtual tl::expected<JointState, DriverFault> read() = 0;
   /// Turns the drives on and releases the brakes. The joints stay where they are until the first
   /// `exchange` that finds them On. Fails in a mode that the drives do not have, and while a fault

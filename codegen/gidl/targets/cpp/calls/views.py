@@ -144,7 +144,7 @@ class InterfaceView:
 
     @property
     def answers_else(self) -> str:
-        """Whether a base answers what is none of its own."""
+        """Whether a base answers the operations that this interface inherits."""
         asked = (f"{base}::gecos_answer({self.request})" for base in self.servant_bases)
         return " || ".join(asked) or "false"
 

@@ -1,4 +1,4 @@
-"""The steps of a layout: what `gecos.wire.layout` is told of each value, and nothing twice."""
+"""The steps of a layout, one for each value, as the functions of `gecos.wire.layout` take them."""
 
 from __future__ import annotations
 
