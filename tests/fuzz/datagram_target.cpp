@@ -6,9 +6,9 @@
 
 #include "gecos/crypto/handshake_door.hpp"
 #include "gecos/crypto/opening.hpp"
-#include "gecos/media/lcm/datagram.hpp"
-#include "gecos/media/lcm/inbox.hpp"
 #include "gecos/media/lcm/receiver.hpp"
+#include "gecos/media/sealed/datagram.hpp"
+#include "gecos/media/sealed/receive_queue.hpp"
 #include "pieces_target.hpp"
 #include "script.hpp"
 #include "targets.hpp"
@@ -45,9 +45,9 @@ void read_as_anything(ByteView bytes) {
   }
   const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   for (const std::string& tried : {text, "lcm:" + text}) {
-    const auto address = LcmAddress::parse(tried);
+    const auto address = SealedAddress::parse(tried);
     if (!address) continue;
-    const auto same = LcmAddress::parse(address->to_string());
+    const auto same = SealedAddress::parse(address->to_string());
     expect(same && same->to_string() == address->to_string(), "an address is read again");
   }
 }
@@ -116,7 +116,7 @@ void try_inbox(Script script) {
   TimePoint now{std::chrono::hours(1)};
   const crypto::RekeyRule rule{.packets = 1 + static_cast<std::uint32_t>(script.below(8))};
   crypto::Sealer sealer(key, now, rule);
-  LcmInbox inbox{crypto::Opener(key)};
+  ReceiveQueue inbox{crypto::Opener(key)};
   std::vector<Bytes> wire;                     // what was sealed, oldest first
   std::map<std::uint64_t, Bytes> not_arrived;  // of packets that were sealed: by number
   std::uint64_t numbers = 0;
@@ -162,10 +162,10 @@ void try_inbox(Script script) {
         break;
       }
       case 6: {
-        LcmInbox::Packet packet;
+        ReceiveQueue::Packet packet;
         expect(inbox.has_packets() == inbox.pop(packet), "what is there is given");
         if (packet.frame.empty()) break;
-        const ByteView got = LcmInbox::packet_in(packet.frame);
+        const ByteView got = ReceiveQueue::packet_in(packet.frame);
         const auto sent = std::ranges::find_if(
             not_arrived, [&](const auto& one) { return std::ranges::equal(one.second, got); });
         expect(sent != not_arrived.end(), "what arrives was sent, and arrives once");

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "gecos/base/checked_result.hpp"
+#include "gecos/media/kinds.hpp"
 #include "gecos/media/medium.hpp"
 #include "gecos/object.hpp"
 

@@ -9,7 +9,7 @@
 
 #include "gecos/media/checked.hpp"
 #include "gecos/media/inproc.hpp"
-#include "gecos/media/lcm.hpp"
+#include "gecos/media/lcm/lcm.hpp"
 #include "gecos/media/quiet.hpp"
 #include "gecos/media/shm/shm.hpp"
 #include "media_under_test.hpp"

@@ -8,7 +8,7 @@
 #include <random>
 
 #include "gecos/media/faulty.hpp"
-#include "gecos/media/lcm.hpp"
+#include "gecos/media/lcm/lcm.hpp"
 #include "gecos/media/transfer.hpp"
 #include "media_under_test.hpp"
 

@@ -6,7 +6,7 @@
 #include <fstream>
 
 #include "gecos/media/lcm/port.hpp"
-#include "gecos/media/lcm/stream.hpp"
+#include "gecos/media/sealed/stream.hpp"
 #include "media_under_test.hpp"
 
 namespace gecos::media {

@@ -1,5 +1,5 @@
 // What is lcm's own: its bytes, its addresses, its clocks and bounds.
-#include "gecos/media/lcm.hpp"
+#include "gecos/media/lcm/lcm.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -7,10 +7,10 @@
 #include <random>
 
 #include "gecos/crypto/opening.hpp"
-#include "gecos/media/lcm/datagram.hpp"
-#include "gecos/media/lcm/inbox.hpp"
 #include "gecos/media/lcm/port.hpp"
-#include "gecos/media/lcm/stream.hpp"
+#include "gecos/media/sealed/datagram.hpp"
+#include "gecos/media/sealed/receive_queue.hpp"
+#include "gecos/media/sealed/stream.hpp"
 #include "media_under_test.hpp"
 
 namespace gecos::media {
@@ -80,14 +80,14 @@ TEST(LcmDatagram, ASharedStreamComesBackAndIsChecked) {
   EXPECT_FALSE(SharedStream::read(bytes)) << "a stream that keeps nothing";
 }
 
-TEST(LcmAddress, ReadsWhatItWrites) {
-  LcmAddress address{"239.255.76.67", 20017, "GO0123456789abcdef", std::nullopt};
+TEST(SealedAddress, ReadsWhatItWrites) {
+  SealedAddress address{"239.255.76.67", 20017, "GO0123456789abcdef", std::nullopt};
   EXPECT_EQ(address.to_string(), "lcm:239.255.76.67:20017/GO0123456789abcdef");
-  EXPECT_FALSE(LcmAddress::parse(address.to_string()).value().key);
+  EXPECT_FALSE(SealedAddress::parse(address.to_string()).value().key);
   address.key = crypto::KeyPair::draw().public_key;
   EXPECT_EQ(address.place(), "lcm:239.255.76.67:20017/GO0123456789abcdef");
   EXPECT_EQ(address.to_string(), address.place() + "#" + address.key->to_string());
-  const auto read = LcmAddress::parse(address.to_string());
+  const auto read = SealedAddress::parse(address.to_string());
   ASSERT_TRUE(read);
   EXPECT_EQ(read->group, address.group);
   EXPECT_EQ(read->port, address.port);
@@ -95,15 +95,15 @@ TEST(LcmAddress, ReadsWhatItWrites) {
   EXPECT_EQ(read->key, address.key);
 }
 
-TEST(LcmAddress, RefusesWhatIsNone) {
+TEST(SealedAddress, RefusesWhatIsNone) {
   for (const char* wrong :
        {"", "lcm:", "lcm:239.255.76.67", "lcm:239.255.76.67:1", "lcm:239.255.76.67:1/",
         "lcm:239.255.76.67:0/X", "lcm:239.255.76.67:70000/X", "lcm:239.255.76.67:1x/X", "lcm::1/X",
         "lcm:239.255.76.67?ttl=255&x:1/X", "lcm:239.255.76.67:1/X#", "lcm:239.255.76.67:1/X#12ab",
         "shm:/run/x.sock"}) {
-    EXPECT_FALSE(LcmAddress::parse(wrong)) << wrong;
+    EXPECT_FALSE(SealedAddress::parse(wrong)) << wrong;
   }
-  EXPECT_FALSE(LcmAddress::parse("lcm:239.255.76.67:1/" + std::string(64, 'X')));
+  EXPECT_FALSE(SealedAddress::parse("lcm:239.255.76.67:1/" + std::string(64, 'X')));
 }
 
 TEST(SendersClock, TellsHowLongPacketsWaited) {
@@ -158,23 +158,23 @@ TEST(SendersClock, IsNotUpsetByAnyNumber) {
   }
 }
 
-TEST(LcmInbox, BoundsItsMemoryAndCountsWhatItDropped) {
-  LcmInbox inbox;
+TEST(ReceiveQueue, BoundsItsMemoryAndCountsWhatItDropped) {
+  ReceiveQueue inbox;
   const auto frame_of = [](std::size_t size) {
     Bytes frame(crypto::Sealer::overhead + InnerHeader::bytes + size);
     InnerHeader{InnerKind::Packet, 1}.write(
         std::span(frame).subspan<crypto::Sealer::text_at, InnerHeader::bytes>());
     return frame;
   };
-  const std::size_t fits = LcmInbox::most_bytes / frame_of(1024).size();
+  const std::size_t fits = ReceiveQueue::most_bytes / frame_of(1024).size();
   for (std::size_t i = 0; i < fits + 10; ++i) inbox.put(frame_of(1024), TimePoint{});
   EXPECT_EQ(inbox.dropped(), 10u);
-  LcmInbox::Packet packet;
+  ReceiveQueue::Packet packet;
   ASSERT_TRUE(inbox.pop(packet));
-  EXPECT_EQ(LcmInbox::packet_in(packet.frame).size(), 1024u);
+  EXPECT_EQ(ReceiveQueue::packet_in(packet.frame).size(), 1024u);
   inbox.put(frame_of(1024), TimePoint{});
   EXPECT_EQ(inbox.dropped(), 10u);
-  for (std::size_t i = 0; i < LcmInbox::most_packets; ++i) inbox.put(frame_of(0), TimePoint{});
+  for (std::size_t i = 0; i < ReceiveQueue::most_packets; ++i) inbox.put(frame_of(0), TimePoint{});
   EXPECT_GT(inbox.dropped(), 10u) << "empty packets take memory too";
 }
 

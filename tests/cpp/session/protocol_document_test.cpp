@@ -8,7 +8,7 @@
 
 #include "gecos/crypto/ik.hpp"
 #include "gecos/crypto/transport.hpp"
-#include "gecos/media/lcm/datagram.hpp"
+#include "gecos/media/sealed/datagram.hpp"
 #include "gecos/session/protocol/builtin_codec.hpp"
 #include "gecos/session/protocol/handshake.hpp"
 #include "gecos/session/protocol/packets.hpp"
@@ -91,7 +91,7 @@ TEST_F(ProtocolDocument, ShowsTheChannelAsItIsOpened) {
   expect("ask", joined({std::as_bytes(std::span("LC02\0\0\0\7GWBROKER\0"sv)),
                         header(DatagramKind::Ask, 20001)}));
 
-  const media::LcmAddress place{"239.255.76.67", 20017, "GO0123456789abcdef", std::nullopt};
+  const media::SealedAddress place{"239.255.76.67", 20017, "GO0123456789abcdef", std::nullopt};
   const auto first_header = header(DatagramKind::First, 20001);
   const Bytes context = media::handshake_context(place, first_header);
   crypto::IkInitiator initiator(client, server.public_key(), context,

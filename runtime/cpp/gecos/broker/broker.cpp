@@ -22,7 +22,7 @@ tl::expected<void, ServeError> Broker::serve(Server& server, std::vector<media::
   options.simulated = true;  // there is nothing that could hurt anybody
   options.well_known = true;
   // Nobody but this process was ever here, and it starts now.
-  const bool alone = media == std::vector{media::Kind::Inproc};
+  const bool alone = media::within_process(media);
   directory_ =
       Directory(SystemClock().since_boot(), alone ? Duration::zero() : Directory::first_second);
   options.media = std::move(media);

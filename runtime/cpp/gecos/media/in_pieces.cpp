@@ -10,6 +10,11 @@
 namespace gecos::media {
 namespace {
 
+std::size_t piece_of(const Offer& offer) {
+  const std::size_t fits = offer.largest_packet - Piece::head_bytes;
+  return offer.piece == 0 ? fits : std::min(offer.piece, fits);
+}
+
 Offer offer_of(const Medium& inner) {
   Offer offer = inner.offer();
   offer.ordered = false;  // small packets overtake large ones
@@ -21,13 +26,16 @@ Offer offer_of(const Medium& inner) {
 class LinkInPieces final : public LinkLayer {
  public:
   LinkInPieces(std::unique_ptr<Link> inner, const Offer& offer, const Clock& clock)
-      : LinkLayer(std::move(inner), offer), clock_(clock) {}
+      : LinkLayer(std::move(inner), offer),
+        piece_bytes_(piece_of(this->inner().offer())),
+        clock_(clock),
+        incoming_(piece_bytes_) {}
 
   tl::expected<std::uint64_t, SendProblem> send(ByteView head, ByteView body) override {
     const std::size_t size = head.size() + body.size();
     if (size > largest_transfer) return tl::unexpected(SendProblem::TooLarge);
     const std::lock_guard lock(mutex_);
-    if (size <= piece_bytes) {
+    if (size <= piece_bytes_) {
       const auto sent = inner().send(head, body);
       if (!sent) return sent;
       return ++sent_;
@@ -39,7 +47,7 @@ class LinkInPieces final : public LinkLayer {
       if (under_way) return tl::unexpected(SendProblem::Full);
       Bytes packet(head.begin(), head.end());
       packet.insert(packet.end(), body.begin(), body.end());
-      transfer_.emplace(++transfers_, std::move(packet));
+      transfer_.emplace(++transfers_, std::move(packet), piece_bytes_);
     }
     advance();
     return ++sent_;
@@ -47,7 +55,7 @@ class LinkInPieces final : public LinkLayer {
 
   std::optional<ByteView> receive() override {
     while (const auto packet = inner().receive()) {
-      if (const auto piece = Piece::read(*packet)) {
+      if (const auto piece = Piece::read(*packet, piece_bytes_)) {
         take(*piece);
         if (auto whole = incoming_.whole()) {
           current_ = std::move(*whole);
@@ -95,6 +103,7 @@ class LinkInPieces final : public LinkLayer {
     });
   }
 
+  const std::size_t piece_bytes_;
   const Clock& clock_;
   IncomingTransfers incoming_;                // of who receives
   Bytes current_;                             // likewise

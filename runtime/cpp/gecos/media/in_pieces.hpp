@@ -8,8 +8,8 @@
 namespace gecos::media {
 
 /// Wraps a medium that loses packets, or carries only small ones: packets up to `largest_transfer`
-/// go through it, those above `piece_bytes` in pieces (transfer.hpp), of which the lost ones are
-/// sent again until the other end has all. Both ends have to be wrapped.
+/// go through it. Those above a piece, as the medium's offer has it, go in pieces (transfer.hpp);
+/// lost pieces are sent again until the other end has all. Both ends have to be wrapped.
 ///
 /// A link has one large packet under way; for a second one it is Full. The one that is under way,
 /// or was the last to arrive, is not sent again. Both ends' receive() and beat() keep it going.

@@ -15,21 +15,12 @@
 #include "gecos/media/forked.hpp"
 #include "gecos/media/mapping.hpp"
 #include "gecos/media/quiet.hpp"
+#include "gecos/media/registration.hpp"
 #include "gecos/media/ring.hpp"
 #include "gecos/media/stream_ring.hpp"
 
 namespace gecos::media {
 namespace {
-
-constexpr Offer inproc_offer{.kind = Kind::Inproc,
-                             .same_host_only = true,
-                             .ordered = true,
-                             .reliable = true,
-                             .real_time = true,
-                             .reports_death = false,  // who dies here dies with us
-                             .authenticated = true,
-                             .shared_words = true,
-                             .largest_packet = largest_bulk_packet};
 
 /// What one end writes and the other one looks at.
 struct Side {
@@ -340,5 +331,9 @@ class Inproc final : public Medium {
 }  // namespace
 
 std::unique_ptr<Medium> make_inproc() { return std::make_unique<Inproc>(); }
+
+const Registration inproc_registration{
+    inproc_offer,
+    []() -> tl::expected<std::unique_ptr<Medium>, MediumError> { return make_inproc(); }};
 
 }  // namespace gecos::media

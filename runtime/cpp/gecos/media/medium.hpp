@@ -27,22 +27,31 @@
 /// A forked child sees links and acceptors of its parent as dead (Broken); it makes its own.
 namespace gecos::media {
 
-enum class Kind : std::uint8_t { Inproc, Shm, Lcm };
-std::string_view to_string(Kind kind);
-std::optional<Kind> kind_from(std::string_view name);
+/// How far a medium leads.
+enum class Reach : std::uint8_t {
+  Process,  ///< within one process
+  Host,     ///< between programs that share a runtime directory of one host
+  Network,  ///< between hosts
+};
 
-/// What a medium can promise of a line, before anything is measured.
+/// What a medium can promise of a line, before anything is measured. Nothing asks for a medium by
+/// name what it can ask here.
 struct Offer {
-  Kind kind = Kind::Inproc;
-  bool same_host_only = true;
+  std::string_view name = "inproc";  ///< begins its addresses; of static storage
+  Reach reach = Reach::Process;
   bool ordered = true;
   bool reliable = true;            ///< nothing is lost or repeated while both ends live
   bool intact = true;              ///< what arrives is what was sent; else wrap it (checked.hpp)
   bool real_time = true;           ///< no shared queue, no loss: fit for HARD_REALTIME
   bool reports_death = true;       ///< the kernel says when the peer has died
   bool authenticated = true;       ///< the peer's user is proved
+  bool overheard = false;          ///< others receive what is sent: it must be sealed
+  bool connectionless = false;     ///< a server that is not there shows by its silence alone, and
+                                   ///< the acceptor receives for its links
   bool shared_words = false;       ///< write_word() and peer_word() work
   std::size_t largest_packet = 0;  ///< bytes
+  std::size_t piece = 0;  ///< bytes that a packet in pieces has in each; 0: largest_packet, less
+                          ///< the header of a piece
 };
 
 /// Who is at the other end, as far as the medium itself knows.

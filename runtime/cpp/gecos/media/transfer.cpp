@@ -27,7 +27,7 @@ T get(ByteView from, std::size_t at) {
   return value;
 }
 
-std::uint32_t pieces_of(std::size_t size) {
+std::uint32_t pieces_of(std::size_t size, std::size_t piece_bytes) {
   return static_cast<std::uint32_t>((size + piece_bytes - 1) / piece_bytes);
 }
 
@@ -37,13 +37,13 @@ void Piece::write_head(std::span<std::byte, head_bytes> to) const {
   put(put(put(put(to.data(), piece_mark), transfer), size), index);
 }
 
-std::optional<Piece> Piece::read(ByteView packet) {
+std::optional<Piece> Piece::read(ByteView packet, std::size_t piece_bytes) {
   if (packet.size() < head_bytes || get<std::uint64_t>(packet, 0) != piece_mark)
     return std::nullopt;
   const Piece piece{get<std::uint64_t>(packet, 8), get<std::uint32_t>(packet, 16),
                     get<std::uint32_t>(packet, 20), packet.subspan(head_bytes)};
   if (piece.transfer == 0 || piece.size == 0 || piece.size > largest_transfer ||
-      piece.index >= pieces_of(piece.size)) {
+      piece.index >= pieces_of(piece.size, piece_bytes)) {
     return std::nullopt;
   }
   const std::size_t before = std::size_t{piece.index} * piece_bytes;
@@ -61,8 +61,11 @@ std::optional<Received> Received::read(ByteView packet) {
                   get<std::uint32_t>(packet, 20)};
 }
 
-OutgoingTransfer::OutgoingTransfer(std::uint64_t number, Bytes packet)
-    : number_(number), packet_(std::move(packet)), pieces_(pieces_of(packet_.size())) {}
+OutgoingTransfer::OutgoingTransfer(std::uint64_t number, Bytes packet, std::size_t piece_bytes)
+    : number_(number),
+      packet_(std::move(packet)),
+      piece_bytes_(piece_bytes),
+      pieces_(pieces_of(packet_.size(), piece_bytes)) {}
 
 void OutgoingTransfer::advance(TimePoint now, FunctionRef<void(const Piece&)> send) {
   const bool silent = sendings_ != 0 && now - last_word_ >= silence;
@@ -73,9 +76,9 @@ void OutgoingTransfer::advance(TimePoint now, FunctionRef<void(const Piece&)> se
     const bool lost = silent || piece.sent_as + overtaken <= newest_arrived_;
     if (piece.arrived || (piece.sent_as != 0 && !lost)) continue;
     piece.sent_as = ++sendings_;
-    const std::size_t at = index * piece_bytes;
+    const std::size_t at = index * piece_bytes_;
     send({number_, static_cast<std::uint32_t>(packet_.size()), static_cast<std::uint32_t>(index),
-          ByteView(packet_).subspan(at, std::min(piece_bytes, packet_.size() - at))});
+          ByteView(packet_).subspan(at, std::min(piece_bytes_, packet_.size() - at))});
   }
 }
 
@@ -98,16 +101,17 @@ void OutgoingTransfer::take(const Received& received, TimePoint now) {
 Received IncomingTransfers::take(const Piece& piece) {
   if (piece.transfer > number_) {
     number_ = piece.transfer;
-    missing_ = pieces_of(piece.size);
+    missing_ = pieces_of(piece.size, piece_bytes_);
     all_before_ = 0;
     arrived_.assign(missing_, false);
     packet_.assign(piece.size, std::byte{0});
     ready_ = false;
   }
-  if (piece.transfer < number_) return {piece.transfer, pieces_of(piece.size), 0};  // long whole
+  if (piece.transfer < number_)
+    return {piece.transfer, pieces_of(piece.size, piece_bytes_), 0};  // long whole
   if (missing_ != 0 && piece.size == packet_.size() && !arrived_[piece.index]) {
     arrived_[piece.index] = true;
-    const std::size_t at = piece.index * piece_bytes;
+    const std::size_t at = piece.index * piece_bytes_;
     std::ranges::copy(piece.content, packet_.begin() + static_cast<std::ptrdiff_t>(at));
     ready_ = --missing_ == 0;
   }

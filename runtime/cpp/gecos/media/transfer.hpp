@@ -14,7 +14,6 @@
 /// packets", is normative. One thread at a time.
 namespace gecos::media {
 
-inline constexpr std::size_t piece_bytes = 8 * 1024;  ///< what one piece carries; the last has less
 inline constexpr std::size_t largest_transfer = 8 * 1024 * 1024;
 
 /// Some bytes of a packet.
@@ -26,8 +25,9 @@ struct Piece {
   ByteView content;
 
   void write_head(std::span<std::byte, head_bytes> to) const;
-  /// Nothing for what is no piece, or contradicts itself.
-  static std::optional<Piece> read(ByteView packet);
+  /// Nothing for what is no piece, or contradicts itself. `piece_bytes`: what each but the last
+  /// has.
+  static std::optional<Piece> read(ByteView packet, std::size_t piece_bytes);
 };
 
 /// What its receiver has.
@@ -52,7 +52,8 @@ class OutgoingTransfer {
   /// So many that were sent later have arrived: then it is lost, not overtaken.
   static constexpr std::uint64_t overtaken = 3;
 
-  OutgoingTransfer(std::uint64_t number, Bytes packet);
+  /// `piece_bytes`: what each piece carries; the last has less.
+  OutgoingTransfer(std::uint64_t number, Bytes packet, std::size_t piece_bytes);
 
   /// Sends what may be sent now.
   void advance(TimePoint now, FunctionRef<void(const Piece&)> send);
@@ -67,6 +68,7 @@ class OutgoingTransfer {
   };
   const std::uint64_t number_;
   const Bytes packet_;
+  const std::size_t piece_bytes_;
   std::vector<State> pieces_;
   std::uint32_t all_before_ = 0;
   std::uint64_t sendings_ = 0;
@@ -77,12 +79,15 @@ class OutgoingTransfer {
 /// Puts one packet after the other together.
 class IncomingTransfers {
  public:
+  explicit IncomingTransfers(std::size_t piece_bytes) : piece_bytes_(piece_bytes) {}
+
   /// What the sender is to be told of this piece; `whole()` may have become true.
   Received take(const Piece& piece);
   /// The packet that the last piece completed: once.
   std::optional<Bytes> whole();
 
  private:
+  const std::size_t piece_bytes_;
   std::uint64_t number_ = 0;  // the newest seen
   std::uint32_t missing_ = 0;
   std::uint32_t all_before_ = 0;

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "gecos/media/descriptor.hpp"
-#include "gecos/media/lcm.hpp"
+#include "gecos/media/lcm/lcm.hpp"
 
 namespace gecos::media {
 

@@ -228,7 +228,7 @@ ShmAcceptor::~ShmAcceptor() {
   for (const Guest& guest : guests_) say_goodbye(guest.socket.get(), "the server closed");
 }
 
-const Offer& ShmAcceptor::offer() const { return shm_offer(); }
+const Offer& ShmAcceptor::offer() const { return shm_offer; }
 
 std::unique_ptr<Link> ShmAcceptor::accept() {
   if (inherited_) return nullptr;

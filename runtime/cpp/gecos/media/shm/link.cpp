@@ -37,19 +37,6 @@ constexpr const char* inherited_text =
 
 }  // namespace
 
-const Offer& shm_offer() {
-  static constexpr Offer offer{.kind = Kind::Shm,
-                               .same_host_only = true,
-                               .ordered = true,
-                               .reliable = true,
-                               .real_time = true,
-                               .reports_death = true,
-                               .authenticated = true,
-                               .shared_words = true,
-                               .largest_packet = largest_bulk_packet};
-  return offer;
-}
-
 void PeerEnd::know(Mapping mapping, Descriptor bell) {
   mapping_ = std::move(mapping);
   bell_ = std::move(bell);

@@ -16,12 +16,12 @@
 #include "gecos/media/shm/bulk.hpp"
 #include "gecos/media/shm/control.hpp"
 #include "gecos/media/shm/memory.hpp"
+#include "gecos/media/shm/shm.hpp"
 #include "gecos/media/stream_ring.hpp"
 
 namespace gecos::media::shm {
 
-/// What every line over shm is.
-const Offer& shm_offer();
+
 
 /// How the other end is woken. Outlives the link while a stream still wakes its reader.
 class PeerEnd final : public Sleeper {
@@ -61,7 +61,7 @@ class ShmLink final : public Link, public QuietSender {
                                                                   ReceivedControl& hello);
   ~ShmLink() override;
 
-  const Offer& offer() const override { return shm_offer(); }
+  const Offer& offer() const override { return shm_offer; }
   const Peer& peer() const override { return peer_; }
   tl::expected<std::uint64_t, SendProblem> send(ByteView head, ByteView body) override;
   tl::expected<std::uint64_t, SendProblem> send_quietly(ByteView head, ByteView body) override;

@@ -3,6 +3,7 @@
 #include <memory>
 #include <string>
 
+#include "gecos/media/bulk.hpp"
 #include "gecos/media/medium.hpp"
 #include "gecos/media/shm/directory.hpp"
 
@@ -23,6 +24,16 @@ struct ShmOptions {
   /// own user and root are met.
   bool other_users = false;
 };
+
+inline constexpr Offer shm_offer{.name = "shm",
+                                 .reach = Reach::Host,
+                                 .ordered = true,
+                                 .reliable = true,
+                                 .real_time = true,
+                                 .reports_death = true,
+                                 .authenticated = true,
+                                 .shared_words = true,
+                                 .largest_packet = largest_bulk_packet};
 
 std::unique_ptr<Medium> make_shm(ShmOptions options = {});
 

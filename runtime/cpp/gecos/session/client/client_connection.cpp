@@ -44,13 +44,13 @@ ClientConnection::ClientConnection(std::shared_ptr<Runtime> runtime,
   liveness_.heard(liveness_clock_.now());
   if (!log_enabled(LogLevel::Info)) return;
   log_info("client", "connected to " + welcome_.object + " (" + welcome_.interface_name +
-                         ") over " + std::string(media::to_string(link_->offer().kind)) + ": " +
+                         ") over " + std::string(link_->offer().name) + ": " +
                          link_->peer().description);
 }
 
 ObjectRef ClientConnection::reference() const {
   return {welcome_.object, welcome_.interface_hash, welcome_.boot,
-          std::string(media::to_string(link_->offer().kind)) + ": " + link_->peer().description};
+          std::string(link_->offer().name) + ": " + link_->peer().description};
 }
 
 ClientConnection::~ClientConnection() {
@@ -164,7 +164,7 @@ Failure ClientConnection::not_sent(std::string_view name, std::size_t size,
       const std::lock_guard lock(mutex_);
       if (calls_.size() < welcome_.credits) {
         return {Detail::QueueFull,
-                what + " was not sent: " + std::string(media::to_string(link_->offer().kind)) +
+                what + " was not sent: " + std::string(link_->offer().name) +
                     " is full of what the server has not taken yet; wait for a "
                     "call that was sent before",
                 {},
@@ -179,7 +179,7 @@ Failure ClientConnection::not_sent(std::string_view name, std::size_t size,
     case media::SendProblem::TooLarge:
       return {Detail::BadParameter,
               what + " was not sent: its arguments take " + std::to_string(size) + " bytes and " +
-                  std::string(media::to_string(link_->offer().kind)) + " carries " +
+                  std::string(link_->offer().name) + " carries " +
                   std::to_string(link_->offer().largest_packet),
               {},
               {}};

@@ -47,11 +47,10 @@ tl::expected<std::shared_ptr<StreamCore>, Failure> ClientConnection::open_subscr
         Detail::Refused, what + " cannot be opened in this process: " + impossible, {}, {}});
   }
   if (!reader) {
-    return tl::unexpected(
-        Failure{Detail::OutcomeUnknown,
-                what + " did not arrive over " + std::string(media::to_string(link_->offer().kind)),
-                {},
-                {}});
+    return tl::unexpected(Failure{Detail::OutcomeUnknown,
+                                  what + " did not arrive over " + std::string(link_->offer().name),
+                                  {},
+                                  {}});
   }
   return std::make_shared<ClientStream>(shared_from_this(), stream.code, std::move(reader));
 }

@@ -59,7 +59,7 @@ void ClientConnection::judge_answers(TimePoint now) {
   if (answer_lost_.load()) {
     return lose(Ending::Broken, "an answer of the server of " + who +
                                     " was lost on its way, over " +
-                                    std::string(media::to_string(link_->offer().kind)) +
+                                    std::string(link_->offer().name) +
                                     ", which loses nothing unless its memory is damaged");
   }
   bool open = false;

@@ -68,8 +68,9 @@ std::vector<std::string> Context::broker_addresses(std::string& tried) {
   } else if (!named.empty()) {
     addresses.push_back(named);
   } else {
-    add_well_known(media::Kind::Inproc);
-    add_well_known(media::Kind::Shm);
+    for (const media::Kind kind : media::all_kinds()) {
+      if (media::reach_of(kind) != media::Reach::Network) add_well_known(kind);
+    }
   }
   return addresses;
 }

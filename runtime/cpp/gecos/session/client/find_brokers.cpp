@@ -13,7 +13,8 @@ tl::expected<std::shared_ptr<ClientSession>, std::string> broker_session(const L
 std::vector<BrokerPlace> find_brokers(const LabOrWhyNot& lab, Duration patience) {
   std::vector<BrokerPlace> places;
   Runtime& runtime = *(*lab)->runtime();
-  for (const media::Kind kind : {media::Kind::Shm, media::Kind::Lcm}) {
+  for (const media::Kind kind : media::all_kinds()) {
+    if (media::reach_of(kind) == media::Reach::Process) continue;
     const auto medium = runtime.medium(kind);
     if (!medium) continue;
     const std::string address = (*medium)->well_known_address(broker_name);

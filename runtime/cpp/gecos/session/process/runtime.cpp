@@ -11,7 +11,7 @@
 #include <system_error>
 
 #include "gecos/base/log.hpp"
-#include "gecos/media/open.hpp"
+#include "gecos/media/kinds.hpp"
 
 namespace gecos::session {
 namespace {

@@ -10,6 +10,7 @@
 #include "gecos/base/ids.hpp"
 #include "gecos/binding.hpp"
 #include "gecos/lab.hpp"
+#include "gecos/media/kinds.hpp"
 #include "gecos/media/medium.hpp"
 #include "gecos/session/process/callbacks.hpp"
 #include "gecos/session/process/maintenance.hpp"

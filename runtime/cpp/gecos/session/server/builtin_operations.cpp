@@ -106,7 +106,7 @@ void ObjectHost::describe(ServerSession& session, std::uint64_t counter) {
   about.simulated = options_.simulated;
   about.presence = options_.simulated ? "not required (simulated)" : "not checked yet";
   about.authentication = session.link().peer().uid ? "user and process, named by the kernel"
-                         : session.link().offer().same_host_only
+                         : session.link().offer().reach != media::Reach::Network
                              ? "this process"
                              : "key, proved by a handshake: " + session.link().peer().description;
   about.epoch = number(leases_.epoch());

@@ -280,7 +280,7 @@ void IoLoop::watch(const std::shared_ptr<ServerSession>& session) {
   }
   hot_.push_back(session);
   log_debug("media", session->object()->name() + ": a link over " +
-                         std::string(media::to_string(session->link().offer().kind)) +
+                         std::string(session->link().offer().name) +
                          " is open: " + session->link().peer().description);
 }
 

@@ -18,8 +18,8 @@ ObjectStreams::ObjectStreams(std::string object, const InterfaceDescription& int
 
 void ObjectStreams::offer(std::shared_ptr<media::Acceptor> acceptor) {
   const std::lock_guard lock(mutex_);
-  const media::Kind kind = acceptor->offer().kind;
-  acceptors_[kind] = std::move(acceptor);
+  const std::string_view medium = acceptor->offer().name;
+  acceptors_[medium] = std::move(acceptor);
 }
 
 void ObjectStreams::close() {
@@ -35,7 +35,7 @@ tl::expected<std::uint32_t, std::string> ObjectStreams::share(const StreamDescri
   const auto index = static_cast<std::size_t>(place - streams_.begin());
   Outlet& outlet = outlets_.at(index);
   auto& writers = outlet.writers;
-  auto found = writers.find(link.offer().kind);
+  auto found = writers.find(link.offer().name);
   if (found == writers.end()) {
     const std::size_t largest = stream.largest != 0 ? stream.largest : unbounded_sample;
     const std::size_t depth = stream.quality.depth != 0 ? stream.quality.depth : usual_depth;
@@ -43,13 +43,13 @@ tl::expected<std::uint32_t, std::string> ObjectStreams::share(const StreamDescri
       found =
           writers
               .emplace(
-                  link.offer().kind,
-                  acceptors_.at(link.offer().kind)->make_stream(largest + measured_bytes, depth))
+                  link.offer().name,
+                  acceptors_.at(link.offer().name)->make_stream(largest + measured_bytes, depth))
               .first;
     } catch (const std::exception& failed) {  // no memory or no descriptor is left
-      return tl::unexpected(
-          "stream '" + std::string(stream.name) + "' of " + object_ + " cannot be opened over " +
-          std::string(media::to_string(link.offer().kind)) + ": " + failed.what());
+      return tl::unexpected("stream '" + std::string(stream.name) + "' of " + object_ +
+                            " cannot be opened over " + std::string(link.offer().name) + ": " +
+                            failed.what());
     }
     if (outlet.published) {
       static_cast<void>(found->second->publish(outlet.latest, outlet.latest_stamp_ns));
@@ -58,8 +58,7 @@ tl::expected<std::uint32_t, std::string> ObjectStreams::share(const StreamDescri
   const auto id = static_cast<std::uint32_t>(index + 1);
   if (!link.share(id, *found->second)) {
     return tl::unexpected("stream '" + std::string(stream.name) + "' of " + object_ +
-                          " cannot be shared over " +
-                          std::string(media::to_string(link.offer().kind)) +
+                          " cannot be shared over " + std::string(link.offer().name) +
                           ": the link is lost or has no room for another stream");
   }
   return id;

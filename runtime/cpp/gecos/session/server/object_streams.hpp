@@ -29,7 +29,7 @@ class ObjectStreams {
 
  private:
   struct Outlet {
-    std::map<media::Kind, std::unique_ptr<media::StreamWriter>> writers;
+    std::map<std::string_view, std::unique_ptr<media::StreamWriter>> writers;
     Bytes latest;  ///< as it travels
     std::int64_t latest_stamp_ns = 0;
     bool published = false;
@@ -39,7 +39,7 @@ class ObjectStreams {
   const std::string object_;
   const std::vector<const StreamDescription*> streams_;  ///< of the interface, by code
   std::mutex mutex_;
-  std::map<media::Kind, std::shared_ptr<media::Acceptor>> acceptors_;
+  std::map<std::string_view, std::shared_ptr<media::Acceptor>> acceptors_;
   std::vector<Outlet> outlets_;  ///< one for each of them
 };
 

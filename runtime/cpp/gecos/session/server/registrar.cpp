@@ -27,8 +27,8 @@ constexpr Duration before_told = std::chrono::seconds(1);
 /// Others than this process, so that another server may be given the name.
 bool others_find(const Entry& entry, const ClientConnection& broker) {
   const auto elsewhere = [](const std::string& address) {
-    return media::kind_from(std::string_view(address).substr(0, address.find(':'))) !=
-           media::Kind::Inproc;
+    const auto kind = media::kind_of(address);
+    return !kind || media::reach_of(*kind) != media::Reach::Process;
   };
   return elsewhere(broker.place()) && std::ranges::any_of(entry.addresses, elsewhere);
 }

@@ -26,8 +26,8 @@ namespace {
 /// What is open at once, at the most, while a client is let in: LCM takes so many to send to one.
 constexpr std::size_t descriptors_of_a_client = 16;
 
-bool is_inproc(const std::shared_ptr<media::Acceptor>& acceptor) {
-  return acceptor->offer().kind == media::Kind::Inproc;
+bool within_process(const std::shared_ptr<media::Acceptor>& acceptor) {
+  return acceptor->offer().reach == media::Reach::Process;
 }
 
 }  // namespace
@@ -124,8 +124,8 @@ Server::Core::~Core() {
 
 tl::expected<Server::Core::Opened, ServeError> Server::Core::open_places(
     const std::string& name, const ObjectOptions& options) {
-  auto kinds = options.media;
-  if (kinds.empty()) kinds = {media::Kind::Inproc, media::Kind::Shm, media::Kind::Lcm};
+  std::span<const media::Kind> kinds = options.media;
+  if (kinds.empty()) kinds = media::all_kinds();
   Opened opened;
   std::string failed;
   for (const media::Kind kind : kinds) {
@@ -134,7 +134,7 @@ tl::expected<Server::Core::Opened, ServeError> Server::Core::open_places(
       const auto medium = lab_->runtime()->medium(kind);
       if (!medium) return tl::unexpected(medium.error());
       // A host has one such place; between hosts it is somebody else's, or there is no network.
-      needed = needed || (options.well_known && (*medium)->offer().same_host_only);
+      needed = needed || (options.well_known && (*medium)->offer().reach != media::Reach::Network);
       try {
         return (*medium)->listen(name, options.well_known);
       } catch (const std::system_error& error) {  // no descriptors
@@ -152,8 +152,9 @@ tl::expected<Server::Core::Opened, ServeError> Server::Core::open_places(
     log_warning("session", why);
     failed += (failed.empty() ? "" : "; ") + why;
   }
-  if (options.media == std::vector{media::Kind::Inproc}) return opened;
-  if (std::ranges::all_of(opened.acceptors, is_inproc)) return tl::unexpected(ServeError{failed});
+  if (media::within_process(options.media)) return opened;
+  if (std::ranges::all_of(opened.acceptors, within_process))
+    return tl::unexpected(ServeError{failed});
   if (!descriptors_left(descriptors_of_a_client)) {
     return tl::unexpected(
         ServeError{name + " is not served: no client could be let in: " + system_text(errno)});

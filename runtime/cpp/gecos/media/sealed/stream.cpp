@@ -1,4 +1,4 @@
-#include "gecos/media/lcm/stream.hpp"
+#include "gecos/media/sealed/stream.hpp"
 
 #include <algorithm>
 #include <random>
@@ -10,9 +10,6 @@ namespace gecos::media {
 namespace {
 
 constexpr std::size_t stamp_at = DatagramHeader::bytes + crypto::StreamSealer::text_at;
-constexpr std::size_t stamp_bytes = 8;
-constexpr std::size_t sample_overhead =
-    DatagramHeader::bytes + crypto::StreamSealer::overhead + stamp_bytes;
 
 SharedStream with_key(SharedStream where, const crypto::StreamKey& key) {
   where.key = key;
@@ -21,12 +18,12 @@ SharedStream with_key(SharedStream where, const crypto::StreamKey& key) {
 
 }  // namespace
 
-LcmStream::LcmStream(std::shared_ptr<LcmPort> port, SharedStream where)
+SealedStream::SealedStream(std::shared_ptr<DatagramPort> port, SharedStream where)
     : port_(std::move(port)),
       where_(with_key(where, sealer_.key())),
-      channel_(lcm_channel("GS", where.channel)) {}
+      channel_(channel_name("GS", where.channel)) {}
 
-tl::expected<void, SendProblem> LcmStream::publish(ByteView sample, std::int64_t stamp_ns) {
+tl::expected<void, SendProblem> SealedStream::publish(ByteView sample, std::int64_t stamp_ns) {
   if (sample.size() > where_.largest) return tl::unexpected(SendProblem::TooLarge);
   const std::lock_guard lock(mutex_);
   last_.resize(sample_overhead + sample.size());
@@ -40,19 +37,19 @@ tl::expected<void, SendProblem> LcmStream::publish(ByteView sample, std::int64_t
   return {};
 }
 
-void LcmStream::repeat_last() {
+void SealedStream::repeat_last() {
   const std::lock_guard lock(mutex_);
   if (!last_.empty()) port_->publish(channel_, last_);
 }
 
-LcmStreamInbox::LcmStreamInbox(std::shared_ptr<LcmPort> port, const SharedStream& where,
-                               std::weak_ptr<Sleeper> sleeper)
+SampleQueue::SampleQueue(std::shared_ptr<DatagramPort> port, const SharedStream& where,
+                         std::weak_ptr<Sleeper> sleeper)
     : port_(std::move(port)),
       depth_(where.depth),
       sleeper_(std::move(sleeper)),
       opener_(where.key) {}
 
-void LcmStreamInbox::take(ByteView datagram) {
+void SampleQueue::take(ByteView datagram) {
   const auto header = DatagramHeader::read(datagram);
   if (!header || header->kind != DatagramKind::Sample || datagram.size() < sample_overhead) return;
   {
@@ -80,7 +77,7 @@ void LcmStreamInbox::take(ByteView datagram) {
   if (const auto sleeper = sleeper_.lock()) sleeper->wake_if_asleep();
 }
 
-bool LcmStreamInbox::read(std::uint64_t after, bool newest, StreamSample& into) {
+bool SampleQueue::read(std::uint64_t after, bool newest, StreamSample& into) {
   port_->pump();
   const std::lock_guard lock(mutex_);
   if (samples_.empty()) return false;
@@ -96,14 +93,14 @@ bool LcmStreamInbox::read(std::uint64_t after, bool newest, StreamSample& into) 
   return true;
 }
 
-bool LcmStreamInbox::anything_new() {
+bool SampleQueue::anything_new() {
   port_->pump();
   const std::lock_guard lock(mutex_);
   const std::uint64_t newest = samples_.empty() ? 0 : samples_.back().sequence;
   return std::exchange(seen_, newest) != newest;
 }
 
-std::string lcm_channel(std::string_view prefix, std::uint64_t number) {
+std::string channel_name(std::string_view prefix, std::uint64_t number) {
   constexpr std::string_view digits = "0123456789abcdef";
   std::string channel(prefix);
   for (int shift = 60; shift >= 0; shift -= 4) channel += digits[(number >> shift) & 0xf];

@@ -9,23 +9,23 @@
 
 #include "gecos/crypto/transport.hpp"
 #include "gecos/media/bell.hpp"
-#include "gecos/media/lcm/datagram.hpp"
-#include "gecos/media/lcm/senders_clock.hpp"
+#include "gecos/media/sealed/datagram.hpp"
+#include "gecos/media/sealed/senders_clock.hpp"
 #include "gecos/media/stream_ring.hpp"
 
 namespace gecos::media {
 
 /// What has arrived for one end of a link, put in by whoever pumps the port: opened first, so that
 /// nothing counts which is not the peer's. Thread-safe.
-class LcmInbox final : public Sleeper {
+class ReceiveQueue final : public Sleeper {
  public:
   /// More is dropped, as a network drops: whoever sends is told by the missing answer.
   static constexpr std::size_t most_bytes = 8 * 1024 * 1024;
   static constexpr std::size_t most_packets = 16 * 1024;
 
   /// Throws std::system_error when no descriptor is left.
-  LcmInbox() = default;
-  explicit LcmInbox(const crypto::Opener& opener) : opener_(opener) {}
+  ReceiveQueue() = default;
+  explicit ReceiveQueue(const crypto::Opener& opener) : opener_(opener) {}
 
   /// From now on what arrives can be opened; before, it is dropped. Once.
   void open(const crypto::Opener& opener);

@@ -7,22 +7,24 @@
 #include <string>
 
 #include "gecos/crypto/opening.hpp"
-#include "gecos/media/lcm/inbox.hpp"
-#include "gecos/media/lcm/keys.hpp"
-#include "gecos/media/lcm/outlet.hpp"
+#include "gecos/media/sealed/keys.hpp"
+#include "gecos/media/sealed/network.hpp"
+#include "gecos/media/sealed/receive_queue.hpp"
+#include "gecos/media/sealed/sender.hpp"
 
 namespace gecos::media {
 
 /// A client's way to an open channel: asks for the server's key where the address has none, repeats
 /// the handshake's first message until it is answered, and then a beat until the server is heard.
 /// Waits for nothing: whoever holds the link calls advance() often. Any thread.
-class LcmOpening {
+class HandshakeInitiator {
  public:
   /// After so long without an answer it begins anew, as the server has forgotten by then.
   static constexpr Duration begins_anew_after = std::chrono::seconds{5};
 
-  LcmOpening(std::shared_ptr<const LcmKeys> keys, const LcmOptions& options, LcmAddress address,
-             std::shared_ptr<LcmOutlet> outlet, std::shared_ptr<LcmInbox> inbox);
+  HandshakeInitiator(std::shared_ptr<const SealedKeys> keys, const SealedOptions& options,
+                     SealedAddress address, std::shared_ptr<SealedSender> sender,
+                     std::shared_ptr<ReceiveQueue> queue);
 
   /// Sends what is due. Costs nothing once the server was heard.
   void advance();
@@ -42,11 +44,11 @@ class LcmOpening {
   void take_second(ByteView frame, TimePoint now);
   void speak(TimePoint now);
 
-  const std::shared_ptr<const LcmKeys> keys_;
-  const LcmOptions options_;
-  const LcmAddress address_;
-  const std::shared_ptr<LcmOutlet> outlet_;
-  const std::shared_ptr<LcmInbox> inbox_;
+  const std::shared_ptr<const SealedKeys> keys_;
+  const SealedOptions options_;
+  const SealedAddress address_;
+  const std::shared_ptr<SealedSender> sender_;
+  const std::shared_ptr<ReceiveQueue> queue_;
   std::atomic<bool> over_{false};  // tells advance() that nothing is left to do
   mutable std::mutex mutex_;       // guards what follows
   std::optional<crypto::Opening> handshake_;

@@ -1,11 +1,11 @@
-#include "gecos/media/lcm/door.hpp"
+#include "gecos/media/sealed/responder.hpp"
 
 #include <system_error>
 #include <utility>
 
 #include "gecos/base/log.hpp"
-#include "gecos/media/lcm/outlet.hpp"
-#include "gecos/media/lcm/stream.hpp"
+#include "gecos/media/sealed/sender.hpp"
+#include "gecos/media/sealed/stream.hpp"
 
 namespace gecos::media {
 namespace {
@@ -16,7 +16,7 @@ constexpr std::size_t most_links = 4096;
 
 }  // namespace
 
-bool LcmDoor::Budget::take(TimePoint now) {
+bool HandshakeResponder::Budget::take(TimePoint now) {
   if (!since_ || now - *since_ >= std::chrono::seconds{1}) {
     since_ = now;
     taken_ = 0;
@@ -24,8 +24,9 @@ bool LcmDoor::Budget::take(TimePoint now) {
   return taken_++ < per_second_;
 }
 
-LcmDoor::LcmDoor(LcmOptions options, std::shared_ptr<const LcmKeys> keys,
-                 std::unique_ptr<LcmPort> in, LcmAddress address)
+HandshakeResponder::HandshakeResponder(SealedOptions options,
+                                       std::shared_ptr<const SealedKeys> keys,
+                                       std::unique_ptr<DatagramPort> in, SealedAddress address)
     : options_(std::move(options)),
       keys_(std::move(keys)),
       in_(std::move(in)),
@@ -34,11 +35,11 @@ LcmDoor::LcmDoor(LcmOptions options, std::shared_ptr<const LcmKeys> keys,
           keys_->own, [keys = keys_](const crypto::PublicKey& key) { return keys->admits(key); },
           {}, options_.rekey) {}
 
-tl::expected<void, MediumError> LcmDoor::open() {
+tl::expected<void, MediumError> HandshakeResponder::open() {
   return in_->subscribe(address_.channel, [this](ByteView datagram) { take(datagram); });
 }
 
-void LcmDoor::take(ByteView datagram) {
+void HandshakeResponder::take(ByteView datagram) {
   const auto header = DatagramHeader::read(datagram);
   if (!header || header->reply_port == 0) return;
   try {
@@ -50,19 +51,21 @@ void LcmDoor::take(ByteView datagram) {
       answer(*header, DatagramKind::Key, keys_->own.public_key().bytes, now);
     }
   } catch (const std::system_error& failed) {  // who polls serves the others
-    log_warning("lcm", std::string("cannot let a client in: ") + failed.what());
+    log_warning(address_.medium, std::string("cannot let a client in: ") + failed.what());
   }
 }
 
-void LcmDoor::take_first(const DatagramHeader& header, ByteView datagram, TimePoint now) {
+void HandshakeResponder::take_first(const DatagramHeader& header, ByteView datagram,
+                                    TimePoint now) {
   const auto context = handshake_context(address_, datagram.first(DatagramHeader::bytes));
   auto answered = handshakes_.answer(datagram.subspan(DatagramHeader::bytes), context, {}, now);
   if (!answered) {
     const auto& refused = answered.error();
     if (refused.why == crypto::Refusal::NotAdmitted && refused.who && warnings_.take(now)) {
       const auto admitted = keys_->directory.admission(*refused.who);
-      log_warning("lcm", address_.place() + " refused a client: " +
-                             (admitted ? "its key was admitted just now" : admitted.error().text));
+      log_warning(address_.medium,
+                  address_.place() + " refused a client: " +
+                      (admitted ? "its key was admitted just now" : admitted.error().text));
     }
     return;
   }
@@ -73,7 +76,7 @@ void LcmDoor::take_first(const DatagramHeader& header, ByteView datagram, TimePo
       unconfirmed_.pop_front();
     }
     if (answered->channel) {
-      if (inboxes_.size() >= most_links || inboxes_.contains(header.client)) return;
+      if (queues_.size() >= most_links || queues_.contains(header.client)) return;
       unconfirmed_.push_back(
           {header.client, header.reply_port, now, std::move(*answered->channel)});
     }
@@ -81,57 +84,59 @@ void LcmDoor::take_first(const DatagramHeader& header, ByteView datagram, TimePo
   answer(header, DatagramKind::Second, answered->second, now);
 }
 
-void LcmDoor::take_sealed(const DatagramHeader& header, ByteView datagram) {
-  std::shared_ptr<LcmInbox> inbox;
+void HandshakeResponder::take_sealed(const DatagramHeader& header, ByteView datagram) {
+  std::shared_ptr<ReceiveQueue> queue;
   {
     const std::lock_guard lock(mutex_);
-    const auto found = inboxes_.find(header.client);
-    if (found == inboxes_.end()) return confirm(header, datagram);
-    inbox = found->second;
+    const auto found = queues_.find(header.client);
+    if (found == queues_.end()) return confirm(header, datagram);
+    queue = found->second;
   }
-  inbox->take(datagram.first(DatagramHeader::bytes), datagram.subspan(DatagramHeader::bytes),
+  queue->take(datagram.first(DatagramHeader::bytes), datagram.subspan(DatagramHeader::bytes),
               options_.now());
 }
 
-void LcmDoor::confirm(const DatagramHeader& header, ByteView datagram) {
+void HandshakeResponder::confirm(const DatagramHeader& header, ByteView datagram) {
   if (closed_.load()) return;
   for (auto& one : unconfirmed_) {
     if (one.client != header.client) continue;
     Bytes frame(datagram.begin() + DatagramHeader::bytes, datagram.end());
     if (!one.channel.in.open(datagram.first(DatagramHeader::bytes), frame)) continue;
-    auto inbox = std::make_shared<LcmInbox>(one.channel.in);
-    inbox->put(std::move(frame), options_.now());
-    inboxes_.emplace(one.client, inbox);
-    guests_.push_back({one.client, one.reply_port, one.channel.peer, std::move(one.channel.out),
-                       std::move(inbox)});
+    auto queue = std::make_shared<ReceiveQueue>(one.channel.in);
+    queue->put(std::move(frame), options_.now());
+    queues_.emplace(one.client, queue);
+    pending_.push_back({one.client, one.reply_port, one.channel.peer, std::move(one.channel.out),
+                        std::move(queue)});
     std::erase_if(unconfirmed_, [&](const auto& other) { return other.client == header.client; });
     ring_bell(bell_.descriptor());
     return;
   }
 }
 
-void LcmDoor::answer(const DatagramHeader& to, DatagramKind kind, ByteView frame, TimePoint now) {
+void HandshakeResponder::answer(const DatagramHeader& to, DatagramKind kind, ByteView frame,
+                                TimePoint now) {
   if (!answers_.take(now)) return;
   // Opened for this one answer: who has not shown its keys holds nothing here.
-  auto out = LcmPort::open(options_, to.reply_port);
+  auto out = options_.network->open(to.reply_port);
   if (!out) {
-    if (warnings_.take(now)) log_warning("lcm", "cannot answer a client: " + out.error().text);
+    if (warnings_.take(now))
+      log_warning(address_.medium, "cannot answer a client: " + out.error().text);
     return;
   }
-  LcmOutlet(std::move(*out), lcm_channel("GC", to.client), to.client, 0).send_bare(kind, frame);
+  SealedSender(std::move(*out), channel_name("GC", to.client), to.client, 0).send_bare(kind, frame);
 }
 
-std::optional<LcmDoor::Guest> LcmDoor::next_guest() {
+std::optional<HandshakeResponder::PendingPeer> HandshakeResponder::next_pending() {
   const std::lock_guard lock(mutex_);
-  if (guests_.empty()) return std::nullopt;
-  std::optional<Guest> next(std::move(guests_.front()));
-  guests_.pop_front();
+  if (pending_.empty()) return std::nullopt;
+  std::optional<PendingPeer> next(std::move(pending_.front()));
+  pending_.pop_front();
   return next;
 }
 
-void LcmDoor::forget(std::uint64_t client) {
+void HandshakeResponder::forget(std::uint64_t client) {
   const std::lock_guard lock(mutex_);
-  inboxes_.erase(client);
+  queues_.erase(client);
 }
 
 }  // namespace gecos::media

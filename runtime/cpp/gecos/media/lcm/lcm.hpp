@@ -12,10 +12,8 @@
 ///
 /// Each object's calls have a UDP port of their own, and so have the answers to each client,
 /// because the kernel wakes everybody who listens on a port, whatever group or channel was meant. A
-/// stream goes out once for all its readers. Nothing is in clear but who sends to whom: both ends
-/// prove their keys to each other, each has to have admitted the other's
-/// (gecos/crypto/key_directory.hpp), and what was altered, forged or played back never arrives.
-/// Packets may be lost and overtake each other: what makes a line of it is above.
+/// stream goes out once for all its readers. Everything is sealed (gecos/media/sealed): this folder
+/// only carries datagrams. Packets may be lost and reordered; the session makes a line of them.
 namespace gecos::media {
 
 struct LcmOptions {
@@ -30,19 +28,27 @@ struct LcmOptions {
   crypto::RekeyRule rekey;
   /// For retries and rekeying; null: the system's. Must outlive the medium and its links.
   const Clock* clock = nullptr;
-
-  /// By CLOCK_BOOTTIME: what lay in a socket while the machine was suspended is as old as that.
-  TimePoint now() const {
-    return clock != nullptr ? clock->since_boot() : SystemClock().since_boot();
-  }
-  /// The same as it travels in packets.
-  std::int64_t now_ns() const { return now().time_since_epoch().count(); }
 };
 
 /// The largest packet. Sealed, with our headers, it stays in one datagram of LCM, since those that
 /// LCM cuts come out wrong when one piece is repeated. Between hosts it still is some 42 pieces of
 /// Ethernet, of which none may be lost: large things belong on shm.
 inline constexpr std::size_t largest_lcm_packet = 60 * 1024;
+
+/// A packet above this travels in pieces, of which only the lost ones are sent again.
+inline constexpr std::size_t largest_lcm_piece = 8 * 1024;
+
+inline constexpr Offer lcm_offer{.name = "lcm",
+                                 .reach = Reach::Network,
+                                 .ordered = false,
+                                 .reliable = false,
+                                 .real_time = false,
+                                 .reports_death = false,
+                                 .authenticated = true,
+                                 .overheard = true,
+                                 .connectionless = true,
+                                 .largest_packet = largest_lcm_packet,
+                                 .piece = largest_lcm_piece};
 
 std::unique_ptr<Medium> make_lcm(LcmOptions options = {});
 

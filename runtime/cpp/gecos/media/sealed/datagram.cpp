@@ -1,4 +1,4 @@
-#include "gecos/media/lcm/datagram.hpp"
+#include "gecos/media/sealed/datagram.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -8,9 +8,9 @@ namespace {
 
 constexpr std::uint16_t magic = 0x6763;
 constexpr std::uint8_t version = 2;
-constexpr std::string_view context_name = "gecos lcm 2";
+constexpr std::size_t longest_medium = 16;
 constexpr std::size_t longest_channel = 63;
-constexpr std::size_t longest_group = 45;  // of any Internet address
+constexpr std::size_t longest_network = 45;  // of any Internet address
 
 template <class T>
 void put(std::byte* to, T value) {
@@ -100,24 +100,25 @@ void write_stamp(std::span<std::byte, 8> to, std::int64_t stamp_ns) {
 
 std::int64_t read_stamp(ByteView from) { return get<std::int64_t>(from.data()); }
 
-std::string LcmAddress::place() const {
-  return "lcm:" + group + ":" + std::to_string(port) + "/" + channel;
+std::string SealedAddress::place() const {
+  return medium + ":" + network + ":" + std::to_string(port) + "/" + channel;
 }
 
-std::string LcmAddress::to_string() const {
+std::string SealedAddress::to_string() const {
   return key ? place() + "#" + key->to_string() : place();
 }
 
-std::optional<LcmAddress> LcmAddress::parse(std::string_view text) {
-  constexpr std::string_view prefix = "lcm:";
-  if (!text.starts_with(prefix)) return std::nullopt;
-  text.remove_prefix(prefix.size());
+std::optional<SealedAddress> SealedAddress::parse(std::string_view text) {
+  SealedAddress address;
+  const std::size_t named = text.find(':');
+  if (named == std::string_view::npos) return std::nullopt;
+  address.medium = text.substr(0, named);
+  text.remove_prefix(named + 1);
   const std::size_t slash = text.find('/');
   if (slash == std::string_view::npos) return std::nullopt;
   const std::size_t colon = text.substr(0, slash).rfind(':');
   if (colon == std::string_view::npos) return std::nullopt;
-  LcmAddress address;
-  address.group = text.substr(0, colon);
+  address.network = text.substr(0, colon);
   const std::string_view end_of_place = text.substr(slash + 1);
   const std::size_t hash = end_of_place.find('#');
   address.channel = end_of_place.substr(0, hash);
@@ -125,12 +126,15 @@ std::optional<LcmAddress> LcmAddress::parse(std::string_view text) {
     address.key = crypto::PublicKey::parse(end_of_place.substr(hash + 1));
     if (!address.key) return std::nullopt;
   }
-  // It becomes part of a provider's name of LCM: nothing but an address may get there.
-  const bool plain =
-      std::ranges::all_of(address.group, [](char c) { return (c >= '0' && c <= '9') || c == '.'; });
+  const auto plain = [](const std::string& word, std::size_t longest) {
+    return !word.empty() && word.size() <= longest && std::ranges::all_of(word, [](char c) {
+      return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
+             c == '.' || c == '-';
+    });
+  };
   const std::string_view port = text.substr(colon + 1, slash - colon - 1);
   const auto [end, problem] = std::from_chars(port.data(), port.data() + port.size(), address.port);
-  if (!plain || address.group.empty() || address.group.size() > longest_group ||
+  if (!plain(address.medium, longest_medium) || !plain(address.network, longest_network) ||
       problem != std::errc{} || end != port.data() + port.size() || address.port == 0 ||
       address.channel.empty() || address.channel.size() > longest_channel) {
     return std::nullopt;
@@ -138,11 +142,12 @@ std::optional<LcmAddress> LcmAddress::parse(std::string_view text) {
   return address;
 }
 
-Bytes handshake_context(const LcmAddress& address, ByteView first_header) {
+Bytes handshake_context(const SealedAddress& address, ByteView first_header) {
   Bytes context;
+  const std::string name = "gecos " + address.medium + " " + std::to_string(version);
   const std::string place = address.place();
   for (const ByteView part :
-       {std::as_bytes(std::span(context_name)), std::as_bytes(std::span(place)), first_header}) {
+       {std::as_bytes(std::span(name)), std::as_bytes(std::span(place)), first_header}) {
     context.insert(context.end(), part.begin(), part.end());
   }
   return context;

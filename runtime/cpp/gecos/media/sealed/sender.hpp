@@ -8,21 +8,21 @@
 #include <string>
 
 #include "gecos/crypto/transport.hpp"
-#include "gecos/media/lcm/datagram.hpp"
-#include "gecos/media/lcm/port.hpp"
+#include "gecos/media/sealed/datagram.hpp"
+#include "gecos/media/sealed/network.hpp"
 
 namespace gecos::media {
 
 /// Where one end of a link sends: seals and publishes. Any thread.
-class LcmOutlet {
+class SealedSender {
  public:
   /// What is sent before the channel is open waits for it, up to these; more is lost, as on a
   /// network.
   static constexpr std::size_t most_held = 64;
   static constexpr std::size_t most_bytes_held = 1024 * 1024;
 
-  LcmOutlet(std::shared_ptr<LcmPort> port, std::string channel, std::uint64_t client,
-            std::uint16_t reply_port);
+  SealedSender(std::shared_ptr<DatagramPort> port, std::string channel, std::uint64_t client,
+               std::uint16_t reply_port);
 
   /// From now on `sealer` seals; what was held goes out. Once.
   void open(crypto::Sealer sealer);
@@ -41,7 +41,7 @@ class LcmOutlet {
   void write(InnerHeader what, ByteView head, ByteView body, Bytes& memory) const;
   void seal(Bytes& datagram);
 
-  const std::shared_ptr<LcmPort> port_;
+  const std::shared_ptr<DatagramPort> port_;
   const std::string channel_;
   const std::uint64_t client_;
   const std::uint16_t reply_port_;

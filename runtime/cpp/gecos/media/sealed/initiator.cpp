@@ -1,4 +1,4 @@
-#include "gecos/media/lcm/opening.hpp"
+#include "gecos/media/sealed/initiator.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -13,36 +13,37 @@ Duration repeated_after(int said) { return 20ms * (1 << std::min(said - 1, 3)); 
 
 }  // namespace
 
-LcmOpening::LcmOpening(std::shared_ptr<const LcmKeys> keys, const LcmOptions& options,
-                       LcmAddress address, std::shared_ptr<LcmOutlet> outlet,
-                       std::shared_ptr<LcmInbox> inbox)
+HandshakeInitiator::HandshakeInitiator(std::shared_ptr<const SealedKeys> keys,
+                                       const SealedOptions& options, SealedAddress address,
+                                       std::shared_ptr<SealedSender> sender,
+                                       std::shared_ptr<ReceiveQueue> queue)
     : keys_(std::move(keys)),
       options_(options),
       address_(std::move(address)),
-      outlet_(std::move(outlet)),
-      inbox_(std::move(inbox)) {
+      sender_(std::move(sender)),
+      queue_(std::move(queue)) {
   begin(options_.now());
 }
 
-void LcmOpening::begin(TimePoint now) {
+void HandshakeInitiator::begin(TimePoint now) {
   began_ = next_ = now;
   said_ = 0;
   handshake_.reset();
   if (address_.key) begin_with(*address_.key);
 }
 
-void LcmOpening::begin_with(const crypto::PublicKey& key) {
-  const auto header = outlet_->header(DatagramKind::First);
+void HandshakeInitiator::begin_with(const crypto::PublicKey& key) {
+  const auto header = sender_->header(DatagramKind::First);
   auto begun =
       crypto::Opening::begin(keys_->own, key, handshake_context(address_, header), ByteView{});
   if (begun) handshake_.emplace(std::move(*begun));  // else no honest program has that key
 }
 
-void LcmOpening::advance() {
+void HandshakeInitiator::advance() {
   if (over_.load(std::memory_order_relaxed)) return;
   const TimePoint now = options_.now();
   const std::lock_guard lock(mutex_);
-  if (open_ && inbox_->heard()) {
+  if (open_ && queue_->heard()) {
     over_.store(true, std::memory_order_relaxed);
     return;
   }
@@ -50,19 +51,19 @@ void LcmOpening::advance() {
   if (now >= next_) speak(now);
 }
 
-void LcmOpening::speak(TimePoint now) {
+void HandshakeInitiator::speak(TimePoint now) {
   if (open_) {
     Bytes memory;
-    outlet_->send({InnerKind::Beat, 0, options_.now_ns()}, {}, {}, memory);
+    sender_->send({InnerKind::Beat, 0, options_.now_ns()}, {}, {}, memory);
   } else if (handshake_) {
-    outlet_->send_bare(DatagramKind::First, handshake_->first());
+    sender_->send_bare(DatagramKind::First, handshake_->first());
   } else if (!address_.key) {
-    outlet_->send_bare(DatagramKind::Ask, {});
+    sender_->send_bare(DatagramKind::Ask, {});
   }
   next_ = now + repeated_after(++said_);
 }
 
-void LcmOpening::take(const DatagramHeader& header, ByteView frame) {
+void HandshakeInitiator::take(const DatagramHeader& header, ByteView frame) {
   if (over_.load(std::memory_order_relaxed)) return;
   const TimePoint now = options_.now();
   const std::lock_guard lock(mutex_);
@@ -71,7 +72,7 @@ void LcmOpening::take(const DatagramHeader& header, ByteView frame) {
   if (header.kind == DatagramKind::Second) take_second(frame, now);
 }
 
-void LcmOpening::take_key(ByteView frame, TimePoint now) {
+void HandshakeInitiator::take_key(ByteView frame, TimePoint now) {
   if (address_.key || handshake_ || frame.size() != crypto::key_bytes) return;
   const auto key = crypto::PublicKey::of(frame);
   if (not_admitted_ && key == not_admitted_->key) return;
@@ -84,30 +85,25 @@ void LcmOpening::take_key(ByteView frame, TimePoint now) {
   if (handshake_) speak(now);
 }
 
-void LcmOpening::take_second(ByteView frame, TimePoint now) {
+void HandshakeInitiator::take_second(ByteView frame, TimePoint now) {
   if (!handshake_) return;
   auto finished = handshake_->finish(frame, now, options_.rekey);
   if (!finished) return;
-  inbox_->open(finished->channel.in);
-  outlet_->open(std::move(finished->channel.out));
+  queue_->open(finished->channel.in);
+  sender_->open(std::move(finished->channel.out));
   handshake_.reset();
   open_ = true;
   said_ = 0;
   speak(now);  // the server takes nobody in before it has heard something sealed
 }
 
-std::string LcmOpening::trouble() const {
+std::string HandshakeInitiator::trouble() const {
   const std::lock_guard lock(mutex_);
-  if (open_) return inbox_->heard() ? "" : "the server has let us in and was not heard since";
+  if (open_) return queue_->heard() ? "" : "the server has let us in and was not heard since";
   if (!handshake_ && not_admitted_) return "who answered there was refused: " + not_admitted_->why;
-  const char* const how_far =
-      options_.ttl == 0 ? "; GECOS_LCM_TTL is 0, so our packets stay on this host: programs of "
-                          "several hosts need 1 or more, each of them"
-                        : "; from another host it is heard only where its own GECOS_LCM_TTL is 1 "
-                          "or more";
   return "nobody is there, or our key " + keys_->own.public_key().short_name() +
          " is not admitted there: then its user needs a copy of " + keys_->directory.path() + "/" +
-         keys_->own.public_key().to_string() + ".public" + how_far;
+         keys_->own.public_key().to_string() + ".public" + options_.network->advice();
 }
 
 }  // namespace gecos::media

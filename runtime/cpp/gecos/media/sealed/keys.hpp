@@ -9,14 +9,14 @@
 
 namespace gecos::media {
 
-/// Who this program is on lcm, and whom it lets in. What is opened once by a medium outlives it
-/// with those who share it. Any thread.
-struct LcmKeys {
+/// The key of this program, and the keys that it admits. Shared: outlives the medium that opened
+/// it. Any thread.
+struct SealedKeys {
   crypto::KeyDirectory directory;
   crypto::Identity own;
 
   /// Reads, or makes, the keys in `path`; empty: the user's usual place.
-  static tl::expected<std::shared_ptr<const LcmKeys>, MediumError> open(const std::string& path);
+  static tl::expected<std::shared_ptr<const SealedKeys>, MediumError> open(const std::string& path);
 
   bool admits(const crypto::PublicKey& key) const { return directory.is_admitted(key); }
 };

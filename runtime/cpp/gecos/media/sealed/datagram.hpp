@@ -10,8 +10,9 @@
 #include "gecos/base/bytes.hpp"
 #include "gecos/crypto/keys.hpp"
 #include "gecos/crypto/stream_seal.hpp"
+#include "gecos/crypto/transport.hpp"
 
-/// What is in a datagram of the lcm medium: a header of 16 bytes in clear, then one frame that the
+/// What is in a datagram of a sealed medium: a header of 16 bytes in clear, then one frame that the
 /// header is bound to. docs/protocol.md, sections "Datagrams" to "Streams", is normative; integers
 /// are big-endian. Pure: bytes in, bytes out.
 namespace gecos::media {
@@ -72,26 +73,35 @@ struct SharedStream {
   static std::optional<SharedStream> read(ByteView from);
 };
 
+inline constexpr std::size_t stamp_bytes = 8;  ///< before a sample
+/// How much longer a datagram is than the packet that it carries.
+inline constexpr std::size_t packet_overhead =
+    DatagramHeader::bytes + crypto::Sealer::overhead + InnerHeader::bytes;
+/// How much longer a datagram is than the sample that it carries.
+inline constexpr std::size_t sample_overhead =
+    DatagramHeader::bytes + crypto::StreamSealer::overhead + stamp_bytes;
+
 void write_stamp(std::span<std::byte, 8> to, std::int64_t stamp_ns);
 /// @pre `from` has 8 bytes.
 std::int64_t read_stamp(ByteView from);
 
-/// An address of this medium: "lcm:239.255.76.67:20017/GO0123456789abcdef#" and 64 hex digits, the
-/// server's key; a well-known place has none.
-struct LcmAddress {
-  std::string group;
+/// An address: "lcm:239.255.76.67:20017/GO0123456789abcdef#" and 64 hex digits, the server's key; a
+/// well-known place has none.
+struct SealedAddress {
+  std::string medium;
+  std::string network;  ///< of letters, digits, '.' and '-', at most 45 characters
   std::uint16_t port = 0;
-  std::string channel;  ///< at most 63 characters, as LCM has it
+  std::string channel;  ///< at most 63 characters
   std::optional<crypto::PublicKey> key;
 
   /// Without the key.
   std::string place() const;
   std::string to_string() const;
-  static std::optional<LcmAddress> parse(std::string_view text);
+  static std::optional<SealedAddress> parse(std::string_view text);
 };
 
-/// What both sides know of a handshake without saying it: version, place, and the header in clear
-/// of its first message.
-Bytes handshake_context(const LcmAddress& address, ByteView first_header);
+/// What both sides know of a handshake without saying it: medium and version, place, and the header
+/// in clear of its first message.
+Bytes handshake_context(const SealedAddress& address, ByteView first_header);
 
 }  // namespace gecos::media

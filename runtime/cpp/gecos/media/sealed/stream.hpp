@@ -7,16 +7,16 @@
 #include <string>
 
 #include "gecos/crypto/stream_seal.hpp"
-#include "gecos/media/lcm/datagram.hpp"
-#include "gecos/media/lcm/port.hpp"
+#include "gecos/media/sealed/datagram.hpp"
+#include "gecos/media/sealed/network.hpp"
 #include "gecos/media/stream_ring.hpp"
 
 namespace gecos::media {
 
 /// Sends a stream once for all its readers, on a channel of its own and under a key of its own.
-class LcmStream {
+class SealedStream {
  public:
-  LcmStream(std::shared_ptr<LcmPort> port, SharedStream where);
+  SealedStream(std::shared_ptr<DatagramPort> port, SharedStream where);
 
   const SharedStream& where() const { return where_; }
   tl::expected<void, SendProblem> publish(ByteView sample, std::int64_t stamp_ns);
@@ -24,7 +24,7 @@ class LcmStream {
   void repeat_last();
 
  private:
-  const std::shared_ptr<LcmPort> port_;
+  const std::shared_ptr<DatagramPort> port_;
   crypto::StreamSealer sealer_;
   const SharedStream where_;
   const std::string channel_;
@@ -32,24 +32,24 @@ class LcmStream {
   Bytes last_;  // as it was sent
 };
 
-class LcmStreamWriter final : public StreamWriter {
+class SealedStreamWriter final : public StreamWriter {
  public:
-  explicit LcmStreamWriter(std::shared_ptr<LcmStream> stream) : stream_(std::move(stream)) {}
+  explicit SealedStreamWriter(std::shared_ptr<SealedStream> stream) : stream_(std::move(stream)) {}
   tl::expected<void, SendProblem> publish(ByteView sample, std::int64_t stamp_ns) override {
     return stream_->publish(sample, stamp_ns);
   }
-  const std::shared_ptr<LcmStream>& stream() const { return stream_; }
+  const std::shared_ptr<SealedStream>& stream() const { return stream_; }
 
  private:
-  const std::shared_ptr<LcmStream> stream_;
+  const std::shared_ptr<SealedStream> stream_;
 };
 
 /// The newest samples of a stream that is being read, filled by whoever pumps `port`.
-class LcmStreamInbox {
+class SampleQueue {
  public:
   /// `sleeper` is woken with every new sample.
-  LcmStreamInbox(std::shared_ptr<LcmPort> port, const SharedStream& where,
-                 std::weak_ptr<Sleeper> sleeper);
+  SampleQueue(std::shared_ptr<DatagramPort> port, const SharedStream& where,
+              std::weak_ptr<Sleeper> sleeper);
 
   void take(ByteView datagram);
   bool read(std::uint64_t after, bool newest, StreamSample& into);
@@ -57,7 +57,7 @@ class LcmStreamInbox {
   bool anything_new();
 
  private:
-  const std::shared_ptr<LcmPort> port_;
+  const std::shared_ptr<DatagramPort> port_;
   const std::size_t depth_;
   const std::weak_ptr<Sleeper> sleeper_;
   std::mutex mutex_;
@@ -67,22 +67,22 @@ class LcmStreamInbox {
   std::uint64_t seen_ = 0;
 };
 
-class LcmStreamReader final : public StreamReader {
+class SealedStreamReader final : public StreamReader {
  public:
-  explicit LcmStreamReader(std::shared_ptr<LcmStreamInbox> inbox) : inbox_(std::move(inbox)) {}
+  explicit SealedStreamReader(std::shared_ptr<SampleQueue> queue) : queue_(std::move(queue)) {}
   bool latest(std::uint64_t after, StreamSample& into) override {
-    return inbox_->read(after, true, into);
+    return queue_->read(after, true, into);
   }
   bool next(std::uint64_t after, StreamSample& into) override {
-    return inbox_->read(after, false, into);
+    return queue_->read(after, false, into);
   }
 
  private:
-  const std::shared_ptr<LcmStreamInbox> inbox_;
+  const std::shared_ptr<SampleQueue> queue_;
 };
 
 /// "GS0123456789abcdef"
-std::string lcm_channel(std::string_view prefix, std::uint64_t number);
+std::string channel_name(std::string_view prefix, std::uint64_t number);
 /// A number that nobody else has drawn.
 std::uint64_t draw_number();
 /// A port below the kernel's own choices, from a range that is wide enough to be mostly alone.

@@ -1,4 +1,4 @@
-#include "gecos/media/lcm/inbox.hpp"
+#include "gecos/media/sealed/receive_queue.hpp"
 
 #include <utility>
 
@@ -15,16 +15,16 @@ ByteView text_in(const Bytes& frame) {
 
 }  // namespace
 
-ByteView LcmInbox::packet_in(const Bytes& frame) {
+ByteView ReceiveQueue::packet_in(const Bytes& frame) {
   return text_in(frame).subspan(InnerHeader::bytes);
 }
 
-void LcmInbox::open(const crypto::Opener& opener) {
+void ReceiveQueue::open(const crypto::Opener& opener) {
   const std::lock_guard lock(mutex_);
   opener_ = opener;
 }
 
-void LcmInbox::take(ByteView header, ByteView frame, TimePoint now) {
+void ReceiveQueue::take(ByteView header, ByteView frame, TimePoint now) {
   const std::lock_guard lock(mutex_);
   if (!opener_) return;
   Bytes opened = std::exchange(spare_, {});
@@ -32,12 +32,12 @@ void LcmInbox::take(ByteView header, ByteView frame, TimePoint now) {
   if (opener_->open(header, opened)) put_locked(std::move(opened), now);
 }
 
-void LcmInbox::put(Bytes frame, TimePoint now) {
+void ReceiveQueue::put(Bytes frame, TimePoint now) {
   const std::lock_guard lock(mutex_);
   put_locked(std::move(frame), now);
 }
 
-void LcmInbox::put_locked(Bytes frame, TimePoint now) {
+void ReceiveQueue::put_locked(Bytes frame, TimePoint now) {
   const auto header = InnerHeader::read(text_in(frame));
   if (!header) return;
   const Duration age = clock_.age(header->sent_ns, now);
@@ -74,7 +74,7 @@ void LcmInbox::put_locked(Bytes frame, TimePoint now) {
   wake_if_asleep();
 }
 
-bool LcmInbox::pop(Packet& packet) {
+bool ReceiveQueue::pop(Packet& packet) {
   const std::lock_guard lock(mutex_);
   if (packets_.empty()) return false;
   std::swap(spare_, packet.frame);
@@ -84,22 +84,22 @@ bool LcmInbox::pop(Packet& packet) {
   return true;
 }
 
-bool LcmInbox::has_packets() {
+bool ReceiveQueue::has_packets() {
   const std::lock_guard lock(mutex_);
   return !packets_.empty();
 }
 
-std::optional<Duration> LcmInbox::clock_difference() {
+std::optional<Duration> ReceiveQueue::clock_difference() {
   const std::lock_guard lock(mutex_);
   return clock_.difference();
 }
 
-std::vector<LcmInbox::Notice> LcmInbox::notices() {
+std::vector<ReceiveQueue::Notice> ReceiveQueue::notices() {
   const std::lock_guard lock(mutex_);
   return std::exchange(notices_, {});
 }
 
-void LcmInbox::tend(TimePoint now) {
+void ReceiveQueue::tend(TimePoint now) {
   const std::lock_guard lock(mutex_);
   if (opener_) opener_->tend(now);
 }

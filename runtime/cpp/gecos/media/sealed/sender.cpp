@@ -1,4 +1,4 @@
-#include "gecos/media/lcm/outlet.hpp"
+#include "gecos/media/sealed/sender.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -11,14 +11,14 @@ constexpr std::size_t body_at = inner_at + InnerHeader::bytes;
 
 }  // namespace
 
-LcmOutlet::LcmOutlet(std::shared_ptr<LcmPort> port, std::string channel, std::uint64_t client,
-                     std::uint16_t reply_port)
+SealedSender::SealedSender(std::shared_ptr<DatagramPort> port, std::string channel,
+                           std::uint64_t client, std::uint16_t reply_port)
     : port_(std::move(port)),
       channel_(std::move(channel)),
       client_(client),
       reply_port_(reply_port) {}
 
-void LcmOutlet::open(crypto::Sealer sealer) {
+void SealedSender::open(crypto::Sealer sealer) {
   const std::lock_guard lock(mutex_);
   sealer_.emplace(std::move(sealer));
   for (Bytes& datagram : held_) {
@@ -28,12 +28,12 @@ void LcmOutlet::open(crypto::Sealer sealer) {
   held_.clear();
 }
 
-bool LcmOutlet::is_open() {
+bool SealedSender::is_open() {
   const std::lock_guard lock(mutex_);
   return sealer_.has_value();
 }
 
-bool LcmOutlet::send(InnerHeader what, ByteView head, ByteView body, Bytes& memory) {
+bool SealedSender::send(InnerHeader what, ByteView head, ByteView body, Bytes& memory) {
   write(what, head, body, memory);
   {
     const std::lock_guard lock(mutex_);
@@ -50,25 +50,25 @@ bool LcmOutlet::send(InnerHeader what, ByteView head, ByteView body, Bytes& memo
   return port_->publish(channel_, memory);
 }
 
-bool LcmOutlet::send_bare(DatagramKind kind, ByteView frame) {
+bool SealedSender::send_bare(DatagramKind kind, ByteView frame) {
   const auto clear = header(kind);
   Bytes datagram(clear.begin(), clear.end());
   datagram.insert(datagram.end(), frame.begin(), frame.end());
   return port_->publish(channel_, datagram);
 }
 
-std::array<std::byte, DatagramHeader::bytes> LcmOutlet::header(DatagramKind kind) const {
+std::array<std::byte, DatagramHeader::bytes> SealedSender::header(DatagramKind kind) const {
   std::array<std::byte, DatagramHeader::bytes> bytes;
   DatagramHeader{kind, reply_port_, client_}.write(bytes);
   return bytes;
 }
 
-void LcmOutlet::tend(TimePoint now) {
+void SealedSender::tend(TimePoint now) {
   const std::lock_guard lock(mutex_);
   if (sealer_) sealer_->tend(now);
 }
 
-void LcmOutlet::write(InnerHeader what, ByteView head, ByteView body, Bytes& memory) const {
+void SealedSender::write(InnerHeader what, ByteView head, ByteView body, Bytes& memory) const {
   memory.resize(body_at + head.size() + body.size() + crypto::tag_bytes);
   const std::span<std::byte> all(memory);
   DatagramHeader{DatagramKind::Sealed, reply_port_, client_}.write(
@@ -78,7 +78,7 @@ void LcmOutlet::write(InnerHeader what, ByteView head, ByteView body, Bytes& mem
   std::ranges::copy(body, rest);
 }
 
-void LcmOutlet::seal(Bytes& datagram) {
+void SealedSender::seal(Bytes& datagram) {
   const std::span<std::byte> all(datagram);
   sealer_->seal(all.first(DatagramHeader::bytes), all.subspan(DatagramHeader::bytes));
 }

@@ -11,39 +11,39 @@
 
 #include "gecos/crypto/handshake_door.hpp"
 #include "gecos/media/bell.hpp"
-#include "gecos/media/lcm/inbox.hpp"
-#include "gecos/media/lcm/keys.hpp"
-#include "gecos/media/lcm/port.hpp"
+#include "gecos/media/sealed/keys.hpp"
+#include "gecos/media/sealed/network.hpp"
+#include "gecos/media/sealed/receive_queue.hpp"
 
 namespace gecos::media {
 
 /// What the acceptor of an object and its links share: the port where all clients' datagrams come
 /// in, and the handshake. A client has come once something was opened that it sealed; what was
 /// played back never gets so far, displaces nobody, and holds no descriptor.
-class LcmDoor {
+class HandshakeResponder {
  public:
   /// A client that has come and was not yet accepted.
-  struct Guest {
+  struct PendingPeer {
     std::uint64_t client = 0;
     std::uint16_t reply_port = 0;
     crypto::PublicKey key;
     crypto::Sealer sealer;
-    std::shared_ptr<LcmInbox> inbox;
+    std::shared_ptr<ReceiveQueue> queue;
   };
-  LcmDoor(LcmOptions options, std::shared_ptr<const LcmKeys> keys, std::unique_ptr<LcmPort> in,
-          LcmAddress address);
+  HandshakeResponder(SealedOptions options, std::shared_ptr<const SealedKeys> keys,
+                     std::unique_ptr<DatagramPort> in, SealedAddress address);
 
   tl::expected<void, MediumError> open();
-  /// Puts what has arrived into the inboxes of links and guests. True: there may be more.
+  /// Puts what has arrived into the queues of links and pending peers. True: there may be more.
   bool pump() { return in_->pump(); }
-  std::optional<Guest> next_guest();
+  std::optional<PendingPeer> next_pending();
   void forget(std::uint64_t client);
 
   int descriptor() const { return in_->descriptor(); }
-  /// Rung when a guest has come, by whoever pumps.
+  /// Rung by pump() when a client has come.
   Bell& bell() { return bell_; }
-  const LcmOptions& options() const { return options_; }
-  const LcmAddress& address() const { return address_; }
+  const SealedOptions& options() const { return options_; }
+  const SealedAddress& address() const { return address_; }
   void close() { closed_.store(true); }
 
  private:
@@ -71,10 +71,10 @@ class LcmDoor {
   void confirm(const DatagramHeader& header, ByteView datagram);
   void answer(const DatagramHeader& to, DatagramKind kind, ByteView frame, TimePoint now);
 
-  const LcmOptions options_;
-  const std::shared_ptr<const LcmKeys> keys_;
-  const std::unique_ptr<LcmPort> in_;
-  const LcmAddress address_;
+  const SealedOptions options_;
+  const std::shared_ptr<const SealedKeys> keys_;
+  const std::unique_ptr<DatagramPort> in_;
+  const SealedAddress address_;
   Bell bell_;
   std::atomic<bool> closed_{false};  // the acceptor has gone: nobody comes in any more
   // Of whoever pumps, one at a time:
@@ -83,8 +83,8 @@ class LcmDoor {
   Budget warnings_{1};
   std::mutex mutex_;                    // guards what follows
   std::list<Unconfirmed> unconfirmed_;  // oldest first
-  std::map<std::uint64_t, std::shared_ptr<LcmInbox>> inboxes_;
-  std::deque<Guest> guests_;
+  std::map<std::uint64_t, std::shared_ptr<ReceiveQueue>> queues_;
+  std::deque<PendingPeer> pending_;
 };
 
 }  // namespace gecos::media

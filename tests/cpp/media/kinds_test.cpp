@@ -1,4 +1,4 @@
-#include "gecos/media/open.hpp"
+#include "gecos/media/kinds.hpp"
 
 #include <gtest/gtest.h>
 #include <stdlib.h>

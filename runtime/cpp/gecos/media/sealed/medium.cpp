@@ -9,9 +9,8 @@
 
 #include "gecos/base/log.hpp"
 #include "gecos/base/system_error.hpp"
-#include "gecos/media/lcm.hpp"
-#include "gecos/media/lcm/door.hpp"
-#include "gecos/media/lcm/link.hpp"
+#include "gecos/media/sealed/connection.hpp"
+#include "gecos/media/sealed/responder.hpp"
 
 namespace gecos::media {
 namespace {
@@ -32,7 +31,7 @@ std::string channel_of_name(std::string_view name) {
 /// it.
 class Claim {
  public:
-  static tl::expected<std::unique_ptr<Claim>, MediumError> stake(const LcmAddress& place) {
+  static tl::expected<std::unique_ptr<Claim>, MediumError> stake(const SealedAddress& place) {
     const std::string name = "gecos/" + place.place();
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
@@ -42,11 +41,13 @@ class Claim {
         std::min(offsetof(sockaddr_un, sun_path) + 1 + name.size(), sizeof address));
     Descriptor held(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
     if (!held || ::bind(held.get(), reinterpret_cast<const sockaddr*>(&address), size) != 0) {
-      return tl::unexpected(MediumError{
-          errno == EADDRINUSE
-              ? place.place() + " is served already by another program of this host; `ss -xap | "
-                                "grep gecos/lcm` tells by which"
-              : place.place() + " cannot be claimed: " + system_text(errno)});
+      return tl::unexpected(
+          MediumError{errno == EADDRINUSE
+                          ? place.place() +
+                                " is served already by another program of this host; `ss -xap | "
+                                "grep gecos/" +
+                                place.medium + "` tells by which"
+                          : place.place() + " cannot be claimed: " + system_text(errno)});
     }
     return std::make_unique<Claim>(std::move(held));
   }
@@ -58,28 +59,28 @@ class Claim {
       this, [](void* owner) noexcept { static_cast<Claim*>(owner)->held_.reset(); }};
 };
 
-class LcmAcceptor final : public Acceptor {
+class SealedAcceptor final : public Acceptor {
  public:
   /// `claim` is null for a place of its own.
-  LcmAcceptor(std::shared_ptr<LcmDoor> door, std::unique_ptr<Claim> claim)
+  SealedAcceptor(std::shared_ptr<HandshakeResponder> responder, std::unique_ptr<Claim> claim)
       : claim_(std::move(claim)),
-        door_(std::move(door)),
-        address_(door_->address().to_string()),
-        descriptors_{door_->descriptor(), door_->bell().descriptor()} {}
-  ~LcmAcceptor() override { door_->close(); }
+        responder_(std::move(responder)),
+        address_(responder_->address().to_string()),
+        descriptors_{responder_->descriptor(), responder_->bell().descriptor()} {}
+  ~SealedAcceptor() override { responder_->close(); }
 
-  const Offer& offer() const override { return lcm_offer(); }
+  const Offer& offer() const override { return responder_->options().network->offer(); }
   const std::string& address() const override { return address_; }
 
   std::unique_ptr<Link> accept() override {
-    door_->bell().quiet();
-    if (door_->pump()) ring_bell(door_->bell().descriptor());  // for who watches edges
-    while (auto guest = door_->next_guest()) {
-      const std::uint64_t client = guest->client;
-      auto link = LcmServerLink::welcome(door_, std::move(*guest));
+    responder_->bell().quiet();
+    if (responder_->pump()) ring_bell(responder_->bell().descriptor());  // for who watches edges
+    while (auto pending = responder_->next_pending()) {
+      const std::uint64_t client = pending->client;
+      auto link = SealedServer::welcome(responder_, std::move(*pending));
       if (link) return std::move(*link);
-      log_warning("lcm", "cannot answer a client: " + link.error().text);
-      door_->forget(client);
+      log_warning(responder_->address().medium, "cannot answer a client: " + link.error().text);
+      responder_->forget(client);
     }
     return nullptr;
   }
@@ -87,39 +88,40 @@ class LcmAcceptor final : public Acceptor {
 
   std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth) override {
     if (streams_ == nullptr) {
-      auto opened = LcmPort::open(door_->options(), stream_port_);
+      auto opened = responder_->options().network->open(stream_port_);
       if (!opened) throw std::runtime_error(opened.error().text);
       streams_ = std::move(*opened);
     }
     SharedStream where;
-    where.largest = static_cast<std::uint32_t>(std::min(largest, largest_lcm_packet));
+    const std::size_t fits = responder_->options().network->largest_datagram() - sample_overhead;
+    where.largest = static_cast<std::uint32_t>(std::min(largest, fits));
     where.depth =
         static_cast<std::uint16_t>(std::clamp<std::size_t>(depth, 1, SharedStream::most_depth));
     where.port = stream_port_;
     where.channel = draw_number();
-    return std::make_unique<LcmStreamWriter>(std::make_shared<LcmStream>(streams_, where));
+    return std::make_unique<SealedStreamWriter>(std::make_shared<SealedStream>(streams_, where));
   }
 
  private:
   const std::unique_ptr<Claim> claim_;
-  const std::shared_ptr<LcmDoor> door_;
+  const std::shared_ptr<HandshakeResponder> responder_;
   const std::string address_;
   const std::array<int, 2> descriptors_;
   const std::uint16_t stream_port_ = draw_port();
-  std::shared_ptr<LcmPort> streams_;
+  std::shared_ptr<DatagramPort> streams_;
 };
 
-class Lcm final : public Medium {
+class Sealed final : public Medium {
  public:
-  explicit Lcm(LcmOptions options) : options_(std::move(options)) {}
+  explicit Sealed(SealedOptions options) : options_(std::move(options)) {}
 
-  const Offer& offer() const override { return lcm_offer(); }
+  const Offer& offer() const override { return options_.network->offer(); }
 
   tl::expected<std::unique_ptr<Acceptor>, MediumError> listen(std::string_view name,
                                                               bool well_known) override {
     const auto keys = this->keys();
     if (!keys) return tl::unexpected(keys.error());
-    LcmAddress address = well_known_place(name);
+    SealedAddress address = well_known_place(name);
     std::unique_ptr<Claim> claim;
     if (well_known) {
       auto staked = Claim::stake(address);
@@ -127,25 +129,25 @@ class Lcm final : public Medium {
       claim = std::move(*staked);
     } else {
       address.port = draw_port();
-      address.channel = lcm_channel("GO", draw_number());
+      address.channel = channel_name("GO", draw_number());
       address.key = (*keys)->own.public_key();
     }
-    auto in = LcmPort::open(options_, address.port);
+    auto in = options_.network->open(address.port);
     if (!in) return tl::unexpected(std::move(in.error()));
-    auto door = std::make_shared<LcmDoor>(options_, *keys, std::move(*in), address);
-    if (auto opened = door->open(); !opened) return tl::unexpected(std::move(opened.error()));
-    return std::make_unique<LcmAcceptor>(std::move(door), std::move(claim));
+    auto responder = std::make_shared<HandshakeResponder>(options_, *keys, std::move(*in), address);
+    if (auto opened = responder->open(); !opened) return tl::unexpected(std::move(opened.error()));
+    return std::make_unique<SealedAcceptor>(std::move(responder), std::move(claim));
   }
 
   tl::expected<std::unique_ptr<Link>, MediumError> connect(std::string_view address) override {
-    const auto parsed = LcmAddress::parse(address);
-    if (!parsed) {
-      return tl::unexpected(MediumError{
-          std::string(address) + ": an address of lcm reads lcm:<group>:<port>/<channel>#<key>"});
+    const auto parsed = SealedAddress::parse(address);
+    if (const std::string name(offer().name); !parsed || parsed->medium != name) {
+      return tl::unexpected(MediumError{std::string(address) + ": an address of " + name +
+                                        " reads " + name + ":<group>:<port>/<channel>#<key>"});
     }
     const auto keys = this->keys();
     if (!keys) return tl::unexpected(keys.error());
-    return LcmClientLink::connect(options_, *keys, *parsed);
+    return SealedClient::connect(options_, *keys, *parsed);
   }
 
   std::string well_known_address(std::string_view name) const override {
@@ -153,30 +155,34 @@ class Lcm final : public Medium {
   }
 
  private:
-  LcmAddress well_known_place(std::string_view name) const {
-    return {options_.group, options_.well_known_port, channel_of_name(name), std::nullopt};
+  SealedAddress well_known_place(std::string_view name) const {
+    return {std::string(offer().name), options_.network->name(), options_.well_known_port,
+            channel_of_name(name), std::nullopt};
   }
 
   /// Opened with the first use, since most programs never need them.
-  tl::expected<std::shared_ptr<const LcmKeys>, MediumError> keys() {
+  tl::expected<std::shared_ptr<const SealedKeys>, MediumError> keys() {
     const std::lock_guard lock(mutex_);
     if (keys_ == nullptr) {
-      auto opened = LcmKeys::open(options_.key_directory);
-      if (!opened) return tl::unexpected(std::move(opened.error()));
+      auto opened = SealedKeys::open(options_.key_directory);
+      if (!opened) {
+        return tl::unexpected(
+            MediumError{std::string(offer().name) + " needs a key: " + opened.error().text});
+      }
       keys_ = std::move(*opened);
     }
     return keys_;
   }
 
-  const LcmOptions options_;
+  const SealedOptions options_;
   std::mutex mutex_;
-  std::shared_ptr<const LcmKeys> keys_;
+  std::shared_ptr<const SealedKeys> keys_;
 };
 
 }  // namespace
 
-std::unique_ptr<Medium> make_lcm(LcmOptions options) {
-  return std::make_unique<Lcm>(std::move(options));
+std::unique_ptr<Medium> make_sealed(SealedOptions options) {
+  return std::make_unique<Sealed>(std::move(options));
 }
 
 }  // namespace gecos::media

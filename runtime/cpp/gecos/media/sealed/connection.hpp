@@ -10,29 +10,24 @@
 
 #include "gecos/media/descriptor.hpp"
 #include "gecos/media/forked.hpp"
-#include "gecos/media/lcm/door.hpp"
-#include "gecos/media/lcm/inbox.hpp"
-#include "gecos/media/lcm/opening.hpp"
-#include "gecos/media/lcm/outlet.hpp"
-#include "gecos/media/lcm/port.hpp"
-#include "gecos/media/lcm/stream.hpp"
+#include "gecos/media/sealed/initiator.hpp"
+#include "gecos/media/sealed/network.hpp"
+#include "gecos/media/sealed/receive_queue.hpp"
+#include "gecos/media/sealed/responder.hpp"
+#include "gecos/media/sealed/sender.hpp"
+#include "gecos/media/sealed/stream.hpp"
 
 namespace gecos::media {
 
-const Offer& lcm_offer();
-/// For people: "key 3fa9c1d2, 239.255.76.67:20017".
-std::string lcm_peer_text(const std::optional<crypto::PublicKey>& key, const std::string& group,
-                          std::uint16_t port);
-
-/// What both ends have in common: sending, and reading what the inbox holds.
-class LcmLink : public Link {
+/// What both ends have in common: sending, and reading what the queue holds.
+class SealedConnection : public Link {
  public:
-  const Offer& offer() const override { return lcm_offer(); }
+  const Offer& offer() const override { return options_.network->offer(); }
   const Peer& peer() const override { return peer_; }
   tl::expected<std::uint64_t, SendProblem> send(ByteView head, ByteView body) override;
   std::optional<ByteView> receive() override;
   Duration age() override { return options_.now() - current_.sent; }
-  std::optional<Duration> clock_difference() override { return inbox_->clock_difference(); }
+  std::optional<Duration> clock_difference() override { return queue_->clock_difference(); }
   std::optional<std::uint64_t> taken_by_peer() override { return std::nullopt; }
   void beat() override;
   std::uint64_t beats_seen() override;
@@ -40,32 +35,33 @@ class LcmLink : public Link {
   std::string loss_text() const override;
 
  protected:
-  LcmLink(std::shared_ptr<LcmInbox> inbox, std::shared_ptr<LcmOutlet> outlet,
-          const LcmOptions& options, Peer peer);
+  SealedConnection(std::shared_ptr<ReceiveQueue> queue, std::shared_ptr<SealedSender> sender,
+                   const SealedOptions& options, Peer peer);
 
-  /// Takes what has arrived, into the inbox and from there what is no packet.
+  /// Takes what has arrived, into the queue and from there what is no packet.
   virtual void pump() = 0;
   void say(InnerKind kind, std::uint64_t number = 0, ByteView body = {});
   bool inherited() const { return inherited_.load(std::memory_order_relaxed); }
 
-  const std::shared_ptr<LcmInbox> inbox_;
-  const LcmOptions options_;
+  const std::shared_ptr<ReceiveQueue> queue_;
+  const SealedOptions options_;
 
  private:
-  const std::shared_ptr<LcmOutlet> outlet_;
+  const std::shared_ptr<SealedSender> sender_;
   const Peer peer_;
   std::uint64_t sent_ = 0;
   Bytes outgoing_;
-  LcmInbox::Packet current_;
+  ReceiveQueue::Packet current_;
   std::atomic<bool> inherited_{false};  // this is a forked child
   const ForkWatch fork_watch_;
 };
 
-class LcmClientLink final : public LcmLink {
+class SealedClient final : public SealedConnection {
  public:
   static tl::expected<std::unique_ptr<Link>, MediumError> connect(
-      const LcmOptions& options, std::shared_ptr<const LcmKeys> keys, const LcmAddress& address);
-  ~LcmClientLink() override;
+      const SealedOptions& options, std::shared_ptr<const SealedKeys> keys,
+      const SealedAddress& address);
+  ~SealedClient() override;
 
   void beat() override;
   std::string loss_text() const override;
@@ -77,9 +73,9 @@ class LcmClientLink final : public LcmLink {
   std::unique_ptr<StreamReader> open_stream(std::uint32_t id) override;
   std::string why_no_stream(std::uint32_t id) override;
 
-  LcmClientLink(const LcmOptions& options, std::shared_ptr<LcmInbox> inbox,
-                std::shared_ptr<LcmOutlet> outlet, std::unique_ptr<LcmPort> in,
-                std::shared_ptr<LcmOpening> opening, const LcmAddress& address);
+  SealedClient(const SealedOptions& options, std::shared_ptr<ReceiveQueue> queue,
+               std::shared_ptr<SealedSender> sender, std::unique_ptr<DatagramPort> in,
+               std::shared_ptr<HandshakeInitiator> initiator, const SealedAddress& address);
 
  private:
   struct Arrived {
@@ -90,8 +86,8 @@ class LcmClientLink final : public LcmLink {
   void pump() override;
   bool new_samples();
 
-  const std::unique_ptr<LcmPort> in_;
-  const std::shared_ptr<LcmOpening> opening_;
+  const std::unique_ptr<DatagramPort> in_;
+  const std::shared_ptr<HandshakeInitiator> initiator_;
   const Descriptor streams_;  // an epoll of the ports of streams, which come later
   const std::array<int, 3> descriptors_;
   /// Since somebody looked for a stream one was told of, maybe by a look for something else:
@@ -99,14 +95,14 @@ class LcmClientLink final : public LcmLink {
   std::atomic<bool> heard_of_streams_{false};
   std::mutex mutex_;  // guards what follows
   std::map<std::uint32_t, Arrived> arrived_;
-  std::vector<std::weak_ptr<LcmStreamInbox>> reading_;
+  std::vector<std::weak_ptr<SampleQueue>> reading_;
 };
 
-class LcmServerLink final : public LcmLink {
+class SealedServer final : public SealedConnection {
  public:
-  static tl::expected<std::unique_ptr<Link>, MediumError> welcome(std::shared_ptr<LcmDoor> door,
-                                                                  LcmDoor::Guest guest);
-  ~LcmServerLink() override;
+  static tl::expected<std::unique_ptr<Link>, MediumError> welcome(
+      std::shared_ptr<HandshakeResponder> responder, HandshakeResponder::PendingPeer pending);
+  ~SealedServer() override;
 
   bool arm() override;
   void disarm() override;
@@ -116,18 +112,19 @@ class LcmServerLink final : public LcmLink {
   void unshare(std::uint32_t id) override;
   std::unique_ptr<StreamReader> open_stream(std::uint32_t id) override;
 
-  LcmServerLink(std::shared_ptr<LcmDoor> door, const LcmDoor::Guest& guest,
-                std::shared_ptr<LcmOutlet> outlet);
+  SealedServer(std::shared_ptr<HandshakeResponder> responder,
+               const HandshakeResponder::PendingPeer& pending,
+               std::shared_ptr<SealedSender> sender);
 
  private:
   struct Shared {
-    std::weak_ptr<LcmStream> stream;
+    std::weak_ptr<SealedStream> stream;
     bool opened = false;  // until then it is told again with every beat
   };
   void pump() override;
-  void tell(std::uint32_t id, const LcmStream& stream);
+  void tell(std::uint32_t id, const SealedStream& stream);
 
-  const std::shared_ptr<LcmDoor> door_;
+  const std::shared_ptr<HandshakeResponder> responder_;
   const std::uint64_t client_;
   const std::array<int, 1> descriptors_;
   std::mutex mutex_;  // guards what follows
