@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "gecos/gecos.hpp"
-#include "gecos/media/stream_ring.hpp"
+#include "gecos/media/parts/stream_ring.hpp"
 #include "gecos/session/client/client_connection.hpp"
 #include "gecos/session/protocol/builtin_codec.hpp"
 #include "gecos/session/protocol/packets.hpp"

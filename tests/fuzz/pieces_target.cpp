@@ -4,8 +4,8 @@
 #include <deque>
 #include <memory>
 
-#include "gecos/media/in_pieces.hpp"
-#include "gecos/media/transfer.hpp"
+#include "gecos/media/layers/fragments.hpp"
+#include "gecos/media/layers/transfer.hpp"
 #include "scripted_link.hpp"
 
 namespace gecos::fuzz {
@@ -52,7 +52,7 @@ void try_pieces(Script script) {
     return packet;
   };
   FakeClock clock;
-  const auto medium = make_in_pieces(std::make_unique<ScriptedMedium>(std::move(made)), clock);
+  const auto medium = make_fragmented(std::make_unique<ScriptedMedium>(std::move(made)), clock);
   const auto link = std::move(*medium->connect({}));
   std::uint64_t transfer = 0;
   for (int step = 0; step < 100 && !script.over(); ++step) {

@@ -5,7 +5,7 @@
 #include <set>
 #include <vector>
 
-#include "gecos/media/inproc.hpp"
+#include "gecos/media/inproc/inproc.hpp"
 #include "gecos/session/protocol/builtin_codec.hpp"
 #include "gecos/session/protocol/function_code.hpp"
 #include "gecos/session/protocol/packets.hpp"

@@ -11,7 +11,7 @@
 #include "../cpp/media/kind_names.hpp"
 #include "gecos/broker/broker.hpp"
 #include "gecos/gecos.hpp"
-#include "gecos/media/faulty.hpp"
+#include "gecos/media/testing/faulty.hpp"
 #include "record.hpp"
 #include "stress/workbench_client.hpp"
 #include "stress/workbench_server.hpp"

@@ -5,7 +5,7 @@
 #include <sstream>
 #include <string_view>
 
-#include "gecos/media/faulty.hpp"
+#include "gecos/media/testing/faulty.hpp"
 
 namespace stress {
 namespace {

@@ -28,7 +28,7 @@ struct LabOptions {
   Duration lease_ttl = std::chrono::milliseconds(500);  ///< silence that ends a session
   Duration heartbeat = std::chrono::milliseconds(100);
   /// What is used in place of a medium when it is opened; null: the medium itself. A double that
-  /// loses packets (gecos/media/faulty.hpp), say.
+  /// loses packets (gecos/media/testing/faulty.hpp), say.
   std::function<std::unique_ptr<media::Medium>(std::unique_ptr<media::Medium>)> wrap_medium{};
 };
 

@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <thread>
 
-#include "gecos/media/checked.hpp"
-#include "gecos/media/inproc.hpp"
+#include "gecos/media/inproc/inproc.hpp"
+#include "gecos/media/layers/checked.hpp"
 #include "gecos/media/lcm/lcm.hpp"
 #include "gecos/media/quiet.hpp"
 #include "gecos/media/shm/shm.hpp"

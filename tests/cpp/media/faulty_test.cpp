@@ -1,4 +1,4 @@
-#include "gecos/media/faulty.hpp"
+#include "gecos/media/testing/faulty.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <bit>
 #include <map>
 
-#include "gecos/media/inproc.hpp"
+#include "gecos/media/inproc/inproc.hpp"
 #include "media_under_test.hpp"
 
 namespace gecos::media {

@@ -12,7 +12,7 @@
 #include <thread>
 
 #include "child_process.hpp"
-#include "gecos/media/bulk.hpp"
+#include "gecos/media/parts/bulk.hpp"
 #include "gecos/media/shm/acceptor.hpp"
 #include "gecos/media/shm/shm.hpp"
 #include "media_under_test.hpp"
@@ -369,7 +369,7 @@ TEST_F(ShmProcess, AClientIsTurnedAwayWhenNoDescriptorIsLeft) {
 
 TEST_F(ShmProcess, AClientHearsThatTheDescriptorsOfTheServerEndedWhileItWasLetIn) {
   const auto door = listen();
-  // For its socket, for what tells its death, its memory and its bell, our memory, our bell.
+  // For its socket, for what tells its death, its memory and its eventfd, our memory, our eventfd.
   for (const rlim_t left : {0, 1, 2, 3, 4}) {
     End client = connect();
     rlimit before{};

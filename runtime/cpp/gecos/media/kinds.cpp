@@ -4,11 +4,11 @@
 #include <array>
 #include <utility>
 
-#include "gecos/media/checked.hpp"
-#include "gecos/media/in_pieces.hpp"
+#include "gecos/media/layers/checked.hpp"
+#include "gecos/media/layers/fragments.hpp"
+#include "gecos/media/layers/transfer.hpp"
 #include "gecos/media/registration.hpp"
 #include "gecos/media/shm/directory.hpp"
-#include "gecos/media/transfer.hpp"
 
 namespace gecos::media {
 namespace {
@@ -60,7 +60,7 @@ tl::expected<std::unique_ptr<Medium>, MediumError> open(Kind kind, const WrapMed
 std::unique_ptr<Medium> with_layers(std::unique_ptr<Medium> medium, const Clock& clock) {
   if (!medium->offer().intact) medium = make_checked(std::move(medium));
   if (medium->offer().largest_packet < largest_transfer) {
-    medium = make_in_pieces(std::move(medium), clock);
+    medium = make_fragmented(std::move(medium), clock);
   }
   return medium;
 }

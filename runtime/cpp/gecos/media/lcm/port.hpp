@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "gecos/media/forked.hpp"
 #include "gecos/media/lcm/lcm.hpp"
 #include "gecos/media/lcm/receiver.hpp"
+#include "gecos/media/parts/fork_watch.hpp"
 #include "gecos/media/sealed/network.hpp"
 
 struct _lcm_t;

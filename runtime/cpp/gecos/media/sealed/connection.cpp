@@ -132,7 +132,7 @@ SealedClient::SealedClient(const SealedOptions& options, std::shared_ptr<Receive
       in_(std::move(in)),
       initiator_(std::move(initiator)),
       streams_(::epoll_create1(EPOLL_CLOEXEC)),
-      descriptors_{in_->descriptor(), queue_->bell().descriptor(), streams_.get()} {}
+      descriptors_{in_->descriptor(), queue_->event().descriptor(), streams_.get()} {}
 
 SealedClient::~SealedClient() {
   if (!inherited() && !queue_->closed()) say(InnerKind::Bye);
@@ -161,14 +161,14 @@ bool SealedClient::arm() {
 void SealedClient::disarm() {
   if (inherited()) return;
   queue_->set_asleep(false);
-  queue_->bell().quiet();
+  queue_->event().drain();
   pump();
   new_samples();
 }
 
 void SealedClient::pump() {
-  // What is left over keeps LCM's descriptor readable; an edge-triggered watcher needs the bell.
-  if (in_->pump()) ring_bell(queue_->bell().descriptor());
+  // What is left over keeps LCM's descriptor readable; an edge-triggered watcher needs the eventfd.
+  if (in_->pump()) queue_->event().notify();
   initiator_->advance();
   for (const auto& notice : queue_->notices()) {
     const std::lock_guard lock(mutex_);
@@ -260,7 +260,7 @@ SealedServer::SealedServer(std::shared_ptr<HandshakeResponder> responder,
                peer_text(pending.key, *responder->options().network, pending.reply_port)}),
       responder_(std::move(responder)),
       client_(pending.client),
-      descriptors_{queue_->bell().descriptor()} {}
+      descriptors_{queue_->event().descriptor()} {}
 
 tl::expected<std::unique_ptr<Link>, MediumError> SealedServer::welcome(
     std::shared_ptr<HandshakeResponder> responder, HandshakeResponder::PendingPeer pending) {
@@ -292,7 +292,7 @@ bool SealedServer::arm() {
 void SealedServer::disarm() {
   if (inherited()) return;
   queue_->set_asleep(false);
-  queue_->bell().quiet();
+  queue_->event().drain();
 }
 
 void SealedServer::pump() {

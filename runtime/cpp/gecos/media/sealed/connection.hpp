@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "gecos/media/descriptor.hpp"
-#include "gecos/media/forked.hpp"
+#include "gecos/media/parts/descriptor.hpp"
+#include "gecos/media/parts/fork_watch.hpp"
 #include "gecos/media/sealed/initiator.hpp"
 #include "gecos/media/sealed/network.hpp"
 #include "gecos/media/sealed/receive_queue.hpp"

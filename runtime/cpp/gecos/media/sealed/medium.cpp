@@ -66,15 +66,15 @@ class SealedAcceptor final : public Acceptor {
       : claim_(std::move(claim)),
         responder_(std::move(responder)),
         address_(responder_->address().to_string()),
-        descriptors_{responder_->descriptor(), responder_->bell().descriptor()} {}
+        descriptors_{responder_->descriptor(), responder_->event().descriptor()} {}
   ~SealedAcceptor() override { responder_->close(); }
 
   const Offer& offer() const override { return responder_->options().network->offer(); }
   const std::string& address() const override { return address_; }
 
   std::unique_ptr<Link> accept() override {
-    responder_->bell().quiet();
-    if (responder_->pump()) ring_bell(responder_->bell().descriptor());  // for who watches edges
+    responder_->event().drain();
+    if (responder_->pump()) responder_->event().notify();  // for who watches edges
     while (auto pending = responder_->next_pending()) {
       const std::uint64_t client = pending->client;
       auto link = SealedServer::welcome(responder_, std::move(*pending));

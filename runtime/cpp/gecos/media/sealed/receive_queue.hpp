@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "gecos/crypto/transport.hpp"
-#include "gecos/media/bell.hpp"
+#include "gecos/media/parts/event_fd.hpp"
+#include "gecos/media/parts/stream_ring.hpp"
 #include "gecos/media/sealed/datagram.hpp"
 #include "gecos/media/sealed/senders_clock.hpp"
-#include "gecos/media/stream_ring.hpp"
 
 namespace gecos::media {
 
@@ -61,14 +61,14 @@ class ReceiveQueue final : public Sleeper {
 
   void set_asleep(bool asleep) { asleep_.store(asleep, std::memory_order_seq_cst); }
   void wake_if_asleep() override {
-    if (asleep_.load(std::memory_order_seq_cst)) ring_bell(bell_.descriptor());
+    if (asleep_.load(std::memory_order_seq_cst)) event_.notify();
   }
-  Bell& bell() { return bell_; }
+  EventFd& event() { return event_; }
 
  private:
   void put_locked(Bytes frame, TimePoint now);
 
-  Bell bell_;
+  EventFd event_;
   std::atomic<bool> asleep_{false};  // tells whoever pumps to ring
   std::atomic<bool> closed_{false};  // the peer said goodbye
   std::atomic<std::uint64_t> beats_{0};

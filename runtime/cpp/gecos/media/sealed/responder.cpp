@@ -108,7 +108,7 @@ void HandshakeResponder::confirm(const DatagramHeader& header, ByteView datagram
     pending_.push_back({one.client, one.reply_port, one.channel.peer, std::move(one.channel.out),
                         std::move(queue)});
     std::erase_if(unconfirmed_, [&](const auto& other) { return other.client == header.client; });
-    ring_bell(bell_.descriptor());
+    event_.notify();
     return;
   }
 }

@@ -10,7 +10,7 @@
 #include <optional>
 
 #include "gecos/crypto/handshake_door.hpp"
-#include "gecos/media/bell.hpp"
+#include "gecos/media/parts/event_fd.hpp"
 #include "gecos/media/sealed/keys.hpp"
 #include "gecos/media/sealed/network.hpp"
 #include "gecos/media/sealed/receive_queue.hpp"
@@ -41,7 +41,7 @@ class HandshakeResponder {
 
   int descriptor() const { return in_->descriptor(); }
   /// Rung by pump() when a client has come.
-  Bell& bell() { return bell_; }
+  EventFd& event() { return event_; }
   const SealedOptions& options() const { return options_; }
   const SealedAddress& address() const { return address_; }
   void close() { closed_.store(true); }
@@ -75,7 +75,7 @@ class HandshakeResponder {
   const std::shared_ptr<const SealedKeys> keys_;
   const std::unique_ptr<DatagramPort> in_;
   const SealedAddress address_;
-  Bell bell_;
+  EventFd event_;
   std::atomic<bool> closed_{false};  // the acceptor has gone: nobody comes in any more
   // Of whoever pumps, one at a time:
   crypto::HandshakeDoor handshakes_;

@@ -7,9 +7,9 @@
 #include <string>
 
 #include "gecos/crypto/stream_seal.hpp"
+#include "gecos/media/parts/stream_ring.hpp"
 #include "gecos/media/sealed/datagram.hpp"
 #include "gecos/media/sealed/network.hpp"
-#include "gecos/media/stream_ring.hpp"
 
 namespace gecos::media {
 

@@ -246,7 +246,7 @@ std::unique_ptr<Link> ShmAcceptor::accept() {
     if (guests_.empty()) continue;
     if (auto link = hear(guests_.size() - 1)) return link;
   }
-  ring_bell(more_.descriptor());  // who watches for edges would not come again
+  more_.notify();  // who watches for edges would not come again
   return nullptr;
 }
 

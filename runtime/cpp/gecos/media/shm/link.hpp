@@ -9,19 +9,17 @@
 #include <optional>
 #include <string>
 
-#include "gecos/media/bell.hpp"
-#include "gecos/media/forked.hpp"
+#include "gecos/media/parts/event_fd.hpp"
+#include "gecos/media/parts/fork_watch.hpp"
+#include "gecos/media/parts/ring.hpp"
+#include "gecos/media/parts/stream_ring.hpp"
 #include "gecos/media/quiet.hpp"
-#include "gecos/media/ring.hpp"
 #include "gecos/media/shm/bulk.hpp"
 #include "gecos/media/shm/control.hpp"
 #include "gecos/media/shm/memory.hpp"
 #include "gecos/media/shm/shm.hpp"
-#include "gecos/media/stream_ring.hpp"
 
 namespace gecos::media::shm {
-
-
 
 /// How the other end is woken. Outlives the link while a stream still wakes its reader.
 class PeerEnd final : public Sleeper {
@@ -29,8 +27,8 @@ class PeerEnd final : public Sleeper {
   explicit PeerEnd(Descriptor socket) : socket_(std::move(socket)) {}
 
   int socket() const { return socket_.get(); }
-  /// From here on the peer's memory is known. Without a bell the socket is used.
-  void know(Mapping mapping, Descriptor bell);
+  /// From here on the peer's memory is known. Without a eventfd the socket is used.
+  void know(Mapping mapping, Descriptor event);
   bool known() const { return known_.load(std::memory_order_acquire); }
   /// @pre known()
   RingMemory ring() const { return RingMemory::at(mapping_.data(), usual_slot_count); }
@@ -42,9 +40,9 @@ class PeerEnd final : public Sleeper {
 
  private:
   Descriptor socket_;
-  Descriptor bell_;
+  Descriptor event_;
   Mapping mapping_;
-  std::atomic<bool> known_{false};  // publishes mapping_ and bell_
+  std::atomic<bool> known_{false};  // publishes mapping_ and event_
 };
 
 /// One end of a connection; both ends are the same but for who says Hello and who Welcome.
@@ -110,7 +108,7 @@ class ShmLink final : public Link, public QuietSender {
   const Peer peer_;
   SealedMemory own_memory_;
   const RingMemory own_;
-  Bell bell_;
+  EventFd event_;
   Descriptor death_;
   const std::shared_ptr<PeerEnd> other_;
   RingWriter writer_;

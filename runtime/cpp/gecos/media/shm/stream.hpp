@@ -2,8 +2,8 @@
 
 #include <memory>
 
+#include "gecos/media/parts/stream_ring.hpp"
 #include "gecos/media/shm/memory.hpp"
-#include "gecos/media/stream_ring.hpp"
 
 namespace gecos::media::shm {
 

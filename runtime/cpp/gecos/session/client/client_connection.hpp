@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "gecos/base/mutex.hpp"
-#include "gecos/media/waiting.hpp"
+#include "gecos/media/parts/waiting.hpp"
 #include "gecos/object.hpp"
 #include "gecos/session/client/answer_watch.hpp"
 #include "gecos/session/client/failover.hpp"

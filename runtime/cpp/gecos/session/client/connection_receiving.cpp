@@ -3,7 +3,7 @@
 #include <array>
 #include <utility>
 
-#include "gecos/media/waiting.hpp"
+#include "gecos/media/parts/waiting.hpp"
 #include "gecos/session/client/client_connection.hpp"
 #include "gecos/session/process/runtime.hpp"
 #include "gecos/session/protocol/packets.hpp"

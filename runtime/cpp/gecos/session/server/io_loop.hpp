@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "gecos/base/mutex.hpp"
-#include "gecos/media/waiting.hpp"
+#include "gecos/media/parts/waiting.hpp"
 #include "gecos/session/process/runtime.hpp"
 #include "gecos/session/process/wakeup.hpp"
 #include "gecos/session/server/object_host.hpp"

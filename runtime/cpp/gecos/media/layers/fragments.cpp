@@ -1,11 +1,11 @@
-#include "gecos/media/in_pieces.hpp"
+#include "gecos/media/layers/fragments.hpp"
 
 #include <algorithm>
 #include <mutex>
 #include <utility>
 
-#include "gecos/media/layer.hpp"
-#include "gecos/media/transfer.hpp"
+#include "gecos/media/layers/layer.hpp"
+#include "gecos/media/layers/transfer.hpp"
 
 namespace gecos::media {
 namespace {
@@ -23,9 +23,9 @@ Offer offer_of(const Medium& inner) {
 }
 
 /// The age of a large packet is that of its last piece.
-class LinkInPieces final : public LinkLayer {
+class FragmentedLink final : public LinkLayer {
  public:
-  LinkInPieces(std::unique_ptr<Link> inner, const Offer& offer, const Clock& clock)
+  FragmentedLink(std::unique_ptr<Link> inner, const Offer& offer, const Clock& clock)
       : LinkLayer(std::move(inner), offer),
         piece_bytes_(piece_of(this->inner().offer())),
         clock_(clock),
@@ -115,11 +115,11 @@ class LinkInPieces final : public LinkLayer {
 
 }  // namespace
 
-std::unique_ptr<Medium> make_in_pieces(std::unique_ptr<Medium> inner, const Clock& clock) {
+std::unique_ptr<Medium> make_fragmented(std::unique_ptr<Medium> inner, const Clock& clock) {
   const Offer offer = offer_of(*inner);
   return make_layer(std::move(inner), offer,
                     [&clock](std::unique_ptr<Link> link, const Offer& offered, Role) {
-                      return std::make_unique<LinkInPieces>(std::move(link), offered, clock);
+                      return std::make_unique<FragmentedLink>(std::move(link), offered, clock);
                     });
 }
 

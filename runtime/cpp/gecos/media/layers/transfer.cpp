@@ -1,4 +1,4 @@
-#include "gecos/media/transfer.hpp"
+#include "gecos/media/layers/transfer.hpp"
 
 #include <algorithm>
 #include <utility>

@@ -1,4 +1,4 @@
-#include "gecos/media/ring.hpp"
+#include "gecos/media/parts/ring.hpp"
 
 #include <time.h>
 

@@ -1,4 +1,4 @@
-#include "gecos/media/bulk.hpp"
+#include "gecos/media/parts/bulk.hpp"
 
 #include <sys/mman.h>
 

@@ -1,4 +1,4 @@
-#include "gecos/media/forked.hpp"
+#include "gecos/media/parts/fork_watch.hpp"
 
 #include <pthread.h>
 

@@ -10,8 +10,8 @@
 #include <span>
 #include <vector>
 
-#include "gecos/media/mapping.hpp"
-#include "gecos/media/ring.hpp"
+#include "gecos/media/parts/mapping.hpp"
+#include "gecos/media/parts/ring.hpp"
 
 /// Packets that are too large for a ring.
 ///

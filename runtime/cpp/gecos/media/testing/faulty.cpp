@@ -1,4 +1,4 @@
-#include "gecos/media/faulty.hpp"
+#include "gecos/media/testing/faulty.hpp"
 
 #include <sys/timerfd.h>
 
@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "gecos/base/system_error.hpp"
-#include "gecos/media/descriptor.hpp"
-#include "gecos/media/layer.hpp"
+#include "gecos/media/layers/layer.hpp"
+#include "gecos/media/parts/descriptor.hpp"
 
 namespace gecos::media {
 namespace {

@@ -1,4 +1,4 @@
-#include "gecos/media/inproc.hpp"
+#include "gecos/media/inproc/inproc.hpp"
 
 #include <unistd.h>
 
@@ -10,14 +10,14 @@
 #include <new>
 #include <utility>
 
-#include "gecos/media/bell.hpp"
-#include "gecos/media/bulk.hpp"
-#include "gecos/media/forked.hpp"
-#include "gecos/media/mapping.hpp"
+#include "gecos/media/parts/bulk.hpp"
+#include "gecos/media/parts/event_fd.hpp"
+#include "gecos/media/parts/fork_watch.hpp"
+#include "gecos/media/parts/mapping.hpp"
+#include "gecos/media/parts/ring.hpp"
+#include "gecos/media/parts/stream_ring.hpp"
 #include "gecos/media/quiet.hpp"
 #include "gecos/media/registration.hpp"
-#include "gecos/media/ring.hpp"
-#include "gecos/media/stream_ring.hpp"
 
 namespace gecos::media {
 namespace {
@@ -26,12 +26,12 @@ namespace {
 struct Side {
   Mapping mapping = Mapping::anonymous(RingMemory::bytes(usual_slot_count));
   RingMemory ring = RingMemory::at(mapping.data(), usual_slot_count);
-  Bell bell;                        // this side sleeps on it, the other one rings
+  EventFd event;                    // this side sleeps on it, the other one rings
   BulkReader bulk{[] {}};           // of what the other side sends; it shows its areas at once
   std::atomic<bool> closed{false};  // tells the other side; what was sent before is still there
 
   void wake_if_asleep() {
-    if (ring.control->asleep.load(std::memory_order_seq_cst) != 0) ring_bell(bell.descriptor());
+    if (ring.control->asleep.load(std::memory_order_seq_cst) != 0) event.notify();
   }
   void close() { closed.store(true, std::memory_order_release); }
 };
@@ -50,7 +50,7 @@ struct Connection {
   ForkWatch watch{this, [](void* owner) noexcept {
                     auto& self = *static_cast<Connection*>(owner);
                     self.inherited.store(true);
-                    for (Side& side : self.sides) side.bell.close();
+                    for (Side& side : self.sides) side.event.close();
                   }};
 };
 
@@ -98,7 +98,7 @@ class InprocLink final : public Link, public QuietSender {
         bulk_(writer_, areas_),
         reader_(*own_.ring.control, other_.ring, &own_.bulk),
         sleeper_(std::make_shared<SideSleeper>(connection_, 1 - side)),
-        descriptors_{own_.bell.descriptor()},
+        descriptors_{own_.event.descriptor()},
         peer_{::geteuid(), ::getpid(), "this process"} {
     writer_.set_reader(other_.ring.control);
   }
@@ -107,7 +107,7 @@ class InprocLink final : public Link, public QuietSender {
       if (const auto list = sleepers.lock()) list->remove(sleeper_.get());
     }
     own_.close();
-    ring_bell(other_.bell.descriptor());
+    other_.event.notify();
   }
 
   const Offer& offer() const override { return inproc_offer; }
@@ -143,7 +143,7 @@ class InprocLink final : public Link, public QuietSender {
   }
   void disarm() override {
     own_.ring.control->asleep.store(0, std::memory_order_relaxed);
-    own_.bell.quiet();
+    own_.event.drain();
   }
   std::span<const int> descriptors() const override { return descriptors_; }
 
@@ -206,7 +206,7 @@ class InprocLink final : public Link, public QuietSender {
   void wake_reader() {
     if (!writer_.reader_sleeps()) return;
     note_ring(*own_.ring.control);
-    ring_bell(other_.bell.descriptor());
+    other_.event.notify();
   }
 
   const std::shared_ptr<Connection> connection_;
@@ -227,7 +227,7 @@ class InprocLink final : public Link, public QuietSender {
 struct Door {
   std::mutex mutex;
   std::deque<std::shared_ptr<Connection>> waiting;
-  Bell bell;
+  EventFd event;
 };
 
 /// All doors of this process by address: what the file system is to shm.
@@ -247,7 +247,7 @@ class InprocAcceptor final : public Acceptor {
   InprocAcceptor(std::shared_ptr<Door> door, std::string address)
       : door_(std::move(door)),
         address_(std::move(address)),
-        descriptors_{door_->bell.descriptor()} {}
+        descriptors_{door_->event.descriptor()} {}
   ~InprocAcceptor() override {
     Doors& doors = Doors::of_this_process();
     {
@@ -263,7 +263,7 @@ class InprocAcceptor final : public Acceptor {
   std::unique_ptr<Link> accept() override {
     const std::lock_guard lock(door_->mutex);
     if (door_->waiting.empty()) {
-      door_->bell.quiet();
+      door_->event.drain();
       return nullptr;
     }
     auto connection = std::move(door_->waiting.front());
@@ -318,7 +318,7 @@ class Inproc final : public Medium {
     {
       const std::lock_guard door_lock(door->mutex);
       door->waiting.push_back(connection);
-      ring_bell(door->bell.descriptor());
+      door->event.notify();
     }
     return std::make_unique<InprocLink>(std::move(connection), 0);
   }

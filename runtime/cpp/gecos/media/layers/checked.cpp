@@ -1,10 +1,10 @@
-#include "gecos/media/checked.hpp"
+#include "gecos/media/layers/checked.hpp"
 
 #include <algorithm>
 #include <array>
 #include <utility>
 
-#include "gecos/media/layer.hpp"
+#include "gecos/media/layers/layer.hpp"
 
 namespace gecos::media {
 namespace {

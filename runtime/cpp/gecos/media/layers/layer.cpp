@@ -1,4 +1,4 @@
-#include "gecos/media/layer.hpp"
+#include "gecos/media/layers/layer.hpp"
 
 #include <utility>
 

@@ -1,4 +1,4 @@
-#include "gecos/media/mapping.hpp"
+#include "gecos/media/parts/mapping.hpp"
 
 #include <sys/mman.h>
 

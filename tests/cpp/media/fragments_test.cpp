@@ -1,15 +1,15 @@
 // Large packets over lines that lose, repeat and reorder what they are cut into.
 
-#include "gecos/media/in_pieces.hpp"
+#include "gecos/media/layers/fragments.hpp"
 
 #include <gtest/gtest.h>
 
 #include <deque>
 #include <random>
 
-#include "gecos/media/faulty.hpp"
+#include "gecos/media/layers/transfer.hpp"
 #include "gecos/media/lcm/lcm.hpp"
-#include "gecos/media/transfer.hpp"
+#include "gecos/media/testing/faulty.hpp"
 #include "media_under_test.hpp"
 
 namespace gecos::media {
@@ -136,7 +136,7 @@ TEST(Transfer, BelievesNoAnswerBeyondWhatItSends) {
 class InPieces : public testing::Test {
  protected:
   InPieces()
-      : medium_(make_in_pieces(make_faulty(make_lcm(options()), line(), clock_), clock_)),
+      : medium_(make_fragmented(make_faulty(make_lcm(options()), line(), clock_), clock_)),
         door_(medium_->listen("CAMERA", false).value()),
         client_(std::move(*medium_->connect(door_->address()))),
         server_(wait_for_client(*door_, *client_)) {}

@@ -1,4 +1,4 @@
-#include "gecos/media/bell.hpp"
+#include "gecos/media/parts/event_fd.hpp"
 
 #include <sys/eventfd.h>
 #include <sys/uio.h>
@@ -10,11 +10,11 @@
 
 namespace gecos::media {
 
-Bell::Bell() : fd_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+EventFd::EventFd() : fd_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
   if (!fd_) throw_system_error("eventfd", errno);
 }
 
-bool Bell::quiet() {
+bool EventFd::drain() {
   std::uint64_t count = 0;
   iovec piece{&count, sizeof count};
   // RWF_NOWAIT: O_NONBLOCK belongs to everybody who holds the descriptor, also to an untrusted
@@ -22,9 +22,9 @@ bool Bell::quiet() {
   return ::preadv2(fd_.get(), &piece, 1, -1, RWF_NOWAIT) == static_cast<ssize_t>(sizeof count);
 }
 
-void ring_bell(int descriptor) {
+void notify_event_fd(int descriptor) {
   const std::uint64_t one = 1;
-  // A bell that cannot count further is readable already, so a failed write loses no wake-up.
+  // An eventfd that cannot count further is readable already, so a failed write loses no wake-up.
   [[maybe_unused]] const auto ignored = ::write(descriptor, &one, sizeof one);
 }
 

@@ -13,6 +13,6 @@ namespace gecos::media {
 ///
 /// A link has one large packet under way; for a second one it is Full. The one that is under way,
 /// or was the last to arrive, is not sent again. Both ends' receive() and beat() keep it going.
-std::unique_ptr<Medium> make_in_pieces(std::unique_ptr<Medium> inner, const Clock& clock);
+std::unique_ptr<Medium> make_fragmented(std::unique_ptr<Medium> inner, const Clock& clock);
 
 }  // namespace gecos::media
