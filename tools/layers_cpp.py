@@ -14,8 +14,8 @@ ROOTS = ("runtime/cpp", "runtime/python/src", "devices", "generated/cpp", *PROGR
 SUFFIXES = (".hpp", ".cpp", ".h", ".cc")
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
-# What media's users see: the contract, how to wait, and the door that opens what is here.
-CONTRACT = re.compile(r"^gecos/media/(?:(?:core|medium|quiet|waiting)\.[hc]pp|open\.hpp)$")
+# What media's users see: the contract, how to wait, and the header that opens a medium.
+CONTRACT = re.compile(r"^gecos/media/(?:(?:core|medium|quiet|parts/waiting)\.[hc]pp|kinds\.hpp)$")
 # What an interface is in the words of the session; it stands below all of its rooms.
 DESCRIPTION = re.compile(r"^gecos/description\.[hc]pp$")
 # The headers that users and generated code include, and their sources.
@@ -24,8 +24,9 @@ PUBLIC = re.compile(
     r"\.[hc]pp$"
 )
 HAND_WRITTEN = re.compile(
-    r"^(?:gecos/(base|wire|qos|access|crypto|media|session/(?:protocol|process|client|server)|"
-    r"broker)|robcl/(frames|arm|motion))/"
+    r"^(?:gecos/(base|wire|qos|access|crypto|"
+    r"media(?:/(?:parts|layers|sealed|inproc|shm|lcm|testing))?|"
+    r"session/(?:protocol|process|client|server)|broker)|robcl/(frames|arm|motion))/"
 )
 # A header of devices/ is included from there: "arm/arm_device.hpp". The folders that all devices
 # share are rooms of their own.
@@ -64,10 +65,11 @@ _BELOW_SESSION = (
 _SESSION = _BELOW_SESSION + " public"
 _INWARDS = "the rooms of the session stand on each other: public, protocol, process, client, server"
 _BY_CONTRACT = (
-    "the session knows media by contract alone (core, medium, quiet, waiting and open.hpp), "
+    "the session knows media by contract alone (core, medium, quiet, waiting and kinds.hpp), "
     "and generated types, never clients; "
 )
 
+_MEDIUM = "a medium moves opaque bytes and knows no other: the contract, its registration and parts"
 _DEVICE = _BELOW_SESSION + " public umbrella frames generated-stubs"
 
 ROOMS: dict[str, Room] = {
@@ -78,8 +80,20 @@ ROOMS: dict[str, Room] = {
     "crypto": _room("base", "crypto knows base alone: bytes in, bytes out"),
     "medium": _room("base qos", "the contract of a medium speaks of bytes and quality alone"),
     "media": _room(
-        "base qos crypto medium",
-        "a medium moves opaque bytes, sealed where others listen: base, qos, crypto, the contract",
+        "base medium media/layers media/shm",
+        "kinds.cpp opens a medium and puts layers on it: what it offers is asked by contract",
+    ),
+    "media/parts": _room("base medium", "parts of media know base and the contract"),
+    "media/layers": _room("base medium", "a layer knows the contract of what it is put on"),
+    "media/sealed": _room(
+        "base crypto medium media/parts",
+        "what seals a medium knows no medium: datagrams, crypto and parts",
+    ),
+    "media/inproc": _room("base medium media media/parts", _MEDIUM),
+    "media/shm": _room("base medium media media/parts", _MEDIUM),
+    "media/lcm": _room("base crypto medium media media/parts media/sealed", _MEDIUM),
+    "media/testing": _room(
+        "base medium media/parts media/layers", "a faulty line is a layer for tests"
     ),
     "description": _room("base qos access", "a description knows status, quality and base alone"),
     "public": _room(_BELOW_SESSION, _BY_CONTRACT + _INWARDS),
@@ -156,7 +170,7 @@ GUESTS = (
     ),
     Guest(
         re.compile(r"^lcm/"),
-        re.compile(r"^runtime/cpp/gecos/media/lcm\.cpp$"),
+        re.compile(r"^runtime/cpp/gecos/media/lcm/port\.cpp$"),
         "LCM",
         "lcm.h appears in gecos/media/lcm/port.cpp alone",
     ),

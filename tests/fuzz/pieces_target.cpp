@@ -13,6 +13,8 @@ namespace {
 
 using namespace gecos::media;
 
+constexpr std::size_t piece_bytes = 8 * 1024;
+
 /// Connects to a script.
 class ScriptedMedium final : public Medium {
  public:
@@ -42,7 +44,7 @@ Bytes piece_of(std::uint64_t transfer, std::size_t size, std::uint32_t index, st
 }  // namespace
 
 void try_pieces(Script script) {
-  auto made = std::make_unique<ScriptedLink>(false, 60 * 1024);
+  auto made = std::make_unique<ScriptedLink>(false, piece_bytes + Piece::head_bytes);
   ScriptedLink& inner = *made;
   std::deque<Bytes> arriving;
   inner.next = [&]() -> std::optional<Bytes> {

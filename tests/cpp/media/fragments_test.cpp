@@ -10,12 +10,16 @@
 #include "gecos/media/layers/transfer.hpp"
 #include "gecos/media/lcm/lcm.hpp"
 #include "gecos/media/testing/faulty.hpp"
+#include "gecos/media/kinds.hpp"
 #include "media_under_test.hpp"
+#include "pair_medium.hpp"
 
 namespace gecos::media {
 namespace {
 
 using namespace std::chrono_literals;
+
+constexpr std::size_t piece_bytes = largest_lcm_piece;
 
 Bytes random_bytes(std::size_t size, unsigned seed) {
   std::mt19937 random(seed);
@@ -30,8 +34,8 @@ struct Result {
   std::size_t sendings = 0;
 };
 Result transfer(const Bytes& packet, const std::function<bool(std::size_t sending)>& lose) {
-  OutgoingTransfer out(1, packet);
-  IncomingTransfers in;
+  OutgoingTransfer out(1, packet, piece_bytes);
+  IncomingTransfers in(piece_bytes);
   Result result;
   TimePoint now{};
   for (int turn = 0; !out.complete() && turn < 100'000; ++turn) {
@@ -75,7 +79,7 @@ TEST(Transfer, EndsWhereThePiecesUnderWayAreAllLost) {
 }
 
 TEST(Transfer, IsWholeOnceWhateverIsRepeated) {
-  IncomingTransfers in;
+  IncomingTransfers in(piece_bytes);
   const Bytes packet = random_bytes(piece_bytes + 10, 4);
   const Piece first{1, static_cast<std::uint32_t>(packet.size()), 0,
                     ByteView(packet).first(piece_bytes)};
@@ -103,7 +107,7 @@ TEST(Transfer, PiecesThatContradictThemselvesAreNone) {
     Bytes packet(Piece::head_bytes);
     piece.write_head(std::span(packet).first<Piece::head_bytes>());
     packet.insert(packet.end(), piece.content.begin(), piece.content.end());
-    return Piece::read(packet).has_value();
+    return Piece::read(packet, piece_bytes).has_value();
   };
   const ByteView all(content);
   const auto two = static_cast<std::uint32_t>(piece_bytes + 5);
@@ -115,12 +119,12 @@ TEST(Transfer, PiecesThatContradictThemselvesAreNone) {
   EXPECT_FALSE(read({1, two, 0, all.first(5)})) << "shorter than a piece";
   EXPECT_FALSE(read({1, 0, 0, {}})) << "of nothing";
   EXPECT_FALSE(read({1, static_cast<std::uint32_t>(largest_transfer + 1), 0, all})) << "too large";
-  EXPECT_FALSE(Piece::read(all));
+  EXPECT_FALSE(Piece::read(all, piece_bytes));
   EXPECT_FALSE(Received::read(all.first(Received::bytes)));
 }
 
 TEST(Transfer, BelievesNoAnswerBeyondWhatItSends) {
-  OutgoingTransfer out(1, Bytes(2 * piece_bytes));
+  OutgoingTransfer out(1, Bytes(2 * piece_bytes), piece_bytes);
   out.advance(TimePoint{}, [](const Piece&) {});
   out.take({1, 3, 0}, TimePoint{});
   out.take({2, 2, 0}, TimePoint{});
@@ -131,28 +135,16 @@ TEST(Transfer, BelievesNoAnswerBeyondWhatItSends) {
   EXPECT_TRUE(out.complete());
 }
 
-/// Client and server over lcm, with a line between them that suffers, and beats as housekeeping
-/// gives them.
-class InPieces : public testing::Test {
+/// Client and server over a medium with the layers that its offer asks for, and beats as
+/// housekeeping gives them.
+class Fragmented : public testing::Test {
  protected:
-  InPieces()
-      : medium_(make_fragmented(make_faulty(make_lcm(options()), line(), clock_), clock_)),
+  explicit Fragmented(std::unique_ptr<Medium> medium)
+      : medium_(with_layers(std::move(medium), clock_)),
         door_(medium_->listen("CAMERA", false).value()),
         client_(std::move(*medium_->connect(door_->address()))),
         server_(wait_for_client(*door_, *client_)) {}
 
-  static Faults line() {
-    Faults faults;
-    faults.loss = 0.1;
-    faults.duplication = 0.1;
-    faults.reordering = 0.3;
-    return faults;
-  }
-  LcmOptions options() const {
-    LcmOptions options;
-    options.key_directory = directory_.path() + "/keys";
-    return options;
-  }
   /// Both ends look once at what has come; gives what came for `to`.
   std::optional<Bytes> look(const Link* to) {
     std::optional<Bytes> found;
@@ -186,12 +178,40 @@ class InPieces : public testing::Test {
   }
 
   const SystemClock clock_;
-  const ScratchDirectory directory_;
   const std::unique_ptr<Medium> medium_;
   const std::unique_ptr<Acceptor> door_;
   const std::unique_ptr<Link> client_;
   const std::unique_ptr<Link> server_;
   TimePoint next_beat_{};
+};
+
+/// Where the keys of a test are, before the medium that reads them.
+struct WithKeys {
+  std::string keys() const { return directory.path() + "/keys"; }
+  const ScratchDirectory directory;
+};
+
+/// Over lcm, with a line between them that suffers.
+class InPieces : public WithKeys, public Fragmented {
+ protected:
+  InPieces() : Fragmented(make_faulty(make_lcm(options()), line(), real_clock())) {}
+
+  static const Clock& real_clock() {
+    static const SystemClock clock;
+    return clock;
+  }
+  static Faults line() {
+    Faults faults;
+    faults.loss = 0.1;
+    faults.duplication = 0.1;
+    faults.reordering = 0.3;
+    return faults;
+  }
+  LcmOptions options() const {
+    LcmOptions options;
+    options.key_directory = keys();
+    return options;
+  }
 };
 
 TEST_F(InPieces, WhatArrivedAndIsSentAgainArrivesAgain) {
@@ -231,6 +251,32 @@ TEST_F(InPieces, OneIsUnderWayAndNotSentTwice) {
   EXPECT_EQ(arrived_at(*server_), other) << "and not the first again";
   EXPECT_EQ(client_->send(Bytes(largest_transfer + 1), {}).error(), SendProblem::TooLarge);
 }
+
+/// Over 200-byte datagrams.
+class InSmallPieces : public Fragmented {
+ protected:
+  using Fragmented::Fragmented;
+  void expect_large_packets() {
+    EXPECT_EQ(medium_->offer().largest_packet, largest_transfer);
+    const Bytes packet = random_bytes(100'001, 1);
+    send_when_free(*client_, packet);
+    EXPECT_EQ(arrived_at(*server_), packet);
+    send_when_free(*server_, packet);
+    EXPECT_EQ(arrived_at(*client_), packet);
+  }
+};
+
+class OverAPair : public InSmallPieces {
+ protected:
+  OverAPair() : InSmallPieces(make_pair_medium()) {}
+};
+TEST_F(OverAPair, LargePacketsArrive) { expect_large_packets(); }
+
+class OverASealedPair : public WithKeys, public InSmallPieces {
+ protected:
+  OverASealedPair() : InSmallPieces(make_sealed_pair(keys())) {}
+};
+TEST_F(OverASealedPair, LargePacketsArrive) { expect_large_packets(); }
 
 }  // namespace
 }  // namespace gecos::media

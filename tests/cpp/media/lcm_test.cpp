@@ -81,7 +81,7 @@ TEST(LcmDatagram, ASharedStreamComesBackAndIsChecked) {
 }
 
 TEST(SealedAddress, ReadsWhatItWrites) {
-  SealedAddress address{"239.255.76.67", 20017, "GO0123456789abcdef", std::nullopt};
+  SealedAddress address{"lcm", "239.255.76.67", 20017, "GO0123456789abcdef", std::nullopt};
   EXPECT_EQ(address.to_string(), "lcm:239.255.76.67:20017/GO0123456789abcdef");
   EXPECT_FALSE(SealedAddress::parse(address.to_string()).value().key);
   address.key = crypto::KeyPair::draw().public_key;
@@ -89,7 +89,8 @@ TEST(SealedAddress, ReadsWhatItWrites) {
   EXPECT_EQ(address.to_string(), address.place() + "#" + address.key->to_string());
   const auto read = SealedAddress::parse(address.to_string());
   ASSERT_TRUE(read);
-  EXPECT_EQ(read->group, address.group);
+  EXPECT_EQ(read->medium, address.medium);
+  EXPECT_EQ(read->network, address.network);
   EXPECT_EQ(read->port, address.port);
   EXPECT_EQ(read->channel, address.channel);
   EXPECT_EQ(read->key, address.key);
@@ -100,7 +101,7 @@ TEST(SealedAddress, RefusesWhatIsNone) {
        {"", "lcm:", "lcm:239.255.76.67", "lcm:239.255.76.67:1", "lcm:239.255.76.67:1/",
         "lcm:239.255.76.67:0/X", "lcm:239.255.76.67:70000/X", "lcm:239.255.76.67:1x/X", "lcm::1/X",
         "lcm:239.255.76.67?ttl=255&x:1/X", "lcm:239.255.76.67:1/X#", "lcm:239.255.76.67:1/X#12ab",
-        "shm:/run/x.sock"}) {
+        "a medium:here:1/X", ":here:1/X", "shm:/run/x.sock"}) {
     EXPECT_FALSE(SealedAddress::parse(wrong)) << wrong;
   }
   EXPECT_FALSE(SealedAddress::parse("lcm:239.255.76.67:1/" + std::string(64, 'X')));

@@ -224,35 +224,35 @@ class InprocLink final : public Link, public QuietSender {
 };
 
 /// Where clients of one acceptor wait.
-struct Door {
+struct Backlog {
   std::mutex mutex;
   std::deque<std::shared_ptr<Connection>> waiting;
   EventFd event;
 };
 
-/// All doors of this process by address: what the file system is to shm.
-struct Doors {
+/// All backlogs of this process by address: what the file system is to shm.
+struct Backlogs {
   std::mutex mutex;
-  std::map<std::string, std::weak_ptr<Door>, std::less<>> by_address;
+  std::map<std::string, std::weak_ptr<Backlog>, std::less<>> by_address;
   std::uint64_t opened = 0;
 
-  static Doors& of_this_process() {
-    static Doors* const doors = new Doors;  // outlives every static that may own an acceptor
-    return *doors;
+  static Backlogs& of_this_process() {
+    static Backlogs* const backlogs = new Backlogs;  // outlives every static that may own an acceptor
+    return *backlogs;
   }
 };
 
 class InprocAcceptor final : public Acceptor {
  public:
-  InprocAcceptor(std::shared_ptr<Door> door, std::string address)
-      : door_(std::move(door)),
+  InprocAcceptor(std::shared_ptr<Backlog> backlog, std::string address)
+      : backlog_(std::move(backlog)),
         address_(std::move(address)),
-        descriptors_{door_->event.descriptor()} {}
+        descriptors_{backlog_->event.descriptor()} {}
   ~InprocAcceptor() override {
-    Doors& doors = Doors::of_this_process();
+    Backlogs& backlogs = Backlogs::of_this_process();
     {
-      const std::lock_guard lock(doors.mutex);
-      doors.by_address.erase(address_);
+      const std::lock_guard lock(backlogs.mutex);
+      backlogs.by_address.erase(address_);
     }
     while (accept() != nullptr) {  // those who still wait see the link closed
     }
@@ -261,13 +261,13 @@ class InprocAcceptor final : public Acceptor {
   const Offer& offer() const override { return inproc_offer; }
   const std::string& address() const override { return address_; }
   std::unique_ptr<Link> accept() override {
-    const std::lock_guard lock(door_->mutex);
-    if (door_->waiting.empty()) {
-      door_->event.drain();
+    const std::lock_guard lock(backlog_->mutex);
+    if (backlog_->waiting.empty()) {
+      backlog_->event.drain();
       return nullptr;
     }
-    auto connection = std::move(door_->waiting.front());
-    door_->waiting.pop_front();
+    auto connection = std::move(backlog_->waiting.front());
+    backlog_->waiting.pop_front();
     return std::make_unique<InprocLink>(std::move(connection), 1);
   }
   std::span<const int> descriptors() const override { return descriptors_; }
@@ -279,7 +279,7 @@ class InprocAcceptor final : public Acceptor {
   }
 
  private:
-  const std::shared_ptr<Door> door_;
+  const std::shared_ptr<Backlog> backlog_;
   const std::string address_;
   const std::array<int, 1> descriptors_;
 };
@@ -290,35 +290,35 @@ class Inproc final : public Medium {
 
   tl::expected<std::unique_ptr<Acceptor>, MediumError> listen(std::string_view name,
                                                               bool well_known) override {
-    Doors& doors = Doors::of_this_process();
-    auto door = std::make_shared<Door>();
-    const std::lock_guard lock(doors.mutex);
+    Backlogs& backlogs = Backlogs::of_this_process();
+    auto backlog = std::make_shared<Backlog>();
+    const std::lock_guard lock(backlogs.mutex);
     std::string address = well_known_address(name);
-    if (!well_known) address += "." + std::to_string(++doors.opened);
-    auto& held = doors.by_address[address];
+    if (!well_known) address += "." + std::to_string(++backlogs.opened);
+    auto& held = backlogs.by_address[address];
     if (held.lock() != nullptr) {
       return tl::unexpected(MediumError{address + " is served already in this process"});
     }
-    held = door;
-    return std::make_unique<InprocAcceptor>(std::move(door), std::move(address));
+    held = backlog;
+    return std::make_unique<InprocAcceptor>(std::move(backlog), std::move(address));
   }
 
   tl::expected<std::unique_ptr<Link>, MediumError> connect(std::string_view address) override {
-    Doors& doors = Doors::of_this_process();
-    std::shared_ptr<Door> door;
-    const std::lock_guard lock(doors.mutex);
-    if (const auto found = doors.by_address.find(address); found != doors.by_address.end()) {
-      door = found->second.lock();
+    Backlogs& backlogs = Backlogs::of_this_process();
+    std::shared_ptr<Backlog> backlog;
+    const std::lock_guard lock(backlogs.mutex);
+    if (const auto found = backlogs.by_address.find(address); found != backlogs.by_address.end()) {
+      backlog = found->second.lock();
     }
-    if (door == nullptr) {
+    if (backlog == nullptr) {
       return tl::unexpected(
           MediumError{std::string(address) + ": nobody in this process serves it"});
     }
     auto connection = std::make_shared<Connection>();
     {
-      const std::lock_guard door_lock(door->mutex);
-      door->waiting.push_back(connection);
-      door->event.notify();
+      const std::lock_guard backlog_lock(backlog->mutex);
+      backlog->waiting.push_back(connection);
+      backlog->event.notify();
     }
     return std::make_unique<InprocLink>(std::move(connection), 0);
   }

@@ -236,7 +236,7 @@ std::unique_ptr<Link> ShmAcceptor::accept() {
   std::array<epoll_event, 16> events;
   const int count = ::epoll_wait(epoll_.get(), events.data(), static_cast<int>(events.size()), 0);
   if (count <= 0) return nullptr;
-  more_.quiet();
+  more_.drain();
   for (std::size_t guest = guests_.size(); guest-- > 0;) {
     if (auto link = hear(guest)) return link;
   }

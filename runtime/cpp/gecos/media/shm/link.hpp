@@ -27,7 +27,7 @@ class PeerEnd final : public Sleeper {
   explicit PeerEnd(Descriptor socket) : socket_(std::move(socket)) {}
 
   int socket() const { return socket_.get(); }
-  /// From here on the peer's memory is known. Without a eventfd the socket is used.
+  /// From here on the peer's memory is known. Without an eventfd the socket is used.
   void know(Mapping mapping, Descriptor event);
   bool known() const { return known_.load(std::memory_order_acquire); }
   /// @pre known()
