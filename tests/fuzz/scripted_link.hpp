@@ -40,8 +40,8 @@ class ScriptedLink final : public media::Link {
   }
   Duration age() override { return age_of_packets; }
   std::optional<std::uint64_t> taken_by_peer() override { return taken; }
-  bool arm() override { return false; }  // nobody would wake us
-  void disarm() override {}
+  bool prepare_to_sleep() override { return false; }  // nobody would wake us
+  void woke() override {}
   std::span<const int> descriptors() const override { return {}; }
   void beat() override {}
   std::uint64_t beats_seen() override { return beats; }

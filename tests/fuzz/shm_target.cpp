@@ -126,7 +126,7 @@ void try_shm_link(Script script) {
         if (link->send(Bytes(script.byte()), {})) ++sent;
         break;
       case 2:
-        if (link->arm()) link->disarm();
+        if (link->prepare_to_sleep()) link->woke();
         break;
       case 3:
         link->beat();
@@ -157,7 +157,7 @@ void try_shm_link(Script script) {
     expect(loss == Loss::None || link->loss() == loss, "the first loss stays");
     loss = link->loss();
     expect((loss == Loss::None) == link->loss_text().empty(), "a loss says why");
-    expect(loss == Loss::None || !link->arm(), "nobody sleeps on what is lost");
+    expect(loss == Loss::None || !link->prepare_to_sleep(), "nobody sleeps on what is lost");
   }
 }
 

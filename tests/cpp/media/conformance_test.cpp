@@ -181,7 +181,7 @@ TEST_P(Conformance, AnOrderlyCloseIsSeenAfterTheLastPacket) {
   EXPECT_EQ(client_.wait_for_loss(), Loss::Closed);
   EXPECT_FALSE(client_.link->loss_text().empty());
   EXPECT_EQ(client_.send("too late").error(), SendProblem::Lost);
-  EXPECT_FALSE(client_.link->arm()) << "nothing will come: do not sleep";
+  EXPECT_FALSE(client_.link->prepare_to_sleep()) << "nothing will come: do not sleep";
 }
 
 TEST_P(Conformance, TheServerSeesItsClientClose) {
@@ -247,13 +247,13 @@ TEST_P(Conformance, AnEndSaysWhereItLooksWhetherItSleepsAndWhenItRang) {
   EXPECT_EQ(client_.link->peer_whereabouts().core, pinned.core());
   EXPECT_FALSE(client_.link->peer_whereabouts().asleep);
 
-  ASSERT_TRUE(server_.link->arm());
+  ASSERT_TRUE(server_.link->prepare_to_sleep());
   EXPECT_TRUE(client_.link->peer_whereabouts().asleep);
   const TimePoint before = std::chrono::steady_clock::now();
   ASSERT_TRUE(client_.send("wake up"));
   EXPECT_GE(server_.link->peer_whereabouts().rang_at, before);
   EXPECT_LE(server_.link->peer_whereabouts().rang_at, std::chrono::steady_clock::now());
-  server_.link->disarm();
+  server_.link->woke();
   EXPECT_FALSE(client_.link->peer_whereabouts().asleep);
 
   const TimePoint rang_at = server_.link->peer_whereabouts().rang_at;
@@ -269,8 +269,8 @@ TEST_P(Conformance, QuietPacketsAreReadBeforeThePacketThatWakes) {
 
   const bool quiet = dynamic_cast<QuietSender*>(server_.link.get()) != nullptr;
   EXPECT_EQ(quiet, GetParam().name == "inproc" || GetParam().name == "shm");
-  client_.link->disarm();
-  ASSERT_TRUE(client_.link->arm());
+  client_.link->woke();
+  ASSERT_TRUE(client_.link->prepare_to_sleep());
   ASSERT_TRUE(send_quietly(*server_.link, bytes_of("news"), bytes_of(" 1")));
   if (quiet) {
     EXPECT_EQ(sleep_on(client_.link->descriptors(), TimePoint{}), Wake::TimedOut);
@@ -278,14 +278,14 @@ TEST_P(Conformance, QuietPacketsAreReadBeforeThePacketThatWakes) {
     ASSERT_TRUE(read_in_its_sleep);
     EXPECT_TRUE(std::ranges::equal(*read_in_its_sleep, bytes_of("news 1")));
   } else {
-    client_.link->disarm();
+    client_.link->woke();
     EXPECT_EQ(client_.receive(), "news 1");
-    ASSERT_TRUE(client_.link->arm());
+    ASSERT_TRUE(client_.link->prepare_to_sleep());
   }
   ASSERT_TRUE(send_quietly(*server_.link, bytes_of("news"), bytes_of(" 2")));
   ASSERT_TRUE(server_.send("the end"));
   EXPECT_NE(sleep_on(client_.link->descriptors(), too_late()), Wake::TimedOut);
-  client_.link->disarm();
+  client_.link->woke();
   EXPECT_EQ(client_.receive(), "news 2");
   EXPECT_EQ(client_.receive(), "the end");
 }
@@ -302,45 +302,45 @@ TEST_P(Conformance, QuietPacketsWakeThePeerBeforeTheyTakeTheRoomOfOthers) {
   const auto woken = [&] {
     return sleep_on(client_.link->descriptors(), TimePoint{}) == Wake::Ready;
   };
-  client_.link->disarm();
-  ASSERT_TRUE(client_.link->arm());
+  client_.link->woke();
+  ASSERT_TRUE(client_.link->prepare_to_sleep());
   std::size_t sent = 0;
   for (; !woken(); ++sent) ASSERT_TRUE(send_quietly(*server_.link, bytes_of("news"), {}));
   EXPECT_GT(sent, 100u);
   for (std::size_t i = 0; i < sent / 2; ++i) ASSERT_TRUE(server_.send("there is room")) << i;
-  client_.link->disarm();
+  client_.link->woke();
   while (client_.link->receive()) {
   }
 
-  ASSERT_TRUE(client_.link->arm());
+  ASSERT_TRUE(client_.link->prepare_to_sleep());
   const std::string large(100'000, 'x');
   ASSERT_TRUE(send_quietly(*server_.link, bytes_of(large), {}));
   EXPECT_TRUE(woken()) << "it lies beside the ring, where room is scarce";
-  client_.link->disarm();
+  client_.link->woke();
   EXPECT_EQ(client_.receive(), large);
 }
 
-TEST_P(Conformance, ArmFindsAQuietPacket) {
+TEST_P(Conformance, PrepareToSleepFindsAQuietPacket) {
   ASSERT_TRUE(client_.send("both ends know each other"));
   ASSERT_EQ(server_.receive(), "both ends know each other");
   ASSERT_TRUE(send_quietly(*server_.link, bytes_of("news"), {}));
-  ASSERT_TRUE(
-      client_.wait([&] { return !client_.link->arm() || (client_.link->disarm(), false); }));
+  ASSERT_TRUE(client_.wait(
+      [&] { return !client_.link->prepare_to_sleep() || (client_.link->woke(), false); }));
   EXPECT_EQ(client_.receive(), "news");
 }
 
-TEST_P(Conformance, ArmFindsWhatIsThereAlready) {
+TEST_P(Conformance, PrepareToSleepFindsWhatIsThereAlready) {
   ASSERT_TRUE(client_.send("first"));
-  ASSERT_TRUE(
-      server_.wait([&] { return !server_.link->arm() || (server_.link->disarm(), false); }));
+  ASSERT_TRUE(server_.wait(
+      [&] { return !server_.link->prepare_to_sleep() || (server_.link->woke(), false); }));
   EXPECT_EQ(server_.receive(), "first");
 }
 
-TEST_P(Conformance, DescriptorsAreQuietAfterDisarm) {
-  ASSERT_TRUE(server_.link->arm());
+TEST_P(Conformance, DescriptorsAreQuietAfterWoke) {
+  ASSERT_TRUE(server_.link->prepare_to_sleep());
   ASSERT_TRUE(client_.send("wake up"));
   EXPECT_EQ(server_.receive(), "wake up");
-  server_.link->disarm();
+  server_.link->woke();
   EXPECT_EQ(sleep_on(server_.link->descriptors(), TimePoint{}), Wake::TimedOut);
 }
 
@@ -360,14 +360,14 @@ TEST_P(Conformance, NoWakeUpIsLost) {
 }
 
 TEST_P(Conformance, WhoAsksForALossTakesNoWakeUpFromASleeper) {
-  ASSERT_TRUE(server_.link->arm());
+  ASSERT_TRUE(server_.link->prepare_to_sleep());
   ASSERT_TRUE(client_.send("before it has heard of the server"));
   EXPECT_EQ(server_.link->loss(), Loss::None)
       << "as housekeeping asks, beside the thread that sleeps";
   std::vector<int> all(server_.link->descriptors().begin(), server_.link->descriptors().end());
   all.insert(all.end(), door_->descriptors().begin(), door_->descriptors().end());
   EXPECT_EQ(sleep_on(all, too_late()), Wake::Ready);
-  server_.link->disarm();
+  server_.link->woke();
   EXPECT_EQ(server_.receive(), "before it has heard of the server");
 }
 
@@ -642,8 +642,8 @@ TEST_P(Conformance, AForkedChildFindsItsLinksDead) {
     if (client_.link->receive().has_value()) wrong |= 64;
     if (server_.link->loss() != Loss::Broken) wrong |= 4;
     if (client_.link->loss_text().find("fork") == std::string::npos) wrong |= 8;
-    if (client_.link->arm()) wrong |= 16;
-    client_.link->disarm();
+    if (client_.link->prepare_to_sleep()) wrong |= 16;
+    client_.link->woke();
     client_.link.reset();  // must not say goodbye in the parent's name
     server_.link.reset();
     door_.reset();
@@ -669,8 +669,9 @@ INSTANTIATE_TEST_SUITE_P(
         Candidate{"shm",
                   [](const std::string& directory) { return make_shm({.directory = directory}); }},
         Candidate{"pair", [](const std::string&) { return make_pair_medium(); }},
-        Candidate{"sealed_pair",
-                  [](const std::string& directory) { return make_sealed_pair(directory + "/keys"); }},
+        Candidate{
+            "sealed_pair",
+            [](const std::string& directory) { return make_sealed_pair(directory + "/keys"); }},
         Candidate{"lcm",
                   [](const std::string& directory) {
                     // A well-known place of this process: a broker may run on this host.

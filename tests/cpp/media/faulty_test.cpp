@@ -112,12 +112,12 @@ TEST(Faulty, DelaysLikeASatelliteAndWakesNobodyBefore) {
   Line line({.delay = 250ms});
   ASSERT_TRUE(line.client.send("move"));
   EXPECT_TRUE(line.arrived().empty());
-  ASSERT_TRUE(line.server.link->arm()) << "nothing is due";
-  line.server.link->disarm();
+  ASSERT_TRUE(line.server.link->prepare_to_sleep()) << "nothing is due";
+  line.server.link->woke();
   line.clock.advance(249ms);
   EXPECT_TRUE(line.arrived().empty());
   line.clock.advance(1ms);
-  EXPECT_FALSE(line.server.link->arm()) << "now it is";
+  EXPECT_FALSE(line.server.link->prepare_to_sleep()) << "now it is";
   EXPECT_EQ(line.arrived(), std::vector<std::string>{"move"});
 }
 

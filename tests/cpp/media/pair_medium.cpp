@@ -52,13 +52,14 @@ struct PairLine {
   std::mutex mutex;
   std::map<std::uint32_t, PairSamples> streams;
   std::atomic<bool> inherited{false};  // this is a forked child: tells both ends
-  ForkWatch watch{this,
-                  [](void* owner) noexcept { static_cast<PairLine*>(owner)->inherited.store(true); }};
+  ForkWatch watch{
+      this, [](void* owner) noexcept { static_cast<PairLine*>(owner)->inherited.store(true); }};
 };
 
 class PairSleeper final : public Sleeper {
  public:
-  PairSleeper(std::shared_ptr<PairLine> line, std::size_t side) : line_(std::move(line)), side_(side) {}
+  PairSleeper(std::shared_ptr<PairLine> line, std::size_t side)
+      : line_(std::move(line)), side_(side) {}
   void wake_if_asleep() override { line_->sides[side_].wake_if_asleep(); }
 
  private:
@@ -100,7 +101,7 @@ class PairLink final : public Link {
   }
   std::optional<std::uint64_t> taken_by_peer() override { return std::nullopt; }
 
-  bool arm() override {
+  bool prepare_to_sleep() override {
     own_.asleep.store(true, std::memory_order_seq_cst);
     if (!has_datagram(own_.socket.get()) && !watches_.anything_new() && loss() == Loss::None) {
       return true;
@@ -108,7 +109,7 @@ class PairLink final : public Link {
     own_.asleep.store(false);
     return false;
   }
-  void disarm() override {
+  void woke() override {
     own_.asleep.store(false);
     if (!inherited()) own_.event.drain();
   }

@@ -205,7 +205,7 @@ TEST_F(ShmHostile, ALinkThatSendsGarbageLaterIsBroken) {
     ASSERT_TRUE(shm::send_control(scribbler.socket.get(), {.type = type}));
     EXPECT_EQ(link->loss(), Loss::Broken);
     EXPECT_FALSE(link->loss_text().empty());
-    EXPECT_FALSE(link->arm());
+    EXPECT_FALSE(link->prepare_to_sleep());
   }
 }
 
@@ -216,8 +216,8 @@ TEST_F(ShmHostile, AFloodOfPokesDelaysButNeverHolds) {
   for (int round = 0; round < 100; ++round) {
     while (shm::send_control(scribbler.socket.get(), {.type = ControlType::Poke})) {
     }
-    link->arm();
-    link->disarm();
+    link->prepare_to_sleep();
+    link->woke();
     ASSERT_EQ(link->loss(), Loss::None);
   }
 }
@@ -242,7 +242,7 @@ TEST_F(ShmHostile, AScribbledRingGivesPacketsOrBreaksButHurtsNobody) {
       [[maybe_unused]] const auto sent = link->send(bytes_of("x"), {});
       ASSERT_LE(link->taken_by_peer(), 2000u);
       link->beats_seen();
-      if (link->arm()) link->disarm();
+      if (link->prepare_to_sleep()) link->woke();
     }
   }
   expect_served();
@@ -301,7 +301,7 @@ TEST_F(ShmHostile, AnAreaThatCouldHurtLaterBreaksTheLink) {
     scribbler.writer.announce({1, 0, 100});
     EXPECT_FALSE(link->receive());
     EXPECT_EQ(link->loss(), Loss::Broken) << size << " " << seals;
-    EXPECT_FALSE(link->arm());
+    EXPECT_FALSE(link->prepare_to_sleep());
   }
 }
 

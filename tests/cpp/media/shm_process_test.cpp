@@ -75,14 +75,14 @@ TEST_F(ShmProcess, AKilledServerIsSeenByASleeperAtOnce) {
   });
   ASSERT_TRUE(server.wait_ready());
   End client = connect();
-  ASSERT_TRUE(client.link->arm());
+  ASSERT_TRUE(client.link->prepare_to_sleep());
   std::thread killing([&] { server.kill(); });
   // The promise: the kernel reports it; 100 ms is five times what a loaded host takes for that.
   const TimePoint deadline = std::chrono::steady_clock::now() + 100ms;
   killing.join();
   while (client.link->loss() == Loss::None) {
     ASSERT_NE(sleep_on(client.link->descriptors(), deadline), Wake::TimedOut);
-    client.link->disarm();
+    client.link->woke();
   }
   EXPECT_EQ(client.link->loss(), Loss::Died);
   EXPECT_NE(client.link->loss_text().find(std::to_string(*client.link->peer().pid)),

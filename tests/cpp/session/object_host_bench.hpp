@@ -29,8 +29,8 @@ class TestLink final : public media::Link {
   }
   std::optional<ByteView> receive() override { return std::nullopt; }
   std::optional<std::uint64_t> taken_by_peer() override { return std::nullopt; }
-  bool arm() override { return true; }
-  void disarm() override {}
+  bool prepare_to_sleep() override { return true; }
+  void woke() override {}
   std::span<const int> descriptors() const override { return {}; }
   void beat() override {}
   std::uint64_t beats_seen() override { return silent ? beats_ : ++beats_; }

@@ -19,10 +19,10 @@
 /// Nothing above this file knows how a medium works; nothing below it knows what a packet means.
 /// One conformance suite (tests/cpp/media) runs on every medium.
 ///
-/// Threads: of one link receive(), arm() and disarm() belong to one thread at a time, and send(),
-/// share() and unshare() to one at a time (the two may differ); its user sees to that. All the rest
-/// of a link any thread may call at any time, beat() of housekeeping also beside send(). An
-/// acceptor belongs to one thread at a time; its links need not be used by the same one.
+/// Threads: of one link receive(), prepare_to_sleep() and woke() belong to one thread at a time,
+/// and send(), share() and unshare() to one at a time (the two may differ); its user sees to that.
+/// All the rest of a link any thread may call at any time, beat() of housekeeping also beside
+/// send(). An acceptor belongs to one thread at a time; its links need not be used by the same one.
 ///
 /// A forked child sees links and acceptors of its parent as dead (Broken); it makes its own.
 namespace gecos::media {
@@ -118,7 +118,8 @@ class Link {
   virtual tl::expected<std::uint64_t, SendProblem> send(ByteView head, ByteView body) = 0;
 
   /// The next packet, when one is there. The bytes are a private copy and stay valid until the next
-  /// call, or arm(). Never blocks, costs no system call on shm and inproc when nothing is there.
+  /// call, or prepare_to_sleep(). Never blocks, costs no system call on shm and inproc when nothing
+  /// is there.
   virtual std::optional<ByteView> receive() = 0;
 
   /// How long ago the packet was sent that receive() gave last, also where this process was stopped
@@ -134,15 +135,15 @@ class Link {
   virtual std::optional<std::uint64_t> taken_by_peer() = 0;
 
   /// Announces that this end is about to sleep on `descriptors()`. False: something is there
-  /// already, do not sleep. After waking call `disarm()`.
-  virtual bool arm() = 0;
-  virtual void disarm() = 0;
+  /// already, or the link is lost: do not sleep. After waking call `woke()`.
+  virtual bool prepare_to_sleep() = 0;
+  virtual void woke() = 0;
   /// Readable when a packet or sample may be there or the link was lost. Valid for the link's life;
-  /// may be watched level- or edge-triggered; disarm() makes them quiet again. Who watches for
-  /// edges asks loss() when one comes while the link is not armed: it may be all that tells of it.
-  /// A lost link may stay readable: arm() says false then. Of links that an acceptor made on lcm
-  /// the packets come through the acceptor's descriptors: watch those as well, and call accept()
-  /// when they are readable.
+  /// may be polled level- or edge-triggered; woke() makes them unreadable again. With
+  /// edge-triggered polling, call loss() on every event received while not prepared to sleep; no
+  /// second event may follow. A lost link may stay readable. Where the medium is connectionless,
+  /// packets of links that an acceptor made come through the acceptor's descriptors: poll those as
+  /// well, and call accept() when they are readable.
   virtual std::span<const int> descriptors() const = 0;
 
   /// Words that this end writes and the peer reads in place, zero at first. No packet carries them

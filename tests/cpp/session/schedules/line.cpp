@@ -86,8 +86,8 @@ class LineEnd final : public media::Link {
     if (line_.way_ == Way::Radio) return std::nullopt;
     return them().taken;
   }
-  bool arm() override { return false; }  // nobody sleeps here
-  void disarm() override {}
+  bool prepare_to_sleep() override { return false; }  // nobody sleeps here
+  void woke() override {}
   std::span<const int> descriptors() const override { return {}; }
 
   void write_word(std::size_t index, std::uint64_t value) override {

@@ -134,14 +134,14 @@ class InprocLink final : public Link, public QuietSender {
   Duration age() override { return reader_.age(); }
   std::optional<std::uint64_t> taken_by_peer() override { return writer_.taken(); }
 
-  bool arm() override {
+  bool prepare_to_sleep() override {
     own_.bulk.rest();
     own_.ring.control->asleep.store(1, std::memory_order_seq_cst);
     if (!reader_.ready() && !watches_.anything_new() && loss() == Loss::None) return true;
     own_.ring.control->asleep.store(0, std::memory_order_relaxed);
     return false;
   }
-  void disarm() override {
+  void woke() override {
     own_.ring.control->asleep.store(0, std::memory_order_relaxed);
     own_.event.drain();
   }
@@ -237,7 +237,8 @@ struct Backlogs {
   std::uint64_t opened = 0;
 
   static Backlogs& of_this_process() {
-    static Backlogs* const backlogs = new Backlogs;  // outlives every static that may own an acceptor
+    static Backlogs* const backlogs =
+        new Backlogs;  // outlives every static that may own an acceptor
     return *backlogs;
   }
 };

@@ -22,8 +22,8 @@ class LinkLayer : public Link {
   Duration age() override { return inner_->age(); }
   std::optional<Duration> clock_difference() override { return inner_->clock_difference(); }
   std::optional<std::uint64_t> taken_by_peer() override { return inner_->taken_by_peer(); }
-  bool arm() override { return inner_->arm(); }
-  void disarm() override { inner_->disarm(); }
+  bool prepare_to_sleep() override { return inner_->prepare_to_sleep(); }
+  void woke() override { inner_->woke(); }
   std::span<const int> descriptors() const override { return inner_->descriptors(); }
   void write_word(std::size_t index, std::uint64_t value) override {
     inner_->write_word(index, value);

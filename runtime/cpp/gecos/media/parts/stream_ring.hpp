@@ -77,7 +77,8 @@ struct StreamWatch {
   /// What was written before the newest when the reader came is past: a memory of many subscribers
   /// holds what earlier ones read.
   std::uint64_t past = 0;
-  /// The newest sample that the reader or arm() has seen; tells arm() whether there is another.
+  /// The newest sample that the reader or prepare_to_sleep() has seen; tells prepare_to_sleep()
+  /// whether there is another.
   std::atomic<std::uint64_t> seen{0};
 };
 

@@ -148,7 +148,7 @@ std::string SealedClient::loss_text() const {
   return text.empty() ? initiator_->trouble() : text;
 }
 
-bool SealedClient::arm() {
+bool SealedClient::prepare_to_sleep() {
   if (inherited()) return false;
   queue_->set_asleep(true);
   pump();
@@ -158,7 +158,7 @@ bool SealedClient::arm() {
   return false;
 }
 
-void SealedClient::disarm() {
+void SealedClient::woke() {
   if (inherited()) return;
   queue_->set_asleep(false);
   queue_->event().drain();
@@ -280,7 +280,7 @@ SealedServer::~SealedServer() {
   responder_->forget(client_);
 }
 
-bool SealedServer::arm() {
+bool SealedServer::prepare_to_sleep() {
   if (inherited()) return false;
   queue_->set_asleep(true);
   pump();
@@ -289,7 +289,7 @@ bool SealedServer::arm() {
   return false;
 }
 
-void SealedServer::disarm() {
+void SealedServer::woke() {
   if (inherited()) return;
   queue_->set_asleep(false);
   queue_->event().drain();

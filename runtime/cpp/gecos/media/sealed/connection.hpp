@@ -65,8 +65,8 @@ class SealedClient final : public SealedConnection {
 
   void beat() override;
   std::string loss_text() const override;
-  bool arm() override;
-  void disarm() override;
+  bool prepare_to_sleep() override;
+  void woke() override;
   std::span<const int> descriptors() const override { return descriptors_; }
   tl::expected<void, SendProblem> share(std::uint32_t id, StreamWriter& stream) override;
   void unshare(std::uint32_t id) override;
@@ -104,8 +104,8 @@ class SealedServer final : public SealedConnection {
       std::shared_ptr<HandshakeResponder> responder, HandshakeResponder::PendingPeer pending);
   ~SealedServer() override;
 
-  bool arm() override;
-  void disarm() override;
+  bool prepare_to_sleep() override;
+  void woke() override;
   std::span<const int> descriptors() const override { return descriptors_; }
   void beat() override;
   tl::expected<void, SendProblem> share(std::uint32_t id, StreamWriter& stream) override;

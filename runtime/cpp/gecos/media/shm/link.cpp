@@ -176,7 +176,7 @@ std::optional<std::uint64_t> ShmLink::taken_by_peer() {
   return writer_.taken();
 }
 
-bool ShmLink::arm() {
+bool ShmLink::prepare_to_sleep() {
   bulk_.in.rest();
   own_.control->asleep.store(1, std::memory_order_seq_cst);
   const bool packet = other_->known() && reader_->ready();
@@ -187,7 +187,7 @@ bool ShmLink::arm() {
   return false;
 }
 
-void ShmLink::disarm() {
+void ShmLink::woke() {
   own_.control->asleep.store(0, std::memory_order_relaxed);
   // Not the eventfd: then it was the socket, or the peer's death, or nothing.
   if (!event_.drain()) read_control();

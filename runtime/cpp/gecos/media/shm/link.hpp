@@ -66,8 +66,8 @@ class ShmLink final : public Link, public QuietSender {
   std::optional<ByteView> receive() override;
   Duration age() override { return reader_ ? reader_->age() : Duration::zero(); }
   std::optional<std::uint64_t> taken_by_peer() override;
-  bool arm() override;
-  void disarm() override;
+  bool prepare_to_sleep() override;
+  void woke() override;
   std::span<const int> descriptors() const override { return descriptors_; }
   void write_word(std::size_t index, std::uint64_t value) override;
   std::uint64_t peer_word(std::size_t index) override;

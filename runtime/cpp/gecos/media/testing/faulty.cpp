@@ -58,22 +58,22 @@ class FaultyLink final : public LinkLayer {
     return offer().reliable ? inner().taken_by_peer() : std::nullopt;
   }
 
-  bool arm() override {
+  bool prepare_to_sleep() override {
     take_in();
     const auto next = earliest();
     const Duration wait = next == held_.end() ? Duration::max() : next->due - clock_.now();
     if (wait <= Duration::zero()) return false;
     set_timer(next == held_.end() ? Duration::zero() : wait);
-    if (inner().arm()) return true;
+    if (inner().prepare_to_sleep()) return true;
     if (is_cut() && inner().loss() == Loss::None) {
       take_in();  // what arrived through a cut line is gone, and no reason to stay awake
-      return inner().arm();
+      return inner().prepare_to_sleep();
     }
     return false;
   }
-  void disarm() override {
+  void woke() override {
     set_timer(Duration::zero());
-    inner().disarm();
+    inner().woke();
   }
   std::span<const int> descriptors() const override { return descriptors_; }
 

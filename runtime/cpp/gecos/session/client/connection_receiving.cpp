@@ -108,14 +108,14 @@ bool ClientConnection::rest(FunctionRef<bool()> done, TimePoint deadline) {
 
 void ClientConnection::sleep(FunctionRef<bool()> done, TimePoint deadline) {
   quiet_leader();
-  if (link_->arm() && !done()) {
+  if (link_->prepare_to_sleep() && !done()) {
     descriptors_.assign(link_->descriptors().begin(), link_->descriptors().end());
     descriptors_.push_back(leader_wakeup_.descriptor());
     leader_lock_.rest();
     media::sleep_on(descriptors_, deadline);
     leader_lock_.resume();
   }
-  link_->disarm();
+  link_->woke();
 }
 
 void ClientConnection::wake_leader() {

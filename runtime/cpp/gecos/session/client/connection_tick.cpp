@@ -137,7 +137,7 @@ TimePoint ClientConnection::repeat(TimePoint now) {
 void ClientConnection::watch(std::vector<pollfd>& into) {
   if (lost() || !has_watchers() || !leader_lock_.try_take()) return;
   watching_ = true;
-  if (link_->arm()) {
+  if (link_->prepare_to_sleep()) {
     for (const int descriptor : link_->descriptors()) into.push_back({descriptor, POLLIN, 0});
   } else {
     wake_maintenance();
@@ -149,7 +149,7 @@ void ClientConnection::unwatch() {
   if (!watching_) return;
   watching_ = false;
   leader_lock_.resume();
-  link_->disarm();
+  link_->woke();
   read_all();
   look_for_loss();
   leader_lock_.drop();

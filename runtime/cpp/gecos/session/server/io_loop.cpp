@@ -188,8 +188,8 @@ void IoLoop::cool_down(TimePoint now) {
     session->quiet_looks = 1;
     if (session->gone.load()) return true;
     if (now - session->last_heard < stays_hot) return false;
-    if (!session->link().arm()) {
-      session->link().disarm();
+    if (!session->link().prepare_to_sleep()) {
+      session->link().woke();
       return false;
     }
     session->hot = false;
@@ -202,8 +202,8 @@ void IoLoop::cool_down(TimePoint now) {
 bool IoLoop::arm_all() {
   for (const auto& session : hot_) {
     session->hot = false;
-    if (session->gone.load() || session->link().arm()) continue;
-    session->link().disarm();
+    if (session->gone.load() || session->link().prepare_to_sleep()) continue;
+    session->link().woke();
     part_if_lost(session);
     if (session->gone.load()) continue;
     session->hot = true;
@@ -217,10 +217,10 @@ bool IoLoop::arm_all() {
 void IoLoop::heat(const std::shared_ptr<ServerSession>& session) {
   if (session->gone.load()) return;
   if (session->hot) {
-    session->link().loss();  // the event comes once, and arm() does not ask the kernel
+    session->link().loss();  // the event comes once, and prepare_to_sleep() does not ask the kernel
     return;
   }
-  session->link().disarm();
+  session->link().woke();
   woken_ = media::Woken::ByAnswer;
   rang_at_ = std::max(rang_at_, session->link().peer_whereabouts().rang_at);
   session->hot = true;
