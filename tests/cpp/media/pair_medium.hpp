@@ -1,6 +1,6 @@
 // A medium that only tests know, small on purpose: 200-byte datagrams over socketpairs within this
-// process. Once as it is, and once as a network that others can hear, which gecos/media/sealed makes
-// a medium of.
+// process. Once as it is, and once as a network that others can hear, of which
+// gecos/media/sealed makes a medium.
 #pragma once
 
 #include <memory>

@@ -47,7 +47,7 @@ struct SpinOptions {
 ///     for (;;) {
 ///       if (auto packet = link.receive()) return packet;
 ///       if (spin.again([&] { return place_of(link.peer_whereabouts()); })) continue;
-///       … arm, sleep_on, disarm …
+///       … prepare_to_sleep, sleep_on, woke …
 ///       spin.woke(link.peer_whereabouts().rang_at, Woken::ByAnswer);
 ///       spin.begin();
 ///     }

@@ -14,8 +14,9 @@
 /// kernel. Whoever sleeps does so on descriptors: its eventfd, the socket, the peer's death.
 ///
 /// The peer is not trusted with our memory, our time or our descriptors. Only a peer of the same
-/// user (who could kill us anyway) is given or notified through an eventfd, since a hostile holder of an eventfd
-/// can block a writer; others are woken through the socket, a microsecond slower.
+/// user (who could kill us anyway) is given an eventfd or notified through its own, since a hostile
+/// holder of an eventfd can block a writer; others are woken through the socket, a microsecond
+/// slower.
 namespace gecos::media {
 
 struct ShmOptions {
