@@ -43,9 +43,7 @@ class LineEnd final : public media::Link {
   LineEnd(Line& line, Side side) : line_(line), side_(side) {
     offer_.reliable = offer_.ordered = offer_.shared_words = line.way_ != Way::Radio;
     offer_.reports_death = offer_.reliable;
-    offer_.kind = line.way_ == Way::Radio    ? media::Kind::Lcm
-                  : line.way_ == Way::Memory ? media::Kind::Shm
-                                             : media::Kind::Inproc;
+    offer_.name = line.way_ == Way::Radio ? "lcm" : line.way_ == Way::Memory ? "shm" : "inproc";
     offer_.largest_packet = 64 * 1024;
   }
   ~LineEnd() override {
