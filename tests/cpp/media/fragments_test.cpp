@@ -7,10 +7,10 @@
 #include <deque>
 #include <random>
 
+#include "gecos/media/kinds.hpp"
 #include "gecos/media/layers/transfer.hpp"
 #include "gecos/media/lcm/lcm.hpp"
 #include "gecos/media/testing/faulty.hpp"
-#include "gecos/media/kinds.hpp"
 #include "media_under_test.hpp"
 #include "pair_medium.hpp"
 

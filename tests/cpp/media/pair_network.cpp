@@ -67,8 +67,7 @@ class PairPort final : public DatagramPort {
   Bytes datagram_;
 };
 
-class PairNetwork final : public DatagramNetwork,
-                          public std::enable_shared_from_this<PairNetwork> {
+class PairNetwork final : public DatagramNetwork, public std::enable_shared_from_this<PairNetwork> {
  public:
   const Offer& offer() const override { return sealed_pair_offer; }
   const std::string& name() const override { return name_; }
@@ -92,8 +91,7 @@ std::shared_ptr<const DatagramNetwork> make_pair_network() {
 }
 
 std::unique_ptr<Medium> make_sealed_pair(const std::string& key_directory) {
-  SealedOptions options{.well_known_port = port_of_this_process(),
-                        .key_directory = key_directory};
+  SealedOptions options{.well_known_port = port_of_this_process(), .key_directory = key_directory};
   options.network = make_pair_network();
   return make_sealed(std::move(options));
 }

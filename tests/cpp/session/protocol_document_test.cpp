@@ -91,7 +91,8 @@ TEST_F(ProtocolDocument, ShowsTheChannelAsItIsOpened) {
   expect("ask", joined({std::as_bytes(std::span("LC02\0\0\0\7GWBROKER\0"sv)),
                         header(DatagramKind::Ask, 20001)}));
 
-  const media::SealedAddress place{"lcm", "239.255.76.67", 20017, "GO0123456789abcdef", std::nullopt};
+  const media::SealedAddress place{"lcm", "239.255.76.67", 20017, "GO0123456789abcdef",
+                                   std::nullopt};
   const auto first_header = header(DatagramKind::First, 20001);
   const Bytes context = media::handshake_context(place, first_header);
   crypto::IkInitiator initiator(client, server.public_key(), context,

@@ -1,3 +1,5 @@
+#include "gecos/media/lcm/port.hpp"
+
 #include <arpa/inet.h>
 #include <lcm/lcm.h>
 #include <netinet/in.h>
@@ -9,7 +11,6 @@
 
 #include "gecos/base/descriptors.hpp"
 #include "gecos/base/system_error.hpp"
-#include "gecos/media/lcm/port.hpp"
 
 namespace gecos::media {
 namespace {
