@@ -52,6 +52,11 @@ def all_lanes(build: str, jobs: int) -> list[Lane]:
         Lane("clang-format", (python, "tools/check_format.py"), r"^check_format: "),
         # What `make wheels` does, with what the build has compiled already.
         Lane("wheels", ("tools/wheels.sh", "--of-build"), r"^wheels: "),
+        Lane(
+            "thread-safety",
+            (python, "tools/check_thread_safety.py", "--build", build),
+            r"^check_thread_safety: ",
+        ),
         Lane("mypy", (python, "-m", "mypy"), r"^(Success|Found )"),
         Lane(
             "ctest",

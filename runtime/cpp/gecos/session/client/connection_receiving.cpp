@@ -96,7 +96,7 @@ bool ClientConnection::lead(FunctionRef<bool()> done, TimePoint deadline) {
 bool ClientConnection::rest(FunctionRef<bool()> done, TimePoint deadline) {
   if (!spin_.gave_way()) return false;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (calls_.size() < calls_of_a_flood) return false;
   }
   quiet_leader();
@@ -176,7 +176,7 @@ void ClientConnection::take_packet(ByteView bytes) {
 void ClientConnection::take_reply(const wire::PacketView& packet) {
   std::shared_ptr<PendingCommand> command;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     command = calls_.take(packet.header.counter);
     if (!command) return;  // a repeated reply
     if (repeats_) {
@@ -200,7 +200,7 @@ void ClientConnection::take_reply(const wire::PacketView& packet) {
 void ClientConnection::take_progress(const wire::PacketView& packet) {
   std::shared_ptr<PendingCommand> command;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     const auto* found = calls_.find(packet.header.counter);
     if (found == nullptr) return;
     command = *found;

@@ -13,7 +13,7 @@ tl::expected<std::shared_ptr<StreamCore>, Failure> ClientConnection::subscribe(
   std::shared_ptr<CommandCore> command;
   if (auto refused = differs(stream.code, stream.name)) return tl::unexpected(std::move(*refused));
   {
-    const std::lock_guard lock(subscribing_);
+    const MutexLock lock(subscribing_);
     ++subscriptions_[stream.code];
     command = call(operation, sizeof code, [&](wire::Encoder& to) { to.put(code); }, {});
   }
@@ -61,7 +61,7 @@ std::unique_ptr<media::StreamReader> ClientConnection::open_stream(std::uint32_t
 }
 
 void ClientConnection::unsubscribe(FunctionCode stream) {
-  const std::lock_guard lock(subscribing_);
+  const MutexLock lock(subscribing_);
   const auto found = subscriptions_.find(stream);
   if (--found->second != 0) return;
   subscriptions_.erase(found);

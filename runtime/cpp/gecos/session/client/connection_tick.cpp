@@ -64,7 +64,7 @@ void ClientConnection::judge_answers(TimePoint now) {
   }
   bool open = false;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     open = calls_.size() != 0;
   }
   switch (answers_.judge(open, heard_.load(std::memory_order_relaxed), now)) {
@@ -87,7 +87,7 @@ void ClientConnection::judge_answers(TimePoint now) {
 /// same: its answer may have been damaged in shared memory.
 void ClientConnection::ask_after_calls() {
   if (repeats_) return;
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   for (const auto& [counter, command] : calls_.all()) {
     if (counter > open_when_asked_) break;
     wire::PacketHeader header;
@@ -101,7 +101,7 @@ void ClientConnection::ask_after_calls() {
 /// Until a call's outcome is known it is asked for again under its own counter: in full while it
 /// may not have arrived, then without its arguments.
 TimePoint ClientConnection::repeat(TimePoint now) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   // With nothing open the next sign of life is all that is due: many idle clients shall cost
   // nothing.
   if (!repeats_ && calls_.size() == 0) return next_beat_;

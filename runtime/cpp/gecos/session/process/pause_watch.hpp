@@ -1,13 +1,12 @@
 #pragma once
 
 #include <atomic>
-#include <condition_variable>
-#include <mutex>
 #include <optional>
 #include <string>
 
 #include "gecos/base/clock.hpp"
 #include "gecos/base/moment.hpp"
+#include "gecos/base/mutex.hpp"
 
 namespace gecos::session {
 
@@ -38,7 +37,7 @@ class PauseWatch {
   /// Maintenance: sessions and commands are as the pause left them to be.
   void judged(TimePoint next_due) {
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       due_.store(next_due, std::memory_order_release);
       judging_.store(false, std::memory_order_release);
     }
@@ -75,7 +74,7 @@ class PauseWatch {
   /// Waits until it is judged. Never on the maintenance thread.
   void await_judgement(const Clock& clock) {
     if (!suspected(clock.since_boot())) return;
-    std::unique_lock lock(mutex_);
+    MutexLock lock(mutex_);
     // A tick that came as late as is just no pause tells nobody.
     while (suspected(clock.since_boot())) judged_.wait_for(lock, longest_gap / 50);
   }
@@ -83,8 +82,8 @@ class PauseWatch {
  private:
   std::atomic<TimePoint> due_{TimePoint::max()};  // publishes nothing but itself
   std::atomic<bool> judging_{false};              // cleared: publishes what the judge did
-  std::mutex mutex_;
-  std::condition_variable judged_;
+  Mutex mutex_;
+  ConditionVariable judged_;
 };
 
 }  // namespace gecos::session

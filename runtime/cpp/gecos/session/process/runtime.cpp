@@ -11,6 +11,7 @@
 #include <system_error>
 
 #include "gecos/base/log.hpp"
+#include "gecos/base/mutex.hpp"
 #include "gecos/media/open.hpp"
 
 namespace gecos::session {
@@ -43,7 +44,7 @@ class OpenRuntimes {
     for (const auto& runtime : alive()) runtime->close_sessions(std::chrono::seconds(1));
   }
   void add(const std::shared_ptr<Runtime>& runtime) {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     runtimes_.erase(std::remove_if(runtimes_.begin(), runtimes_.end(),
                                    [](const auto& known) { return known.expired(); }),
                     runtimes_.end());
@@ -52,7 +53,7 @@ class OpenRuntimes {
 
  private:
   std::vector<std::shared_ptr<Runtime>> alive() {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     std::vector<std::shared_ptr<Runtime>> found;
     for (const auto& known : runtimes_) {
       if (auto runtime = known.lock()) found.push_back(std::move(runtime));
@@ -61,8 +62,8 @@ class OpenRuntimes {
   }
 
   const pid_t owner_ = getpid();
-  std::mutex mutex_;
-  std::vector<std::weak_ptr<Runtime>> runtimes_;
+  Mutex mutex_;
+  std::vector<std::weak_ptr<Runtime>> runtimes_ GECOS_GUARDED_BY(mutex_);
 };
 
 std::atomic<std::uint64_t> boot_of_this_process{
@@ -111,7 +112,7 @@ tl::expected<std::shared_ptr<Runtime>, NoLab> Runtime::make(LabOptions options,
 }
 
 tl::expected<media::Medium*, media::MediumError> Runtime::medium(media::Kind kind) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   auto found = media_.find(kind);
   if (found == media_.end()) {
     auto opened = media::open(kind, options_.wrap_medium);
@@ -124,7 +125,7 @@ tl::expected<media::Medium*, media::MediumError> Runtime::medium(media::Kind kin
 }
 
 const std::string& Runtime::host_identity() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (!host_identity_) host_identity_ = media::host_identity();
   return *host_identity_;
 }
@@ -145,7 +146,7 @@ Hello Runtime::introduce(const InterfaceDescription& wanted) const {
 }
 
 void Runtime::close_at_exit(const std::shared_ptr<Closable>& session) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   std::erase_if(sessions_, [](const auto& known) { return known.expired(); });
   sessions_.push_back(session);
 }
@@ -162,7 +163,7 @@ void Runtime::close_all(const std::vector<std::shared_ptr<Closable>>& sessions,
 void Runtime::close_sessions(Duration patience) {
   std::vector<std::shared_ptr<Closable>> open;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     for (const auto& known : sessions_) {
       if (auto session = known.lock()) open.push_back(std::move(session));
     }

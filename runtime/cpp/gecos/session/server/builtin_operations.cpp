@@ -183,6 +183,7 @@ void ObjectHost::refuse_waiting(TimePoint now) {
   if (runs == nullptr) return grant_to_waiting();
   std::erase_if(waiting_, [&](const WaitingForStatus& waiting) {
     if (now < waiting.give_up) return false;
+    mutex_.assert_held();
     access::Holder last;
     last.client = runs->session->client();
     last.since = last.expires = lease_clock_.now();

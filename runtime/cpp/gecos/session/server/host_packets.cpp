@@ -69,13 +69,13 @@ std::string user_of(const media::Peer& peer, const std::string& claimed) {
 }  // namespace
 
 void ObjectHost::take(const std::shared_ptr<ServerSession>& session, ByteView bytes) {
-  const Lock lock(mutex_);
+  const MutexLock lock(mutex_);
   take_packet(session, bytes);
 }
 
 std::shared_ptr<ServerCall> ObjectHost::take_and_start(
     const std::shared_ptr<ServerSession>& session, ByteView bytes, Starter starter) {
-  const Lock lock(mutex_);
+  const MutexLock lock(mutex_);
   take_packet(session, bytes);
   return ready() ? start_next(starter) : nullptr;
 }
@@ -315,6 +315,7 @@ void ObjectHost::take_early(const std::shared_ptr<ServerSession>& session) {
 void ObjectHost::admit(const std::shared_ptr<ServerSession>& session,
                        const wire::PacketView& packet, const OperationDescription& operation) {
   const auto refuse = [&](const Failure& failure) {
+    mutex_.assert_held();
     if (operation.status != access::Status::Sensor) {
       outcomes_.ended({session->id(), packet.header.counter, failure.detail, failure.text});
     }

@@ -8,7 +8,7 @@
 namespace gecos::session {
 
 void ObjectHost::waits(ServerCall& call, const CommandId& awaited, std::string name) {
-  const Lock lock(mutex_);
+  const MutexLock lock(mutex_);
   if (call.begun == TimePoint{} || call.awaited) return;
   call.awaited = awaited;
   call.awaited_name = std::move(name);
@@ -17,24 +17,24 @@ void ObjectHost::waits(ServerCall& call, const CommandId& awaited, std::string n
 }
 
 void ObjectHost::goes_on(ServerCall& call) {
-  const Lock lock(mutex_);
+  const MutexLock lock(mutex_);
   if (std::exchange(call.awaited, std::nullopt)) --waiting_handlers_;
 }
 
 std::optional<CommandId> ObjectHost::awaited_by(const ServerCall& call) {
-  const Lock lock(mutex_);
+  const MutexLock lock(mutex_);
   return call.awaited;
 }
 
 std::shared_ptr<ServerCall> ObjectHost::find(const CommandId& call) {
-  const Lock lock(mutex_);
+  const MutexLock lock(mutex_);
   const auto session = outcomes_.open(SessionId{call.session});
   const auto* const found = session == nullptr ? nullptr : session->calls.find(call.counter);
   return found == nullptr ? nullptr : *found;
 }
 
 std::vector<std::shared_ptr<ServerCall>> ObjectHost::held_up_by(const ServerCall& call) {
-  const Lock lock(mutex_);
+  const MutexLock lock(mutex_);
   std::vector<std::shared_ptr<ServerCall>> holding;
   if (call.begun != TimePoint{} || call.terminal || call.deadline != TimePoint::max()) return {};
   if (call.started) {  // it is queued by a servant that begins its calls itself
@@ -63,7 +63,7 @@ void ObjectHost::end_endless_waits(TimePoint now) {
   constexpr Duration certain_after = std::chrono::milliseconds(200);
   std::vector<std::shared_ptr<ServerCall>> waiting;
   {
-    const Lock lock(mutex_);
+    const MutexLock lock(mutex_);
     if (waiting_handlers_ == 0) return;
     for (ServerCall* const handler : handlers_) {
       if (!handler->awaited || now - handler->awaited_since < certain_after) continue;
@@ -83,7 +83,7 @@ void ObjectHost::end_endless_waits(TimePoint now) {
 void ObjectHost::refuse_endless(const CommandId& id, const std::string& why) {
   const auto call = find(id);
   if (call == nullptr) return;
-  const Lock lock(mutex_);
+  const MutexLock lock(mutex_);
   if (call->terminal || call->begun != TimePoint{}) return;
   const std::string text = call->title() + " was not started: " + why +
                            "; call the method itself, or let another thread wait";

@@ -4,6 +4,7 @@
 #include <exception>
 
 #include "gecos/base/log.hpp"
+#include "gecos/base/mutex.hpp"
 #include "gecos/session/protocol/function_code.hpp"
 #include "gecos/session/protocol/packets.hpp"
 #include "gecos/session/protocol/start_words.hpp"
@@ -45,7 +46,7 @@ ObjectHost::ObjectHost(std::shared_ptr<Runtime> runtime, std::string name, Serva
 
 void ObjectHost::run_ready(Starter starter, std::shared_ptr<ServerCall> started) {
   const auto next = [&] {
-    const Lock lock(mutex_);
+    const MutexLock lock(mutex_);
     return start_next(starter);
   };
   auto call = started ? std::move(started) : next();
@@ -73,7 +74,7 @@ std::shared_ptr<ServerCall> ObjectHost::execute(const std::shared_ptr<ServerCall
                              std::string(call->operation().name) +
                              "'; catch it there and fail the call with its text");
   }
-  const Lock lock(mutex_);
+  const MutexLock lock(mutex_);
   call->returned = true;
   queue_.returned(*call);
   if (call->answered) {
@@ -88,8 +89,8 @@ std::shared_ptr<ServerCall> ObjectHost::execute(const std::shared_ptr<ServerCall
 /// False for one that was ended before a thread came to it, or may not start any more: its caller
 /// was told, so it does not begin.
 bool ObjectHost::begins(ServerCall& call) {
-  std::unique_lock lock(mutex_);
-  const TimePoint now = await_judgement(lock);
+  const MutexLock lock(mutex_);
+  const TimePoint now = await_judgement();
   if (!may_start(call) || (!servant_.gecos_begins_calls() && !marked(call, now))) {
     never_began(call);
     return false;
@@ -100,27 +101,26 @@ bool ObjectHost::begins(ServerCall& call) {
 
 bool ObjectHost::begin(ServerCall& call) {
   runs_here(call.weak_from_this());
-  std::unique_lock lock(mutex_);
-  const TimePoint now = await_judgement(lock);
+  const MutexLock lock(mutex_);
+  const TimePoint now = await_judgement();
   return may_start(call) && marked(call, now);
 }
 
 /// Gives the time, of CLOCK_BOOTTIME, at which no pause was to be judged: with the mutex, so that
 /// whoever marks a call then has not waited for anything since.
-TimePoint ObjectHost::await_judgement(std::unique_lock<Mutex>& lock) {
+TimePoint ObjectHost::await_judgement() {
   PauseWatch& pauses = runtime_->maintenance().pauses();
   for (;;) {
     const TimePoint now = runtime_->clock().since_boot();
     if (!pauses.suspected(now)) return now;
-    lock.unlock();
+    const MutexUnlock unlocked(mutex_);
     pauses.await_judgement(runtime_->clock());
-    lock.lock();
   }
 }
 
 /// All was ended before, or there is no thread for it.
 void ObjectHost::not_begun(ServerCall& call) {
-  const Lock lock(mutex_);
+  const MutexLock lock(mutex_);
   if (!call.terminal) {
     end(call, Failure{Detail::Rejected,
                       "it was not started: no thread can be had for its handler, see "
@@ -158,6 +158,7 @@ std::shared_ptr<ServerCall> ObjectHost::start_next(Starter starter) {
 std::shared_ptr<QueueEntry> ObjectHost::next_entry() {
   if (awaited_ == 0 && !claim_.waits()) return queue_.next();
   return queue_.next([this](const QueueEntry& entry) {
+    mutex_.assert_held();
     return !static_cast<const ServerCall&>(entry).listener().awaited &&
            !needs_name(entry.operation);
   });
@@ -213,7 +214,7 @@ void ObjectHost::answered(ServerCall& call, ByteView result) {
   bool freed = false;
   let_pause_be_judged(call);
   {
-    const Lock lock(mutex_);
+    const MutexLock lock(mutex_);
     if (std::exchange(call.answered, true)) return;
     if (!call.terminal) end(call, result);
     freed = call.returned;
@@ -226,7 +227,7 @@ void ObjectHost::answered(ServerCall& call, Failure failure) {
   bool freed = false;
   let_pause_be_judged(call);
   {
-    const Lock lock(mutex_);
+    const MutexLock lock(mutex_);
     if (std::exchange(call.answered, true)) return;
     if (!call.terminal) {
       if (failure.detail == Detail::Canceled) failure.text = "canceled while it was executing";
@@ -293,7 +294,7 @@ void ObjectHost::tell_user(std::function<void()> what) {
   runtime_->maintenance().post([weak = weak_from_this(), what = std::move(what)] {
     const auto self = weak.lock();
     if (self == nullptr) return;
-    const std::lock_guard lock(self->user_mutex_);
+    const MutexLock lock(self->user_mutex_);
     if (!self->joined_) run_for_user(self->name_, what);
   });
 }
@@ -318,7 +319,7 @@ void ObjectHost::interrupt(ServerCall& call) {
 bool ObjectHost::wait_interrupted(const ServerCall& call, TimePoint deadline) {
   const auto wanted = [&] { return call.interrupted(); };
   {
-    std::unique_lock lock(mutex_);
+    MutexLock lock(mutex_);
     if (deadline != TimePoint::max()) {
       interrupted_.wait_until(lock, deadline, wanted);
     } else {
@@ -347,7 +348,7 @@ void ObjectHost::end_commands(const std::function<bool(const ServerCall&)>& whic
 }
 
 void ObjectHost::progressed(ServerCall& call, double fraction, ByteView feedback) {
-  const Lock lock(mutex_);
+  const MutexLock lock(mutex_);
   if (call.terminal) return;
   call.fraction = fraction;
   call.feedback.assign(feedback.begin(), feedback.end());
@@ -382,13 +383,13 @@ TimePoint ObjectHost::on_tick(TimePoint now) {
   end_endless_waits(now);
   // What has become free, and what nobody else looks at: its client is gone, its poller sleeps.
   if (ready()) run_ready(Starter::Other);
-  const Lock lock(mutex_);
+  const MutexLock lock(mutex_);
   const bool calm = queue_.idle() && open_.empty();
   return now + (calm ? Maintenance::calm_tick : Maintenance::tick);
 }
 
 void ObjectHost::look_at_time(TimePoint now) {
-  const Lock lock(mutex_);
+  const MutexLock lock(mutex_);
   for (const auto& holder : leases_.expire(lease_clock_.advance(now))) {
     lose_status(holder.session,
                 "its holder has been silent for " +
@@ -426,7 +427,7 @@ void ObjectHost::look_at_time(TimePoint now) {
 }
 
 void ObjectHost::await_sign_of_life(ServerSession& session) {
-  const Lock lock(mutex_);
+  const MutexLock lock(mutex_);
   session.liveness.await_heartbeat_after(session.link().beats_seen());
   hold(session);
 }
@@ -443,7 +444,7 @@ void ObjectHost::no_more_awaited(ServerSession& session) {
 }
 
 void ObjectHost::after_pause(Duration stood_still) {
-  const Lock lock(mutex_);
+  const MutexLock lock(mutex_);
   end_commands([](const ServerCall& call) { return call.started; },
                Failure{Detail::Fault,
                        "the server " + stood_still_for(stood_still) + " while it was running",
@@ -454,7 +455,7 @@ void ObjectHost::after_pause(Duration stood_still) {
 }
 
 bool ObjectHost::check_liveness(const std::shared_ptr<ServerSession>& session) {
-  const Lock lock(mutex_);
+  const MutexLock lock(mutex_);
   if (session->overrun()) return true;
   const TimePoint now = lease_clock_.now();
   const auto verdict = session->liveness.check(session->link().beats_seen(), now);
@@ -472,7 +473,7 @@ bool ObjectHost::check_liveness(const std::shared_ptr<ServerSession>& session) {
 void ObjectHost::depart(const std::shared_ptr<ServerSession>& session, Departure how) {
   bool calls_are_over = false;
   {
-    const Lock lock(mutex_);
+    const MutexLock lock(mutex_);
     if (std::exchange(session->closed, true)) return;
     session->parted_in_order = how == Departure::InOrder || session->left;
     no_more_awaited(*session);
@@ -523,7 +524,7 @@ void ObjectHost::give_back_all(ServerSession& session) {
 }
 
 void ObjectHost::close() {
-  const Lock lock(mutex_);
+  const MutexLock lock(mutex_);
   closed_ = true;
   const Failure failure{Detail::Stopped, "the server withdrew " + name_, {}, {}};
   end_commands([](const ServerCall&) { return true; }, failure);
@@ -545,13 +546,13 @@ void ObjectHost::close() {
 }
 
 bool ObjectHost::closed() {
-  const Lock lock(mutex_);
+  const MutexLock lock(mutex_);
   return closed_;
 }
 
 void ObjectHost::join() {
   executor_.join();
-  const std::lock_guard lock(user_mutex_);
+  const MutexLock lock(user_mutex_);
   joined_ = true;
 }
 

@@ -17,20 +17,20 @@ ObjectStreams::ObjectStreams(std::string object, const InterfaceDescription& int
     : object_(std::move(object)), streams_(interface.all_streams()), outlets_(streams_.size()) {}
 
 void ObjectStreams::offer(std::shared_ptr<media::Acceptor> acceptor) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   const media::Kind kind = acceptor->offer().kind;
   acceptors_[kind] = std::move(acceptor);
 }
 
 void ObjectStreams::close() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   for (Outlet& outlet : outlets_) outlet.writers.clear();
   acceptors_.clear();
 }
 
 tl::expected<std::uint32_t, std::string> ObjectStreams::share(const StreamDescription& stream,
                                                               media::Link& link) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   const auto place = std::ranges::lower_bound(streams_, stream.code, {}, &StreamDescription::code);
   const auto index = static_cast<std::size_t>(place - streams_.begin());
   Outlet& outlet = outlets_.at(index);
@@ -67,7 +67,7 @@ tl::expected<std::uint32_t, std::string> ObjectStreams::share(const StreamDescri
 
 void ObjectStreams::publish(const StreamDescription& stream, ByteView sample,
                             const SampleTime& time) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   const auto place = std::ranges::lower_bound(streams_, stream.code, {}, &StreamDescription::code);
   if (place == streams_.end() || (*place)->code != stream.code) return;
   Outlet& outlet = outlets_[static_cast<std::size_t>(place - streams_.begin())];

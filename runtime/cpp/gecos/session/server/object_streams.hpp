@@ -2,10 +2,10 @@
 
 #include <map>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <vector>
 
+#include "gecos/base/mutex.hpp"
 #include "gecos/description.hpp"
 #include "gecos/media/medium.hpp"
 #include "gecos/session/protocol/sample_time.hpp"
@@ -38,9 +38,9 @@ class ObjectStreams {
 
   const std::string object_;
   const std::vector<const StreamDescription*> streams_;  ///< of the interface, by code
-  std::mutex mutex_;
-  std::map<media::Kind, std::shared_ptr<media::Acceptor>> acceptors_;
-  std::vector<Outlet> outlets_;  ///< one for each of them
+  Mutex mutex_;
+  std::map<media::Kind, std::shared_ptr<media::Acceptor>> acceptors_ GECOS_GUARDED_BY(mutex_);
+  std::vector<Outlet> outlets_ GECOS_GUARDED_BY(mutex_);  ///< one for each of them
 };
 
 }  // namespace gecos::session

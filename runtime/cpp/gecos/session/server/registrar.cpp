@@ -50,7 +50,7 @@ tl::expected<void, std::string> Registrar::await_broker(TimePoint deadline) {
 
 void Registrar::note_broker(const std::string& missing) {
   const TimePoint now = lab_->runtime()->clock().now();
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (missing.empty()) {
     missing_since_.reset();
     told_missing_ = false;
@@ -66,8 +66,11 @@ void Registrar::note_broker(const std::string& missing) {
 
 bool Registrar::rest(Duration length, TimePoint deadline) {
   const Clock& clock = lab_->runtime()->clock();
-  std::unique_lock lock(mutex_);
-  changed_.wait_until(lock, std::min(deadline, clock.now() + length), [this] { return ended_; });
+  MutexLock lock(mutex_);
+  changed_.wait_until(lock, std::min(deadline, clock.now() + length), [this] {
+    mutex_.assert_held();
+    return ended_;
+  });
   return !ended_ && clock.now() < deadline;
 }
 
@@ -93,7 +96,7 @@ tl::expected<void, std::string> Registrar::add(const std::shared_ptr<ObjectHost>
   const auto enlisted =
       register_first(registration, deadline_after(std::max(patience, object->options().patience)));
   if (!enlisted) return tl::unexpected(entry.name + " is not served: " + enlisted.error());
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   registrations_.push_back(std::move(registration));
   if (*enlisted > Duration::zero()) ask_soon();
   return {};
@@ -135,24 +138,27 @@ bool Registrar::holder_has_ended(const std::string& name, TimePoint deadline) co
 }
 
 void Registrar::look() {
-  const std::unique_lock lock(mutex_, std::try_to_lock);
-  if (lock && broker_ && broker_->lost() && next_ == TimePoint::max()) ask_soon();
+  if (!mutex_.try_lock()) return;
+  if (broker_ && broker_->lost() && next_ == TimePoint::max()) ask_soon();
+  mutex_.unlock();
 }
 
 void Registrar::ask_again() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (!registrations_.empty()) ask_soon();
 }
 
-/// With the mutex.
 void Registrar::ask_soon() {
   wanted_ = true;
   changed_.notify_all();
 }
 
 void Registrar::run() {
-  std::unique_lock lock(mutex_);
-  const auto due = [this] { return ended_ || wanted_; };
+  MutexLock lock(mutex_);
+  const auto due = [this] {
+    mutex_.assert_held();
+    return ended_ || wanted_;
+  };
   while (!ended_) {
     if (next_ == TimePoint::max()) {
       changed_.wait(lock, due);
@@ -233,7 +239,7 @@ Duration Registrar::served_for(const Registration& registration) const {
 tl::expected<Registrar::Broker, std::string> Registrar::find_broker(TimePoint deadline) {
   std::string place;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (broker_ && !broker_->lost()) return broker_;
     place = place_;
   }
@@ -242,7 +248,7 @@ tl::expected<Registrar::Broker, std::string> Registrar::find_broker(TimePoint de
     found = connect(*lab_->runtime(), place, broker_interface(), deadline);
   }
   if (!found) return found;
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (ended_) return tl::unexpected(std::string("the server has ended"));
   place_ = (*found)->place();
   broker_ = *found;
@@ -251,7 +257,7 @@ tl::expected<Registrar::Broker, std::string> Registrar::find_broker(TimePoint de
 
 void Registrar::end() {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (ended_) return;
     ended_ = true;
   }
@@ -260,7 +266,7 @@ void Registrar::end() {
   Broker broker;
   std::vector<Registration> registrations;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     broker = std::move(broker_);
     registrations.swap(registrations_);
   }

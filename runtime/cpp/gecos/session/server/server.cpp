@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <mutex>
 #include <system_error>
 
 #include "gecos/base/descriptors.hpp"
 #include "gecos/base/log.hpp"
+#include "gecos/base/mutex.hpp"
 #include "gecos/base/system_error.hpp"
 #include "gecos/session/client/context.hpp"
 #include "gecos/session/process/termination_signals.hpp"
@@ -59,8 +59,8 @@ class Server::Core {
     explicit Upkeep(Core& its_core) : core(&its_core) {}
     TimePoint on_tick(TimePoint now) override;
     void after_pause(Duration stood_still) override;
-    std::mutex mutex;
-    Core* core;  ///< null once the server ends
+    Mutex mutex;
+    Core* core GECOS_GUARDED_BY(mutex);  ///< null once the server ends
   };
 
   struct Opened {
@@ -72,8 +72,8 @@ class Server::Core {
 
   const pid_t owner_ = getpid();
   const std::shared_ptr<Context> lab_;
-  std::mutex mutex_;
-  std::vector<std::shared_ptr<ObjectHost>> objects_;
+  Mutex mutex_;
+  std::vector<std::shared_ptr<ObjectHost>> objects_ GECOS_GUARDED_BY(mutex_);
   session::Wakeup ended_;
   session::IoLoop io_;
   session::Registrar registrar_;
@@ -90,20 +90,20 @@ Server::Core::Made Server::Core::make(const session::LabOrWhyNot& lab) {
 }
 
 TimePoint Server::Core::Upkeep::on_tick(TimePoint now) {
-  const std::lock_guard lock(mutex);
+  const MutexLock lock(mutex);
   if (core == nullptr) return TimePoint::max();
   TimePoint next = core->io_.on_tick(now);
   core->registrar_.look();
-  const std::lock_guard objects(core->mutex_);
+  const MutexLock objects(core->mutex_);
   for (const auto& object : core->objects_) next = std::min(next, object->on_tick(now));
   return next;
 }
 
 void Server::Core::Upkeep::after_pause(Duration stood_still) {
-  const std::lock_guard lock(mutex);
+  const MutexLock lock(mutex);
   if (core == nullptr) return;
   core->io_.await_signs_of_life();
-  const std::lock_guard objects(core->mutex_);
+  const MutexLock objects(core->mutex_);
   for (const auto& object : core->objects_) object->after_pause(stood_still);
   core->registrar_.ask_again();
 }
@@ -112,10 +112,10 @@ Server::Core::~Core() {
   registrar_.end();
   {
     // Maintenance takes this mutex first, then ours: never the other way round.
-    const std::lock_guard lock(upkeep_->mutex);
+    const MutexLock lock(upkeep_->mutex);
     upkeep_->core = nullptr;
   }
-  const std::lock_guard objects(mutex_);
+  const MutexLock objects(mutex_);
   for (const auto& object : objects_) object->close();
   for (const auto& object : objects_) object->join();
   io_.end();
@@ -185,13 +185,13 @@ tl::expected<void, ServeError> Server::Core::add(std::string name, Servant& serv
   servant.gecos_attach(object);
   for (auto& acceptor : opened->acceptors) io_.serve(object, std::move(acceptor));
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     objects_.push_back(object);
   }
   if (well_known) return {};
   if (auto enlisted = registrar_.add(object, std::move(opened->addresses)); !enlisted) {
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       objects_.erase(std::find(objects_.begin(), objects_.end(), object));
     }
     object->close();

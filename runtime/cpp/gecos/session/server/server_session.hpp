@@ -6,7 +6,6 @@
 #include <limits>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 
 #include "gecos/access/lease_table.hpp"
@@ -102,7 +101,7 @@ class ServerSession {
   bool awaited = false;
 
  private:
-  void deliver(ByteView packet);
+  void deliver(ByteView packet) GECOS_REQUIRES(send_mutex_);
 
   const std::unique_ptr<media::Link> link_;
   const std::shared_ptr<ObjectHost> object_;
@@ -110,10 +109,10 @@ class ServerSession {
   SessionId id_{};
   Caller caller_;
 
-  Mutex send_mutex_;
-  Bytes packet_;               ///< reused
-  std::deque<Bytes> backlog_;  ///< what found no room
-  std::size_t backlog_bytes_ = 0;
+  FutexMutex send_mutex_;
+  Bytes packet_ GECOS_GUARDED_BY(send_mutex_);               ///< reused
+  std::deque<Bytes> backlog_ GECOS_GUARDED_BY(send_mutex_);  ///< what found no room
+  std::size_t backlog_bytes_ GECOS_GUARDED_BY(send_mutex_) = 0;
   std::atomic<bool> overrun_{false};  // publishes nothing but itself
 };
 
