@@ -166,7 +166,7 @@ const ServerCall* ObjectHost::outlives_its_status() const {
   if (!leases_.roster().empty()) return nullptr;
   for (const QueueEntry* const entry : queue_.running()) {
     const auto& call = static_cast<const ServerCall&>(*entry);
-    if (call.terminal && call.operation().status != access::Status::Sensor) return &call;
+    if (call.state.ended() && call.operation().status != access::Status::Sensor) return &call;
   }
   return nullptr;
 }
@@ -266,7 +266,7 @@ OutcomeRecord ObjectHost::outcome_of(SessionId asked, std::uint64_t counter) {
                             "it has not arrived, and does not start if it still arrives"};
   if (const auto session = outcomes_.open(asked)) {
     if (const auto* call = session->calls.find(counter)) {
-      return {number_of((*call)->running_detail()), {}};
+      return {number_of((*call)->state.detail()), {}};
     }
     if (session->early.contains(counter)) {
       return {number_of(Detail::Queued), "it waits for what was issued before it"};

@@ -43,7 +43,7 @@ void ObjectHost::name_unanswered(std::uint64_t question, const std::string& why)
     text = "actor commands of " + name_ + " are not started: " + claim_.text();
     end_commands(
         [](const ServerCall& call) {
-          return !call.started && commands_the_object(call.operation());
+          return call.state.queued() && commands_the_object(call.operation());
         },
         Failure{Detail::NotStarted, text, {}, {}});
   }

@@ -191,10 +191,7 @@ void ObjectHost::withdraw(ServerSession& session) {
   std::vector<std::shared_ptr<ServerCall>> calls;
   for (const auto& [counter, call] : session.calls.all()) calls.push_back(call);
   for (const auto& call : calls) {
-    if (!queue_.remove(*call)) continue;
-    end(*call, Failure{Detail::NotStarted, given_up, {}, {}});
-    call->answered = call->returned = true;
-    finished(*call);
+    if (call->state.queued()) end(*call, Failure{Detail::NotStarted, given_up, {}, {}});
   }
   note_ready();
 }
@@ -330,7 +327,7 @@ void ObjectHost::admit(const std::shared_ptr<ServerSession>& session,
                                         packet.header.epoch, packet.body);
   if (log_enabled(level_of(operation))) call->arrived = runtime_->clock().now();
   if (packet.header.deadline > Duration{}) {
-    call->deadline = expiry(packet.header.deadline, runtime_->clock().since_boot());
+    call->state.set_deadline(expiry(packet.header.deadline, runtime_->clock().since_boot()));
   }
   if (const auto queued = queue_.push(call); !queued) {
     return refuse({Detail::QueueFull,
@@ -350,7 +347,7 @@ void ObjectHost::admit(const std::shared_ptr<ServerSession>& session,
       if (position != 0) session->report(*call, Detail::Queued, position);
     }
   }
-  if (call->deadline != TimePoint::max()) list(*call);
+  if (call->state.has_deadline()) list(*call);
   note_ready();
 }
 
@@ -379,7 +376,7 @@ void ObjectHost::answer_again(ServerSession& session, std::uint64_t counter) {
                                  {}});
   }
   const ServerCall& call = **found;
-  session.report(call, call.running_detail(), queue_.position(call).value_or(0));
+  session.report(call, call.state.detail(), queue_.position(call).value_or(0));
 }
 
 void ObjectHost::cancel(ServerSession& session, std::uint64_t counter) {
@@ -389,25 +386,23 @@ void ObjectHost::cancel(ServerSession& session, std::uint64_t counter) {
   const auto* found = session.calls.find(counter);
   if (found == nullptr) return;
   const std::shared_ptr<ServerCall> call = *found;
-  const bool motion = call->started && call->operation().cancelable;
-  if (motion && !call->canceling) {
-    call->canceling = true;
+  if (call->state.queued()) {
+    end(*call, Failure{Detail::Canceled, "canceled before it started", {}, {}});
+    note_ready();
+  } else if (call->operation().cancelable && !call->state.canceling()) {
+    call->state.on(CallState::Event::Cancel);
     interrupt(*call);
     session.report(*call, Detail::Canceling, 0);
     end_commands(
         [&](const ServerCall& other) {
-          return other.client == call->client && !other.started && other.counter > call->counter;
+          return other.client == call->client && other.state.queued() &&
+                 other.counter > call->counter;
         },
         Failure{Detail::Canceled, "canceled with the command before it", {}, {}});
     for (auto at = session.early.upper_bound(counter); at != session.early.end();
          at = session.early.upper_bound(counter)) {
       end_early(session, at->first, Detail::Canceled, "canceled with the command before it");
     }
-  } else if (!call->started && queue_.remove(*call)) {
-    end(*call, Failure{Detail::Canceled, "canceled before it started", {}, {}});
-    call->answered = call->returned = true;
-    finished(*call);
-    note_ready();
   }
 }
 

@@ -47,7 +47,7 @@ void ObjectHost::resume(const std::shared_ptr<ServerSession>& session,
   call->resumed_in = session;
   call->resumed_counter = packet.header.counter;
   session->calls.insert(call->resumed_counter, call);
-  session->report(*call, call->running_detail(), queue_.position(*call).value_or(0));
+  session->report(*call, call->state.detail(), queue_.position(*call).value_or(0));
 }
 
 /// Should it still come in its own session, it is too late.

@@ -75,11 +75,11 @@ std::shared_ptr<ServerCall> ObjectHost::execute(const std::shared_ptr<ServerCall
                              "'; catch it there and fail the call with its text");
   }
   const MutexLock lock(mutex_);
-  call->returned = true;
+  const auto change = call->state.on(CallState::Event::Return);
   queue_.returned(*call);
-  if (call->answered) {
+  if (change.finished) {
     finished(*call);
-  } else if (!call->terminal) {
+  } else if (!call->state.ended()) {
     list(*call);  // its handler answers later
     call->listener().report(*call, Detail::Executing, 0);
   }
@@ -103,6 +103,7 @@ bool ObjectHost::begin(ServerCall& call) {
   runs_here(call.weak_from_this());
   const MutexLock lock(mutex_);
   const TimePoint now = await_judgement();
+  if (call.state.begun_at()) return !call.state.ended();
   return may_start(call) && marked(call, now);
 }
 
@@ -121,7 +122,7 @@ TimePoint ObjectHost::await_judgement() {
 /// All was ended before, or there is no thread for it.
 void ObjectHost::not_begun(ServerCall& call) {
   const MutexLock lock(mutex_);
-  if (!call.terminal) {
+  if (!call.state.ended()) {
     end(call, Failure{Detail::Rejected,
                       "it was not started: no thread can be had for its handler, see "
                       "`ulimit -u` of the server",
@@ -132,7 +133,7 @@ void ObjectHost::not_begun(ServerCall& call) {
 }
 
 void ObjectHost::never_began(ServerCall& call) {
-  call.answered = call.returned = true;
+  call.state.on(CallState::Event::Drop);
   queue_.returned(call);
   finished(call);
 }
@@ -145,6 +146,7 @@ std::shared_ptr<ServerCall> ObjectHost::start_next(Starter starter) {
   }
   while (auto entry = next_entry()) {
     auto call = std::static_pointer_cast<ServerCall>(std::move(entry));
+    call->state.on(CallState::Event::Take);
     const bool here = starter != Starter::Other && !runs_long(call->operation());
     if (may_start(*call) && (!here || servant_.gecos_begins_calls() || marked(*call, pause_.at))) {
       if (!here) list(*call);
@@ -166,10 +168,10 @@ std::shared_ptr<QueueEntry> ObjectHost::next_entry() {
 
 /// Ends it when it may not.
 bool ObjectHost::may_start(ServerCall& call) {
-  if (call.terminal) return false;
+  if (call.state.ended()) return false;
   const ServerSession& caller = call.listener();
   const bool expired =
-      call.deadline != TimePoint::max() && runtime_->clock().since_boot() >= call.deadline;
+      call.state.has_deadline() && call.state.overdue(runtime_->clock().since_boot());
   const auto refusal = refusal_to_start({call.operation(), call.client, call.epoch}, as_asked(),
                                         {.gone = caller.closed && !caller.parted_in_order,
                                          .withdrawn = caller.withdrawn,
@@ -184,7 +186,7 @@ bool ObjectHost::may_start(ServerCall& call) {
 bool ObjectHost::marked(ServerCall& call, TimePoint now) {
   call.note_mark(now);
   if (!withdrawn(call)) {
-    call.begun = now;
+    call.state.on(CallState::Event::Begin, now);
     handlers_.push_back(&call);
     if (log_enabled(LogLevel::Debug)) log_begin(call);
     return true;
@@ -211,35 +213,29 @@ bool ObjectHost::withdrawn(const ServerCall& call) {
 // Outcomes
 
 void ObjectHost::answered(ServerCall& call, ByteView result) {
-  bool freed = false;
   let_pause_be_judged(call);
-  {
-    const MutexLock lock(mutex_);
-    if (std::exchange(call.answered, true)) return;
-    if (!call.terminal) end(call, result);
-    freed = call.returned;
-    if (freed) finished(call);
-  }
-  if (freed) run_ready(Starter::Other);
+  take_answer(call, result);
 }
 
 void ObjectHost::answered(ServerCall& call, Failure failure) {
-  bool freed = false;
   let_pause_be_judged(call);
+  if (failure.detail == Detail::Canceled) failure.text = "canceled while it was executing";
+  if (project(failure.detail) == State::Running || failure.detail == Detail::Done) {
+    failure.detail = Detail::Fault;
+  }
+  take_answer(call, failure);
+}
+
+template <class Outcome>
+void ObjectHost::take_answer(ServerCall& call, const Outcome& outcome) {
   {
     const MutexLock lock(mutex_);
-    if (std::exchange(call.answered, true)) return;
-    if (!call.terminal) {
-      if (failure.detail == Detail::Canceled) failure.text = "canceled while it was executing";
-      if (project(failure.detail) == State::Running || failure.detail == Detail::Done) {
-        failure.detail = Detail::Fault;
-      }
-      end(call, failure);
-    }
-    freed = call.returned;
-    if (freed) finished(call);
+    const auto change = call.state.on(CallState::Event::Answer);
+    if (change.told) tell_outcome(call, outcome);
+    if (!change.finished) return;
+    finished(call);
   }
-  if (freed) run_ready(Starter::Other);
+  run_ready(Starter::Other);
 }
 
 /// What ran through a pause ends as the judgement says, however quick its handler is afterwards.
@@ -249,20 +245,26 @@ void ObjectHost::let_pause_be_judged(const ServerCall& call) {
   if (!maintenance.on_this_thread()) maintenance.pauses().await_judgement(runtime_->clock());
 }
 
-void ObjectHost::end(ServerCall& call, ByteView result) {
+void ObjectHost::end(ServerCall& call, const Failure& failure) {
+  if (call.state.queued()) queue_.remove(call);
+  const auto change = call.state.on(CallState::Event::End);
+  tell_outcome(call, failure);
+  if (change.finished) finished(call);
+}
+
+void ObjectHost::tell_outcome(ServerCall& call, ByteView result) {
   settle(call, Detail::Done, {});
   call.listener().reply(call.counter_in(call.listener()), result);
 }
 
-void ObjectHost::end(ServerCall& call, const Failure& failure) {
+void ObjectHost::tell_outcome(ServerCall& call, const Failure& failure) {
   settle(call, failure.detail, failure.text);
   call.listener().reply(call.counter_in(call.listener()), failure);
 }
 
-/// Before its caller is told: whoever has seen the last command of a released status end finds the
-/// status free. What the next holder commands still waits for the handler to return.
+/// Before the reply, so that a client that saw its last command end can acquire the status.
+/// Commands of the next holder still wait for the handler to return.
 void ObjectHost::settle(ServerCall& call, Detail detail, const std::string& text) {
-  call.terminal = true;
   if (log_enabled(level_of(call.operation()))) log_end(call, detail, text, runtime_->clock().now());
   call.session->calls.take(call.counter);
   if (call.resumed_in) call.resumed_in->calls.take(call.resumed_counter);
@@ -278,8 +280,8 @@ void ObjectHost::list(ServerCall& call) {
 /// Its handler has returned and answered: the lane is free.
 void ObjectHost::finished(ServerCall& call) {
   queue_.ended(call);
-  if (std::exchange(call.begun, TimePoint{}) != TimePoint{}) std::erase(handlers_, &call);
-  if (std::exchange(call.awaited, std::nullopt)) --waiting_handlers_;
+  if (call.state.begun_at()) std::erase(handlers_, &call);
+  if (std::exchange(call.waits_for, std::nullopt)) --waiting_handlers_;
   if (std::exchange(call.listed, false)) {
     open_.erase(std::find_if(open_.begin(), open_.end(),
                              [&](const auto& other) { return other.get() == &call; }));
@@ -334,35 +336,23 @@ void ObjectHost::end_commands(const std::function<bool(const ServerCall&)>& whic
                               const Failure& failure) {
   for (const auto& call : actor_commands()) {
     if (!which(*call)) continue;
-    if (!call->started) {
-      queue_.remove(*call);
-      end(*call, failure);
-      call->answered = call->returned = true;
-      finished(*call);
-    } else {
-      interrupt(*call);
-      if (!call->terminal) end(*call, failure);
-    }
+    if (!call->state.queued()) interrupt(*call);
+    if (!call->state.ended()) end(*call, failure);
   }
   note_ready();
 }
 
 void ObjectHost::progressed(ServerCall& call, double fraction, ByteView feedback) {
   const MutexLock lock(mutex_);
-  if (call.terminal) return;
-  call.fraction = fraction;
-  call.feedback.assign(feedback.begin(), feedback.end());
-  call.progress_dirty = true;
+  if (call.state.ended()) return;
+  call.reported.note(fraction, feedback);
   tell(call, runtime_->clock().now());
 }
 
 void ObjectHost::tell(ServerCall& call, TimePoint now) {
-  constexpr Duration between = std::chrono::milliseconds(2);
-  if (!call.progress_dirty || call.terminal || now < call.progress_sent + between) return;
-  const Detail detail = call.canceling ? Detail::Canceling : Detail::Executing;
-  if (!call.listener().report(call, detail, 0)) return;
-  call.progress_dirty = false;
-  call.progress_sent = now;
+  if (call.state.ended() || !call.reported.due(now)) return;
+  const Detail detail = call.state.canceling() ? Detail::Canceling : Detail::Executing;
+  if (call.listener().report(call, detail, 0)) call.reported.sent(now);
 }
 
 void ObjectHost::tell_positions() {
@@ -401,15 +391,13 @@ void ObjectHost::look_at_time(TimePoint now) {
   const auto open = open_;
   const TimePoint by_deadlines = open.empty() ? now : runtime_->clock().since_boot();
   for (const auto& call : open) {
-    if (!call->terminal && by_deadlines >= call->deadline) {
-      if (queue_.remove(*call)) {
+    if (!call->state.ended() && call->state.overdue(by_deadlines)) {
+      if (call->state.queued()) {
         end(*call, Failure{Detail::Expired,
                            "the deadline of '" + std::string(call->operation().name) +
                                "' passed before it started; it was not carried out",
                            {},
                            {}});
-        call->answered = call->returned = true;
-        finished(*call);
       } else {
         interrupt(*call);
         end(*call, Failure{Detail::TimedOut,
@@ -445,7 +433,7 @@ void ObjectHost::no_more_awaited(ServerSession& session) {
 
 void ObjectHost::after_pause(Duration stood_still) {
   const MutexLock lock(mutex_);
-  end_commands([](const ServerCall& call) { return call.started; },
+  end_commands([](const ServerCall& call) { return !call.state.queued(); },
                Failure{Detail::Fault,
                        "the server " + stood_still_for(stood_still) + " while it was running",
                        {},
@@ -509,7 +497,7 @@ void ObjectHost::lose_status(SessionId session, const std::string& why) {
   end_commands(
       [&](const ServerCall& call) {
         return call.client == session && call.operation().status != access::Status::Sensor &&
-               !(call.started && call.operation().on_loss == OnLoss::Finish);
+               (call.state.queued() || call.operation().on_loss != OnLoss::Finish);
       },
       failure);
 }
@@ -529,10 +517,7 @@ void ObjectHost::close() {
   const Failure failure{Detail::Stopped, "the server withdrew " + name_, {}, {}};
   end_commands([](const ServerCall&) { return true; }, failure);
   for (const auto& entry : queue_.drop()) {
-    auto& call = static_cast<ServerCall&>(*entry);
-    end(call, failure);
-    call.answered = call.returned = true;
-    finished(call);
+    end(static_cast<ServerCall&>(*entry), failure);
   }
   for (const auto& waiting : std::exchange(waiting_, {})) {
     waiting.session->reply(waiting.counter,
@@ -541,7 +526,7 @@ void ObjectHost::close() {
   const auto open = open_;  // what is left reads, and is answered later
   for (const auto& call : open) {
     interrupt(*call);
-    if (!call->terminal) end(*call, failure);
+    if (!call->state.ended()) end(*call, failure);
   }
 }
 

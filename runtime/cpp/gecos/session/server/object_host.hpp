@@ -200,8 +200,10 @@ class ObjectHost final : public Publisher, public std::enable_shared_from_this<O
   void not_begun(ServerCall& call);
   void never_began(ServerCall& call) GECOS_REQUIRES(mutex_);
   bool withdrawn(const ServerCall& call) GECOS_REQUIRES(mutex_);
+  /// Tells its caller, and takes it out of the queue where it has not started.
   void end(ServerCall& call, const Failure& failure) GECOS_REQUIRES(mutex_);
-  void end(ServerCall& call, ByteView result) GECOS_REQUIRES(mutex_);
+  void tell_outcome(ServerCall& call, const Failure& failure) GECOS_REQUIRES(mutex_);
+  void tell_outcome(ServerCall& call, ByteView result) GECOS_REQUIRES(mutex_);
   void settle(ServerCall& call, Detail detail, const std::string& text) GECOS_REQUIRES(mutex_);
   void list(ServerCall& call) GECOS_REQUIRES(mutex_);
   void finished(ServerCall& call) GECOS_REQUIRES(mutex_);
@@ -216,6 +218,8 @@ class ObjectHost final : public Publisher, public std::enable_shared_from_this<O
   void tell(ServerCall& call, TimePoint now) GECOS_REQUIRES(mutex_);
   void note_ready() { ready_.store(true, std::memory_order_release); }
 
+  template <class Outcome>
+  void take_answer(ServerCall& call, const Outcome& outcome);
   bool begins(ServerCall& call);
   /// Gives what may start after it.
   std::shared_ptr<ServerCall> execute(const std::shared_ptr<ServerCall>& call, Starter starter);

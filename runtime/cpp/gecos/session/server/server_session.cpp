@@ -122,7 +122,8 @@ void ServerSession::reply(std::uint64_t counter, const Failure& failure) {
 }
 
 bool ServerSession::report(const ServerCall& call, Detail detail, std::size_t position) {
-  const ProgressBody body{static_cast<std::uint32_t>(position), call.fraction, call.feedback};
+  const ProgressBody body{static_cast<std::uint32_t>(position), call.reported.fraction(),
+                          call.reported.feedback()};
   wire::PacketHeader header;
   header.kind = wire::PacketKind::Progress;
   header.flags = static_cast<std::int8_t>(detail);
