@@ -144,7 +144,7 @@ class Client {
   void take(ByteView packet) {
     object_->take(session_, packet);
     object_->run_ready(Starter::Poller);
-    expect(session_->early.size() <= ObjectQueue::most_of_object, "what came too early is bounded");
+    expect(session_->intake.aside() <= ObjectQueue::most_of_object, "what came too early is bounded");
   }
   void greet(std::string interface_name) {
     Hello hello;
@@ -316,7 +316,7 @@ void try_served(Script script) {
     object->join();
     for (const Client* client : {&first, &second}) {
       expect(client->session()->calls.size() == 0, "every call comes to an end");
-      expect(client->session()->early.empty(), "nothing that came too early is left");
+      expect(client->session()->intake.aside() == 0, "nothing that came too early is left");
     }
   }
 }

@@ -371,7 +371,7 @@ TEST_F(OverALossyLine, ACommandThatCameTooEarlyGoesWithItsSession) {
   call(3, probe::set_code, {}, granted());
   object_->depart(session_, ObjectHost::Departure::Lost);
   EXPECT_EQ(reply_to(3), Detail::Rejected) << "should anybody still hear it";
-  EXPECT_TRUE(session_->early.empty());
+  EXPECT_EQ(session_->intake.aside(), 0U);
   EXPECT_EQ(servant_.sessions_ended, 1);
 }
 

@@ -268,12 +268,12 @@ OutcomeRecord ObjectHost::outcome_of(SessionId asked, std::uint64_t counter) {
     if (const auto* call = session->calls.find(counter)) {
       return {number_of((*call)->state.detail()), {}};
     }
-    if (session->early.contains(counter)) {
+    if (session->intake.is_aside(counter)) {
       return {number_of(Detail::Queued), "it waits for what was issued before it"};
     }
-    if (!session->window.seen(counter)) {
+    if (!session->intake.seen(counter)) {
       if (!session->repeats()) return {number_of(Detail::Sent), "it is on its way"};
-      if (session->window.arrived(counter) == ReceiveWindow::Verdict::Beyond) {
+      if (session->intake.bar(counter) == ReceiveWindow::Verdict::Beyond) {
         return {
             number_of(Detail::Sent),
             "it has not arrived, and is too far ahead of a missing one to be barred; ask again"};

@@ -14,14 +14,6 @@
 namespace gecos::session {
 namespace {
 
-/// While this process was stopped, say: its client has been told that nobody knows, or asks again.
-/// Where the medium loses nothing, a call also waits unread behind handlers that take long, which
-/// is no reason to refuse it: there only a pause is.
-bool waited_too_long(ServerSession& session) {
-  return (session.repeats() || session.awaited) && session.accept_within > Duration{} &&
-         session.link().age() > session.accept_within;
-}
-
 std::string text_of(ObjectQueue::Full full, std::size_t bytes) {
   const auto calls = [](std::size_t most, const char* whose) {
     return std::to_string(most) + " calls of " + whose + " wait already; wait for one of them";
@@ -113,13 +105,9 @@ void ObjectHost::take_packet(const std::shared_ptr<ServerSession>& session, Byte
   }
 }
 
-/// What its client has given up comes no more: nothing waits for it.
 void ObjectHost::acknowledge(const std::shared_ptr<ServerSession>& session, std::uint64_t counter) {
   session->replies->acknowledged(counter);
-  if (counter <= session->window.all_up_to()) return;
-  session->early.erase(session->early.begin(), session->early.upper_bound(counter));
-  session->window.given_up(counter);
-  take_early(session);
+  if (session->intake.given_up(counter)) take_early(session);
 }
 
 void ObjectHost::greet(const std::shared_ptr<ServerSession>& session,
@@ -153,7 +141,7 @@ void ObjectHost::greet(const std::shared_ptr<ServerSession>& session,
     const SessionId id = new_session_id();
     caller.session = number(id);
     session->greet(id, std::move(caller));
-    session->accept_within = hello->accept_within;
+    session->intake.accept_within(hello->accept_within);
     session->liveness.heard(lease_clock_.now());
     outcomes_.opened(id, session);
     note_session(id, weak_from_this());
@@ -184,9 +172,9 @@ bool ObjectHost::unheard_since_a_pause(const ServerSession& session) const {
 
 /// Its client has given up what has not started.
 void ObjectHost::withdraw(ServerSession& session) {
-  session.withdrawn = true;  // also for what waits for its thread
-  while (!session.early.empty()) {
-    end_early(session, session.early.begin()->first, Detail::NotStarted, given_up);
+  session.intake.withdraw();  // also for what waits for its thread
+  while (const auto counter = session.intake.first_aside()) {
+    end_early(session, *counter, Detail::NotStarted, given_up);
   }
   std::vector<std::shared_ptr<ServerCall>> calls;
   for (const auto& [counter, call] : session.calls.all()) calls.push_back(call);
@@ -208,30 +196,23 @@ void ObjectHost::say_goodbye(ServerSession& session, SessionId to, const std::st
 void ObjectHost::arrive(const std::shared_ptr<ServerSession>& session,
                         const wire::PacketView& packet) {
   const std::uint64_t counter = packet.header.counter;
-  if (waited_too_long(*session)) {
-    if (session->repeats()) return;  // its client asks again, or has given it up
-    session->window.arrived_in_order(counter);
-    const std::string why = "it was not started: it lay unread for more than " +
-                            std::to_string(session->accept_within / std::chrono::milliseconds(1)) +
-                            " ms, because this process or its machine was kept from running";
-    outcomes_.ended({session->id(), counter, Detail::NotStarted, why});
-    return session->reply(counter, Failure{Detail::NotStarted, why, {}, {}});
-  }
-  if (session->repeats()) {
-    // What was issued before a release still runs: until all of it is here, it has not arrived.
-    const bool release =
-        packet.header.code == FunctionCode{static_cast<std::uint32_t>(BuiltIn::Release)};
-    if (release && counter > session->window.all_up_to() + 1) return;
-    switch (session->window.arrived(counter)) {
-      case ReceiveWindow::Verdict::New:
-        break;
-      case ReceiveWindow::Verdict::Seen:
-        return answer_again(*session, counter);
-      case ReceiveWindow::Verdict::Beyond:
-        return;  // answered now, a copy of it could still start later
-    }
-  } else {
-    session->window.arrived_in_order(counter);
+  // What was issued before a release still runs: until all of it is here, it has not arrived.
+  const bool release =
+      packet.header.code == FunctionCode{static_cast<std::uint32_t>(BuiltIn::Release)};
+  const bool unheard = session->awaited;
+  const bool judged = session->intake.judges_age(unheard);
+  switch (session->intake.arrived({.counter = counter,
+                                   .age = judged ? session->link().age() : Duration{},
+                                   .unheard = unheard,
+                                   .needs_all = release})) {
+    case Intake::Verdict::Take:
+      break;
+    case Intake::Verdict::Seen:
+      return answer_again(*session, counter);
+    case Intake::Verdict::Ignore:
+      return;
+    case Intake::Verdict::TooLate:
+      return refuse_late(*session, counter);
   }
   wire::PacketView aged = packet;
   if (Duration& left = aged.header.deadline; left > Duration{}) {
@@ -239,6 +220,16 @@ void ObjectHost::arrive(const std::shared_ptr<ServerSession>& session,
   }
   take_call(session, aged);
   take_early(session);
+}
+
+/// While this process was stopped, say: its client has been told that nobody knows, or asks again.
+void ObjectHost::refuse_late(ServerSession& session, std::uint64_t counter) {
+  const std::string why =
+      "it was not started: it lay unread for more than " +
+      std::to_string(session.intake.accepts_within() / std::chrono::milliseconds(1)) +
+      " ms, because this process or its machine was kept from running";
+  outcomes_.ended({session.id(), counter, Detail::NotStarted, why});
+  session.reply(counter, Failure{Detail::NotStarted, why, {}, {}});
 }
 
 void ObjectHost::take_call(const std::shared_ptr<ServerSession>& session,
@@ -260,7 +251,7 @@ void ObjectHost::take_call(const std::shared_ptr<ServerSession>& session,
   }
   const std::size_t most =
       ObjectQueue::most_of_object + (operation->safety ? ObjectQueue::most_of_object / 4 : 0);
-  if (session->calls.size() + session->early.size() >= most) {  // which no client of ours does
+  if (session->calls.size() + session->intake.aside() >= most) {  // which no client of ours does
     return session->reply(
         counter, Failure{Detail::QueueFull, "more calls are unanswered than were granted", {}, {}});
   }
@@ -272,40 +263,29 @@ void ObjectHost::take_call(const std::shared_ptr<ServerSession>& session,
 bool ObjectHost::too_early(ServerSession& session, const wire::PacketView& packet,
                            const OperationDescription& operation) {
   const bool keeps_place = operation.status != access::Status::Sensor || operation.ordered;
-  if (!session.repeats() || operation.safety || !keeps_place ||
-      packet.header.counter <= session.window.all_up_to()) {
+  if (operation.safety || !keeps_place || !session.intake.too_early(packet.header.counter)) {
     return false;
   }
-  std::size_t bytes = packet.body.size();
-  for (const auto& [counter, other] : session.early) bytes += other.body.size();
-  if (!session.early.empty() && bytes > ObjectQueue::most_bytes_of_client) {
+  if (!session.intake.put_aside(packet, runtime_->clock().since_boot())) {
     const auto why = text_of(ObjectQueue::Full::BytesOfClient, packet.body.size());
     end_early(session, packet.header.counter, Detail::QueueFull, "it was not queued: " + why);
-    return true;
   }
-  session.early.emplace(packet.header.counter,
-                        EarlyCall{packet.header, Bytes(packet.body.begin(), packet.body.end()),
-                                  runtime_->clock().since_boot()});
   return true;
 }
 
 void ObjectHost::end_early(ServerSession& session, std::uint64_t counter, Detail how,
                            const std::string& why) {
-  session.early.erase(counter);
+  session.intake.drop(counter);
   outcomes_.ended({session.id(), counter, how, why});
   session.reply(counter, Failure{how, why, {}, {}});
 }
 
 /// Those that nothing is missing before any more.
 void ObjectHost::take_early(const std::shared_ptr<ServerSession>& session) {
-  auto& early = session->early;
-  while (!early.empty() && early.begin()->first <= session->window.all_up_to()) {
-    EarlyCall call = std::move(early.extract(early.begin()).mapped());
-    if (call.header.deadline > Duration{}) {
-      const Duration waited = runtime_->clock().since_boot() - call.arrived;
-      call.header.deadline = std::max(call.header.deadline - waited, Duration{1});
-    }
-    take_call(session, {call.header, call.body, {}});
+  if (session->intake.aside() == 0) return;
+  const TimePoint now = runtime_->clock().since_boot();
+  while (const auto call = session->intake.next(now)) {
+    take_call(session, {call->header, call->body, {}});
   }
 }
 
@@ -366,8 +346,8 @@ void ObjectHost::answer_again(ServerSession& session, std::uint64_t counter) {
   if (found == nullptr) {
     // Never seen: its call is on the way again. Acknowledged: a packet that was late. Early: it has
     // not arrived yet as far as its caller shall know.
-    if (session.early.contains(counter) || waits_for_status(session, counter)) return;
-    if (!session.window.seen(counter) || !session.replies->awaited(counter)) return;
+    if (session.intake.is_aside(counter) || waits_for_status(session, counter)) return;
+    if (!session.intake.seen(counter) || !session.replies->awaited(counter)) return;
     return session.reply(counter,
                          Failure{Detail::OutcomeUnknown,
                                  "it came to an end, but its answer was lost and is not kept"
@@ -380,7 +360,7 @@ void ObjectHost::answer_again(ServerSession& session, std::uint64_t counter) {
 }
 
 void ObjectHost::cancel(ServerSession& session, std::uint64_t counter) {
-  if (session.early.contains(counter)) {
+  if (session.intake.is_aside(counter)) {
     return end_early(session, counter, Detail::Canceled, "canceled before it started");
   }
   const auto* found = session.calls.find(counter);
@@ -399,9 +379,8 @@ void ObjectHost::cancel(ServerSession& session, std::uint64_t counter) {
                  other.counter > call->counter;
         },
         Failure{Detail::Canceled, "canceled with the command before it", {}, {}});
-    for (auto at = session.early.upper_bound(counter); at != session.early.end();
-         at = session.early.upper_bound(counter)) {
-      end_early(session, at->first, Detail::Canceled, "canceled with the command before it");
+    while (const auto later = session.intake.first_aside(counter)) {
+      end_early(session, *later, Detail::Canceled, "canceled with the command before it");
     }
   }
 }

@@ -53,9 +53,9 @@ void ObjectHost::resume(const std::shared_ptr<ServerSession>& session,
 /// Should it still come in its own session, it is too late.
 void ObjectHost::reject_late(const std::shared_ptr<ServerSession>& before, std::uint64_t counter) {
   if (before->closed || !before->repeats()) return;
-  if (before->early.contains(counter)) {
+  if (before->intake.is_aside(counter)) {
     end_early(*before, counter, Detail::NotStarted, "it was sent again in another session");
-  } else if (before->window.arrived(counter) == ReceiveWindow::Verdict::New) {
+  } else if (before->intake.bar(counter) == ReceiveWindow::Verdict::New) {
     take_early(before);
   }
 }

@@ -174,7 +174,7 @@ bool ObjectHost::may_start(ServerCall& call) {
       call.state.has_deadline() && call.state.overdue(runtime_->clock().since_boot());
   const auto refusal = refusal_to_start({call.operation(), call.client, call.epoch}, as_asked(),
                                         {.gone = caller.closed && !caller.parted_in_order,
-                                         .withdrawn = caller.withdrawn,
+                                         .withdrawn = caller.intake.withdrawn(),
                                          .unheard = caller.awaited},
                                         expired);
   if (refusal) end(call, *refusal);
@@ -474,15 +474,15 @@ void ObjectHost::depart(const std::shared_ptr<ServerSession>& session, Departure
                                      std::to_string(session->caller().pid) + ") is gone");
     }
     // What was missing before them does not come any more.
-    while (!session->early.empty()) {
-      end_early(*session, session->early.begin()->first, Detail::Rejected,
+    while (const auto counter = session->intake.first_aside()) {
+      end_early(*session, *counter, Detail::Rejected,
                 "it was not started: the session ended before what was issued before it arrived");
     }
     session->subscriptions.clear();
     if (session->greeted()) {
       if (log_enabled(LogLevel::Info)) log_departure(name_, *session);
       const bool lost = how == Departure::Lost && !session->left;
-      outcomes_.closed(session->id(), session->window, lost ? session : nullptr);
+      outcomes_.closed(session->id(), session->intake.window(), lost ? session : nullptr);
     }
     calls_are_over = session->unreturned == 0;
   }

@@ -134,6 +134,7 @@ class ObjectHost final : public Publisher, public std::enable_shared_from_this<O
       GECOS_REQUIRES(mutex_);
   void arrive(const std::shared_ptr<ServerSession>& session, const wire::PacketView& packet)
       GECOS_REQUIRES(mutex_);
+  void refuse_late(ServerSession& session, std::uint64_t counter) GECOS_REQUIRES(mutex_);
   void take_call(const std::shared_ptr<ServerSession>& session, const wire::PacketView& packet)
       GECOS_REQUIRES(mutex_);
   void admit(const std::shared_ptr<ServerSession>& session, const wire::PacketView& packet,

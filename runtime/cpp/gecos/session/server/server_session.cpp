@@ -44,7 +44,8 @@ Failure shortened(const Failure& failure, std::size_t takes, std::size_t carried
 }  // namespace
 
 ServerSession::ServerSession(std::unique_ptr<media::Link> link, std::shared_ptr<ObjectHost> object)
-    : liveness(object->bounds_of_clients()),
+    : intake(!link->offer().reliable),
+      liveness(object->bounds_of_clients()),
       link_(std::move(link)),
       object_(std::move(object)),
       repeats_(!link_->offer().reliable) {}
