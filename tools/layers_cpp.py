@@ -58,9 +58,8 @@ def _room(knows: str, why: str) -> Room:
     return Room(frozenset(knows.split()), why)
 
 
-_BELOW_SESSION = (
-    "base wire qos access crypto medium description generated-types generated-interfaces"
-)
+_BELOW_PROTOCOL = "base wire qos access crypto medium description"
+_BELOW_SESSION = _BELOW_PROTOCOL + " generated-types generated-interfaces"
 _SESSION = _BELOW_SESSION + " public"
 _INWARDS = "the rooms of the session stand on each other: public, protocol, process, client, server"
 _BY_CONTRACT = (
@@ -83,7 +82,10 @@ ROOMS: dict[str, Room] = {
     ),
     "description": _room("base qos access", "a description knows status, quality and base alone"),
     "public": _room(_BELOW_SESSION, _BY_CONTRACT + _INWARDS),
-    "session/protocol": _room(_SESSION, _BY_CONTRACT + _INWARDS),
+    "session/protocol": _room(
+        _BELOW_PROTOCOL + " public",
+        "packets know no generated types: what travels in calls is coded by generated code alone",
+    ),
     "session/process": _room(_SESSION + " session/protocol", _BY_CONTRACT + _INWARDS),
     "session/client": _room(
         _SESSION + " session/protocol session/process", _BY_CONTRACT + _INWARDS
@@ -203,6 +205,19 @@ IMPURE_CALL = re.compile(r"\b(?:\w*[cC]lock::now|clock_gettime|gettimeofday)\s*\
 PURE_RULE = "wire, qos, access and crypto do no I/O, own no thread and read no clock"
 
 
+# What travels in calls is stated in .gidl, and its codec and description are generated.
+CALLING_ROOMS = ("session/process", "session/client", "session/server", "broker")
+CODED = re.compile(
+    r"\.(?:put|put_string|put_count|get_string|get_count)\(|\.get\([^)]|"
+    r"\b(?:get|put)_(?:block|sequence|optional|array|map)\(|\bdecode_enum\("
+)
+DESCRIBED = re.compile(r"(?<!const )\bOperationDescription(?: \w+)? ?[;{(=,]")
+BY_HAND_RULE = (
+    "calls, their results and the descriptions of operations are generated from idl/; packets are "
+    "coded in session/protocol"
+)
+
+
 def room_of_file(path: str) -> str | None:
     """Room of a file of the tree."""
     if path.startswith(tuple(root + "/" for root in PROGRAMS)):
@@ -265,6 +280,16 @@ def violations(path: str, text: str) -> list[Violation]:
         include = INCLUDE.match(line)
         if include:
             found += _include(path, number, room, include[2])
+        elif _by_hand(room, line.split("//")[0]):
+            found.append(
+                Violation(
+                    path,
+                    number,
+                    f"{room} codes fields, or describes an operation, by hand",
+                    BY_HAND_RULE,
+                    "declare it in idl/gecos and use what gidl generates for its calls",
+                )
+            )
         elif room in PURE_ROOMS and IMPURE_CALL.search(line.split("//")[0]):
             found.append(
                 Violation(
@@ -272,6 +297,13 @@ def violations(path: str, text: str) -> list[Violation]:
                 )
             )
     return found
+
+
+def _by_hand(room: str, code: str) -> bool:
+    """Whether a line codes what travels in a call, or describes an operation."""
+    if room in CALLING_ROOMS and CODED.search(code):
+        return True
+    return room in (*CALLING_ROOMS, "session/protocol") and bool(DESCRIBED.search(code))
 
 
 def _include(path: str, line: int, room: str, header: str) -> list[Violation]:

@@ -117,6 +117,9 @@ class Primitive(Enum):
         return -(1 << (bits - 1)), (1 << (bits - 1)) - 1
 
 
+BUILT_IN = "gecos::GecosObject"
+"""The interface that every object has besides its own."""
+
 _PRIMITIVE_SIZE = {
     "boolean": 1, "octet": 1, "char": 1, "int8": 1, "uint8": 1, "int16": 2, "uint16": 2,
     "int32": 4, "uint32": 4, "int64": 8, "uint64": 8, "float": 4, "double": 8,

@@ -6,7 +6,6 @@
 #include "gecos/gecos.hpp"
 #include "gecos/media/stream_ring.hpp"
 #include "gecos/session/client/client_connection.hpp"
-#include "gecos/session/protocol/builtin_codec.hpp"
 #include "gecos/session/protocol/packets.hpp"
 #include "packet_target.hpp"
 #include "probe.hpp"
@@ -86,11 +85,11 @@ class Server {
   Bytes body() {
     switch (script_.below(6)) {
       case 0:
-        return block_bytes(Grant{Status::ACTOR, script_.number()});
+        return wire::to_bytes(GecosObject_acquire_result{{Status::ACTOR, script_.number()}});
       case 1:
         return wire::to_bytes(FailureBody{"why", "probe::Jammed", script_.bytes(8)});
       case 2:
-        return block_bytes(OutcomeRecord{script_.byte(), "then"});
+        return wire::to_bytes(GecosObject_outcome_result{{script_.byte(), "then"}});
       case 3: {
         ProgressBody progress{script_.byte(), 0, script_.bytes(8)};
         const std::uint64_t fraction = script_.number();

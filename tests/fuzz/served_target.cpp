@@ -6,8 +6,7 @@
 #include <vector>
 
 #include "gecos/media/inproc.hpp"
-#include "gecos/session/protocol/builtin_codec.hpp"
-#include "gecos/session/protocol/function_code.hpp"
+#include "gecos/session/protocol/builtin.hpp"
 #include "gecos/session/protocol/packets.hpp"
 #include "gecos/session/server/object_host.hpp"
 #include "packet_target.hpp"
@@ -185,10 +184,9 @@ class Client {
     if (header.kind == Kind::Goodbye && !script.one_in(4)) return;  // it would be over too soon
     if (header.kind != Kind::Call) return take(bent(script, header, script.bytes(20)));
     Bytes body(8);
-    if (number(header.code) <= last_builtin_code) {
-      const auto asks = static_cast<BuiltIn>(number(header.code));
-      body = reserved_body(script, other, asks);
-      if (asks == BuiltIn::Acquire) asked_.insert(header.counter);
+    if (is_builtin(header.code)) {
+      body = reserved_body(script, other, header.code);
+      if (header.code == GecosObjectInterface::acquire.code) asked_.insert(header.counter);
     } else {
       // Whoever repeats a call repeats it as it was; then it may arrive any number of times.
       auto& as = serials_[{number(header.session), header.counter}];
@@ -198,27 +196,23 @@ class Client {
     take(wire::encode_packet(header, body));
   }
 
-  Bytes reserved_body(Script& script, const Client& other, BuiltIn which) {
+  Bytes reserved_body(Script& script, const Client& other, FunctionCode which) {
     if (script.one_in(8)) return script.bytes(40);
     Bytes body(24);
     wire::Encoder to(body);
-    switch (which) {
-      case BuiltIn::Acquire:
-        to.put(static_cast<std::int32_t>(script.below(4)));
-        to.put(script.one_in(4));
-        to.put_string("pw");
-        break;
-      case BuiltIn::Release:
-        to.put(number(epoch_));
-        to.put(script.one_in(2));
-        break;
-      case BuiltIn::Outcome:
-        to.put(script.one_in(8) ? script.number() : number(process_boot()));
-        to.put(number(script.one_in(2) ? other.session_->id() : session_->id()));
-        to.put(newest_ - script.below(4));
-        break;
-      default:
-        to.put(number(probe::level_code));
+    if (which == GecosObjectInterface::acquire.code) {
+      to.put(static_cast<std::int32_t>(script.below(4)));
+      to.put(script.one_in(4));
+      to.put_string("pw");
+    } else if (which == GecosObjectInterface::release.code) {
+      to.put(number(epoch_));
+      to.put(script.one_in(2));
+    } else if (which == GecosObjectInterface::outcome.code) {
+      to.put(script.one_in(8) ? script.number() : number(process_boot()));
+      to.put(number(script.one_in(2) ? other.session_->id() : session_->id()));
+      to.put(newest_ - script.below(4));
+    } else {
+      to.put(number(probe::level_code));
     }
     body.resize(to.written());
     return body;

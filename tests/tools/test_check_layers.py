@@ -47,6 +47,8 @@ def python(path: str, text: str) -> list[Violation]:
         ("runtime/python/src/core.cpp", '"robcl/gripper_client.hpp"'),
         ("runtime/cpp/gecos/lab.hpp", '"gecos/session/client/context.hpp"'),
         ("runtime/cpp/gecos/session/protocol/packets.hpp", '"gecos/session/process/runtime.hpp"'),
+        ("runtime/cpp/gecos/session/protocol/codec.hpp", '"gecos/object_types.hpp"'),
+        ("runtime/cpp/gecos/session/protocol/codec.hpp", '"gecos/broker_interface.hpp"'),
         ("runtime/cpp/gecos/session/process/runtime.cpp", '"gecos/session/client/connect.hpp"'),
         ("runtime/cpp/gecos/session/client/lab.cpp", '"gecos/session/server/io_loop.hpp"'),
         ("runtime/cpp/gecos/session/client/lab.cpp", '"gecos/gecos.hpp"'),
@@ -204,6 +206,52 @@ def test_a_forbidden_import_is_found(path: str, statement: str, named: str) -> N
 )
 def test_an_allowed_import_passes(path: str, statement: str) -> None:
     assert python(path, statement) == []
+
+
+@pytest.mark.parametrize(
+    "text", ['_PING = Operation(3, "ping")', 'PING = interface.Operation(3, "ping")']
+)
+def test_an_operation_described_in_python_is_found(text: str) -> None:
+    (violation,) = python("runtime/python/gecos/reserved.py", f"{text}\n")
+    assert "by hand" in violation.what
+    assert python("runtime/python/gecos/interface.py", f"{text}\n") == []
+    assert python("generated/python/gecos_idl/object.py", f"{text}\n") == []
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        'if (!from.get(epoch, "epoch")) return;',
+        "to.put(static_cast<std::int32_t>(wanted));",
+        "if (!password.empty()) to.put_string(password);",
+        'if (wire::get_block(from, entry, "entry")) return entry;',
+        "put_block(to, entry);",
+        'decode_enum(from, wanted, "wanted") &&',
+        "OperationDescription operation;",
+        "const auto made = OperationDescription{};",
+        "std::array<OperationDescription, 9> operations;",
+    ],
+)
+def test_a_hand_written_codec_or_description_of_a_call_is_found(line: str) -> None:
+    path = "runtime/cpp/gecos/session/client/broker_client.cpp"
+    (violation,) = cpp(path, f"#pragma once\n{line}\n")
+    assert violation.line == 2
+    assert "by hand" in violation.what
+    assert "idl/gecos" in violation.do
+
+
+@pytest.mark.parametrize(
+    ("path", "line"),
+    [
+        ("session/client/reserved.cpp", "const auto result = described.get();"),
+        ("session/client/context.cpp", "void call(const OperationDescription& operation);"),
+        ("session/server/object_host.cpp", "const OperationDescription* const asked = find(code);"),
+        ("session/client/own_call.hpp", "[&](wire::Encoder& to) { arguments.encode(to); }, {});"),
+        ("session/protocol/handshake.cpp", "to.put_string(user);"),
+    ],
+)
+def test_generated_codecs_and_packets_pass(path: str, line: str) -> None:
+    assert cpp(f"runtime/cpp/gecos/{path}", f"{line}\n") == []
 
 
 def test_the_report_says_where_what_why_and_what_to_do(tmp_path: Path) -> None:

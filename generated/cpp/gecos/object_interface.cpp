@@ -28,7 +28,7 @@ constinit const gecos::OperationDescription GecosObjectInterface::operations[] =
 constinit const gecos::InterfaceDescription GecosObjectInterface::description{
     .name = "gecos::GecosObject",
     .version = "1.0",
-    .hash = 0x80a2bdb69dcdcc1eU,
+    .hash = 0x742c209177b34086U,
     .operations = operations,
 };
 

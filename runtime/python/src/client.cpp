@@ -8,6 +8,7 @@
 #include "bytes.hpp"
 #include "dynamic_description.hpp"
 #include "gecos/binding.hpp"
+#include "gecos/object_interface.hpp"  // generated from idl/gecos/object.gidl
 #include "handles.hpp"
 #include "waiting.hpp"
 
@@ -76,7 +77,8 @@ std::optional<Duration> deadline_of(std::optional<double> seconds) {
 
 CommandHandle call(SessionHandle& self, std::uint32_t code, nb::bytes arguments,
                    std::optional<double> deadline) {
-  const OperationDescription* const operation = self.table().find(FunctionCode{code});
+  const OperationDescription* operation = self.table().find(FunctionCode{code});
+  if (operation == nullptr) operation = GecosObjectInterface::description.find(FunctionCode{code});
   if (operation == nullptr) {
     throw nb::key_error(
         ("no operation of " + std::string(self.table().name) + " has this code").c_str());
@@ -90,22 +92,6 @@ CommandHandle call(SessionHandle& self, std::uint32_t code, nb::bytes arguments,
 nb::tuple reference(const SessionHandle& self) {
   const ObjectRef about = self.about().reference();
   return nb::make_tuple(about.name, about.interface_hash, about.boot, about.where);
-}
-
-CommandHandle reserved(SessionHandle& self, int code) {
-  const AnyObject object(self.get());
-  switch (code) {
-    case 1:
-      return CommandHandle(holders(object).core());
-    case 2:
-      return CommandHandle(stop(object).core());
-    case 3:
-      return CommandHandle(ping(object).core());
-    case 4:
-      return CommandHandle(describe(object).core());
-    default:
-      throw nb::key_error("no reserved operation without parameters has this code");
-  }
 }
 
 CommandHandle outcome(SessionHandle& self, const std::string& command) {
@@ -229,7 +215,6 @@ void bind_client(nb::module_& module) {
       .def("reference", &reference)
       .def("call", &call, nb::arg("code"), nb::arg("arguments"), nb::arg("deadline").none())
       .def("subscribe", &subscribe, nb::arg("code"))
-      .def("reserved", &reserved, nb::arg("code"))
       .def("outcome", &outcome, nb::arg("command"))
       .def("acquire", &acquire, nb::arg("status"), nb::arg("password"))
       .def("close", &SessionHandle::close);

@@ -87,6 +87,28 @@ TEST_P(SentAgain, WhatDoesNotSayOfWhichItIsRefused) {
   EXPECT_EQ(servant_.calls, 0);
 }
 
+TEST_P(SentAgain, WhatEveryObjectAnswersIsAnsweredToItsArguments) {
+  const SessionId lost = lose();
+  again(1, lost, 1, GecosObjectInterface::describe.code);
+  EXPECT_EQ(reply_to(1), Detail::Done);
+  const auto about = wire::from_bytes<GecosObject_describe_result>(last_body());
+  ASSERT_TRUE(about) << about.error().message();
+  EXPECT_EQ(about->result.name, "PROBE");
+
+  Bytes body(sent_before_size);
+  wire::Encoder to(body);
+  to.put(number(lost));
+  to.put(std::uint64_t{2});
+  const GecosObject_outcome_arguments asked{number(process_boot()) + 1, number(lost), 1};
+  const Bytes arguments = wire::to_bytes(asked);
+  body.insert(body.end(), arguments.begin(), arguments.end());
+  packet(wire::PacketKind::Call, 2, GecosObjectInterface::outcome.code, body, {}, sent_again);
+  EXPECT_EQ(reply_to(2), Detail::Done);
+  const auto record = wire::from_bytes<GecosObject_outcome_result>(last_body());
+  ASSERT_TRUE(record) << record.error().message();
+  EXPECT_NE(record->result.text.find("started anew"), std::string::npos) << record->result.text;
+}
+
 TEST_F(OverALossyLine, WhatEndedBeforeTheLossIsAnsweredAgain) {
   call(1, probe::look_code);
   ASSERT_EQ(servant_.calls, 1);

@@ -6,8 +6,6 @@
 #include <atomic>
 #include <vector>
 
-#include "gecos/session/protocol/builtin_codec.hpp"
-#include "gecos/session/protocol/function_code.hpp"
 #include "gecos/session/protocol/packets.hpp"
 #include "gecos/session/server/object_host.hpp"
 #include "probe.hpp"
@@ -156,14 +154,14 @@ class ServedObjects : public ::testing::Test {
     wire::Encoder to(body);
     to.put(static_cast<std::int32_t>(Status::ACTOR));
     to.put(false);
-    call(counter, FunctionCode{static_cast<std::uint32_t>(BuiltIn::Acquire)}, body);
+    call(counter, GecosObjectInterface::acquire.code, body);
   }
   void release(std::uint64_t counter, Epoch epoch) {
     Bytes body(8 + 1);
     wire::Encoder to(body);
     to.put(number(epoch));
     to.put(false);
-    call(counter, FunctionCode{static_cast<std::uint32_t>(BuiltIn::Release)}, body);
+    call(counter, GecosObjectInterface::release.code, body);
   }
   /// Detail of the newest reply to `counter`; nothing while there was none.
   std::optional<Detail> reply_to(std::uint64_t counter) const {

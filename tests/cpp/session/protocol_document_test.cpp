@@ -6,10 +6,13 @@
 #include <map>
 #include <sstream>
 
+#include "gecos/broker_interface.hpp"
+#include "gecos/broker_types.hpp"
 #include "gecos/crypto/ik.hpp"
 #include "gecos/crypto/transport.hpp"
 #include "gecos/media/lcm/datagram.hpp"
-#include "gecos/session/protocol/builtin_codec.hpp"
+#include "gecos/object_interface.hpp"
+#include "gecos/object_types.hpp"
 #include "gecos/session/protocol/handshake.hpp"
 #include "gecos/session/protocol/packets.hpp"
 
@@ -124,13 +127,8 @@ TEST_F(ProtocolDocument, ShowsPacketsAsTheyAreWritten) {
   Hello hello{"eva", "lab", "demo", 42, 5, "gecos::Broker", 0, std::chrono::milliseconds(750)};
   expect_packet("hello", {.kind = wire::PacketKind::Hello}, wire::to_bytes(hello));
 
-  const Welcome welcome{"BROKER",
-                        "gecos::Broker",
-                        {},
-                        0x1234,
-                        6,
-                        256,
-                        {{function_code("gecos::Broker::list"), 0x77}}};
+  const Welcome welcome{
+      "BROKER", "gecos::Broker", {}, 0x1234, 6, 256, {{BrokerInterface::list.code, 0x77}}};
   expect_packet("welcome", {.kind = wire::PacketKind::Welcome, .session = session},
                 wire::to_bytes(welcome));
 
@@ -140,16 +138,14 @@ TEST_F(ProtocolDocument, ShowsPacketsAsTheyAreWritten) {
       {.kind = wire::PacketKind::Refused, .flags = static_cast<std::int8_t>(Detail::Refused)},
       wire::to_bytes(refused));
 
-  Bytes name(wire::string_size("RX90"));
-  wire::Encoder(name).put_string("RX90");
   expect_packet("call",
                 {.kind = wire::PacketKind::Call,
-                 .code = function_code("gecos::Broker::lookup"),
+                 .code = BrokerInterface::lookup.code,
                  .session = session,
                  .counter = 3,
                  .acknowledged = 2,
                  .deadline = std::chrono::seconds(2)},
-                name);
+                wire::to_bytes(Broker_lookup_arguments{"RX90"}));
 
   UnknownName unknown;
   unknown.name = "RX90";
@@ -171,24 +167,20 @@ TEST_F(ProtocolDocument, ShowsPacketsAsTheyAreWritten) {
 }
 
 TEST_F(ProtocolDocument, ShowsHowAStatusIsAcquired) {
-  Bytes wanted(4 + 1 + wire::string_size("two hands"));
-  wire::Encoder to(wanted);
-  to.put(static_cast<std::int32_t>(gecos::Status::ACTOR));
-  to.put(std::int8_t{1});
-  to.put_string("two hands");
+  const GecosObject_acquire_arguments wanted{gecos::Status::ACTOR, "two hands"};
   expect_packet("acquire",
                 {.kind = wire::PacketKind::Call,
-                 .code = FunctionCode{static_cast<std::uint32_t>(BuiltIn::Acquire)},
+                 .code = GecosObjectInterface::acquire.code,
                  .session = SessionId{9},
                  .counter = 4,
                  .acknowledged = 3},
-                wanted);
+                wire::to_bytes(wanted));
   expect_packet("granted",
                 {.kind = wire::PacketKind::Reply,
                  .flags = static_cast<std::int8_t>(Detail::Done),
                  .session = SessionId{9},
                  .counter = 4},
-                block_bytes(Grant{gecos::Status::ACTOR, 11}));
+                wire::to_bytes(GecosObject_acquire_result{{gecos::Status::ACTOR, 11}}));
 }
 
 }  // namespace

@@ -4,7 +4,9 @@
 #include <array>
 #include <utility>
 
-#include "gecos/session/protocol/builtin_codec.hpp"
+#include "gecos/object_interface.hpp"
+#include "gecos/object_types.hpp"
+#include "gecos/session/client/own_call.hpp"
 #include "gecos/session/protocol/packets.hpp"
 #include "gecos/session/server/executor.hpp"
 
@@ -218,12 +220,8 @@ void Schedule::open() {
 }
 
 void Schedule::take_status() {
-  const auto command = session_->call(builtin_operation(BuiltIn::Acquire), 4 + 1,
-                                      [](wire::Encoder& to) {
-                                        to.put(static_cast<std::int32_t>(gecos::Status::ACTOR));
-                                        to.put(false);
-                                      },
-                                      {});
+  const auto command = own_call(*session_, GecosObjectInterface::acquire,
+                                GecosObject_acquire_arguments{gecos::Status::ACTOR, {}});
   const TimePoint give_up = clock_.now() + 10s;
   while (project(command->progress().detail) == State::Running && clock_.now() < give_up) {
     pass(5ms);

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 from gidl.file_names import source_stem
 from gidl.model import (
+    BUILT_IN,
     Attribute,
     File,
     Interface,
@@ -37,7 +38,8 @@ from gidl.wire_layout import CallKind
 def interfaces_view(lowering: Lowering, file: File) -> InterfacesView:
     model = lowering.model
     stem = source_stem(file.path)
-    others = [path for path in file.includes if _has_interface(model, path)]
+    others = [path for path in file.includes if _has(model, path, lambda each: each.has_interface)]
+    stubs = [path for path in others if _has(model, path, has_stubs)]
     spaces: list[InterfacesNamespace] = []
     for declaration in file.declarations:
         if not isinstance(declaration, Interface):
@@ -59,14 +61,21 @@ def interfaces_view(lowering: Lowering, file: File) -> InterfacesView:
         tuple(sorted({"memory"} | system_headers(t for v in views for t in _client_text(v)))),
         tuple(sorted({"cstdint"} | system_headers(t for v in views for t in _server_text(v)))),
         tuple(sorted(f"{source_stem(path)}_interface.hpp" for path in others)),
-        tuple(sorted(f"{source_stem(path)}_client.hpp" for path in others)),
-        tuple(sorted(f"{source_stem(path)}_server.hpp" for path in others)),
+        tuple(sorted(f"{source_stem(path)}_client.hpp" for path in stubs)),
+        tuple(sorted(f"{source_stem(path)}_server.hpp" for path in stubs)),
         tuple(spaces),
     )
 
 
-def _has_interface(model: Model, path: str) -> bool:
-    return any(file.path == path and file.has_interface for file in model.files)
+def has_stubs(file: File) -> bool:
+    """Whether proxies and skeletons are printed. Of what every object answers there are none: the
+    session calls and answers it, with the structs of its arguments and results."""
+    interfaces = [each.name for each in file.declarations if isinstance(each, Interface)]
+    return any(name != BUILT_IN for name in interfaces)
+
+
+def _has(model: Model, path: str, what: Callable[[File], bool]) -> bool:
+    return any(file.path == path and what(file) for file in model.files)
 
 
 def _client_text(view: InterfaceView) -> Iterator[str]:

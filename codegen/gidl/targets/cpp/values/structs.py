@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from gidl.model import (
@@ -10,7 +11,7 @@ from gidl.model import (
     Operation,
     Struct,
 )
-from gidl.targets.calls import result_struct
+from gidl.targets.calls import arguments_struct, result_struct
 from gidl.targets.cpp import names
 from gidl.targets.cpp.comments import doc_lines
 from gidl.targets.cpp.lower import Lowering, Slot
@@ -31,6 +32,7 @@ from gidl.targets.naming import (
     value_note,
 )
 from gidl.targets.reach import type_reaches
+from gidl.type_names import TypeName
 from gidl.wire_layout import FieldLayout
 
 
@@ -70,22 +72,38 @@ class Structs(ValueNames):
             printed(self._name(struct), [self._print(m) for m in content.members]),
         )
 
-    def _result(self, operation: Operation) -> StructView:
-        """What an operation gives that gives several values. It grows like any reply."""
-        struct = result_struct(self._layout, operation)
-        assert struct is not None
-        reply = self._layout.call(operation.scoped_name).reply
-        name = self._layout.cpp_names.results[operation.scoped_name].name
+    def _of_calls(self, operation: Operation) -> Iterator[tuple[TypeName, StructView]]:
+        """What an operation takes and what it gives, where these have structs."""
+        call = self._layout.call(operation.scoped_name)
+        takes = self._layout.cpp_names.arguments.get(operation.scoped_name)
+        if takes is not None:
+            struct = arguments_struct(operation)
+            yield takes, self._of_call(takes, struct, operation, call.request, shown=False)
+        gives = self._layout.cpp_names.results.get(operation.scoped_name)
+        if gives is not None:
+            struct = result_struct(self._layout, operation)
+            several = len(call.reply) > 1
+            yield gives, self._of_call(gives, struct, operation, call.reply, shown=several)
+
+    def _of_call(
+        self,
+        place: TypeName,
+        struct: Struct,
+        operation: Operation,
+        fields: tuple[FieldLayout, ...],
+        shown: bool,
+    ) -> StructView:
+        """`shown`: callers see it, not the session alone."""
         return StructView(
             "struct",
-            name,
+            place.name,
             struct.name,
             doc_lines(struct.facts),
             "",
             tuple(self._field(m) for m in struct.members),
             "",
-            self._struct_codec(Content(operation.name, struct.members, reply, True, False)),
-            printed(name, [self._print(m) for m in struct.members]),
+            self._struct_codec(Content(operation.name, struct.members, fields, True, False)),
+            printed(place.name, [self._print(m) for m in struct.members]) if shown else (),
         )
 
     def _field(self, member: Member, incomplete: frozenset[str] = frozenset()) -> FieldView:

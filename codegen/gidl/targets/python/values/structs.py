@@ -54,7 +54,6 @@ class Structs(ValueNames):
     def _result(self, operation: Operation) -> StructView:
         """What an operation gives that gives several values."""
         struct = result_struct(self._layout, operation)
-        assert struct is not None
         name = self._layout.python_names.results[operation.scoped_name].name
         fields = self._layout.call(operation.scoped_name).reply
         printed = _Class(struct, name, name, struct.members, fields)

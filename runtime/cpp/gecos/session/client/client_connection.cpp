@@ -5,7 +5,7 @@
 #include "gecos/base/log.hpp"
 #include "gecos/base/recycling_allocator.hpp"
 #include "gecos/session/process/runtime.hpp"
-#include "gecos/session/protocol/function_code.hpp"
+#include "gecos/session/protocol/builtin.hpp"
 #include "gecos/session/protocol/packets.hpp"
 #include "gecos/session/protocol/retry.hpp"
 #include "gecos/session/protocol/sample_time.hpp"
@@ -84,9 +84,7 @@ std::shared_ptr<CommandCore> ClientConnection::call(const OperationDescription& 
   header.epoch = Epoch{epoch_.load(std::memory_order_relaxed)};
   header.deadline = options.deadline.value_or(operation.quality.deadline);
 
-  // Who has no credits left can still stop what he started, and give back what he holds.
-  const bool urgent = operation.safety || number(operation.code) <= last_builtin_code;
-  const std::size_t most = welcome_.credits + (urgent ? welcome_.credits / 4 : 0);
+  const std::size_t most = most_open(operation.safety || is_builtin(operation.code));
   auto sent = send_call(header, most, size, encode, command);
   if (!sent && sent.error() == media::SendProblem::Full) {
     poll_once();  // replies that wait may make room

@@ -137,6 +137,11 @@ class ClientConnection final : public ClientSession,
                                                const CallOptions& options);
   tl::expected<void, media::SendProblem> send_repeatable(
       const std::shared_ptr<PendingCommand>& command);
+  /// How many calls may be open when another one is sent. A client without credits can still stop
+  /// what it started and give back what it holds, so an urgent call has a quarter more.
+  std::size_t most_open(bool urgent) const {
+    return welcome_.credits + (urgent ? welcome_.credits / 4 : 0);
+  }
   tl::expected<void, media::SendProblem> send_call(wire::PacketHeader& header, std::size_t most,
                                                    std::size_t size,
                                                    FunctionRef<void(wire::Encoder&)> encode,

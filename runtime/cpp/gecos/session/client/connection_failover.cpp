@@ -4,6 +4,7 @@
 #include "gecos/base/recycling_allocator.hpp"
 #include "gecos/session/client/client_connection.hpp"
 #include "gecos/session/process/runtime.hpp"
+#include "gecos/session/protocol/builtin.hpp"
 #include "gecos/session/protocol/packets.hpp"
 #include "gecos/session/protocol/start_words.hpp"
 
@@ -88,10 +89,10 @@ tl::expected<void, media::SendProblem> ClientConnection::send_repeatable(
   const bool known = again.sessions != 0 && command->boot == welcome_.boot;
   if (known) header.flags = sent_again;
   return send_call(
-      header, welcome_.credits, again.arguments.size() + (known ? sent_before_size : 0),
+      header, most_open(is_builtin(again.code)),
+      again.arguments.size() + (known ? sent_before_size : 0),
       [&](wire::Encoder& to) {
-        if (known) to.put(command->session_id);
-        if (known) to.put(command->counter);
+        if (known) SentBefore{command->session_id, command->counter}.encode(to);
         to.put_bytes(again.arguments);
       },
       command);

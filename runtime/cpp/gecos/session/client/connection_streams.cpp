@@ -1,6 +1,9 @@
 // What a session does for the streams that its client reads.
+#include "gecos/object_interface.hpp"  // generated from idl/gecos/object.gidl
+#include "gecos/object_types.hpp"
 #include "gecos/session/client/client_connection.hpp"
 #include "gecos/session/client/client_stream.hpp"
+#include "gecos/session/client/own_call.hpp"
 #include "gecos/session/process/runtime.hpp"
 #include "gecos/session/protocol/packets.hpp"
 
@@ -8,14 +11,13 @@ namespace gecos::session {
 
 tl::expected<std::shared_ptr<StreamCore>, Failure> ClientConnection::subscribe(
     const StreamDescription& stream) {
-  const OperationDescription operation = builtin_operation(BuiltIn::Subscribe);
-  const auto code = number(stream.code);
   std::shared_ptr<CommandCore> command;
   if (auto refused = differs(stream.code, stream.name)) return tl::unexpected(std::move(*refused));
   {
     const std::lock_guard lock(subscribing_);
     ++subscriptions_[stream.code];
-    command = call(operation, sizeof code, [&](wire::Encoder& to) { to.put(code); }, {});
+    command = own_call(*this, GecosObjectInterface::subscribe,
+                       GecosObject_subscribe_arguments{number(stream.code)});
   }
   auto opened = open_subscribed(stream, *command);
   if (!opened) unsubscribe(stream.code);
@@ -27,7 +29,8 @@ tl::expected<std::shared_ptr<StreamCore>, Failure> ClientConnection::open_subscr
   subscribed.wait_until(TimePoint::max());
   if (subscribed.progress().detail != Detail::Done) return tl::unexpected(subscribed.failure());
   std::uint32_t id = 0;
-  if (wire::Decoder from(subscribed.result()); !from.get(id, "id")) {
+  if (wire::Decoder from(subscribed.result());
+      !read_result<GecosObject_subscribe_result>(from, id)) {
     return tl::unexpected(
         Failure{Detail::Fault, "the reply does not decode: " + from.error().message(), {}, {}});
   }
@@ -66,9 +69,8 @@ void ClientConnection::unsubscribe(FunctionCode stream) {
   if (--found->second != 0) return;
   subscriptions_.erase(found);
   if (lost()) return;
-  const auto code = number(stream);
-  call(builtin_operation(BuiltIn::Unsubscribe), sizeof code,
-       [&](wire::Encoder& to) { to.put(code); }, {})
+  own_call(*this, GecosObjectInterface::unsubscribe,
+           GecosObject_unsubscribe_arguments{number(stream)})
       ->observe();
 }
 

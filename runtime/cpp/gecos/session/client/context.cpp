@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <utility>
 
+#include "gecos/broker_interface.hpp"  // generated from idl/gecos/broker.gidl
 #include "gecos/session/client/broker_client.hpp"
 #include "gecos/session/client/connect.hpp"
 #include "gecos/session/client/failover.hpp"
@@ -108,7 +109,7 @@ tl::expected<std::shared_ptr<ClientConnection>, std::string> Context::look_for_b
     TimePoint deadline) {
   std::string tried;
   for (const auto& address : broker_addresses(tried)) {
-    auto session = connect(*runtime_, address, broker_interface(), deadline);
+    auto session = connect(*runtime_, address, BrokerInterface::description, deadline);
     if (session) return session;
     append(tried, session.error());
   }

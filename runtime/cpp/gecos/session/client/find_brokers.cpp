@@ -1,4 +1,5 @@
 #include "gecos/binding.hpp"
+#include "gecos/broker_interface.hpp"  // generated from idl/gecos/broker.gidl
 #include "gecos/session/client/broker_client.hpp"
 #include "gecos/session/client/connect.hpp"
 #include "gecos/session/client/context.hpp"
@@ -17,7 +18,8 @@ std::vector<BrokerPlace> find_brokers(const LabOrWhyNot& lab, Duration patience)
     const auto medium = runtime.medium(kind);
     if (!medium) continue;
     const std::string address = (*medium)->well_known_address(broker_name);
-    const auto found = connect(runtime, address, broker_interface(), deadline_after(patience));
+    const auto found =
+        connect(runtime, address, BrokerInterface::description, deadline_after(patience));
     if (!found) continue;
     places.push_back({address, BootId{(*found)->welcome().boot}});
     (*found)->close(patience);

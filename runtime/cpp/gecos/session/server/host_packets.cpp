@@ -5,7 +5,8 @@
 #include <algorithm>
 
 #include "gecos/base/recycling_allocator.hpp"
-#include "gecos/session/protocol/function_code.hpp"
+#include "gecos/object_interface.hpp"  // generated from idl/gecos/object.gidl
+#include "gecos/session/protocol/builtin.hpp"
 #include "gecos/session/protocol/packets.hpp"
 #include "gecos/session/server/call_log.hpp"
 #include "gecos/session/server/handler_waits.hpp"
@@ -203,9 +204,7 @@ void ObjectHost::say_goodbye(ServerSession& session, SessionId to, const std::st
   wire::PacketHeader header;
   header.kind = wire::PacketKind::Goodbye;
   header.session = to;
-  Bytes body(wire::string_size(why));
-  wire::Encoder(body).put_string(why);
-  session.send(header, body);
+  session.send(header, goodbye_body(why));
 }
 
 void ObjectHost::arrive(const std::shared_ptr<ServerSession>& session,
@@ -222,8 +221,7 @@ void ObjectHost::arrive(const std::shared_ptr<ServerSession>& session,
   }
   if (session->repeats()) {
     // What was issued before a release still runs: until all of it is here, it has not arrived.
-    const bool release =
-        packet.header.code == FunctionCode{static_cast<std::uint32_t>(BuiltIn::Release)};
+    const bool release = packet.header.code == GecosObjectInterface::release.code;
     if (release && counter > session->window.all_up_to() + 1) return;
     switch (session->window.arrived(counter)) {
       case ReceiveWindow::Verdict::New:
@@ -248,8 +246,8 @@ void ObjectHost::take_call(const std::shared_ptr<ServerSession>& session,
                            const wire::PacketView& packet) {
   const std::uint64_t counter = packet.header.counter;
   const FunctionCode code = packet.header.code;
-  if (number(code) <= last_builtin_code) return answer_builtin(session, packet);
   if (packet.header.flags == sent_again) return take_again(session, packet);
+  if (is_builtin(code)) return answer_builtin(session, packet);
   const OperationDescription* operation = interface_.find(code);
   if (operation == nullptr) {
     return session->reply(

@@ -4,7 +4,6 @@
 #include <exception>
 
 #include "gecos/base/log.hpp"
-#include "gecos/session/protocol/function_code.hpp"
 #include "gecos/session/protocol/packets.hpp"
 #include "gecos/session/protocol/start_words.hpp"
 #include "gecos/session/server/call_log.hpp"

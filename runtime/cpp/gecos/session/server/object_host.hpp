@@ -156,7 +156,7 @@ class ObjectHost final : public Publisher, public std::enable_shared_from_this<O
   void holders(ServerSession& session, std::uint64_t counter);
   void describe(ServerSession& session, std::uint64_t counter);
   void acquire(const std::shared_ptr<ServerSession>& session, std::uint64_t counter,
-               wire::Decoder& from);
+               ByteView arguments);
   void grant(ServerSession& session, std::uint64_t counter, const Acquire& what);
   /// A command that has ended for its caller, whose handler goes on; null unless nobody holds a
   /// status. Nobody gets one before it has returned.
@@ -164,11 +164,11 @@ class ObjectHost final : public Publisher, public std::enable_shared_from_this<O
   void grant_to_waiting();
   void refuse_waiting(TimePoint now);
   bool waits_for_status(const ServerSession& session, std::uint64_t counter) const;
-  void release(ServerSession& session, std::uint64_t counter, wire::Decoder& from);
-  void subscribe(ServerSession& session, std::uint64_t counter, wire::Decoder& from);
-  void unsubscribe(ServerSession& session, std::uint64_t counter, wire::Decoder& from);
+  void release(ServerSession& session, std::uint64_t counter, ByteView arguments);
+  void subscribe(ServerSession& session, std::uint64_t counter, ByteView arguments);
+  void unsubscribe(ServerSession& session, std::uint64_t counter, ByteView arguments);
   void stop(ServerSession& by, std::uint64_t counter);
-  void outcome(ServerSession& session, std::uint64_t counter, wire::Decoder& from);
+  void outcome(ServerSession& session, std::uint64_t counter, ByteView arguments);
   OutcomeRecord outcome_of(SessionId session, std::uint64_t counter);
 
   // Life of calls; with the mutex.

@@ -9,6 +9,7 @@
 
 #include "gecos/base/log.hpp"
 #include "gecos/base/thread.hpp"
+#include "gecos/broker_interface.hpp"  // generated from idl/gecos/broker.gidl
 #include "gecos/session/client/broker_client.hpp"
 #include "gecos/session/client/connect.hpp"
 #include "gecos/session/server/object_host.hpp"
@@ -239,7 +240,7 @@ tl::expected<Registrar::Broker, std::string> Registrar::find_broker(TimePoint de
   }
   auto found = lab_->broker(deadline);
   if (!place.empty() && (!found || (*found)->place() != place)) {
-    found = connect(*lab_->runtime(), place, broker_interface(), deadline);
+    found = connect(*lab_->runtime(), place, BrokerInterface::description, deadline);
   }
   if (!found) return found;
   const std::lock_guard lock(mutex_);
