@@ -105,7 +105,8 @@ ROOMS: dict[str, Room] = {
         "base wire frames", "generated types know the codec and hand-written values"
     ),
     "generated-interfaces": _room(
-        "base qos access description", "descriptions of interfaces are tables below the session"
+        "base wire qos access description generated-types",
+        "descriptions of interfaces and what calls take and give stand below the session",
     ),
     "generated-stubs": _room(
         _BELOW_SESSION + " frames public",

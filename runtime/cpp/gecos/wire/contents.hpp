@@ -17,18 +17,13 @@
 namespace gecos::wire {
 
 /// `encode` writes the fields, exactly `encoded_size()` bytes; `decode` reads them back and
-/// validates.
+/// validates. `fingerprint` is what lcm-gen computes for the declared layout.
 template <typename T>
-concept Encodable = std::default_initializable<T> &&
+concept GeneralContents = std::default_initializable<T> &&
     requires(const T& value, T& target, Encoder& encoder, Decoder& decoder) {
   { value.encoded_size() } -> std::same_as<std::size_t>;
   { value.encode(encoder) } -> std::same_as<void>;
   { target.decode(decoder) } -> std::same_as<bool>;
-};
-
-/// `fingerprint` is what lcm-gen computes for the declared layout.
-template <typename T>
-concept GeneralContents = Encodable<T> && requires {
   { T::fingerprint() } -> std::same_as<std::int64_t>;
 };
 
@@ -89,7 +84,7 @@ Everywhere(T) -> Everywhere<T>;
 inline constexpr std::size_t fingerprint_size = 8;
 
 /// The fields alone.
-template <Encodable T>
+template <GeneralContents T>
 Bytes to_bytes(const T& value) {
   Bytes bytes(value.encoded_size());
   Encoder encoder(bytes);
@@ -99,7 +94,7 @@ Bytes to_bytes(const T& value) {
 }
 
 /// The inverse of `to_bytes`; bytes left over are an error.
-template <Encodable T>
+template <GeneralContents T>
 tl::expected<T, DecodeError> from_bytes(ByteView bytes) {
   tl::expected<T, DecodeError> result;
   Decoder decoder(bytes);

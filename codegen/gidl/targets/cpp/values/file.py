@@ -106,14 +106,13 @@ _Shown = EnumDeclaration | Bitmask | Bitset | Struct | Union | Typedef | Constan
 
 class _Types(Enums, Structs, Unions):
     def namespaces(self, declarations: tuple[AnyDeclaration, ...]) -> Iterator[NamespaceView]:
-        """Declarations by their modules, then what operations take and give."""
+        """Declarations by their modules, then what operations give that give several values."""
         ordered = in_order(self._model, [d for d in declarations if isinstance(d, _Shown)])
         early = sorted({name for each in ordered for name in each.incomplete})
         parts = [_forward(self._place(name)) for name in early]
         parts += [_whole(self._place(each.declaration.name), self._type(each)) for each in ordered]
         for interface in (d for d in declarations if isinstance(d, Interface)):
-            for operation in interface.operations:
-                parts += [_whole(place, view) for place, view in self._of_calls(operation)]
+            parts += [_whole(place, view) for place, view in self.results_of(interface)]
         for scope, run in groupby(parts, key=lambda part: part.name):
             views = list(run)
             forward = tuple(name for view in views for name in view.forward)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 from gidl.model import (
     ExceptionStruct,
+    Interface,
     Member,
     Operation,
     Struct,
@@ -72,18 +73,29 @@ class Structs(ValueNames):
             printed(self._name(struct), [self._print(m) for m in content.members]),
         )
 
-    def _of_calls(self, operation: Operation) -> Iterator[tuple[TypeName, StructView]]:
-        """What an operation takes and what it gives, where these have structs."""
-        call = self._layout.call(operation.scoped_name)
-        takes = self._layout.cpp_names.arguments.get(operation.scoped_name)
-        if takes is not None:
-            struct = arguments_struct(operation)
-            yield takes, self._of_call(takes, struct, operation, call.request, shown=False)
-        gives = self._layout.cpp_names.results.get(operation.scoped_name)
-        if gives is not None:
-            struct = result_struct(self._layout, operation)
-            several = len(call.reply) > 1
-            yield gives, self._of_call(gives, struct, operation, call.reply, shown=several)
+    def results_of(self, interface: Interface) -> Iterator[tuple[TypeName, StructView]]:
+        """What operations give that give several values: their callers see it."""
+        for operation in interface.operations:
+            if len(self._layout.call(operation.scoped_name).reply) > 1:
+                yield self._result(operation, shown=True)
+
+    def of_calls(self, interface: Interface) -> Iterator[StructView]:
+        """What the operations take and give, where the session has to know that."""
+        for operation in interface.operations:
+            call = self._layout.call(operation.scoped_name)
+            takes = self._layout.cpp_names.arguments.get(operation.scoped_name)
+            if takes is not None:
+                struct = arguments_struct(operation)
+                yield self._of_call(takes, struct, operation, call.request, shown=False)
+            gives = operation.scoped_name in self._layout.cpp_names.results
+            if gives and len(call.reply) == 1:
+                yield self._result(operation, shown=False)[1]
+
+    def _result(self, operation: Operation, shown: bool) -> tuple[TypeName, StructView]:
+        place = self._layout.cpp_names.results[operation.scoped_name]
+        struct = result_struct(self._layout, operation)
+        reply = self._layout.call(operation.scoped_name).reply
+        return place, self._of_call(place, struct, operation, reply, shown)
 
     def _of_call(
         self,
@@ -93,7 +105,7 @@ class Structs(ValueNames):
         fields: tuple[FieldLayout, ...],
         shown: bool,
     ) -> StructView:
-        """`shown`: callers see it, not the session alone."""
+        """`shown`: it is printed and compared, because callers see it and not the session alone."""
         return StructView(
             "struct",
             place.name,

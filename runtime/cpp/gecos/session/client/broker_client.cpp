@@ -54,7 +54,7 @@ tl::expected<Duration, NotRegistered> await_registered(CommandCore& asked, TimeP
     return tl::unexpected(NotRegistered{false, {}, false, "the broker did not answer in time"});
   }
   if (asked.progress().detail == Detail::Done) {
-    const auto reply = wire::from_bytes<Broker_enlist_result>(asked.result());
+    const auto reply = wire::decoded<Broker_enlist_result>(asked.result());
     if (!reply || !reply->settles_in)
       return Duration::zero();  // or a broker without provisional names
     return longest_provisional(*reply->settles_in);

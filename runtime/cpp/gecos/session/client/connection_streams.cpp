@@ -1,6 +1,5 @@
 // What a session does for the streams that its client reads.
 #include "gecos/object_interface.hpp"  // generated from idl/gecos/object.gidl
-#include "gecos/object_types.hpp"
 #include "gecos/session/client/client_connection.hpp"
 #include "gecos/session/client/client_stream.hpp"
 #include "gecos/session/client/own_call.hpp"

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "gecos/object.hpp"
+#include "gecos/wire/encodable.hpp"
 
 namespace gecos::session {
 

@@ -4,10 +4,10 @@
 #include <algorithm>
 
 #include "gecos/object_interface.hpp"  // generated from idl/gecos/object.gidl
-#include "gecos/object_types.hpp"
 #include "gecos/session/protocol/packets.hpp"
 #include "gecos/session/server/call_log.hpp"
 #include "gecos/session/server/object_host.hpp"
+#include "gecos/wire/encodable.hpp"
 
 namespace gecos::session {
 namespace {
@@ -110,12 +110,12 @@ void ObjectHost::describe(ServerSession& session, std::uint64_t counter) {
   about.pid = getpid();
   about.registration = claim_.text();
   about.handlers = running_handlers();
-  session.reply(counter, wire::to_bytes(GecosObject_describe_result{std::move(about)}));
+  session.reply(counter, wire::encoded(GecosObject_describe_result{std::move(about)}));
 }
 
 void ObjectHost::acquire(const std::shared_ptr<ServerSession>& session, std::uint64_t counter,
                          ByteView arguments) {
-  auto asked = wire::from_bytes<GecosObject_acquire_arguments>(arguments);
+  auto asked = wire::decoded<GecosObject_acquire_arguments>(arguments);
   if (!asked) return session->reply(counter, undecodable(asked.error()));
   if (status_of(asked->wanted) == access::Status::Sensor) {
     return session->reply(
@@ -145,7 +145,7 @@ void ObjectHost::grant(ServerSession& session, std::uint64_t counter, const Acqu
   if (granted) {
     if (!held_before) session.held_from = number(granted->epoch);
     const Grant given{status_of(granted->status), number(granted->epoch)};
-    return session.reply(counter, wire::to_bytes(GecosObject_acquire_result{given}));
+    return session.reply(counter, wire::encoded(GecosObject_acquire_result{given}));
   }
   session.reply(counter,
                 refusal(name_ + ": " + granted.error().text, shown(granted.error().holders, now)));
@@ -195,7 +195,7 @@ bool ObjectHost::waits_for_status(const ServerSession& session, std::uint64_t co
 
 void ObjectHost::release(ServerSession& session, std::uint64_t counter, ByteView arguments) {
   using Commands = access::LeaseTable::Commands;
-  const auto asked = wire::from_bytes<GecosObject_release_arguments>(arguments);
+  const auto asked = wire::decoded<GecosObject_release_arguments>(arguments);
   if (!asked) return session.reply(counter, undecodable(asked.error()));
   const bool now = asked->now;
   std::uint64_t epoch = asked->epoch;
@@ -228,7 +228,7 @@ void ObjectHost::stop(ServerSession& by, std::uint64_t counter) {
 }
 
 void ObjectHost::outcome(ServerSession& session, std::uint64_t counter, ByteView arguments) {
-  const auto asked = wire::from_bytes<GecosObject_outcome_arguments>(arguments);
+  const auto asked = wire::decoded<GecosObject_outcome_arguments>(arguments);
   if (!asked) return session.reply(counter, undecodable(asked.error()));
   OutcomeRecord record;
   if (asked->boot != number(process_boot())) {
@@ -238,7 +238,7 @@ void ObjectHost::outcome(ServerSession& session, std::uint64_t counter, ByteView
   } else {
     record = outcome_of(SessionId{asked->session}, asked->counter);
   }
-  session.reply(counter, wire::to_bytes(GecosObject_outcome_result{std::move(record)}));
+  session.reply(counter, wire::encoded(GecosObject_outcome_result{std::move(record)}));
 }
 
 OutcomeRecord ObjectHost::outcome_of(SessionId asked, std::uint64_t counter) {
@@ -275,7 +275,7 @@ OutcomeRecord ObjectHost::outcome_of(SessionId asked, std::uint64_t counter) {
 }
 
 void ObjectHost::subscribe(ServerSession& session, std::uint64_t counter, ByteView arguments) {
-  const auto asked = wire::from_bytes<GecosObject_subscribe_arguments>(arguments);
+  const auto asked = wire::decoded<GecosObject_subscribe_arguments>(arguments);
   if (!asked) return session.reply(counter, undecodable(asked.error()));
   const StreamDescription* stream = interface_.find_stream(FunctionCode{asked->code});
   if (stream == nullptr) {
@@ -298,11 +298,11 @@ void ObjectHost::subscribe(ServerSession& session, std::uint64_t counter, ByteVi
   const auto shared = session.share(*stream);
   if (!shared) return session.reply(counter, Failure{Detail::Rejected, shared.error(), {}, {}});
   session.subscriptions[stream->code] = *shared;
-  session.reply(counter, wire::to_bytes(GecosObject_subscribe_result{*shared}));
+  session.reply(counter, wire::encoded(GecosObject_subscribe_result{*shared}));
 }
 
 void ObjectHost::unsubscribe(ServerSession& session, std::uint64_t counter, ByteView arguments) {
-  const auto asked = wire::from_bytes<GecosObject_unsubscribe_arguments>(arguments);
+  const auto asked = wire::decoded<GecosObject_unsubscribe_arguments>(arguments);
   if (!asked) return session.reply(counter, undecodable(asked.error()));
   const auto found = session.subscriptions.find(FunctionCode{asked->code});
   if (found != session.subscriptions.end()) {

@@ -29,7 +29,8 @@ void ObjectHost::take_again(const std::shared_ptr<ServerSession>& session,
     }
   }
   if (const auto before = outcomes_.session(lost)) {
-    if (const auto* found = before->calls.find(sent.counter)) return resume(session, packet, *found);
+    if (const auto* found = before->calls.find(sent.counter))
+      return resume(session, packet, *found);
     reject_late(before, sent.counter);
   }
   take_call(session, call);
