@@ -89,7 +89,7 @@ void ObjectHost::answer_builtin(const std::shared_ptr<ServerSession>& session,
 
 void ObjectHost::holders(ServerSession& session, std::uint64_t counter) {
   const GecosObject_holders_result all{shown(leases_.roster(), lease_clock_.now())};
-  session.reply(counter, wire::to_bytes(all));
+  session.reply(counter, wire::encoded(all));
 }
 
 void ObjectHost::describe(ServerSession& session, std::uint64_t counter) {
