@@ -18,6 +18,7 @@ namespace gecos::fuzz {
 namespace {
 
 using namespace gecos::session;
+using Kind = wire::PacketKind;
 
 bool moves(const OperationDescription& operation) {
   return operation.status != access::Status::Sensor;
@@ -157,7 +158,6 @@ class Client {
   }
 
   void send(Script& script, const Client& other, std::uint64_t& serial) {
-    using Kind = wire::PacketKind;
     static constexpr std::array usual = {Kind::Call,   Kind::Call,  Kind::Call,   Kind::Call,
                                          Kind::Cancel, Kind::Query, Kind::Goodbye};
     static constexpr std::array codes = {probe::read_code,   probe::move_code,
@@ -225,7 +225,6 @@ class Client {
   }
 
   void hear(const wire::PacketView& packet) {
-    using Kind = wire::PacketKind;
     const auto detail = detail_from(static_cast<std::uint8_t>(packet.header.flags));
     switch (packet.header.kind) {
       case Kind::Welcome:

@@ -21,7 +21,7 @@ constexpr std::array<std::uint32_t, 256> make_table() {
   return table;
 }
 
-Offer offer_of(const Medium& inner) {
+Offer offer_when_checked(const Medium& inner) {
   Offer offer = inner.offer();
   offer.intact = true;
   offer.largest_packet -= check_size;
@@ -75,7 +75,7 @@ std::uint32_t crc32c(ByteView bytes, std::uint32_t before) {
 }
 
 std::unique_ptr<Medium> make_checked(std::unique_ptr<Medium> inner) {
-  const Offer offer = offer_of(*inner);
+  const Offer offer = offer_when_checked(*inner);
   return make_layer(std::move(inner), offer,
                     [](std::unique_ptr<Link> link, const Offer& offered, Role) {
                       return std::make_unique<CheckedLink>(std::move(link), offered);

@@ -10,7 +10,7 @@
 namespace gecos::media {
 namespace {
 
-Offer offer_of(const Medium& inner) {
+Offer offer_in_pieces(const Medium& inner) {
   Offer offer = inner.offer();
   offer.ordered = false;  // small packets overtake large ones
   offer.largest_packet = largest_transfer;
@@ -107,7 +107,7 @@ class LinkInPieces final : public LinkLayer {
 }  // namespace
 
 std::unique_ptr<Medium> make_in_pieces(std::unique_ptr<Medium> inner, const Clock& clock) {
-  const Offer offer = offer_of(*inner);
+  const Offer offer = offer_in_pieces(*inner);
   return make_layer(std::move(inner), offer,
                     [&clock](std::unique_ptr<Link> link, const Offer& offered, Role) {
                       return std::make_unique<LinkInPieces>(std::move(link), offered, clock);

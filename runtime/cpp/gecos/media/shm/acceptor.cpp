@@ -33,7 +33,7 @@ constexpr std::string_view no_descriptors = "the server has no descriptors left 
 
 bool none_left(int error) { return error == EMFILE || error == ENFILE; }
 
-tl::unexpected<MediumError> error(const std::string& text) {
+tl::unexpected<MediumError> listen_error(const std::string& text) {
   return tl::unexpected(MediumError{"shm: " + text});
 }
 
@@ -183,7 +183,7 @@ tl::expected<std::unique_ptr<Acceptor>, MediumError> ShmAcceptor::open(const Shm
     if (!listener && errno == EADDRINUSE) {
       if (server_is_dead(path)) ::unlink(path.c_str());
       listener = bind_and_listen(path, options.other_users);
-      if (!listener && errno == EADDRINUSE) return error(occupied(path));
+      if (!listener && errno == EADDRINUSE) return listen_error(occupied(path));
     }
   } else {
     static std::atomic<std::uint64_t> opened{0};  // makes addresses of this process differ
@@ -194,7 +194,7 @@ tl::expected<std::unique_ptr<Acceptor>, MediumError> ShmAcceptor::open(const Shm
     } while (!listener && errno == EADDRINUSE);
   }
   if (!listener) {
-    return error("cannot listen at " + path + ": " + system_text(errno));
+    return listen_error("cannot listen at " + path + ": " + system_text(errno));
   }
   try {
     return std::make_unique<ShmAcceptor>(path, std::move(listener), options.other_users);

@@ -11,7 +11,7 @@ namespace gecos::session {
 namespace {
 
 /// Between looks at open calls where nothing is lost: a packet that came quietly waits no longer.
-constexpr Duration between_looks = std::chrono::milliseconds(50);
+constexpr Duration longest_sleep = std::chrono::milliseconds(50);
 
 }  // namespace
 
@@ -105,7 +105,7 @@ TimePoint ClientConnection::repeat(TimePoint now) {
   // With nothing open the next sign of life is all that is due: many idle clients shall cost
   // nothing.
   if (!repeats_ && calls_.size() == 0) return next_beat_;
-  if (!repeats_ && !cancels_waiting_) return std::min(next_beat_, now + between_looks);
+  if (!repeats_ && !cancels_waiting_) return std::min(next_beat_, now + longest_sleep);
   const TimePoint soon = now + Maintenance::tick;
   cancels_waiting_ = false;
   for (const auto& [counter, command] : calls_.all()) {

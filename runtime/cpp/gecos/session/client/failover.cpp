@@ -15,7 +15,7 @@
 namespace gecos::session {
 namespace {
 
-constexpr Duration between_looks = std::chrono::milliseconds(30);
+constexpr Duration between_searches = std::chrono::milliseconds(30);
 /// Who does not answer so long holds up the search for others.
 constexpr Duration longest_look = std::chrono::milliseconds(250);
 
@@ -181,7 +181,7 @@ void Failover::look(std::shared_ptr<ClientConnection> from, Lock& lock) {
   }
   Search& search = search_of(from);
   append(search.commands, std::move(commands));
-  search.next = std::chrono::steady_clock::now() + between_looks;
+  search.next = std::chrono::steady_clock::now() + between_searches;
   if (!found) search.why = std::move(found.error());
 }
 

@@ -20,7 +20,7 @@ constexpr Duration patience = std::chrono::seconds(2);
 /// Of our thread: as long as this, commands may wait before it is said that no broker answers.
 constexpr Duration answer_patience = std::chrono::seconds(1);
 constexpr Duration between_tries = std::chrono::milliseconds(200);
-constexpr Duration between_looks = std::chrono::milliseconds(20);
+constexpr Duration look_again_after = std::chrono::milliseconds(20);
 /// Server and broker are often started together.
 constexpr Duration before_told = std::chrono::seconds(1);
 
@@ -123,7 +123,7 @@ tl::expected<Duration, std::string> Registrar::register_first(Registration& regi
     const bool later =
         enlisted.error().unheard || (*broker)->lost() ||
         (enlisted.error().taken && holder_has_ended(registration.entry.name, deadline));
-    if (!later || !rest(between_looks, deadline)) return tl::unexpected(enlisted.error().text);
+    if (!later || !rest(look_again_after, deadline)) return tl::unexpected(enlisted.error().text);
   }
 }
 
