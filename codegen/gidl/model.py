@@ -586,10 +586,10 @@ class Model:
         assert isinstance(base, Bitset)
         return self.all_fields(base) + bitset.fields
 
-    def lineage(self, interface: Interface) -> tuple[Interface, ...]:
+    def with_bases(self, interface: Interface) -> tuple[Interface, ...]:
         """All bases, most general first, then the interface itself."""
         return (*(self.interface(name) for name in interface.all_bases), interface)
 
     def all_interface_members(self, interface: Interface) -> tuple[Operation | Attribute, ...]:
         """What an object of this interface answers: inherited members first."""
-        return tuple(m for i in self.lineage(interface) for m in i.members)
+        return tuple(m for i in self.with_bases(interface) for m in i.members)

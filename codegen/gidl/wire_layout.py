@@ -157,7 +157,7 @@ class Layout:
     python_names: TypeNames
 
     def all_calls(self, model: Model, interface: Interface) -> tuple[CallLayout, ...]:
-        return tuple(c for i in model.lineage(interface) for c in self.interfaces[i.name].calls)
+        return tuple(c for i in model.with_bases(interface) for c in self.interfaces[i.name].calls)
 
     def call(self, scoped_name: str) -> CallLayout:
         """By scoped name of an operation or attribute (getter), or that with "=" (setter)."""

@@ -126,7 +126,7 @@ def test_an_allowed_include_passes(path: str, header: str) -> None:
     assert cpp(path, f"#include {header}\n") == []
 
 
-def test_a_pure_room_that_reads_a_clock_is_found_but_not_in_a_comment() -> None:
+def test_a_pure_module_that_reads_a_clock_is_found_but_not_in_a_comment() -> None:
     path = "runtime/cpp/gecos/access/lease_table.cpp"
     (violation,) = cpp(
         path, "// std::chrono::steady_clock::now() is the caller's\nauto t = Clock::now();\n"
@@ -144,9 +144,9 @@ def test_a_pure_room_that_reads_a_clock_is_found_but_not_in_a_comment() -> None:
         "runtime/cpp/gecos/session/helpers/util.hpp",
     ],
 )
-def test_a_file_in_no_room_is_found(path: str) -> None:
+def test_a_file_in_no_module_is_found(path: str) -> None:
     (violation,) = cpp(path, "#pragma once\n")
-    assert "no room" in violation.what
+    assert "no module" in violation.what
 
 
 @pytest.mark.parametrize(
@@ -214,11 +214,11 @@ def test_the_report_says_where_what_why_and_what_to_do(tmp_path: Path) -> None:
         "runtime/cpp/gecos/session/client/select.cpp:1: error: "
         'session/client includes "gecos/media/lcm.hpp" of media\n'
         "    = rule: the session knows media by contract alone (core, medium, quiet, "
-        "waiting and open.hpp), and generated types, never clients; the rooms of the session "
+        "waiting and open.hpp), and generated types, never clients; the modules of the session "
         "stand on each other: public, protocol, process, client, server\n"
         "    = help: it may include access, base, crypto, description, generated-interfaces, "
         "generated-types, medium, public, qos, session/process, session/protocol, wire: "
-        "pass in what it needs, or move the code to a room that may\n"
+        "pass in what it needs, or move the code to a module that may\n"
         "check_layers: 1 files, 1 violations"
     )
 

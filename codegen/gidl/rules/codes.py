@@ -55,7 +55,7 @@ def _unique(
     findings: Findings,
 ) -> None:
     seen: dict[int, tuple[str, Member]] = {}
-    for part in model.lineage(interface):
+    for part in model.with_bases(interface):
         for code, name, member in own[part.name]:
             first = seen.setdefault(code, (name, member))
             if first[0] == name or not meet_first(

@@ -13,7 +13,7 @@ from collections.abc import Callable
 from typing import NamedTuple, Protocol
 
 from gecos import log
-from gecos.farewell import begin_thread
+from gecos.shutdown import begin_thread
 
 
 class Ending(Protocol):

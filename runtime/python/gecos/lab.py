@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from types import TracebackType
 from typing import TYPE_CHECKING, Self, TypeVar
 
-from gecos import _core, farewell
+from gecos import _core, shutdown
 from gecos.errors import Attempt, CreateError, Detail
 from gecos.interface import Interface
 from gecos.program import check_environment, program_name
@@ -26,7 +26,7 @@ class Lab:
     def __init__(self, broker: str | None = None) -> None:
         check_environment()
         self._core = _core.Lab(broker or "", program_name())
-        farewell.at_exit(self, farewell.Turn.LABS)
+        shutdown.at_exit(self, shutdown.Turn.LABS)
 
     def create(
         self,

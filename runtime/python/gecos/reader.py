@@ -10,7 +10,7 @@ from collections.abc import AsyncIterator
 from queue import SimpleQueue
 from typing import TYPE_CHECKING, Generic, TypeVar
 
-from gecos.farewell import begin_thread
+from gecos.shutdown import begin_thread
 
 if TYPE_CHECKING:
     from gecos.stream import Sample, Stream

@@ -140,7 +140,7 @@ def _mock(
         {a.name: free.fresh(f"held_{a.name}_") for a in attributes},
     )
     held, methods, streams = [], [], []
-    for base in model.lineage(interface):
+    for base in model.with_bases(interface):
         facts = _Facts(lowering, base, own)
         for call in lowering.layout.interfaces[base.name].calls:
             member = facts._member(call)

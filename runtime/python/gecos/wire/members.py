@@ -122,11 +122,11 @@ class StructLayout(Members):
         "_deep",
         "_values",
         "attributes",
+        "compiled",
         "fingerprint",
         "in_block",
         "kind",
         "open",
-        "planned",
     )
 
     def __init__(
@@ -149,7 +149,7 @@ class StructLayout(Members):
         self.fingerprint = fingerprint
         self.open = open
         self.in_block = open
-        self.planned = False
+        self.compiled = False
         self._deep = deep
         self._values: Callable[[Any], Sequence[Any]] = _getter(self.attributes)
 

@@ -7,11 +7,11 @@ import socket
 from types import TracebackType
 from typing import Self
 
-_ENDING = (signal.SIGINT, signal.SIGTERM)
+_SIGNALS = (signal.SIGINT, signal.SIGTERM)
 _ENOUGH = 4096  # other signals that came before it
 
 
-class EndingSignals:
+class TerminationSignals:
     """Inside the block these signals only end `wait`. For the main thread.
 
     Whichever thread the kernel gives the signal to, it arrives on a socket: none is lost between
@@ -21,13 +21,13 @@ class EndingSignals:
     def __enter__(self) -> Self:
         self._here, self._there = socket.socketpair()
         self._there.setblocking(False)
-        self._handlers = {number: signal.signal(number, _nothing) for number in _ENDING}
+        self._handlers = {number: signal.signal(number, _nothing) for number in _SIGNALS}
         self._wakeup = signal.set_wakeup_fd(self._there.fileno(), warn_on_full_buffer=False)
         return self
 
     def wait(self) -> None:
         """Sleeps until the first of them, also when it came before."""
-        while self._here.recv(1)[0] not in _ENDING:
+        while self._here.recv(1)[0] not in _SIGNALS:
             pass
 
     def came(self) -> bool:
@@ -36,7 +36,7 @@ class EndingSignals:
             waiting = self._here.recv(_ENOUGH, socket.MSG_PEEK | socket.MSG_DONTWAIT)
         except BlockingIOError:
             return False
-        return any(number in _ENDING for number in waiting)
+        return any(number in _SIGNALS for number in waiting)
 
     def __exit__(
         self,

@@ -30,9 +30,9 @@ class Closable(Protocol):
 _waiting: dict[Turn, WeakSet[Closable]] = {turn: WeakSet() for turn in Turn}
 
 
-def at_exit(leaver: Closable, turn: Turn) -> None:
+def at_exit(closable: Closable, turn: Turn) -> None:
     """Closes it at the end of the program, unless it is gone by then. It may be closed already."""
-    _waiting[turn].add(leaver)
+    _waiting[turn].add(closable)
 
 
 _starting = threading.RLock()  # a __del__ or a signal handler may begin a thread in the midst of it
@@ -52,8 +52,8 @@ def begin_thread(name: str, run: Callable[..., None], *words: object) -> None:
 def _leave() -> None:
     global _over
     for turn in Turn:
-        for leaver in list(_waiting[turn]):
+        for closable in list(_waiting[turn]):
             with contextlib.suppress(Exception):  # nobody is left to tell
-                leaver.close()
+                closable.close()
     with _starting:
         _over = True
