@@ -218,7 +218,7 @@ def test_the_report_says_where_what_why_and_what_to_do(tmp_path: Path) -> None:
         "stand on each other: public, protocol, process, client, server\n"
         "    = help: it may include access, base, crypto, description, generated-interfaces, "
         "generated-types, medium, public, qos, session/process, session/protocol, wire: "
-        "pass in what it needs, or move the code to a module that may\n"
+        "pass in what it needs, or move the code to one that may\n"
         "check_layers: 1 files, 1 violations"
     )
 
