@@ -34,7 +34,7 @@ GripperServant::GripperServant(gecos::Lab& lab, std::string name, std::string wo
       gripper_(settings) {}
 
 void GripperServant::publish() {
-  mounting_.carrier().tend();
+  mounting_.carrier().tick();
   if (const auto now = jaws()) publish_jaws(*now);
 }
 

@@ -35,8 +35,8 @@ std::string Carrier::name() const {
   return flange ? flange->name() : std::string();
 }
 
-void Carrier::tend() {
-  if (const auto flange = this->flange()) flange->tend();
+void Carrier::tick() {
+  if (const auto flange = this->flange()) flange->tick();
 }
 
 tl::expected<robcl::Frame, std::string> Carrier::frame() {
@@ -65,7 +65,7 @@ gecos::Result<void> Mounting::mount(const std::string& carrier,
                                     const robcl::Frame& carrier_from_base) {
   if (!carrier.empty()) {
     const auto flange = flange_of(lab_, carrier, 500ms);
-    flange->tend();
+    flange->tick();
     if (!flange->proxy()) {
       return tl::unexpected(robcl::MountRefused{flange->latest().error()});
     }

@@ -15,7 +15,7 @@ namespace devices {
 using FlangeStream = gecos::ReconnectingStream<robcl::Manipulator, robcl::Frame>;
 
 /// The flange of a manipulator, as its stream last said; or the world, which stands. Any thread may
-/// ask; one thread tends.
+/// ask; one thread calls `tick`.
 class Carrier {
  public:
   /// A flange that was silent for longer than this is not known any more.
@@ -29,7 +29,7 @@ class Carrier {
 
   /// Connects, or connects again, when that is needed; call it now and then, where waiting for up
   /// to 0.2 s does no harm.
-  void tend();
+  void tick();
 
   /// The flange in the world; or why it is not known.
   tl::expected<robcl::Frame, std::string> frame();

@@ -27,9 +27,9 @@ GripperWatch::GripperWatch(gecos::Lab& lab, SimulatedWorld& world, std::string g
       carrier_(lab),
       jaws_(lab, name_, jaws_of, patient()) {}
 
-void GripperWatch::tend() {
-  carrier_.tend();
-  jaws_.tend();
+void GripperWatch::tick() {
+  carrier_.tick();
+  jaws_.tick();
   if (const auto jaws = jaws_.latest()) see(jaws->value);  // else what they hold stays held
   carry();
 }
@@ -48,7 +48,7 @@ void GripperWatch::see(const robcl::GripperState& jaws) {
     const auto name = parent.get();
     if (!name) return;
     carrier_.follow(*name);
-    carrier_.tend();
+    carrier_.tick();
     if (!carrier_.frame()) return;  // not heard yet: seen again in the next cycle
   }
   const std::lock_guard lock(guard_);

@@ -16,7 +16,7 @@ class GripperWatch {
 
   /// Connects where needed, sees what the jaws do, moves what they carry. One thread; may wait for
   /// up to half a second while something is not there.
-  void tend();
+  void tick();
   /// Moves what they carry to where it is now. Any thread; does not wait.
   void carry();
 

@@ -75,7 +75,7 @@ void SimulatedWorld::track(const std::string& gripper, const std::string& held,
                            const Frame& carrier) {
   const std::lock_guard lock(guard_);
   SimulatedBody* const body = held.empty() ? nullptr : look_up(held);
-  if (!body || body->held_by != gripper) let_go(gripper);
+  if (!body || body->held_by != gripper) release(gripper);
   if (!body || body->fixed) return;
   if (body->held_by.empty()) {
     body->held_by = gripper;
@@ -84,7 +84,7 @@ void SimulatedWorld::track(const std::string& gripper, const std::string& held,
   if (body->held_by == gripper) body->box.pose = carrier * carrier_from_body_[gripper];
 }
 
-void SimulatedWorld::let_go(const std::string& gripper) {
+void SimulatedWorld::release(const std::string& gripper) {
   if (carrier_from_body_.erase(gripper) == 0) return;
   for (SimulatedBody& body : bodies_) {
     if (body.held_by != gripper) continue;

@@ -61,7 +61,7 @@ class SimulatedWorld {
 
  private:
   SimulatedBody* look_up(std::string_view name);
-  void let_go(const std::string& gripper);
+  void release(const std::string& gripper);
   void fall(SimulatedBody& body);
 
   const double floor_;

@@ -167,7 +167,7 @@ class Program {
     static constexpr std::array ends = {media::Loss::Closed, media::Loss::Died,
                                         media::Loss::Broken};
     link_.lost = ends[script_.below(ends.size())];
-    tend(std::chrono::seconds(1));
+    tick(std::chrono::seconds(1));
     expect(session_->lost(), "a loss is seen");
     for (Issued& one : issued_) {
       one.look();
@@ -179,7 +179,7 @@ class Program {
   }
 
  private:
-  void tend(Duration later) {
+  void tick(Duration later) {
     the_clock().advance(later);
     session_->on_tick(the_clock().now());
   }
@@ -244,7 +244,7 @@ class Program {
       case 18:
         return session_->poll_once();
       case 19:
-        return tend(std::chrono::milliseconds(script_.byte() * 8));
+        return tick(std::chrono::milliseconds(script_.byte() * 8));
     }
   }
 

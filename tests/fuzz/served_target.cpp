@@ -213,7 +213,7 @@ class Client {
         to.put(script.one_in(2));
         break;
       case BuiltIn::Outcome:
-        to.put(script.one_in(8) ? script.number() : number(process_boot()));
+        to.put(script.one_in(8) ? script.number() : number(process_incarnation()));
         to.put(number(script.one_in(2) ? other.session_->id() : session_->id()));
         to.put(newest_ - script.below(4));
         break;

@@ -86,9 +86,9 @@ std::ostream& operator<<(std::ostream& out, const Failure& failure);
 /// Which command it is, to ask for its outcome later, also from another program. All zero: it was
 /// never sent.
 struct CommandId {
-  std::uint64_t boot = 0;     ///< the server's process
-  std::uint64_t session = 0;  ///< random: who knows it may ask
-  std::uint64_t counter = 0;  ///< in that session
+  std::uint64_t incarnation = 0;  ///< the server's process
+  std::uint64_t session = 0;      ///< random: who knows it may ask
+  std::uint64_t counter = 0;      ///< in that session
 
   friend bool operator==(const CommandId&, const CommandId&) = default;
 };

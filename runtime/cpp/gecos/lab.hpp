@@ -37,7 +37,7 @@ struct CreateOptions {
   /// How long to wait for the broker and the server to answer.
   Duration patience = std::chrono::seconds(2);
   /// Life of the server process that is meant, as in an ObjectRef; 0: whichever it has now.
-  std::uint64_t boot = 0;
+  std::uint64_t incarnation = 0;
 };
 
 /// Why `create` gave nothing: a reason per name that was tried.
@@ -121,7 +121,7 @@ class Lab {
   /// one that was started since may have another state. A nil reference is refused.
   template <class Proxy>
   Checked<Proxy, CreateError> create(const ObjectRef& reference, CreateOptions options = {}) {
-    if (reference.boot != 0) options.boot = reference.boot;
+    if (reference.boot != 0) options.incarnation = reference.boot;
     return create<Proxy>(std::vector<std::string>{reference.name}, std::move(options));
   }
 

@@ -82,8 +82,8 @@ class Reconnecting {
   TimePoint next_try_{};
 };
 
-/// A stream that is opened again, through a new proxy, when it is lost or silent. One thread tends
-/// it; any thread reads. `lab` must outlive it.
+/// A stream that is opened again, through a new proxy, when it is lost or silent. One thread calls
+/// `tick`; any thread reads. `lab` must outlive it.
 template <class Proxy, class T>
 class ReconnectingStream {
  public:
@@ -101,7 +101,7 @@ class ReconnectingStream {
 
   /// Opens it, or opens it again, where that is needed. Call it now and then: it returns at once
   /// while samples come, else within `create.patience` and the second that a stream may take.
-  void tend() {
+  void tick() {
     {
       const std::lock_guard lock(mutex_);
       if (std::chrono::steady_clock::now() < next_try_ || alive()) return;

@@ -24,7 +24,7 @@ struct Caller {
   std::string host;
   std::string program;
   std::int32_t pid = 0;
-  std::uint64_t boot = 0;  ///< of this life of the program, as it says itself
+  std::uint64_t incarnation = 0;  ///< of this life of the program, as it says itself
   std::uint64_t session = 0;
 };
 

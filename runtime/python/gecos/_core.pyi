@@ -13,7 +13,7 @@ class Lab:
         names: Sequence[str],
         medium: str | None,
         patience: float,
-        boot: int,
+        incarnation: int,
     ) -> Session | list[tuple[str, int, str]]:
         """A session, or name, detail and reason of each attempt."""
     def broker(self, interface: Interface, patience: float) -> Session | str:

@@ -46,14 +46,14 @@ class Lab:
         is good as long as the process that it speaks of serves the object: one that was started
         since may have another state. A nil one is refused.
         """
-        table, boot = _table_of(interface), 0
+        table, incarnation = _table_of(interface), 0
         if isinstance(names, str):
             wanted = [names]
         elif isinstance(names, Sequence):
             wanted = list(names)
         else:
-            wanted, boot = [names.name], names.boot
-        created = self._core.create(table, wanted, medium, patience, boot)
+            wanted, incarnation = [names.name], names.boot
+        created = self._core.create(table, wanted, medium, patience, incarnation)
         if isinstance(created, list):
             raise CreateError([Attempt(name, Detail(d), reason) for name, d, reason in created])
         return interface(created)

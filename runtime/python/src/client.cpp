@@ -30,9 +30,10 @@ nb::tuple as_tuple(const Failure& failure) {
 // Lab --------------------------------------------------------------------------------------------
 
 nb::object create(LabHandle& self, nb::handle interface, const std::vector<std::string>& names,
-                  const std::optional<std::string>& medium, double patience, std::uint64_t boot) {
+                  const std::optional<std::string>& medium, double patience,
+                  std::uint64_t incarnation) {
   CreateOptions options;
-  options.boot = boot;
+  options.incarnation = incarnation;
   options.patience = patience_of(patience);
   if (medium) {
     options.medium = media::kind_from(*medium);
@@ -214,7 +215,7 @@ void bind_client(nb::module_& module) {
           },
           nb::arg("broker"), nb::arg("program"))
       .def("create", &create, nb::arg("interface"), nb::arg("names"), nb::arg("medium").none(),
-           nb::arg("patience"), nb::arg("boot"))
+           nb::arg("patience"), nb::arg("incarnation"))
       .def("broker", &broker, nb::arg("interface"), nb::arg("patience"))
       .def("close", &LabHandle::close);
 

@@ -5,8 +5,8 @@
 #include <system_error>
 
 #include "bind.hpp"
+#include "fork_generation.hpp"
 #include "gecos/command.hpp"
-#include "lineage.hpp"
 
 namespace {
 

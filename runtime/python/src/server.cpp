@@ -161,7 +161,7 @@ class ServerHandle {
     if (owner_.inherited()) {
       static_cast<void>(new auto(std::exchange(server_, nullptr)));
       static_cast<void>(new auto(std::move(servants_)));
-      let_go(lab_, owner_);
+      drop(lab_, owner_);
       return;
     }
     without_gil([this, servants = servants_, server = std::exchange(server_, nullptr)]() mutable {
@@ -171,7 +171,7 @@ class ServerHandle {
       // Who keeps this object keeps the servants, which must not keep the lab and its thread.
       for (const auto& servant : servants) servant->gecos_attach(nullptr);
     });
-    let_go(lab_, owner_);
+    drop(lab_, owner_);
   }
 
  private:
@@ -196,8 +196,8 @@ class BrokerHandle {
   ~BrokerHandle() { close(); }
 
   void close() {
-    let_go(serving_, owner_);
-    let_go(lab_, owner_);
+    drop(serving_, owner_);
+    drop(lab_, owner_);
   }
 
  private:

@@ -136,7 +136,7 @@ TEST_P(References, OneSaysWhichObjectItIs) {
   const ObjectRef reference = gecos::reference(changer_proxy_);
   EXPECT_EQ(reference.name, "CHANGER");
   EXPECT_EQ(reference.interface_hash, workshop::Changer::gecos_description().hash);
-  EXPECT_EQ(reference.boot, gecos::number(gecos::session::process_boot()));
+  EXPECT_EQ(reference.boot, gecos::number(gecos::session::process_incarnation()));
   EXPECT_EQ(reference.where.rfind(gecos::media::name_of({GetParam(), 0}) + ": ", 0), 0U)
       << reference.where;
 }

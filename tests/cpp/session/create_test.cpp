@@ -67,7 +67,7 @@ TEST_F(Create, SaysThatTheServerIsOffline) {
     gecos::Entry dead;
     dead.name = "DEAD";
     dead.interface_name = "probe::Probe";
-    dead.boot = gecos::number(gecos::session::process_boot());
+    dead.boot = gecos::number(gecos::session::process_incarnation());
     dead.addresses = {"inproc:nowhere"};
     return dead;
   }();

@@ -72,8 +72,8 @@ INSTANTIATE_TEST_SUITE_P(Over, Failover, ::testing::Values(Kind::Shm, Kind::Lcm)
                          gecos::media::name_of);
 
 /// Where it is known at once that a server is gone.
-using RenewalOnOneHost = Failover;
-INSTANTIATE_TEST_SUITE_P(Over, RenewalOnOneHost, ::testing::Values(Kind::Shm),
+using FailoverOnOneHost = Failover;
+INSTANTIATE_TEST_SUITE_P(Over, FailoverOnOneHost, ::testing::Values(Kind::Shm),
                          gecos::media::name_of);
 
 TEST_P(Failover, SendsReadingsAgainThatMayBeAndNothingElse) {
@@ -120,7 +120,7 @@ TEST_P(Failover, ShowsThatNobodyHasItAndEndsWithGraceWhenNobodyComes) {
       << why;
 }
 
-TEST_P(RenewalOnOneHost, EndsWithTheDeadlineWhenThatIsEarlier) {
+TEST_P(FailoverOnOneHost, EndsWithTheDeadlineWhenThatIsEarlier) {
   const auto look = gecos::with(robot_, {.deadline = 300ms}).look(1);
   ASSERT_EQ(first_.line().hear(), "look 1");
   const auto killed = Clock::now();

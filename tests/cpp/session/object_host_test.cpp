@@ -174,7 +174,7 @@ TEST_F(ServedObjects, PacketsThatCountNoCallAreIgnored) {
 TEST_F(ServedObjects, AnswersThatTheOutcomeOfNoCallIsNotKnown) {
   Bytes body(3 * 8);
   wire::Encoder to(body);
-  to.put(number(process_boot()));
+  to.put(number(process_incarnation()));
   to.put(number(session_->id()));
   to.put(std::uint64_t{0});
   call(1, FunctionCode{static_cast<std::uint32_t>(BuiltIn::Outcome)}, body);

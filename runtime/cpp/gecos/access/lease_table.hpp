@@ -70,7 +70,7 @@ struct Denial {
 /// leaves. Epochs of two server lives differ; 0 is never one.
 class LeaseTable {
  public:
-  LeaseTable(BootId boot, Duration ttl);
+  LeaseTable(IncarnationId incarnation, Duration ttl);
 
   /// Gives `session` actor or master status. A session that has it already keeps it, raised to
   /// `wanted`, and has to release it once more. Others join with the password of the first holder.
@@ -131,7 +131,7 @@ class LeaseTable {
   tl::expected<void, Denial> authorise(const Member* member, SessionId session, Epoch epoch,
                                        Status needed, TimePoint now) const;
 
-  const BootId boot_;
+  const IncarnationId incarnation_;
   const Duration ttl_;
   std::uint32_t changes_ = 1;
   Members members_;  ///< all of one status

@@ -30,13 +30,13 @@ tl::expected<void, ServeError> Broker::serve(Server& server, std::vector<media::
 }
 
 void Broker::gecos_dispatch(IncomingCall call) {
-  calling_ = {call.caller().session, call.caller().boot};
+  calling_ = {call.caller().session, call.caller().incarnation};
   BrokerServant::gecos_dispatch(std::move(call));
 }
 
 Result<std::optional<double>> Broker::enlist(const Entry& what, double served_for) {
   const std::lock_guard lock(mutex_);
-  const Claim claim{calling_.session, calling_.boot, duration_of(served_for)};
+  const Claim claim{calling_.session, calling_.incarnation, duration_of(served_for)};
   const auto before = directory_.look_up(what.name);
   const auto provisional = directory_.enlist(claim, what, SystemClock().since_boot());
   if (!provisional) return tl::unexpected(Fault(provisional.error()));

@@ -32,7 +32,7 @@ class Broker final : public BrokerServant {
  private:
   struct {
     std::uint64_t session = 0;
-    std::uint64_t boot = 0;
+    std::uint64_t incarnation = 0;
   } calling_;         ///< whose call is being answered: handlers run one at a time
   std::mutex mutex_;  ///< sessions end on other threads than calls run on
   Directory directory_{SystemClock().since_boot()};

@@ -210,7 +210,7 @@ void Schedule::open() {
   welcome.object = "BENCH";
   welcome.interface_name = bench().name;
   welcome.interface_hash = bench().hash;
-  welcome.boot = number(process_boot());
+  welcome.incarnation = number(process_incarnation());
   welcome.credits = ObjectQueue::most_of_object;
   session_ = std::make_shared<ClientConnection>(runtime_, line_.link(Side::Client), served_->id(),
                                                 std::move(welcome), std::vector<FunctionCode>{});
@@ -228,7 +228,7 @@ void Schedule::take_status() {
   while (project(command->progress().detail) == State::Running && clock_.now() < give_up) {
     pass(5ms);
     server_step();
-    client_tends();
+    client_ticks();
   }
   Grant grant;
   wire::Decoder from(command->result());
@@ -251,7 +251,7 @@ void Schedule::step(Side side) {
 }
 
 void Schedule::client_step() {
-  client_tends();
+  client_ticks();
   if (!session_) return;
   switch (dice_.below(16)) {
     case 0:
@@ -273,7 +273,7 @@ void Schedule::client_step() {
   }
 }
 
-void Schedule::client_tends() {
+void Schedule::client_ticks() {
   if (!session_ || !runs(Side::Client) || clock_.now() < client_due_) return;
   static_cast<void>(session_->on_tick(clock_.now()));
   client_due_ = clock_.now() + Maintenance::tick;
@@ -476,7 +476,7 @@ void Schedule::settle() {
       for (int turn = 0; turn < 4; ++turn) server_step();
       server_finishes();
     }
-    client_tends();
+    client_ticks();
     look();
   }
 }

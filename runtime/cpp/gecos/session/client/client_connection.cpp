@@ -49,7 +49,7 @@ ClientConnection::ClientConnection(std::shared_ptr<Runtime> runtime,
 }
 
 ObjectRef ClientConnection::reference() const {
-  return {welcome_.object, welcome_.interface_hash, welcome_.boot,
+  return {welcome_.object, welcome_.interface_hash, welcome_.incarnation,
           std::string(media::to_string(link_->offer().kind)) + ": " + link_->peer().description};
 }
 
@@ -114,12 +114,12 @@ tl::expected<void, media::SendProblem> ClientConnection::send_call(
   }
   ++next_counter_;
   if (command->again) {
-    command->attach(shared_from_this(), {welcome_.boot, number(id_), header.counter},
+    command->attach(shared_from_this(), {welcome_.incarnation, number(id_), header.counter},
                     sent.value_or(0));
   } else {
     command->counter = header.counter;
     command->session_id = number(id_);
-    command->boot = welcome_.boot;
+    command->incarnation = welcome_.incarnation;
     command->sent_as = sent.value_or(0);
   }
   if (repeats_) {

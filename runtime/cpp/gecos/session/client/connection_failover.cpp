@@ -85,7 +85,7 @@ tl::expected<void, media::SendProblem> ClientConnection::send_repeatable(
     header.deadline = std::max(again.deadline - runtime_->clock().since_boot(), Duration{1});
   }
   // To another process it is a new call; the same one may know what became of it.
-  const bool known = again.sessions != 0 && command->boot == welcome_.boot;
+  const bool known = again.sessions != 0 && command->incarnation == welcome_.incarnation;
   if (known) header.flags = sent_again;
   return send_call(
       header, welcome_.credits, again.arguments.size() + (known ? sent_before_size : 0),
@@ -149,7 +149,7 @@ void PendingCommand::attach(const std::shared_ptr<ClientConnection>& session, co
                             std::uint64_t as) {
   std::shared_ptr<ClientConnection> before;
   const std::lock_guard lock(mutex_);
-  boot = id.boot;
+  incarnation = id.incarnation;
   session_id = id.session;
   counter = id.counter;
   sent_as = as;

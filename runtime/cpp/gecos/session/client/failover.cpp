@@ -192,7 +192,7 @@ tl::expected<std::shared_ptr<ClientConnection>, std::string> Failover::find(
   if (!from.lost()) {
     const auto entry = look_up(lab_, target.name, deadline_after(longest_look));
     if (!entry) return tl::unexpected(entry.error());
-    if (entry->boot == from.welcome().boot) {
+    if (entry->boot == from.welcome().incarnation) {
       return tl::unexpected(std::string("no other server has taken its place"));
     }
   }

@@ -19,7 +19,7 @@ std::vector<BrokerPlace> find_brokers(const LabOrWhyNot& lab, Duration patience)
     const std::string address = (*medium)->well_known_address(broker_name);
     const auto found = connect(runtime, address, broker_interface(), deadline_after(patience));
     if (!found) continue;
-    places.push_back({address, BootId{(*found)->welcome().boot}});
+    places.push_back({address, IncarnationId{(*found)->welcome().incarnation}});
     (*found)->close(patience);
   }
   return places;

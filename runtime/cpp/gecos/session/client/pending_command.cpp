@@ -55,7 +55,7 @@ std::shared_ptr<ClientConnection> PendingCommand::session() const {
 
 CommandId PendingCommand::id() const {
   const std::lock_guard lock(mutex_);
-  return {boot, session_id, counter};
+  return {incarnation, session_id, counter};
 }
 
 std::string PendingCommand::about() const {

@@ -56,7 +56,7 @@ class PendingCommand final : public CommandCore {
   std::uint64_t counter =
       0;  ///< written before the command is shared, as the two below, or by attach()
   std::uint64_t session_id = 0;
-  std::uint64_t boot = 0;
+  std::uint64_t incarnation = 0;
   std::uint64_t sent_as = 0;      ///< the packet's number on the link; written before it is shared
   std::uint8_t marked_words = 0;  ///< where the server marks its start; written before it is shared
   /// It was sent in `session`, its first or another; with that session's mutex.

@@ -152,7 +152,7 @@ Command<Outcome> outcome(const Object& object, const CommandId& id) {
   }
   return {session_of(object)->call(session::builtin_operation(BuiltIn::Outcome), 3 * 8,
                                    [&](wire::Encoder& to) {
-                                     to.put(id.boot);
+                                     to.put(id.incarnation);
                                      to.put(id.session);
                                      to.put(id.counter);
                                    },

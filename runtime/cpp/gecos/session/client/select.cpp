@@ -34,7 +34,7 @@ std::string out_of_reach(Runtime& runtime, const Entry& entry, media::Kind kind,
                          const std::string& address) {
   switch (kind) {
     case media::Kind::Inproc:
-      return entry.boot == number(process_boot()) ? "" : "it is in another process";
+      return entry.boot == number(process_incarnation()) ? "" : "it is in another process";
     case media::Kind::Shm:
       return out_of_shared_memory(runtime.host_identity(), entry, address);
     case media::Kind::Lcm:

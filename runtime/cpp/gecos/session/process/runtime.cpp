@@ -65,10 +65,10 @@ class OpenRuntimes {
   std::vector<std::weak_ptr<Runtime>> runtimes_;
 };
 
-std::atomic<std::uint64_t> boot_of_this_process{
+std::atomic<std::uint64_t> incarnation_of_this_process{
     0};  // 0: not drawn yet; publishes nothing but itself
 
-std::uint64_t random_boot() {
+std::uint64_t random_incarnation() {
   std::uint64_t number = 0;
   while (number == 0) {
     if (::getrandom(&number, sizeof number, 0) != sizeof number) number = 0;
@@ -82,15 +82,15 @@ std::string nothing_left(std::string_view what_for, const std::system_error& why
   return "this process has nothing left for " + std::string(what_for) + ": " + why.what();
 }
 
-BootId process_boot() {
+IncarnationId process_incarnation() {
   [[maybe_unused]] static const int told_of_forks =
-      ::pthread_atfork(nullptr, nullptr, [] { boot_of_this_process.store(0); });
-  std::uint64_t known = boot_of_this_process.load();
+      ::pthread_atfork(nullptr, nullptr, [] { incarnation_of_this_process.store(0); });
+  std::uint64_t known = incarnation_of_this_process.load();
   if (known == 0) {
-    const std::uint64_t drawn = random_boot();
-    if (boot_of_this_process.compare_exchange_strong(known, drawn)) known = drawn;
+    const std::uint64_t drawn = random_incarnation();
+    if (incarnation_of_this_process.compare_exchange_strong(known, drawn)) known = drawn;
   }
-  return BootId{known};
+  return IncarnationId{known};
 }
 
 Runtime::Runtime(LabOptions options, const Clock& clock)
@@ -135,7 +135,7 @@ Hello Runtime::introduce(const InterfaceDescription& wanted) const {
   hello.host = host_name();
   hello.program = options_.program.empty() ? program_invocation_short_name : options_.program;
   hello.pid = getpid();
-  hello.boot = number(process_boot());
+  hello.incarnation = number(process_incarnation());
   hello.interface_name = wanted.name;
   hello.interface_hash = wanted.hash;
   // Nothing is sent to who is UNREACHABLE, and who stays so for `grace` is given up. A quarter is

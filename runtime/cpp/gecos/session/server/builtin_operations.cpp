@@ -240,14 +240,15 @@ void ObjectHost::stop(ServerSession& by, std::uint64_t counter) {
 }
 
 void ObjectHost::outcome(ServerSession& session, std::uint64_t counter, wire::Decoder& from) {
-  std::uint64_t boot = 0;
+  std::uint64_t incarnation = 0;
   std::uint64_t asked = 0;
   std::uint64_t which = 0;
-  if (!from.get(boot, "boot") || !from.get(asked, "session") || !from.get(which, "counter")) {
+  if (!from.get(incarnation, "incarnation") || !from.get(asked, "session") ||
+      !from.get(which, "counter")) {
     return session.reply(counter, undecodable(from));
   }
   OutcomeRecord record;
-  if (boot != number(process_boot())) {
+  if (incarnation != number(process_incarnation())) {
     record = {
         number_of(Detail::OutcomeUnknown),
         "the server of " + name_ + " was started anew since; what came before it does not know"};

@@ -58,7 +58,7 @@ void forget_session(SessionId id) {
 }
 
 std::shared_ptr<ObjectHost> object_in(const CommandId& call) {
-  if (call.boot != number(process_boot())) return nullptr;
+  if (call.incarnation != number(process_incarnation())) return nullptr;
   const std::lock_guard lock(sessions().mutex);
   const auto found = sessions().objects.find(SessionId{call.session});
   return found == sessions().objects.end() ? nullptr : found->second.lock();

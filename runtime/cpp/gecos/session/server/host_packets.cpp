@@ -44,7 +44,7 @@ std::string text_of(ObjectQueue::Full full, std::size_t bytes) {
   return {};
 }
 
-constexpr const char* given_up = "it was not started: its caller had given it up";
+constexpr const char* not_started = "it was not started: its caller had given it up";
 
 SessionId new_session_id() {
   std::uint64_t id = 0;
@@ -116,9 +116,9 @@ void ObjectHost::take_packet(const std::shared_ptr<ServerSession>& session, Byte
 /// What its client has given up comes no more: nothing waits for it.
 void ObjectHost::acknowledge(const std::shared_ptr<ServerSession>& session, std::uint64_t counter) {
   session->replies->acknowledged(counter);
-  if (counter <= session->window.all_up_to()) return;
+  if (counter <= session->window.cumulative_ack()) return;
   session->early.erase(session->early.begin(), session->early.upper_bound(counter));
-  session->window.given_up(counter);
+  session->window.abandoned(counter);
   take_early(session);
 }
 
@@ -149,7 +149,7 @@ void ObjectHost::greet(const std::shared_ptr<ServerSession>& session,
     caller.host = hello->host;
     caller.program = hello->program;
     caller.pid = session->link().peer().pid.value_or(hello->pid);
-    caller.boot = hello->boot;
+    caller.incarnation = hello->incarnation;
     const SessionId id = new_session_id();
     caller.session = number(id);
     session->greet(id, std::move(caller));
@@ -163,7 +163,7 @@ void ObjectHost::greet(const std::shared_ptr<ServerSession>& session,
                   std::string(interface_.name),
                   {},
                   interface_.hash,
-                  number(process_boot()),
+                  number(process_incarnation()),
                   static_cast<std::uint32_t>(ObjectQueue::most_of_object),
                   {}};
   welcome.bases.assign(interface_.bases.begin(), interface_.bases.end());
@@ -186,13 +186,13 @@ bool ObjectHost::unheard_since_a_pause(const ServerSession& session) const {
 void ObjectHost::withdraw(ServerSession& session) {
   session.withdrawn = true;  // also for what waits for its thread
   while (!session.early.empty()) {
-    end_early(session, session.early.begin()->first, Detail::NotStarted, given_up);
+    end_early(session, session.early.begin()->first, Detail::NotStarted, not_started);
   }
   std::vector<std::shared_ptr<ServerCall>> calls;
   for (const auto& [counter, call] : session.calls.all()) calls.push_back(call);
   for (const auto& call : calls) {
     if (!queue_.remove(*call)) continue;
-    end(*call, Failure{Detail::NotStarted, given_up, {}, {}});
+    end(*call, Failure{Detail::NotStarted, not_started, {}, {}});
     call->answered = call->returned = true;
     finished(*call);
   }
@@ -224,7 +224,7 @@ void ObjectHost::arrive(const std::shared_ptr<ServerSession>& session,
     // What was issued before a release still runs: until all of it is here, it has not arrived.
     const bool release =
         packet.header.code == FunctionCode{static_cast<std::uint32_t>(BuiltIn::Release)};
-    if (release && counter > session->window.all_up_to() + 1) return;
+    if (release && counter > session->window.cumulative_ack() + 1) return;
     switch (session->window.arrived(counter)) {
       case ReceiveWindow::Verdict::New:
         break;
@@ -276,7 +276,7 @@ bool ObjectHost::too_early(ServerSession& session, const wire::PacketView& packe
                            const OperationDescription& operation) {
   const bool keeps_place = operation.status != access::Status::Sensor || operation.ordered;
   if (!session.repeats() || operation.safety || !keeps_place ||
-      packet.header.counter <= session.window.all_up_to()) {
+      packet.header.counter <= session.window.cumulative_ack()) {
     return false;
   }
   std::size_t bytes = packet.body.size();
@@ -302,7 +302,7 @@ void ObjectHost::end_early(ServerSession& session, std::uint64_t counter, Detail
 /// Those that nothing is missing before any more.
 void ObjectHost::take_early(const std::shared_ptr<ServerSession>& session) {
   auto& early = session->early;
-  while (!early.empty() && early.begin()->first <= session->window.all_up_to()) {
+  while (!early.empty() && early.begin()->first <= session->window.cumulative_ack()) {
     EarlyCall call = std::move(early.extract(early.begin()).mapped());
     if (call.header.deadline > Duration{}) {
       const Duration waited = runtime_->clock().since_boot() - call.arrived;

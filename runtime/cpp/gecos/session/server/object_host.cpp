@@ -35,7 +35,7 @@ ObjectHost::ObjectHost(std::shared_ptr<Runtime> runtime, std::string name, Serva
       servant_(servant),
       interface_(servant.gecos_interface()),
       options_(std::move(options)),
-      leases_(process_boot(), runtime_->options().lease_ttl),
+      leases_(process_incarnation(), runtime_->options().lease_ttl),
       queue_(options_.thread_safe ? LaneThreads::Many : LaneThreads::One),
       lease_clock_(runtime_->clock().now(), runtime_->options().heartbeat * 2),
       streams_(name_, interface_),

@@ -81,7 +81,7 @@ tl::expected<void, std::string> Registrar::add(const std::shared_ptr<ObjectHost>
   entry.interface_name = interface.name;
   entry.bases.assign(interface.bases.begin(), interface.bases.end());
   entry.interface_hash = interface.hash;
-  entry.boot = self.boot;
+  entry.boot = self.incarnation;
   entry.pid = self.pid;
   entry.user = self.user;
   entry.host = lab_->runtime()->host_identity();
