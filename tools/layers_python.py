@@ -1,4 +1,4 @@
-"""Who may import whom in Python. The first row that matches a module says what it may import."""
+"""Allowed imports of Python. The first row that matches a module lists its allowed imports."""
 
 import ast
 import re

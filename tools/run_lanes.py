@@ -50,7 +50,7 @@ def all_lanes(build: str, jobs: int) -> list[Lane]:
         Lane("gidl-lint", (python, "-m", "gidl", "lint"), r"^gidl: "),
         Lane("ruff", (python, "-m", "ruff", "check", "."), r"^(All checks passed|Found )"),
         Lane("clang-format", (python, "tools/check_format.py"), r"^check_format: "),
-        # What `make wheels` does, with what the build has compiled already.
+        # The steps of `make wheels`, with the files that the build has compiled already.
         Lane("wheels", ("tools/wheels.sh", "--of-build"), r"^wheels: "),
         Lane("mypy", (python, "-m", "mypy"), r"^(Success|Found )"),
         Lane(
@@ -58,7 +58,7 @@ def all_lanes(build: str, jobs: int) -> list[Lane]:
             ("ctest", "--test-dir", build, "--output-on-failure", "--no-tests=error", f"-j{jobs}"),
             r"^\d+% tests passed",
         ),
-        # Of the compiler, on all cores: nothing there is timed, and nobody meets at one place.
+        # Tests of the compiler, on all cores: no test there is timed or shares a resource.
         Lane("compiler", (python, "-m", "pytest", f"-n{jobs}", *of_compiler), pytest_sum),
         Lane(
             "pytest", (python, "-m", "pytest", *(f"--ignore={f}" for f in of_compiler)), pytest_sum

@@ -1,4 +1,4 @@
-// What a ring, a socket and LCM do with nothing of ours around them:
+// Round trips over a plain ring, a socket and LCM, without this project:
 //   spin     ring in shared memory that never gives its core away
 //   yield    the same, giving it away after every look, and asleep on a futex after 50 µs of that
 //   futex    the same, asleep on a futex at once

@@ -1,4 +1,4 @@
-"""What is measured beside what, and what is promised of it."""
+"""The comparisons of `make bench-peers` and the bars that have to be met."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ class Setting:
     bars: tuple[Bar, ...]
     one_core: bool = False
     loops: Loops | None = None
-    figure: Figure = Figure.P50  # of its table
+    figure: Figure = Figure.P50  # the column of the table that is compared
     silent: bool = False  # a second of rest before each call
     outstanding: int = 0
 

@@ -22,7 +22,7 @@ namespace peers {
 using Clock = std::chrono::steady_clock;
 using Seconds = std::chrono::duration<double>;
 
-/// What all of them carry there and back: 64 bytes.
+/// The payload of every call and reply: 64 bytes.
 struct Sample {
   double stamp = 0;
   std::array<double, 7> axis{};

@@ -137,7 +137,7 @@ class StringType:
 class SequenceType:
     element: Type
     bound: int | None = None
-    unit: str | None = None  # of the elements, where the sequence itself is annotated
+    unit: str | None = None  # unit of the elements, when the sequence is annotated
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,7 +169,7 @@ Type = PrimitiveType | StringType | SequenceType | MapType | ArrayType | NamedTy
 
 @dataclass(frozen=True, slots=True)
 class Facts:
-    """What every declaration may carry besides its meaning."""
+    """Facts of every declaration: documentation, annotations, locations."""
 
     location: Location = field(compare=False)
     doc: str = ""  # text of the author's comment without comment marks; lines joined by "\n"
@@ -177,9 +177,9 @@ class Facts:
     since: str | None = None
     deprecated: str | None = None  # the reason; "" when none is given
     hash_as: str | None = None  # name used for codes and hashes instead of the present one
-    annotations: tuple[Annotation, ...] = ()  # those without a meaning here, kept
+    annotations: tuple[Annotation, ...] = ()  # unknown annotations, kept
     written: tuple[tuple[str, Location], ...] = field(default=(), compare=False)
-    """Those with a meaning, and arguments of theirs: "qos", "qos.depth"."""
+    """Locations of annotations with a meaning and of their arguments: "qos", "qos.depth"."""
 
     def place_of(self, *annotations: str) -> Location:
         """Where one of these annotations stands, else where the name is declared."""
@@ -249,7 +249,7 @@ class Struct(Declaration):
 
 @dataclass(frozen=True, slots=True)
 class ExceptionStruct(Struct):
-    """What an operation may raise: a struct in every respect, never used as a value."""
+    """An exception that an operation may raise: a struct that is never used as a value."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -383,7 +383,7 @@ class Operation:
     needs_presence: bool = True  # False for sensor operations and @presence(FALSE)
     idempotent: bool = False
     cancelable: bool = False
-    feedback: NamedType | None = None  # of a cancelable operation; None when untyped
+    feedback: NamedType | None = None  # for a cancelable operation; None when untyped
     on_new: OnNew = OnNew.QUEUE
     parallel: bool = False
     ordered: bool = False
@@ -591,5 +591,5 @@ class Model:
         return (*(self.interface(name) for name in interface.all_bases), interface)
 
     def all_interface_members(self, interface: Interface) -> tuple[Operation | Attribute, ...]:
-        """What an object of this interface answers: inherited members first."""
+        """All members of an object of this interface, inherited ones first."""
         return tuple(m for i in self.with_bases(interface) for m in i.members)

@@ -299,7 +299,7 @@ class Parser(InterfaceParser):
     # -- documentation and annotations around declarations --------------------------------------
 
     def _extras(self) -> Extras:
-        """What stands before a declaration."""
+        """Parses documentation and annotations before a declaration."""
         first = self._now
         doc = self._docs.before(self._previous.end, first.start)
         annotations = self._annotations()

@@ -67,7 +67,7 @@ class Marks:
         return self._applied.get(name)
 
     def flag(self, name: str) -> bool:
-        """Of @a and @a(TRUE) true, of @a(FALSE) and nothing false."""
+        """True for @a and @a(TRUE), false for @a(FALSE) and for a missing annotation."""
         applied = self._applied.get(name)
         return applied is not None and applied.arguments.get("value", True) is True
 

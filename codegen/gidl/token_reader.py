@@ -1,4 +1,4 @@
-"""What every rule of the parser stands on: looking ahead, expecting, reporting, recovering."""
+"""Base of the parser's rules: looking ahead, expecting, reporting, recovering."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What every type, constant and interface is called in the output of one language.
+"""Names of types, constants and interfaces in the output of one language.
 
 A declaration keeps its simple name wherever it can. A type inside an interface or another type is
 called after both (`Manipulator_Mode`), because classes cannot be reopened. A word of the language
@@ -35,14 +35,14 @@ def escaped(name: str, reserved: Collection[str]) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Language:
-    """What a language does not let declarations be called."""
+    """Names that a language does not allow for declarations."""
 
     type_words: frozenset[str]  # types and constants
     module_words: frozenset[str]  # modules at the top
     inner_module_words: frozenset[str]  # modules in modules
     file_is_scope: bool  # names of modules vanish, and a file is one scope
     root_words: frozenset[str] = frozenset()  # whatever stands at the top, besides
-    own_module: str = ""  # of the runtime: of our interfaces, which stand in a folder called so
+    own_module: str = ""  # module of the runtime, and folder of the interfaces in this project
     # Names of a declaration's members, where none may be that of the type.
     members: Callable[[Model, AnyDeclaration], set[str]] = lambda _model, _declaration: set()
 
@@ -143,7 +143,7 @@ class _Naming:
         return modules
 
     def _parts(self, declaration: AnyDeclaration) -> list[str]:
-        """What its name is made of: ["Manipulator", "Mode"]."""
+        """The parts of its name: ["Manipulator", "Mode"]."""
         return declaration.name.split("::")[len(self._modules(declaration)) :]
 
     def _wanted(self, declaration: AnyDeclaration, joined: dict[str, str]) -> str:

@@ -49,7 +49,7 @@ class Parameter:
     name: str
     type: Type | None  # None is `any`
     default: Value | None
-    literals: Mapping[str, Value] = field(default_factory=dict)  # of an enum
+    literals: Mapping[str, Value] = field(default_factory=dict)  # literals of an enum
 
 
 @dataclass(frozen=True, slots=True)
@@ -234,7 +234,7 @@ class Vocabulary:
 
 
 def _wanted(parameter: Parameter, given: Computed) -> tuple[str, bool]:
-    """What the parameter wants, in words, and whether the value is that."""
+    """The expected type of the parameter in words, and whether the value has it."""
     match parameter.type:
         case StringType(bound):
             what = "a string" if bound is None else f"a string of at most {bound} bytes"

@@ -135,7 +135,7 @@ class StreamLayout:
     name: str
     code: int
     sample: FieldLayout
-    fingerprint: int | None  # of a struct sample: what an @open_stream puts in front
+    fingerprint: int | None  # fingerprint of a struct sample, sent first on an @open_stream
     hash: int
 
 

@@ -24,7 +24,7 @@ class SimulatedGripper {
     bool holding = false;
     std::string held;  ///< body, where it is known
   };
-  /// What the jaws would meet, and at what width, m.
+  /// The body that the jaws would meet, and the width there, m.
   struct Contact {
     double width = 0;
     std::string body;
@@ -50,7 +50,7 @@ class SimulatedGripper {
 
  private:
   const Settings settings_;
-  mutable std::mutex guard_;  // of all below
+  mutable std::mutex guard_;  // guards all members below
   State state_;
   double target_;
   double force_at_target_ = 0;  // 0: it does not grip there

@@ -6,7 +6,7 @@
 
 namespace devices {
 
-/// What a laser distance sensor makes of a true distance. Any thread.
+/// The reading of a laser distance sensor for a true distance. Any thread.
 class SimulatedBeam {
  public:
   struct Settings {
@@ -25,7 +25,7 @@ class SimulatedBeam {
 
  private:
   const Settings settings_;
-  std::mutex guard_;  // of all below
+  std::mutex guard_;  // guards all members below
   std::mt19937 random_;
   std::normal_distribution<double> noise_;
 };

@@ -38,7 +38,7 @@ class Carrier {
   std::shared_ptr<FlangeStream> flange() const;
 
   gecos::Lab& lab_;
-  mutable std::mutex guard_;              // of flange_; never held while connecting
+  mutable std::mutex guard_;              // guards flange_; never held while connecting
   std::shared_ptr<FlangeStream> flange_;  // null: the world
 };
 
@@ -58,7 +58,7 @@ class Mounting {
  private:
   gecos::Lab& lab_;
   Carrier carrier_;
-  mutable std::mutex guard_;  // of carrier_from_base_
+  mutable std::mutex guard_;  // guards carrier_from_base_
   robcl::Frame carrier_from_base_;
 };
 

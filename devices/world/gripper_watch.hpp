@@ -28,7 +28,7 @@ class GripperWatch {
   Carrier carrier_;
   gecos::ReconnectingStream<robcl::Gripper, robcl::GripperState> jaws_;
 
-  std::mutex guard_;  // of held_
+  std::mutex guard_;  // guards held_
   std::string held_;  // what the world was told that the gripper holds
 };
 

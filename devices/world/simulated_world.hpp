@@ -65,7 +65,7 @@ class SimulatedWorld {
   void fall(SimulatedBody& body);
 
   const double floor_;
-  mutable std::mutex guard_;  // of all below
+  mutable std::mutex guard_;  // guards all members below
   std::vector<SimulatedBody> bodies_;
   std::map<std::string, Frame> carrier_from_body_;  // per gripper that holds something
 };

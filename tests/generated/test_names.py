@@ -106,7 +106,7 @@ class Answers:
         self.client, self.server = Client(), Server()
 
     def operations(self, start: str) -> Iterator[tuple[str, Any]]:
-        """Those of the interface that are called `start` and a number."""
+        """The operations of the interface whose names are `start` and a number."""
         for name in vars(type(self.client).__mro__[1]):
             if name.startswith(start) and name[len(start) :].isdigit():
                 yield name, getattr(self.client, name)

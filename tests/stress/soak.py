@@ -28,7 +28,7 @@ EVERYBODY = {"client": 6, "server": 3, "broker": 1}
 ROUND = 200
 """Kills of one laboratory."""
 ROUND_OF_FREEZES = 25
-"""Of one laboratory."""
+"""Freezes of one laboratory."""
 
 
 @dataclass(slots=True)

@@ -15,7 +15,7 @@ _ASK = "keep it, or let those who answer for the laboratory's safety decide"
 
 
 def interface(old: Interface, new: Interface, report: Report) -> frozenset[str]:
-    """What is promised less for the whole interface, which its members need not repeat."""
+    """Promises that the whole interface weakens; findings of its members do not repeat them."""
     weaker = tuple(_weaker(old.qos, new.qos))
     for text in weaker:
         _qos(report, old.name, f"'{old.name}' {text}", new.facts, old.facts)
@@ -49,7 +49,7 @@ def _qos(report: Report, subject: str, message: str, new: Facts, old: Facts) -> 
 
 
 def _weaker(old: Qos, new: Qos) -> Iterator[str]:
-    """What `old` promised and `new` does not."""
+    """The promises of `old` that `new` does not keep."""
     for what, was, is_now in (
         ("class", old.quality_class, new.quality_class),
         ("reliability", old.reliability, new.reliability),

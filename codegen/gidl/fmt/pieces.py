@@ -23,7 +23,7 @@ class UnreadableError(ValueError):
 
 @dataclass(slots=True)
 class Piece:
-    """What is never split: a token, a comment or a preprocessor line."""
+    """A piece that is never split: a token, a comment or a preprocessor line."""
 
     kind: str  # "id" "op" ... of the lexer, "comment" or "directive"
     text: str
@@ -32,7 +32,7 @@ class Piece:
     end_line: int
     first_on_line: bool  # nothing but white space before it
     blank_before: bool
-    role: str = ""  # of brackets: "annotation" "params" "group" "angle" "angles"
+    role: str = ""  # use of a bracket: "annotation" "params" "group" "angle" "angles"
     spaced: bool = True  # a space before it when it follows something on its line
 
     @property

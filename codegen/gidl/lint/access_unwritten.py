@@ -1,4 +1,4 @@
-"""Who may call is written, not left to the rule for what is unwritten."""
+"""An operation states who may call it instead of relying on the default."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Who calls reads what will happen: interfaces, operations and events have a comment."""
+"""Interfaces, operations and events have a comment for the caller."""
 
 from __future__ import annotations
 

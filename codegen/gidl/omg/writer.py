@@ -1,4 +1,4 @@
-"""What both dialects share: the order of things, modules, forward declarations, names, values.
+"""Common parts of both dialects: order, modules, forward declarations, names, values.
 
 Names are written in full, with `::` in front: nothing a type name could clash with. A declaration
 that is used before it is declared is declared forward where it is first needed.
@@ -39,7 +39,7 @@ from gidl.model import (
     Value,
 )
 
-_KEYWORDS = frozenset((*USED_BY_LOWER, *UNUSED_BY_LOWER))  # of any tool: all are escaped
+_KEYWORDS = frozenset((*USED_BY_LOWER, *UNUSED_BY_LOWER))  # keywords of any tool: all are escaped
 _FORWARD = {Struct: "struct", Union: "union", Interface: "interface"}
 
 
@@ -53,9 +53,11 @@ class OmgWriter(ABC):
         self._model = model
         self._findings = findings
         self._lines: list[str] = []
-        self._modules: tuple[str, ...] = ()  # open ones
-        self._declared: set[str] = set()  # so far, also forward
-        self._at = Location("", 1, 1)  # of what is being written
+        self._modules: tuple[str, ...] = ()  # the open modules
+        self._declared: set[str] = (
+            set()
+        )  # names that were declared so far, forward declarations too
+        self._at = Location("", 1, 1)  # location of the declaration that is being written
 
     def text(self, whole: bool) -> str:
         printed = [f for f in self._model.files if whole or f.asked_for]
@@ -147,7 +149,7 @@ class OmgWriter(ABC):
     # -- forward declarations ------------------------------------------------------------------
 
     def _missing(self, unit: tuple[AnyDeclaration, ...]) -> list[str]:
-        """What `unit` uses before it is declared, in order."""
+        """The types that `unit` uses before their declarations, in order."""
         own = {d.name for d in unit}
         used = (name for d in unit for name in self._used_by(d))
         return list(dict.fromkeys(n for n in used if n not in self._declared and n not in own))

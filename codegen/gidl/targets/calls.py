@@ -1,4 +1,4 @@
-"""What calls carry: parameters, results and streams, the same for every language."""
+"""Contents of calls: parameters, results and streams, the same for every language."""
 
 from __future__ import annotations
 

@@ -126,7 +126,7 @@ class CommandCore {
   /// Descriptor that becomes readable when the command is terminal; the core owns it.
   virtual int descriptor() = 0;
   /// Runs `then` once the command is terminal: at once when it is, else on the lab's thread of
-  /// callbacks; also when the command was dropped. What `then` throws is logged and goes no
+  /// callbacks, even when the command was dropped. An exception of `then` is logged and goes no
   /// further.
   virtual void when_ended(std::function<void()> then) = 0;
   /// What was called, "RX90.move". Valid while it runs, and once it has failed where nobody had
@@ -159,7 +159,7 @@ class CommandAwaiter {
   Command command_;
 };
 
-/// What every command has, whatever its result.
+/// The part of a command that does not depend on its result type.
 template <class Feedback>
 class AnyCommand {
  public:

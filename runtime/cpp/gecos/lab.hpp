@@ -21,7 +21,7 @@ namespace gecos {
 struct LabOptions {
   /// Address of the broker, "shm:…" or "lcm:…". Empty: `GECOS_BROKER`, else this host's broker.
   std::string broker{};
-  /// What others are told this program is called. Empty: the name of its executable.
+  /// The name of this program that others see. Empty: the name of its executable.
   std::string program{};
   Duration grace = std::chrono::seconds(1);  ///< how long a lost peer may stay UNREACHABLE
   Duration lease_ttl = std::chrono::milliseconds(500);  ///< silence that ends a session
@@ -34,7 +34,7 @@ struct LabOptions {
 struct CreateOptions {
   /// The medium to use; `create` fails when this one is impossible although others exist.
   std::optional<media::Kind> medium{};
-  /// How long to wait for the broker and the server to answer.
+  /// Longest wait for an answer of the broker and of the server.
   Duration patience = std::chrono::seconds(2);
   /// Life of the server process that is meant, as in an ObjectRef; 0: whichever it has now.
   std::uint64_t incarnation = 0;

@@ -14,7 +14,7 @@
 namespace gecos {
 
 struct ReconnectOptions {
-  CreateOptions create{};                                   ///< of each try
+  CreateOptions create{};                                   ///< options of each attempt
   Duration between_tries = std::chrono::milliseconds(500);  ///< from the end of one that failed
   /// A stream that has given nothing for so long is opened again, through a new proxy.
   Duration silence = std::chrono::seconds(1);

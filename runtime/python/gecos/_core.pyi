@@ -95,7 +95,7 @@ class Server:
     def await_broker(self, patience: float) -> str | None:
         """None once a broker answers; where it was looked for when none did for `patience`."""
     def prepare(self, interface: Interface) -> PulledServant:
-        """Who may be served."""
+        """The users whose clients may be served."""
     def add(
         self, prepared: PulledServant, name: str, simulated: bool, media: Sequence[str]
     ) -> str | None:

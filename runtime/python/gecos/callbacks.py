@@ -1,4 +1,4 @@
-"""Being told of a command's end: callbacks run one by one on a Python thread of their own."""
+"""Callbacks at the end of a command: they run one by one on a Python thread of their own."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from gecos.shutdown import begin_thread
 
 
 class Ending(Protocol):
-    """What becomes readable when it is over."""
+    """The descriptor that becomes readable when the command is terminal."""
 
     def fileno(self) -> int: ...
 
@@ -50,7 +50,7 @@ class _Watch:
             begin_thread("gecos-callbacks", self._begin)
 
     def _begin(self) -> None:
-        """Of several that are started at once one stays."""
+        """Runs the callbacks, unless another thread that was started at the same time does."""
         self._runs = True
         if self._taken.acquire(blocking=False):
             self._run()
@@ -75,14 +75,14 @@ class _Watch:
             selector.register(awaited.descriptor, selectors.EVENT_READ, awaited)
 
     def close(self) -> None:
-        """Of one that was never used."""
+        """Closes an instance that was never used."""
         self._here.close()
         self._there.close()
 
 
 def call(callback: Callable[[], object]) -> None:
-    """A callback has no caller that could be told. Nor does sys.exit() in one end more than it:
-    the thread goes on with the callbacks of others."""
+    """Runs a callback and logs its exception. sys.exit() in a callback ends only this callback:
+    the thread continues with the next one."""
     try:
         callback()
     except BaseException:

@@ -142,7 +142,7 @@ class Command(Generic[T, F]):
         return self._core.descriptor()
 
     def add_done_callback(self, callback: Callable[[Self], object]) -> None:
-        """Calls `callback(command)` once it is terminal, also when nobody else keeps the command.
+        """Calls `callback(command)` once it is terminal, even when the command was dropped.
 
         Callbacks run one after another on a thread of their own, or at once on this one when the
         command has ended already. They may block and issue commands; what they raise is logged.

@@ -1,4 +1,4 @@
-"""What can go wrong, as exceptions that derive from the natural builtin, with their evidence.
+"""Exceptions, which derive from the natural builtin and carry their evidence.
 
 Generated exceptions derive from `DeclaredError`; generated types import this module and the codec.
 """

@@ -69,7 +69,7 @@ class Lab:
         return interface(opened)
 
     def close(self) -> None:
-        """Says goodbye to every object, whoever still has proxies, leases or streams of it.
+        """Says goodbye to every object, even when proxies, leases or streams of it remain.
 
         Leases are given back, and what has arrived under them still finishes; who waits for it is
         told OUTCOME_UNKNOWN. Readers of streams raise StreamLost. Proxies made by it are dead

@@ -24,7 +24,7 @@ class Turn(Generic[T]):
 
     def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
         self.over = False  # nobody waits any more
-        self.taken: deque[Sample[T]] = deque()  # at most one; whoever pops it has it
+        self.taken: deque[Sample[T]] = deque()  # at most one; the thread that pops it owns it
         self._loop = loop
         self._ended = loop.create_future()
         self._error: BaseException | None = None

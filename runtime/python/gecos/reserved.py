@@ -1,4 +1,4 @@
-"""What every object answers, whatever its interface: functions, so that nothing can clash."""
+"""Built-in operations of every object. They are functions, so their names cannot clash."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _PING = Method[None, None](Operation(3, "ping", Access.SENSOR), nothing)
 
 
 def stop(robot: Object) -> Command[None]:
-    """Stops the device, whoever moves it: ends leases, drops the queue, interrupts what runs."""
+    """Stops the device for every holder: ends leases, drops the queue, interrupts commands."""
     return _call(robot, _STOP)
 
 
@@ -29,14 +29,14 @@ def ping(robot: Object) -> Command[None]:
 
 
 def describe(robot: Object) -> Command[Description]:
-    """What the object is and what state it is in."""
+    """Description and present state of the object."""
     from gecos_idl.object_types import Description
 
     return _call(robot, method(Operation(4, "describe", Access.SENSOR), gives=Description))
 
 
 def holders(robot: Object) -> Command[list[Holder]]:
-    """Who holds actor or master status."""
+    """The holders of actor or master status."""
     from gecos_idl.object_types import Holder
 
     listed = layout.items(Holder)
@@ -45,7 +45,7 @@ def holders(robot: Object) -> Command[list[Holder]]:
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What became of a command, or where it stands."""
+    """The outcome of a command, or its present state."""
 
     detail: Detail
     text: str  # why, when it is not DONE

@@ -17,7 +17,7 @@ from gecos.termination_signals import TerminationSignals
 
 BROKER_PATIENCE = 10.0
 """How long a server waits for a broker that is starting, in seconds."""
-_claiming = threading.Lock()  # who a servant belongs to
+_claiming = threading.Lock()  # guards the server of each servant
 _PATIENCE_WITH_HANDLERS = 1.0  # s, until close() names the one that it waits for
 
 

@@ -15,7 +15,7 @@ from weakref import WeakSet
 
 
 class Turn(IntEnum):
-    """Who goes first."""
+    """Order in which objects are closed at the end of the program."""
 
     LEASES = 0
     SERVERS = 1

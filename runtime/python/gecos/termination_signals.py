@@ -26,7 +26,7 @@ class TerminationSignals:
         return self
 
     def wait(self) -> None:
-        """Sleeps until the first of them, also when it came before."""
+        """Sleeps until the first of these signals; returns at once when one arrived before."""
         while self._here.recv(1)[0] not in _SIGNALS:
             pass
 

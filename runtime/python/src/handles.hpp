@@ -14,7 +14,7 @@
 #include "gecos/reserved.hpp"
 #include "waiting.hpp"
 
-/// What Python holds of the session. The GIL guards them; letting go of one may say goodbye to a
+/// Python's handles to the session. The GIL guards them; dropping one may say goodbye to a
 /// server, which is done without it.
 namespace gecos::python {
 
@@ -102,7 +102,7 @@ class LabHandle {
     sessions_.push_back(session);
     return session;
   }
-  /// Ends every session, whoever keeps it.
+  /// Ends every session, even when a proxy still refers to it.
   void close() {
     if (lab_ != nullptr && !owner_.inherited()) {
       without_gil([lab = lab_] { lab->close(); });

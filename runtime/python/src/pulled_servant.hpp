@@ -26,7 +26,7 @@ enum class Lane : std::uint8_t {
 struct Stopped {};
 using Task = std::variant<IncomingCall, Stopped>;
 
-/// What waits for the handlers of one lane. Thread-safe.
+/// The calls that wait for the handlers of one lane. Thread-safe.
 class TaskQueue {
  public:
   void push(Task task);

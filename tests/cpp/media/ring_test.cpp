@@ -34,7 +34,7 @@ Bytes packet(std::size_t size, std::uint64_t seed) {
   return bytes;
 }
 
-/// Of a machine that has been suspended for `suspended` longer than this one.
+/// The moment on a machine that has been suspended for `suspended` longer than this one.
 class AfterSuspension final : public Clock {
  public:
   explicit AfterSuspension(Duration suspended) : suspended_(suspended) {}

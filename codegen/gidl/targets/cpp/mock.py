@@ -1,4 +1,4 @@
-"""What the template of a mock server in C++ prints."""
+"""Builds the view of a mock server in C++."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ class MocksView:
 
 @dataclass(frozen=True, slots=True)
 class OwnNames:
-    """What the class of a mock has besides methods. They give way to methods and parameters."""
+    """Own names of a mock's class. A method or a parameter of the same name takes precedence."""
 
     mock: str
     streams: str
@@ -116,7 +116,7 @@ def mocks_view(lowering: Lowering, path: str, interfaces: Sequence[Interface]) -
 
 
 OWN_TYPE = TypeName(("gecos",), "")
-"""What is named besides the types of the interfaces."""
+"""Names that are used besides the types of the interfaces."""
 
 
 def _words(lowering: Lowering, interface: Interface) -> set[str]:

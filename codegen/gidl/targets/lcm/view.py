@@ -72,7 +72,7 @@ def _struct(model: Model, struct: LcmStruct) -> StructView:
 
 
 def _facts(model: Model, struct: LcmStruct) -> dict[str, Facts]:
-    """What the author says of the struct ("") and of its members."""
+    """The author's comments on the struct ("") and on its members."""
     if struct.source is None:
         return {}
     declaration = model.find(struct.source)

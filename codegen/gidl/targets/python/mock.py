@@ -1,4 +1,4 @@
-"""What the template of a mock server in Python prints."""
+"""Builds the view of a mock server in Python."""
 
 from __future__ import annotations
 

@@ -41,7 +41,7 @@ def member_name(name: str, words: frozenset[str] = STRUCT_WORDS) -> str:
 
 
 class Constants:
-    """What a module calls its own constants: ("Manipulator", "tool_offset") is
+    """A module's names for its own constants: ("Manipulator", "tool_offset") is
     `_MANIPULATOR_TOOL_OFFSET`. Each has a name of its own, also where capitals make two alike."""
 
     def __init__(self) -> None:

@@ -14,7 +14,7 @@
 
 namespace gecos::access {
 
-/// Who a session speaks for, as refusals and rosters show it.
+/// The client of a session, as refusals and rosters show it.
 struct Client {
   std::string user;
   std::string host;
@@ -107,9 +107,9 @@ class LeaseTable {
   tl::expected<void, Denial> may_start(SessionId session, Epoch epoch, Status needed,
                                        TimePoint now) const;
 
-  std::vector<Holder> roster() const;  ///< who has been there longest first
+  std::vector<Holder> roster() const;  ///< holders, the longest first
   Epoch epoch() const;
-  /// What the session holds; Sensor when nothing more.
+  /// The status that the session holds; at least Sensor.
   Status status_of(SessionId session) const;
   bool releasing(SessionId session) const;
 

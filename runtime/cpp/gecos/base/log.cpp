@@ -35,7 +35,7 @@ class Stderr {
   }
 
  private:
-  /// What a pipe takes as one piece whenever poll() says that it takes anything.
+  /// The size that a pipe accepts in one piece whenever poll() reports it as writable.
   static constexpr std::size_t longest = PIPE_BUF;
 
   Stderr() {  // a forked child must find it unlocked
@@ -72,7 +72,7 @@ void write_line(LogLevel level, std::string_view component, std::string_view mes
   Stderr::instance().write_line(std::move(line));
 }
 
-/// What GECOS_LOG said when it was read.
+/// The level of GECOS_LOG when it was read.
 struct Asked {
   LogLevel level = LogLevel::Warning;
   std::optional<std::string> problem;

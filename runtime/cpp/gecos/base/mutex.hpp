@@ -7,7 +7,7 @@ namespace gecos {
 
 /// A std::mutex for what every call takes, each time for moments and hardly ever contended: that
 /// costs two atomic operations and no call of a function, less than half of what std::mutex takes.
-/// Who waits sleeps. After U. Drepper, "Futexes Are Tricky", 2011, mutex2.
+/// A waiting thread sleeps. After U. Drepper, "Futexes Are Tricky", 2011, mutex2.
 class Mutex {
  public:
   Mutex() = default;

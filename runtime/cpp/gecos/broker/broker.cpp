@@ -7,7 +7,7 @@
 namespace gecos::broker {
 namespace {
 
-/// Of what a server says, which need be no sensible number.
+/// Converts the age that a server reports; the number may be nonsense.
 Duration duration_of(double seconds) {
   constexpr double century = 3.2e9;
   if (!(seconds > 0)) return Duration::zero();

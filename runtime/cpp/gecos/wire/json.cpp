@@ -302,7 +302,7 @@ bool JsonReader::is_shown() const {
 }
 
 // ---------------------------------------------------------------------------------------------
-// What the functions of json.hpp do without knowing their type
+// The parts of json.hpp that do not depend on the type
 
 namespace json_detail {
 

@@ -59,9 +59,9 @@ class JsonWriter {
 
   void open_object() const;
   void open_list() const;
-  /// Of an object that is open; good until the next one.
+  /// The key of the current member of an open object; valid until the next member.
   JsonWriter at(std::string_view name) const;
-  /// Behind the others of a list that is open; good until the next one.
+  /// The next element of an open list; valid until the one after it.
   JsonWriter item() const;
 
   template <class T>
@@ -74,7 +74,7 @@ class JsonWriter {
   nlohmann::ordered_json* place_;
 };
 
-/// A value in JSON, and where it stands. Whoever reads it stops at the first `false`: the error is
+/// A value in JSON and its path. A reader must stop at the first `false`: the error is
 /// told. Borrows the value, the places around it and the error.
 class JsonReader {
  public:
@@ -137,7 +137,7 @@ class JsonReader {
   std::size_t index_ = no_item;
 };
 
-/// What is done with each member of a struct in turn: it is named, written or read.
+/// The action on each member of a struct in turn: name, write or read.
 class JsonMembers {
  public:
   JsonMembers() = default;  ///< names them

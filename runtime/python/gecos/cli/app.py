@@ -53,7 +53,7 @@ def holders(name: Name, broker: BrokerAddress = None) -> None:
 
 @app.command()
 def stop(name: Name, broker: BrokerAddress = None) -> None:
-    """Stops a device, whoever moves it. Ends every lease and drops its queue."""
+    """Stops a device for every holder. Ends every lease and drops its queue."""
     with gecos.Lab(broker) as lab:
         gecos.stop(find(lab, name)).result()
         print(f"{name}: stopped")

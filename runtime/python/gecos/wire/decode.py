@@ -86,7 +86,7 @@ class Decoder:
         raise self._string_error(most, field)
 
     def _string_error(self, most: int, field: str) -> DecodeError:
-        """What is wrong with the string at `offset`, in the order in which C++ looks."""
+        """The error of the string at `offset`, checked in the same order as in C++."""
         size = self.remaining - 4
         length: int = _read_int32(self.data, self.offset)[0] if size >= 0 else 0
         raw = bytes(self.data[self.offset + 4 : self.offset + 4 + max(min(length, size), 0)])

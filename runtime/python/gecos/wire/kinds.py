@@ -121,13 +121,13 @@ class Number(Kind):
 
 
 def limits_of(code: str) -> tuple[int, int]:
-    """Of whole numbers."""
+    """Whether the code stands for whole numbers."""
     bits = 8 * READERS[code].size
     return (0, (1 << bits) - 1) if code.isupper() else (-(1 << bits - 1), (1 << bits - 1) - 1)
 
 
 class Limits:
-    """What @range allows of numbers of a code; None leaves a side open.
+    """The range that @range allows for numbers of a code; None leaves a side open.
 
     A float of Python has more digits than one of single precision: both a limit as it is written
     and the nearest single, as it was received, may be sent, and both are sent as that single.
@@ -346,7 +346,7 @@ class Nested(Kind):
 
 
 class Later(Kind):
-    """Of a type that Python does not know yet, which `known` gives."""
+    """A value of a type that is declared later; `known` returns the type."""
 
     __slots__ = ("_known",)
 
@@ -374,7 +374,7 @@ class Later(Kind):
 
 
 class Secret(Kind):
-    """What is nowhere shown."""
+    """A secret value, which is never shown."""
 
     __slots__ = ("inner",)
 
@@ -414,7 +414,7 @@ class Secret(Kind):
 
 
 def _inside(value: Any) -> set[str]:
-    """How errors show a value, or one that it holds."""
+    """The texts by which an error message could show the value or a value inside it."""
     shown = {repr(value), str(value)} - {""}
     if isinstance(value, dict):
         value = [*value.keys(), *value.values()]

@@ -88,7 +88,7 @@ class Members:
         return values
 
     def plain(self, values: Sequence[Any]) -> dict[str, Any]:
-        """What the module json can dump."""
+        """The value in the types that the module json can dump."""
         return {
             name: kind.plain(value)
             for name, kind, value in zip(self.names, self.kinds, values, strict=True)
@@ -177,7 +177,7 @@ class StructLayout(Members):
         return super().plain(self._values(value))
 
     def made(self, data: Any, path: str) -> Any:
-        """What is left out has its default."""
+        """Members that are left out have their defaults."""
         return self.kind(**{self.attributes[i]: each for i, each in super().made(data, path)})
 
     @property
@@ -214,7 +214,7 @@ def _getter(attributes: Sequence[str]) -> Callable[[Any], Sequence[Any]]:
 
 
 class Arguments(Members):
-    """What a call carries."""
+    """The arguments of a call."""
 
     __slots__ = ()
 

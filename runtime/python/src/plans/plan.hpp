@@ -18,7 +18,7 @@ namespace gecos::python::plans {
 
 struct Plan;
 
-/// What a number must lie between, seen as each of the three kinds of number.
+/// Limits of a number, as each of the three kinds of number.
 struct Limits {
   double low = -std::numeric_limits<double>::infinity();
   double high = std::numeric_limits<double>::infinity();

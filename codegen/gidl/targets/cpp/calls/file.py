@@ -1,4 +1,4 @@
-"""What the templates of clients and servers print of one file."""
+"""Builds the views of one file for the templates of clients and servers."""
 
 from __future__ import annotations
 

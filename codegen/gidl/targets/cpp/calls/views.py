@@ -93,7 +93,7 @@ class ResultView:
 
 @dataclass(frozen=True, slots=True)
 class HandlerView:
-    """What the implementer of a server writes, and how it is called."""
+    """A handler that the implementer of a server writes, and the call of it."""
 
     doc: tuple[str, ...]
     returns: str

@@ -79,7 +79,7 @@ class _Ordering:
         self._complete.add(declaration.name)
 
     def _needed(self, declaration: AnyDeclaration) -> set[str]:
-        """What must be complete before this one is: all that it holds outside sequences."""
+        """The types that must be complete before this one: its members outside sequences."""
         needed, open_names = set[str](), {declaration.name}
         while open_names:
             name = open_names.pop()

@@ -36,7 +36,7 @@ from gidl.wire_layout import FieldLayout
 
 @dataclass(frozen=True, slots=True)
 class Content:
-    """What a codec is made of: members, with their places on the wire."""
+    """The members of a codec with their places on the wire."""
 
     owner: str  # what messages call the whole
     members: tuple[Member, ...]  # those of the bases first
@@ -71,7 +71,7 @@ class Structs(ValueNames):
         )
 
     def _result(self, operation: Operation) -> StructView:
-        """What an operation gives that gives several values. It grows like any reply."""
+        """The struct of an operation with several results. It grows like any reply."""
         struct = result_struct(self._layout, operation)
         assert struct is not None
         reply = self._layout.call(operation.scoped_name).reply
@@ -174,7 +174,7 @@ def _may_be_missing(member: Member) -> bool:
 
 
 def missing_value(lowering: Lowering, member: Member) -> str:
-    """What an older writer's absent member becomes."""
+    """The value of a member that an older writer does not send."""
     if member.optional:
         return "std::nullopt"
     assert member.default is not None

@@ -61,7 +61,7 @@ class InterfaceView:
     version: str
     hash: str
     doc: tuple[str, ...]
-    client_bases: tuple[str, ...]  # of its classes
+    client_bases: tuple[str, ...]  # base classes of the proxy
     server_bases: tuple[str, ...]
     base_proxies: tuple[str, ...]  # classes whose operations it inherits
     quality: str  # "" where nothing is asked
