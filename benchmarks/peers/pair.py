@@ -123,7 +123,7 @@ class Process:
 
 
 class Pair:
-    """A server, and clients of it. What began last ends first."""
+    """A server and its clients. The program that was started last ends first."""
 
     def __init__(self, candidate: Candidate, core: int, env: dict[str, str]) -> None:
         self._candidate = candidate

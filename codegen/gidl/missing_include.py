@@ -1,4 +1,4 @@
-"""Looks in the search folders for what a file uses and nobody in the run has declared."""
+"""Looks in the search folders for declarations that a file uses and that no file declares."""
 
 from __future__ import annotations
 

@@ -267,7 +267,7 @@ class EnumDeclaration(Declaration):
 
     @property
     def initial(self) -> Enumerator:
-        """Value of a member nobody has set: the default literal, else the first."""
+        """Value of an unset member: the default literal, else the first."""
         for enumerator in self.enumerators:
             if enumerator.name == self.default_literal:
                 return enumerator

@@ -438,7 +438,7 @@ class ValueResolver(ABC):
     def _apply_unknown(
         self, use: AnnotationUse, name: str, scope: Scope
     ) -> tuple[Applied, bool] | None:
-        """Keeps what can be computed of an annotation nobody declared."""
+        """Keeps the arguments of an undeclared annotation that can be computed."""
         arguments: dict[str, Value] = {}
         for argument, expression in use.arguments:
             value = compute(expression, lambda n: None, Findings())

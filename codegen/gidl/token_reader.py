@@ -196,7 +196,7 @@ class TokenReader:
     # -- recovery ------------------------------------------------------------------------------
 
     def _skip_statement(self) -> None:
-        """To behind the next `;`, or before the `}` that closes the body around."""
+        """Skips the next `;`, or stops before the `}` that closes the enclosing body."""
         depth = 0
         while self._now.kind != "eof":
             text = self._now.text if self._now.kind == "op" else ""

@@ -136,7 +136,7 @@ class _Naming:
         return escaped(name, self._top_modules)
 
     def _modules(self, declaration: AnyDeclaration) -> list[str]:
-        """Modules around a declaration. What else is around it becomes part of its name."""
+        """Modules around a declaration. Other scopes around it become part of its name."""
         modules = declaration.name.split("::")[:-1]
         while modules and self._model.has("::".join(modules)):
             modules.pop()

@@ -104,7 +104,7 @@ class Vocabulary:
     # -- one use -------------------------------------------------------------------------------
 
     def unknown(self, use: AnnotationUse) -> None:
-        """Reports what nobody declared: a slip is an error, another vocabulary a warning."""
+        """Reports an undeclared annotation: a misspelt one is an error, else it is a warning."""
         name = str(use.name).removeprefix("::")
         if name.lower() in PLACES:
             self._findings.error("G0501", use.span, f"'@{name}' is written '@{name.lower()}'")
@@ -217,7 +217,7 @@ class Vocabulary:
             "G0504",
             applied.span,
             f"'@{applied.name}' cannot stand on {_article(place)}",
-            f"it stands on {shown}",
+            f"it applies to {shown}",
         )
         return False
 

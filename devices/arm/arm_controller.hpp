@@ -33,7 +33,7 @@ class ArmController {
   /// The measurements of one cycle.
   struct Reading {
     std::array<double, robcl::arm::max_axes> joints{};
-    std::array<double, robcl::arm::max_axes> commanded{};  // where they are told to be meanwhile
+    std::array<double, robcl::arm::max_axes> commanded{};  // their set points in the same cycle
     std::array<double, 7> base_from_flange{};              // x, y, z, then w, x, y, z
     double fraction = 0;
     double remaining = 0;

@@ -44,7 +44,7 @@ class SimulatedGripper {
   tl::expected<void, OutOfRange> open(double width, const std::optional<Contact>& contact);
   /// Starts to close until the jaws meet `contact` (else each other), to press it with `force`.
   tl::expected<void, OutOfRange> close(double force, const std::optional<Contact>& contact);
-  /// The jaws stand where they are; what is held stays held.
+  /// The jaws stop at their place; a held body stays held.
   void halt();
   void step(double seconds);
 

@@ -29,7 +29,7 @@ class GripperWatch {
   gecos::ReconnectingStream<robcl::Gripper, robcl::GripperState> jaws_;
 
   std::mutex guard_;  // guards held_
-  std::string held_;  // what the world was told that the gripper holds
+  std::string held_;  // the held body, as reported to the world
 };
 
 }  // namespace devices

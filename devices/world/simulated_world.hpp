@@ -22,7 +22,7 @@ struct SimulatedBody {
 
 /// Grasping attaches a body to what carries the gripper, as it stands at that moment. Let go, it
 /// falls straight down onto what is below it, keeping its orientation. Bodies that are not held do
-/// not move, also when what they stand on is taken away. Any thread.
+/// not move, even when the body below them is taken away. Any thread.
 class SimulatedWorld {
  public:
   struct Hit {

@@ -10,8 +10,8 @@ from gidl.model import Attribute, Facts, Interface, Operation
 from gidl.policy import Access, OnLoss, Qos, Stream
 
 _RELIES = "programs that rely on it miss it"
-_KEEP = "keep what was promised"
-_ASK = "keep it, or let those who answer for the laboratory's safety decide"
+_KEEP = "keep the promise"
+_ASK = "keep it, or ask the person responsible for the laboratory's safety"
 
 
 def interface(old: Interface, new: Interface, report: Report) -> frozenset[str]:
@@ -124,9 +124,9 @@ def _operation_security(old: Operation, new: Operation) -> Iterator[tuple[str, s
         if new.safety:
             yield "is @safety now", "it is never refused, and overtakes every queue"
         else:
-            yield "is no @safety any more", "it can be refused, and waits behind others"
+            yield "is no @safety any more", "it can be refused, and it waits after other calls"
     if old.on_loss is OnLoss.STOP and new.on_loss is OnLoss.FINISH:
-        yield "goes on when its holder is lost", "what moves then, nobody holds"
+        yield "goes on when its holder is lost", "the robot may then move without a holder"
 
 
 def _attribute_security(old: Attribute, new: Attribute) -> Iterator[tuple[str, str]]:
@@ -154,7 +154,7 @@ def _access(what: str, old: Access, new: Access) -> Iterator[tuple[str, str]]:
 
 def _presence(old: bool, new: bool) -> Iterator[tuple[str, str]]:
     if old and not new:
-        yield "works although nobody is present", "it moves where nobody can stop it by hand"
+        yield "works although nobody is present", "it moves where no person can stop it by hand"
     elif new and not old:
         yield "needs presence now", "clients that used it unattended are refused"
 

@@ -85,7 +85,7 @@ def scan(text: str) -> list[Piece]:
 
 
 def _directive(text: str) -> str:
-    """A preprocessor line without the comment behind it."""
+    """A preprocessor line without the comment after it."""
     for comment in re.finditer(r"//|/\*", text):
         if text.count('"', 0, comment.start()) % 2 == 0:
             return text[: comment.start()]

@@ -16,7 +16,8 @@ def check(model: Model, findings: Findings) -> None:
             "G0902",
             member.facts.location,
             f"{what} '{member.name}' does not say who may use it",
-            f"write @{applies}, which applies now, or what is meant: @sensor, @actor or @master",
+            f"write @{applies}, the present default, or the intended one of @sensor, @actor "
+            "and @master",
         )
 
 

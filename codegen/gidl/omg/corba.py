@@ -1,4 +1,4 @@
-"""CORBA IDL as omniidl takes it: annotations go, what would lose its meaning is refused."""
+"""CORBA IDL for omniidl: annotations are dropped; a construct without a counterpart is refused."""
 
 from __future__ import annotations
 

@@ -47,7 +47,7 @@ class OmgWriter(ABC):
     """Writes a model in one dialect of OMG IDL. @pre the model has no errors."""
 
     dialect: str  # as people call it
-    primitives: dict[str, str]  # by our names; what is missing cannot be expressed
+    primitives: dict[str, str]  # by names of `.gidl`; a missing one cannot be expressed
 
     def __init__(self, model: Model, findings: Findings) -> None:
         self._model = model
@@ -173,7 +173,7 @@ class OmgWriter(ABC):
         return "::" + "::".join(self._name(part) for part in scoped.split("::"))
 
     def _type(self, used: Type) -> str:
-        """Without the dimensions of an array: those stand behind the name."""
+        """Without the dimensions of an array: those stand after the name."""
         match used:
             case PrimitiveType(kind):
                 written = self.primitives.get(kind.value)
@@ -271,5 +271,5 @@ _PLAIN = re.compile(rb"[ !#-&(-\[\]-~]")
 
 
 def _escaped(text: bytes) -> str:
-    """Three octal digits for whatever is not plain: no digit behind can be taken for more."""
+    """Three octal digits for a special character, so that no following digit extends the escape."""
     return "".join(chr(byte) if _PLAIN.match(bytes([byte])) else f"\\{byte:03o}" for byte in text)

@@ -129,11 +129,11 @@ class CommandCore {
   /// callbacks, even when the command was dropped. An exception of `then` is logged and goes no
   /// further.
   virtual void when_ended(std::function<void()> then) = 0;
-  /// What was called, "RX90.move". Valid while it runs, and once it has failed where nobody had
+  /// The called operation, "RX90.move". Valid while it runs, and after a failure that no caller had
   /// asked before.
   virtual std::string about() const { return {}; }
 
-  /// Its caller has asked how it goes, or says that nobody will: that it fails is not logged.
+  /// Marks its outcome as observed, or as of no interest: its failure is not logged.
   void observe() { observed_.store(true, std::memory_order_relaxed); }
   bool observed() const { return observed_.load(std::memory_order_relaxed); }
 
@@ -191,7 +191,7 @@ class AnyCommand {
     core_->observe();
     core_->cancel();
   }
-  /// Says that nobody will ask: that it fails is not logged.
+  /// Declares that its outcome is of no interest: its failure is not logged.
   void detach() const { core_->observe(); }
 
   /// Readable once the command is terminal, for poll and its like. The command owns it.
@@ -229,7 +229,7 @@ class AnyCommand {
 /// A call that was issued. T is its result, Feedback what it reports while it runs.
 ///
 /// The call is on its way when you have this; nothing waits until you ask. Dropping it lets it run;
-/// one that fails although nobody has ever asked how it goes is logged, once for each operation of
+/// the failure of a command whose outcome no caller observed is logged, once for each operation of
 /// an object and way to fail. `while (robot.move(x).state() == State::Running)` does not compile:
 /// each turn would issue a new command. Keep the command: `auto move = robot.move(x); while
 /// (move.state() == State::Running)`.

@@ -19,9 +19,9 @@ namespace gecos {
 
 /// How calls through one copy of a proxy are made.
 struct CallOptions {
-  /// Time from sending to completion; the server is told, and gives up when it is over. Nothing:
-  /// the operation's own `@qos(deadline=…)`, or none. Zero or less, as `end - now` is when time is
-  /// over: the call is not sent and ends EXPIRED.
+  /// Time from sending to completion. The server knows it and ends the call when it is over.
+  /// Nothing: the operation's own `@qos(deadline=…)`, or none. Zero or less, as `end - now` is when
+  /// time is over: the call is not sent and ends EXPIRED.
   std::optional<Duration> deadline{};
 };
 

@@ -39,9 +39,9 @@ class Session:
 class Command:
     def id(self) -> str: ...
     def about(self) -> str:
-        """What was called, "RX90.move", once it has failed and nobody had asked."""
+        """The called operation, "RX90.move", after a failure that no caller had asked for."""
     def observe(self) -> None:
-        """Somebody asks how it goes, or says that nobody will: its failure is not logged."""
+        """Marks its outcome as observed, or as of no interest: its failure is not logged."""
     def peek(self) -> tuple[int, int, float]:
         """As progress(), but does not count as asking."""
     def progress(self) -> tuple[int, int, float]: ...

@@ -44,7 +44,7 @@ class _Watch:
 
     def add(self, ending: Ending, callback: Callable[[], object]) -> None:
         self._new.append(_Awaited(ending, os.dup(ending.fileno()), callback))
-        with contextlib.suppress(BlockingIOError):  # it has been told often enough
+        with contextlib.suppress(BlockingIOError):  # the thread has wake-ups pending
             self._there.send(b"!")
         if not self._runs:
             begin_thread("gecos-callbacks", self._begin)

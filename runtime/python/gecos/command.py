@@ -129,7 +129,7 @@ class Command(Generic[T, F]):
         self._core.cancel()
 
     def detach(self) -> None:
-        """Says that nobody will look: it runs on, and neither dropping it nor its failure warns."""
+        """Detaches the command: it runs on, and neither dropping it nor its failure warns."""
         self._observe()
         self._core.observe()
 
@@ -181,7 +181,7 @@ class Command(Generic[T, F]):
         return f"<Command {self._name}: {Detail(detail).name}{more}>"
 
     def _observe(self) -> None:
-        """Somebody looks at it, or says that nobody will."""
+        """Marks the outcome as observed, or as of no interest."""
 
 
 class _Unobserved(Command[T, F]):

@@ -214,7 +214,7 @@ class ServeError(RuntimeError):
 
 
 class UnobservedCommandWarning(RuntimeWarning):
-    """A command was dropped while it ran or after it had failed, and nobody had looked at it."""
+    """A command was dropped while it ran or after it failed, and its outcome was not observed."""
 
 
 class DroppedLeaseWarning(RuntimeWarning):

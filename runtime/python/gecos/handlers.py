@@ -147,7 +147,7 @@ def _trace(error: BaseException) -> str:
 
 
 def _sendable(text: str) -> str:
-    """Half of a surrogate pair and NUL cannot be sent; a text of megabytes helps nobody."""
+    """Replaces half surrogate pairs and NUL, which cannot be sent, and cuts texts of megabytes."""
     text = text.encode(errors="backslashreplace").decode().replace("\0", "\\0")
     return text if len(text) <= _LONGEST_TEXT else f"{text[:_LONGEST_TEXT]} …"
 

@@ -56,7 +56,7 @@ class Outcome:
 
 
 def outcome(robot: Object, command: str) -> Command[Outcome]:
-    """What became of the actor command with this id, whose own outcome is OUTCOME_UNKNOWN.
+    """The outcome of the actor command with this id that ended as OUTCOME_UNKNOWN here.
 
     Asked through a new proxy; the state of the command itself never changes. NOT_STARTED is a
     promise: what has not arrived by now never starts. SENT: it has not arrived and may still start;

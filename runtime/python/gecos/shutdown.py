@@ -53,7 +53,7 @@ def _leave() -> None:
     global _over
     for turn in Turn:
         for closable in list(_waiting[turn]):
-            with contextlib.suppress(Exception):  # nobody is left to tell
+            with contextlib.suppress(Exception):  # no caller is left to report to
                 closable.close()
     with _starting:
         _over = True

@@ -32,7 +32,7 @@ class TaskQueue {
   void push(Task task);
   /// Waits for the next task that may begin; nothing once it is closed. A call counts as started.
   std::optional<Task> next();
-  /// Nothing is given out any more; what still waits is answered as not handled.
+  /// Hands out no more calls; waiting calls are answered as not handled.
   void close();
 
  private:

@@ -251,7 +251,7 @@ def _free(wanted: str, taken: Collection[str]) -> str:
 
 
 def sample(lowering: Lowering, value: CallValue, taken: Collection[str] = ()) -> list[str]:
-    """An initial value, as the lines behind a member's name."""
+    """An initial value, as the lines after a member's name."""
     if value.optional:
         return ["{}"]
     local = _free("mock_value", taken)

@@ -53,7 +53,7 @@ def files(model: Model, layout: Layout) -> Iterator[OutputFile]:
 
 
 def _packages(model: Model, structs: tuple[LcmStruct, ...]) -> tuple[PackageView, ...]:
-    """One package after the other; what is in none comes first, where no `package` has been."""
+    """One package after the other; structs without a package come first."""
     names = sorted({struct.package for struct in structs})
     return tuple(
         PackageView(name, tuple(_struct(model, s) for s in structs if s.package == name))

@@ -83,8 +83,8 @@ class LeaseTable {
 
   enum class Commands : std::uint8_t { None, Pending };
   /// Gives back what was acquired under `epoch`; a stale epoch changes nothing. With commands still
-  /// pending it is RELEASING: they start and finish, nobody else gets in, until `drained`.
-  /// True when the session holds nothing any more.
+  /// pending it is RELEASING: they start and finish, and no other client gets a lease, until
+  /// `drained`. True when the session holds nothing any more.
   bool release(SessionId session, Epoch epoch, Commands commands);
   /// The last command of a releasing session has ended.
   void drained(SessionId session);

@@ -29,7 +29,7 @@ class Proof {
   Bytes bytes_;
 };
 
-/// The proof that the password itself is. What arrives in a session's authenticated channel may be
+/// The password itself as a proof. Proofs that arrive over a session's authenticated channel may be
 /// compared so; a caller that derives a key from it first passes the key to Proof instead.
 Proof plain_proof(std::string_view password);
 

@@ -17,8 +17,8 @@ namespace {
 
 constexpr std::array<std::string_view, 4> level_names{"error", "warning", "info", "debug"};
 
-/// Lines of several threads never mix, and nobody waits for a stderr that nobody reads: a pipe that
-/// is full loses lines, and says how many once it is read again.
+/// Lines of several threads never mix, and no thread waits for a stderr that is not read: a pipe
+/// that is full loses lines, and says how many once it is read again.
 class Stderr {
  public:
   static Stderr& instance() {

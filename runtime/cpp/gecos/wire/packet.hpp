@@ -64,7 +64,7 @@ constexpr std::size_t packet_size(std::size_t body_size, std::size_t tag_size = 
 }
 
 /// What stands before the body, so that a sender gathers {head, body, tail, tag} or encodes the
-/// body right behind the head, and copies it once.
+/// body right after the head, and copies it once.
 /// @pre body_size fits int32, deadline is not negative.
 void encode_packet_head(std::span<std::byte, packet_head_size> to, const PacketHeader& header,
                         std::size_t body_size);
@@ -76,7 +76,7 @@ void write_deadline(std::span<std::byte> packet, Duration left);
 /// The bytes between body and tag: the size of the tag.
 void encode_packet_tail(std::span<std::byte, packet_tail_size> to, std::size_t tag_size);
 
-/// A whole packet in one buffer; copies body and tag.
+/// A complete packet in one buffer; copies body and tag.
 Bytes encode_packet(const PacketHeader& header, ByteView body, ByteView tag = {});
 
 /// Versions and kinds are not judged here: a newer peer is to be answered, not dropped.

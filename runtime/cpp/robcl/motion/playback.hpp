@@ -29,7 +29,7 @@ class Playback {
   void brake(double seconds);
 
   Plan plan_;
-  double time_ = 0;  // since the start, s, as long as nobody stopped it
+  double time_ = 0;  // s since the start, until it is stopped
   double s_ = 0;
   double speed_ = 0;  // ds/dt
   bool stopping_ = false;

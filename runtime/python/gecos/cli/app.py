@@ -1,4 +1,4 @@
-"""Commands and their options. What they print is in `report`."""
+"""Commands and their options. Their output is in `report`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Reads values out of bytes that nobody vouches for."""
+"""Reads values from untrusted bytes."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _ValueT = TypeVar("_ValueT")
 
 
 class Decoder:
-    """Reads from bytes that nobody vouches for; the first fault raises DecodeError.
+    """Reads from untrusted bytes; the first fault raises DecodeError.
 
     No count is believed before the bytes that it promises are there.
     """

@@ -69,7 +69,7 @@ class Kind(ABC):
 
 
 class Number(Kind):
-    """`code` is that of `wire.Fields`. What JSON has no number for is "nan", "inf" or "-inf"."""
+    """`code` is that of `wire.Fields`. In JSON, "nan", "inf" and "-inf" stand for those numbers."""
 
     __slots__ = ("code", "least")
 
@@ -453,7 +453,7 @@ class Twin:
 
 
 twins: dict[Any, Twin] = {}
-"""Hand-written types, told by the generated module of the interface that maps to them."""
+"""Hand-written types, registered by the generated module of the interface that maps to them."""
 
 _numbers = {code: Number(code) for code in READERS}
 

@@ -95,7 +95,7 @@ class Members:
         }
 
     def made(self, data: Any, path: str) -> list[tuple[int, Any]]:
-        """The inverse: those that are given, each with its place. What nobody knows is an error."""
+        """The inverse: the given members, each with its path. An unknown member is an error."""
         expect_json(dict, data, path, "an object")
         for name in sorted(data.keys() - set(self.names)):
             why = f"there is no such member; there are {', '.join(self.names)}"

@@ -117,8 +117,8 @@ constexpr Py_ssize_t size_of(char code) {
 
 enum class Frame : std::uint8_t {
   Bare,     ///< the fields alone
-  Message,  ///< behind the fingerprint
-  Block,    ///< behind their size
+  Message,  ///< a value after its fingerprint
+  Block,    ///< a value after its size
 };
 
 /// `value`, exactly of the plan's kind, as bytes; null when it must be left to Python, with no

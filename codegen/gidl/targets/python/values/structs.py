@@ -20,7 +20,7 @@ from gidl.wire_nodes import Node
 
 @dataclass(frozen=True, slots=True)
 class _Class:
-    """A struct, what its class is called, and its members as they lie on the wire."""
+    """A struct, the name of its class, and its members in the order of the wire."""
 
     struct: Struct
     name: str
