@@ -49,7 +49,7 @@ ROWS = (
     _row(
         _gidl(*_MODEL),
         _gidl(*_MODEL),
-        "the model is the meaning: it knows neither text nor targets",
+        "the model has the meaning of a file: it knows neither text nor targets",
     ),
     _row(
         _gidl(*_FOUNDATION),

@@ -124,7 +124,7 @@ class RingClient final : public PipeliningClient {
 
 // Socket
 
-/// Never in the file system: an abstract name, gone with its server.
+/// The socket has an abstract name outside the file system, which disappears with its server.
 std::pair<sockaddr_un, socklen_t> abstract(const std::string& name) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;

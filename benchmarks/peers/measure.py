@@ -65,7 +65,7 @@ class Run:
 
 
 TRIES = 3
-"""So often a line is measured in a round before it counts as broken."""
+"""Attempts to measure a candidate in a round before it counts as failed."""
 
 
 def run(setting: Setting, there: tuple[Line, ...], pace: Pace, env: dict[str, str]) -> Run:

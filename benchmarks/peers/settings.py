@@ -22,7 +22,7 @@ class Figure(enum.Enum):
 
 
 MOST_ROUNDS = 8 / 9
-"""In so large a part of the rounds a bar holds that is judged round by round."""
+"""Share of the rounds in which a bar must be met that is judged round by round."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -51,7 +51,7 @@ class PipeliningClient : public Client {
   virtual Sample collect() = 0;
 };
 
-/// For peers whose calls can only wait: as many threads as calls outstanding.
+/// A speaker for peers whose calls block: as many threads as outstanding calls.
 std::uint64_t calls_of_threads(Clock::time_point end, unsigned threads,
                                const std::function<void()>& call);
 

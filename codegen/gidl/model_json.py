@@ -294,7 +294,7 @@ def type_text(used: Type) -> str:
 
 
 def _said(**entries: object) -> Json:
-    """Without what is unsaid: None, and empty texts and lists."""
+    """The entries that have a value; None and empty texts and lists are left out."""
     return {k: v for k, v in entries.items() if v is not None and v != "" and v != []}
 
 

@@ -52,7 +52,7 @@ class Liveliness(IntEnum):
 
 
 class StreamDirection(Enum):
-    """As the server sees it: OUT is published by the server, IN is accepted by it."""
+    """Direction as seen by the server: it publishes OUT and accepts IN."""
 
     OUT = "out"
     IN = "in"

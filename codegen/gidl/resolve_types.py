@@ -482,7 +482,7 @@ class TypeResolver(ValueResolver):
         self._keep(symbol, Bitset(inside.name, facts, tuple(fields), base, position))
 
     def _bitfield_type(self, field: BitfieldSyntax, width: int) -> PrimitiveType:
-        """As written, else the smallest unsigned integer that holds it."""
+        """The written type, else the smallest unsigned integer that holds the value."""
         if isinstance(field.type, BasicType):
             kind = Primitive(field.type.name)
             if not (kind.is_integer or kind is Primitive.BOOLEAN):

@@ -67,7 +67,7 @@ class Scope:
         return f"{self.name}::{simple}" if self.name else simple
 
     def chain(self) -> Iterator[Scope]:
-        """From here outward."""
+        """This scope and the enclosing ones, innermost first."""
         scope: Scope | None = self
         while scope is not None:
             yield scope
@@ -202,7 +202,7 @@ class Names:
         return None
 
     def declared(self, scoped: str) -> Symbol | None:
-        """By its scoped name, whether its file is included or not."""
+        """Finds a symbol by its scoped name, even when its file is not included."""
         scope: Scope | None = self.top
         symbol = None
         for part in scoped.split("::"):

@@ -94,7 +94,7 @@ class Vocabulary:
         self._declared[declared.name.lower()] = declared
 
     def find(self, name: str, scopes: list[str]) -> Declared | None:
-        """By the name as written, seen from `scopes` (innermost first)."""
+        """Finds an annotation by its written name, seen from `scopes` (innermost first)."""
         for scope in scopes:
             found = self._declared.get(f"{scope}::{name}".lower() if scope else name.lower())
             if found is not None:

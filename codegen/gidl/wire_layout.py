@@ -160,7 +160,7 @@ class Layout:
         return tuple(c for i in model.with_bases(interface) for c in self.interfaces[i.name].calls)
 
     def call(self, scoped_name: str) -> CallLayout:
-        """By scoped name of an operation or attribute (getter), or that with "=" (setter)."""
+        """Finds a call by the scoped name of an operation or attribute; a setter ends in "="."""
         owner = scoped_name.rpartition("::")[0]
         return next(c for c in self.interfaces[owner].calls if c.name == scoped_name)
 

@@ -79,7 +79,7 @@ class JointDriver {
   /// Clears a fault whose cause is gone; the drives are Off then.
   virtual tl::expected<void, DriverFault> reset() = 0;
 
-  /// Once per control cycle: the command for the next `seconds`, answered by what was measured.
+  /// Called once per control cycle: takes the command for the next `seconds`, returns measurements.
   /// Ignores the command unless the drives are On. Allocates only to fail.
   virtual tl::expected<JointState, DriverFault> exchange(const JointCommand& command,
                                                          double seconds) = 0;

@@ -49,7 +49,7 @@ class Mounting {
 
   Carrier& carrier() { return carrier_; }
   std::string parent() const { return carrier_.name(); }
-  /// In the world; fails with why it is not known.
+  /// The frame in the world; fails with the reason why it is not known.
   gecos::Result<robcl::Frame> base();
   /// Waits until the new carrier is heard. Fails with robcl::MountRefused when it is not, and then
   /// changes nothing.

@@ -1,5 +1,5 @@
-"""No name of an interface breaks generated Python: whatever a module imports for itself, whatever
-builtin or local its bodies name may be what a type, parameter or member is called."""
+"""No name of an interface breaks generated Python: a type, a parameter or a member may have the
+name of an import, a builtin or a local variable of the generated module."""
 
 from __future__ import annotations
 

@@ -242,7 +242,7 @@ class Rampage:
                 role.wait_ready()
 
     def freeze(self) -> None:
-        """At random instants, for as long as the plan says."""
+        """Freezes programs at random instants, for the lengths of the plan."""
         sets = list(self.plan.frozen)
         for length in self._lengths():
             self._pause()

@@ -173,7 +173,7 @@ class OmgWriter(ABC):
         return "::" + "::".join(self._name(part) for part in scoped.split("::"))
 
     def _type(self, used: Type) -> str:
-        """Without the dimensions of an array: those stand after the name."""
+        """The type without the dimensions of an array, which follow the name."""
         match used:
             case PrimitiveType(kind):
                 written = self.primitives.get(kind.value)

@@ -160,7 +160,7 @@ class Stream(Generic[T]):
             self._returned.append(turn.taken.pop())
 
     def _look_back(self) -> None:
-        """By who reads: what became of those that were returned."""
+        """Called by the reader: takes the samples that were returned."""
         while self._returned:
             sample = self._returned.popleft()
             if sample.sequence == self._read:

@@ -59,7 +59,7 @@ def method_name(name: str) -> str:
     return escaped(name, METHOD_WORDS)
 
 
-# No other member of an object is called like these two: the rules see to that.
+# The rules of the compiler exclude members with the names of these two methods.
 def setter(attribute: str) -> str:
     return f"set_{attribute}"
 

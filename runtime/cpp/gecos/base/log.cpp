@@ -43,7 +43,7 @@ class Stderr {
                      [] { instance().mutex_.unlock(); });
   }
 
-  /// Without its middle: a trace says the most at its two ends.
+  /// The text without its middle, because the ends of a trace are the most informative.
   static std::string shortened(std::string line) {
     constexpr std::string_view gap = " … ";
     if (line.size() > longest) {

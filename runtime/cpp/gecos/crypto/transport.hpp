@@ -50,7 +50,7 @@ class Sealer {
   /// not sent; the opener must name the same. @pre `frame` has at least `overhead` bytes.
   void seal(ByteView associated, std::span<std::byte> frame);
 
-  /// To be called every now and then, a tenth of RekeyRule::after or more often.
+  /// Must be called regularly, at least every tenth of RekeyRule::after.
   void tend(TimePoint now);
 
   std::uint32_t generation() const { return generation_; }

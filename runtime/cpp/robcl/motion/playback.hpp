@@ -21,7 +21,7 @@ class Playback {
   bool stopping() const { return stopping_; }
   /// Part of its time that is over, 0 to 1; it does not rise while stopping.
   double fraction() const;
-  /// Until it stands at the goal, s; 0 once it stopped.
+  /// Remaining time to the goal, s; 0 once it stopped.
   double remaining() const;
   const Plan& plan() const { return plan_; }
 

@@ -150,7 +150,7 @@ class Decoder:
     def array(
         self, code: str, number: int, field: str = "", low: Any = None, high: Any = None
     ) -> Array:
-        """So many numbers, in an array of its own in the machine's byte order."""
+        """Reads `number` numbers into a new array in the machine's byte order."""
         kind, wire, native, size = arrays(code)
         offset = self.offset
         after = offset + number * size
@@ -176,7 +176,7 @@ class Decoder:
         self.refuse_range(field, (len(inside) - int((~inside).argmax())) * width)
 
     def octets(self, number: int, field: str = "") -> bytes:
-        """So many bytes as they are."""
+        """Reads `number` raw bytes."""
         offset = self.offset
         after = offset + number
         if after > self.end:
@@ -249,7 +249,7 @@ class Decoder:
         return inner
 
     def enter(self, field: str = "") -> None:
-        """Before a nested struct; `leave` after it."""
+        """Must be called before a nested struct, and `leave` after it."""
         if self.depth == MAX_DEPTH:
             self.refuse(DecodeProblem.TOO_DEEP, field)
         self.depth += 1

@@ -145,7 +145,7 @@ class Limits:
         self.text = f"[{'-inf' if low is None else low}, {'inf' if high is None else high}]"
 
     def effective(self, code: str) -> tuple[Any, Any]:
-        """Without the sides that no number of the code can pass."""
+        """The limits without those that no number of the code can exceed."""
         low, high = self.sent
         if code not in "fd":
             least, most = limits_of(code)

@@ -1,4 +1,4 @@
-"""In which order the types of a file are defined.
+"""The order in which the types of a file are defined.
 
 C++ wants a type complete where a default value of what holds it is made, IDL only declared. So a
 type stands after all that it holds, whatever the order in the file. Of types that hold each other

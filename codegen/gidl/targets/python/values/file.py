@@ -155,7 +155,7 @@ class _Types(Structs, Unions):
         return [self._result(operation) for operation in self.module.homes.results_of(file)]
 
     def types(self, file: File) -> list[TypeView]:
-        """In the order of the file, except for typedefs of types that are declared later."""
+    """Declarations in the file's order, except for typedefs of types that are declared later."""
         views: list[TypeView] = []
         later: list[TypeView] = []
         missing = self.module.homes.names_of(file)

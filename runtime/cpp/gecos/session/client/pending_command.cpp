@@ -135,7 +135,7 @@ void PendingCommand::report(Detail detail, const ProgressBody& body) {
   if (terminal()) return;
   detail_.store(detail, std::memory_order_relaxed);
   position_ = body.position;
-  fraction_ = body.fraction > 0 ? std::min(body.fraction, 1.0) : 0;  // no number at all is nothing
+  fraction_ = body.fraction > 0 ? std::min(body.fraction, 1.0) : 0;  // NaN counts as 0
   if (!body.feedback.empty()) feedback_ = body.feedback;
 }
 

@@ -44,15 +44,15 @@ class PauseWatch {
     }
     judged_.notify_all();
   }
-  /// Maintenance, before it sleeps. TimePoint::max(): it sleeps until it is woken. False: there was
-  /// a pause since its tick, and the next tick is due now.
+  /// For the maintenance thread before it sleeps. TimePoint::max(): until it is woken. False: there
+  /// was a pause since its tick, and the next tick is due now.
   [[nodiscard]] bool due(TimePoint next, TimePoint now) {
     if (suspected(now)) return false;
     due_.store(next, std::memory_order_relaxed);
     return true;
   }
 
-  /// Any thread, before it starts a handler: a pause has ended and is not judged yet.
+  /// For any thread before it starts a handler: whether a pause has ended and is not judged yet.
   bool suspected(TimePoint now) const {
     const TimePoint due = due_.load(std::memory_order_relaxed);
     return judging_.load(std::memory_order_acquire) ||

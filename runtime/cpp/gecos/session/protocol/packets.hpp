@@ -35,7 +35,7 @@ std::string text_of(ByteView goodbye);
 /// The clock of real waits; policies use the lab's.
 const Clock& system_clock();
 
-/// How gecos::GecosObject declares it.
+/// The description of a built-in operation, as gecos::GecosObject declares it.
 const OperationDescription& builtin_operation(BuiltIn which);
 const OperationDescription* find_builtin(FunctionCode code);
 
