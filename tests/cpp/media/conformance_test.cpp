@@ -565,6 +565,130 @@ TEST_P(Conformance, ALinkMayGoWhileAStreamIsPublished) {
   publishing.join();
 }
 
+TEST_P(Conformance, SamplesOfAClientGoInward) {
+  const auto writer = client_.link->make_stream(100, 4);
+  ASSERT_TRUE(client_.link->share(7, *writer));
+  std::unique_ptr<StreamReader> reader;
+  ASSERT_TRUE(wait_tended(server_, client_, [&] {
+    server_.link->receive();
+    reader = server_.link->open_stream(7);
+    return reader != nullptr;
+  }));
+  EXPECT_EQ(server_.link->open_stream(8), nullptr) << "nothing was shared under this number";
+  StreamSample sample;
+  EXPECT_FALSE(reader->latest(0, sample)) << "nothing was published";
+
+  for (std::uint64_t i = 1; i <= 100; ++i) {
+    ASSERT_TRUE(writer->publish(bytes_of(std::to_string(i)), static_cast<std::int64_t>(1000 + i)));
+    ASSERT_TRUE(server_.wait([&] {
+      server_.link->receive();
+      return reader->next(i - 1, sample);
+    }));
+    EXPECT_EQ(sample.sequence, i);
+    EXPECT_EQ(sample.stamp_ns, static_cast<std::int64_t>(1000 + i));
+    EXPECT_EQ(text_of(sample.bytes), std::to_string(i));
+  }
+  ASSERT_TRUE(client_.send("a packet beside the samples"));
+  EXPECT_EQ(server_.receive(), "a packet beside the samples");
+}
+
+TEST_P(Conformance, BothEndsShareStreamsUnderTheSameNumber) {
+  const auto outward = door_->make_stream(16, 4);
+  const auto inward = client_.link->make_stream(16, 4);
+  ASSERT_TRUE(server_.link->share(1, *outward));
+  ASSERT_TRUE(client_.link->share(1, *inward));
+  const auto at_client = client_.wait_for_stream(1);
+  std::unique_ptr<StreamReader> at_server;
+  ASSERT_TRUE(wait_tended(server_, client_, [&] {
+    server_.link->receive();
+    at_server = server_.link->open_stream(1);
+    return at_server != nullptr;
+  }));
+  ASSERT_NE(at_client, nullptr);
+  ASSERT_TRUE(outward->publish(bytes_of("measured"), 1));
+  ASSERT_TRUE(inward->publish(bytes_of("commanded"), 2));
+  StreamSample sample;
+  ASSERT_TRUE(client_.wait([&] { return at_client->latest(0, sample); }));
+  EXPECT_EQ(text_of(sample.bytes), "measured");
+  ASSERT_TRUE(server_.wait([&] {
+    server_.link->receive();
+    return at_server->latest(0, sample);
+  }));
+  EXPECT_EQ(text_of(sample.bytes), "commanded");
+
+  client_.link->unshare(1);
+  EXPECT_TRUE(wait_tended(server_, client_, [&] {
+    server_.link->receive();
+    return server_.link->open_stream(1) == nullptr;
+  }));
+  EXPECT_TRUE(client_.link->open_stream(1) != nullptr) << "the server's stream goes on";
+}
+
+TEST_P(Conformance, ASampleIsWrittenIntoLentMemoryAndReadInPlace) {
+  const auto writer = door_->make_stream(64, 4);
+  ASSERT_TRUE(server_.link->share(1, *writer));
+  const auto reader = client_.wait_for_stream(1);
+  ASSERT_NE(reader, nullptr);
+  EXPECT_FALSE(reader->lend_latest(0));
+  EXPECT_EQ(writer->lend(65).error(), SendProblem::TooLarge);
+
+  const auto abandoned = writer->lend(64);
+  ASSERT_TRUE(abandoned);
+  std::ranges::fill(*abandoned, std::byte{0xee});
+  for (const std::string_view text : {"the first", "another"}) {
+    const auto lent = writer->lend(text.size());
+    ASSERT_TRUE(lent);
+    ASSERT_EQ(lent->size(), text.size());
+    std::ranges::copy(bytes_of(text), lent->begin());
+    writer->publish_lent(5);
+  }
+  std::optional<LentSample> sample;
+  ASSERT_TRUE(client_.wait([&] {
+    client_.link->receive();
+    sample = reader->lend_latest(1);
+    return sample.has_value();
+  }));
+  EXPECT_EQ(sample->sequence, 2u) << "an abandoned loan is no sample";
+  EXPECT_EQ(sample->stamp_ns, 5);
+  EXPECT_TRUE(std::ranges::equal(sample->bytes, bytes_of("another")));
+  EXPECT_TRUE(reader->intact(*sample));
+  EXPECT_FALSE(reader->lend_latest(2));
+
+  ASSERT_TRUE(writer->publish(bytes_of("a copy"), 6));
+  ASSERT_TRUE(client_.wait([&] {
+    client_.link->receive();
+    sample = reader->lend_latest(2);
+    return sample.has_value();
+  }));
+  EXPECT_TRUE(std::ranges::equal(sample->bytes, bytes_of("a copy")));
+}
+
+TEST_P(Conformance, AWriterNeverWaitsForAReaderThatHoldsASample) {
+  const auto writer = door_->make_stream(16, 2);
+  ASSERT_TRUE(server_.link->share(1, *writer));
+  const auto reader = client_.wait_for_stream(1);
+  ASSERT_NE(reader, nullptr);
+  ASSERT_TRUE(writer->publish(bytes_of("0"), 0));
+  std::optional<LentSample> held;
+  ASSERT_TRUE(client_.wait([&] {
+    client_.link->receive();
+    held = reader->lend_latest(0);
+    return held.has_value();
+  }));
+  for (int i = 1; i <= 10; ++i) ASSERT_TRUE(writer->publish(bytes_of(std::to_string(i)), i));
+  if (medium_->offer().shared_words) {
+    EXPECT_FALSE(reader->intact(*held)) << "its slot is another's by now";
+  } else {
+    EXPECT_TRUE(std::ranges::equal(held->bytes, bytes_of("0")));
+  }
+  StreamSample sample;
+  ASSERT_TRUE(client_.wait([&] {
+    client_.link->receive();
+    return reader->latest(10, sample);
+  }));
+  EXPECT_EQ(text_of(sample.bytes), "10");
+}
+
 TEST_P(Conformance, NobodyIsAtAnUnknownAddress) {
   if (medium_->offer().kind == Kind::Lcm) GTEST_SKIP() << "silence is all that a datagram gets";
   EXPECT_FALSE(medium_->connect(medium_->well_known_address("NOBODY")));

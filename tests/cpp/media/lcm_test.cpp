@@ -42,10 +42,31 @@ TEST(LcmDatagram, WhatIsSealedSaysWhatItIs) {
   EXPECT_EQ(read->number, 258u);
   EXPECT_EQ(read->sent_ns, 0x0102);
   EXPECT_FALSE(InnerHeader::read(ByteView(bytes).first(InnerHeader::bytes - 1)));
-  for (const std::byte wrong : {std::byte{0}, std::byte{7}, std::byte{0xff}}) {
+  for (const std::byte wrong : {std::byte{0}, std::byte{9}, std::byte{0xff}}) {
     bytes[0] = wrong;
     EXPECT_FALSE(InnerHeader::read(bytes));
   }
+}
+
+TEST(LcmDatagram, AnInwardStreamComesBackAndIsChecked) {
+  std::array<std::byte, InwardShare::bytes> bytes;
+  InwardShare{.id = 7, .largest = 300, .depth = 4}.write(bytes);
+  const auto read = InwardShare::read(bytes);
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->id, 7u);
+  EXPECT_EQ(read->largest, 300u);
+  EXPECT_EQ(read->depth, 4u);
+  EXPECT_FALSE(InwardShare::read(ByteView(bytes).first(InwardShare::bytes - 1)));
+  InwardShare{.id = 7, .largest = 300, .depth = 0}.write(bytes);
+  EXPECT_FALSE(InwardShare::read(bytes)) << "a stream that keeps nothing";
+
+  std::array<std::byte, InwardSampleHead::bytes> head;
+  InwardSampleHead{.id = 7, .stamp_ns = -5}.write(head);
+  const auto sample = InwardSampleHead::read(head);
+  ASSERT_TRUE(sample);
+  EXPECT_EQ(sample->id, 7u);
+  EXPECT_EQ(sample->stamp_ns, -5);
+  EXPECT_FALSE(InwardSampleHead::read(ByteView(head).first(InwardSampleHead::bytes - 1)));
 }
 
 TEST(LcmDatagram, StrangersBytesAreNoDatagram) {

@@ -54,7 +54,7 @@ struct SharedStream {
 struct Connection {
   std::array<Side, 2> sides;
   std::mutex mutex;
-  std::map<std::uint32_t, SharedStream> streams;
+  std::array<std::map<std::uint32_t, SharedStream>, 2> streams;  ///< that each side shares
   std::atomic<bool> inherited{false};  // this is a forked child: tells both ends
   ForkWatch watch{this, [](void* owner) noexcept {
                     auto& self = *static_cast<Connection*>(owner);
@@ -85,6 +85,12 @@ class InprocAreas final : public AreaMaker {
   BulkReader& reader_;
 };
 
+std::unique_ptr<StreamWriter> make_ring(std::size_t largest, std::size_t depth) {
+  auto mapping = std::make_shared<Mapping>(Mapping::anonymous(StreamMemory::bytes(largest, depth)));
+  const StreamMemory memory{mapping->data(), largest, depth};
+  return std::make_unique<StreamRingWriter>(memory, std::move(mapping));
+}
+
 class SideSleeper final : public Sleeper {
  public:
   SideSleeper(std::shared_ptr<Connection> connection, std::size_t side)
@@ -100,6 +106,7 @@ class InprocLink final : public Link, public QuietSender {
  public:
   InprocLink(std::shared_ptr<Connection> connection, std::size_t side)
       : connection_(std::move(connection)),
+        side_(side),
         own_(connection_->sides[side]),
         other_(connection_->sides[1 - side]),
         writer_(own_.ring),
@@ -182,12 +189,15 @@ class InprocLink final : public Link, public QuietSender {
     return other_.closed.load(std::memory_order_acquire) ? "the other end closed" : "";
   }
 
+  std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth) override {
+    return make_ring(largest, depth);
+  }
   tl::expected<void, SendProblem> share(std::uint32_t id, StreamWriter& stream) override {
     if (loss() != Loss::None) return tl::unexpected(SendProblem::Lost);
     auto& ring = dynamic_cast<StreamRingWriter&>(stream);
     {
       const std::lock_guard lock(connection_->mutex);
-      connection_->streams[id] = {ring.memory(), ring.owner()};
+      connection_->streams[side_][id] = {ring.memory(), ring.owner()};
     }
     if (const auto list = shared_[id].lock()) list->remove(sleeper_.get());
     shared_[id] = ring.sleepers();
@@ -198,7 +208,7 @@ class InprocLink final : public Link, public QuietSender {
   void unshare(std::uint32_t id) override {
     {
       const std::lock_guard lock(connection_->mutex);
-      connection_->streams.erase(id);
+      connection_->streams[side_].erase(id);
     }
     const auto held = shared_.extract(id);
     if (held.empty()) return;
@@ -206,8 +216,9 @@ class InprocLink final : public Link, public QuietSender {
   }
   std::unique_ptr<StreamReader> open_stream(std::uint32_t id) override {
     const std::lock_guard lock(connection_->mutex);
-    const auto found = connection_->streams.find(id);
-    if (found == connection_->streams.end()) return nullptr;
+    const auto& streams = connection_->streams[1 - side_];
+    const auto found = streams.find(id);
+    if (found == streams.end()) return nullptr;
     return watches_.open(found->second.memory, found->second.owner);
   }
 
@@ -219,6 +230,7 @@ class InprocLink final : public Link, public QuietSender {
   }
 
   const std::shared_ptr<Connection> connection_;
+  const std::size_t side_;
   Side& own_;
   Side& other_;
   RingWriter writer_;
@@ -281,10 +293,7 @@ class InprocAcceptor final : public Acceptor {
   }
   std::span<const int> descriptors() const override { return descriptors_; }
   std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth) override {
-    auto mapping =
-        std::make_shared<Mapping>(Mapping::anonymous(StreamMemory::bytes(largest, depth)));
-    const StreamMemory memory{mapping->data(), largest, depth};
-    return std::make_unique<StreamRingWriter>(memory, std::move(mapping));
+    return make_ring(largest, depth);
   }
 
  private:

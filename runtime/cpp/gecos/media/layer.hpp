@@ -34,6 +34,9 @@ class LinkLayer : public Link {
   std::uint64_t beats_seen() override { return inner_->beats_seen(); }
   Loss loss() override { return inner_->loss(); }
   std::string loss_text() const override { return inner_->loss_text(); }
+  std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth) override {
+    return inner_->make_stream(largest, depth);
+  }
   tl::expected<void, SendProblem> share(std::uint32_t id, StreamWriter& stream) override {
     return inner_->share(id, stream);
   }

@@ -20,7 +20,7 @@
 /// One conformance suite (tests/cpp/media) runs on every medium.
 ///
 /// Threads: of one link receive(), arm() and disarm() belong to one thread at a time, and send(),
-/// share() and unshare() to one at a time (the two may differ); its user sees to that. All the rest
+/// make_stream(), share() and unshare() to one at a time (the two may differ); its user sees to that. All the rest
 /// of a link any thread may call at any time, beat() of housekeeping also beside send(). An
 /// acceptor belongs to one thread at a time; its links need not be used by the same one.
 ///
@@ -73,25 +73,44 @@ struct StreamSample {
   Bytes bytes;
 };
 
-/// Writes one outward stream; every admitted reader sees it. One thread writes at a time.
-/// Never waits for a reader: who is slow loses old samples.
+/// A sample that is read where it lies.
+struct LentSample {
+  std::uint64_t sequence = 0;
+  std::int64_t stamp_ns = 0;
+  ByteView bytes;
+};
+
+/// Writes one stream; every reader that it is shared with sees every sample. One thread writes at a
+/// time. Never waits for a reader: a slow reader loses old samples.
 class StreamWriter {
  public:
   virtual ~StreamWriter() = default;
-  /// Publishes and wakes those readers that sleep. Fails with TooLarge only.
+  /// Publishes a copy and wakes the readers that sleep. Fails with TooLarge only.
   virtual tl::expected<void, SendProblem> publish(ByteView sample, std::int64_t stamp_ns) = 0;
+  /// Lends memory for the next sample, of which `size` bytes count; their values are undefined. The
+  /// sample is written in place: nothing is copied where the memory is shared. A loan that is not
+  /// published ends with the next call of lend() or publish(). Fails with TooLarge only.
+  virtual tl::expected<std::span<std::byte>, SendProblem> lend(std::size_t size) = 0;
+  /// Publishes what was written into the loan, and wakes the readers that sleep. @pre a loan
+  virtual void publish_lent(std::int64_t stamp_ns) = 0;
 };
 
-/// Reads one outward stream. One thread at a time.
+/// Reads one stream. One thread at a time.
 class StreamReader {
  public:
   virtual ~StreamReader() = default;
   /// The newest sample, when there is one that is newer than `after`. Reuses `into`'s memory.
   virtual bool latest(std::uint64_t after, StreamSample& into) = 0;
   /// The oldest sample kept that is newer than `after`; the gap in sequence says how many were
-  /// lost. It begins with what was the newest when the stream was opened: nobody gets what went
-  /// before.
+  /// lost. The first sample is the one that was the newest when the stream was opened.
   virtual bool next(std::uint64_t after, StreamSample& into) = 0;
+  /// As latest(), without a copy. The bytes stay readable while the reader lives and until its next
+  /// call of lend_latest(). In shared memory the writer never waits, and writes over them after as
+  /// many samples as the stream keeps: what was read counts only if intact() says so afterwards.
+  /// The peer may be hostile: check what was computed, never read a length twice.
+  virtual std::optional<LentSample> lend_latest(std::uint64_t after) = 0;
+  /// Whether the bytes of `sample` are still those that were lent.
+  virtual bool intact(const LentSample& sample) const = 0;
 };
 
 inline constexpr std::size_t shared_word_count = 4;
@@ -159,14 +178,19 @@ class Link {
   virtual Loss loss() = 0;
   virtual std::string loss_text() const = 0;  ///< for people; on lcm also why nobody was met yet
 
-  /// Server: lets the peer read `stream` under `id` (chosen by the session).
+  /// A stream to this peer alone: how the samples of a client go inward. A stream for many readers
+  /// is made by the acceptor. `largest` in bytes, `depth` samples kept. Throws std::exception when
+  /// no memory or no descriptor is left.
+  virtual std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth) = 0;
+  /// Lets the peer read `stream` under `id`, which the session chooses; each end numbers the
+  /// streams that it shares. `stream` was made by this link or by its acceptor.
   virtual tl::expected<void, SendProblem> share(std::uint32_t id, StreamWriter& stream) = 0;
-  /// Server: the peer's reading of `id` ends.
+  /// The peer's reading of `id` ends.
   virtual void unshare(std::uint32_t id) = 0;
-  /// Client: the stream that the server shared under `id`; null while it has not arrived.
+  /// The stream that the peer shared under `id`; null while it has not arrived.
   virtual std::unique_ptr<StreamReader> open_stream(std::uint32_t id) = 0;
-  /// Client: why a stream cannot be opened here although the server shared it under `id`; empty
-  /// while it may still arrive.
+  /// Why a stream cannot be opened here although the peer shared it under `id`; empty while it may
+  /// still arrive.
   virtual std::string why_no_stream(std::uint32_t id);
 };
 

@@ -99,10 +99,33 @@ tl::expected<void, SendProblem> StreamRingWriter::publish(ByteView sample, std::
   slot[1].store(static_cast<std::uint64_t>(stamp_ns), std::memory_order_release);
   slot[2].store(sample.size(), std::memory_order_release);
   write_words(slot + sample_at, sample);
-  slot[0].store(2 * sequence, std::memory_order_release);
+  complete(sequence);
+  return {};
+}
+
+void StreamRingWriter::complete(std::uint64_t sequence) {
+  memory_.slot(sequence)[0].store(2 * sequence, std::memory_order_release);
   memory_.newest().store(sequence, std::memory_order_seq_cst);  // publishes the sample to readers
   sleepers_->wake();
-  return {};
+}
+
+tl::expected<std::span<std::byte>, SendProblem> StreamRingWriter::lend(std::size_t size) {
+  if (size > memory_.largest) return tl::unexpected(SendProblem::TooLarge);
+  const std::uint64_t sequence = newest_ + 1;
+  Word* const slot = memory_.slot(sequence);
+  slot[0].store(2 * sequence - 1, std::memory_order_relaxed);
+  // A reader of the sample that was here sees the new version before any byte of the loan.
+  std::atomic_thread_fence(std::memory_order_release);
+  lent_ = size;
+  return std::span(reinterpret_cast<std::byte*>(slot + sample_at), size);
+}
+
+void StreamRingWriter::publish_lent(std::int64_t stamp_ns) {
+  const std::uint64_t sequence = ++newest_;
+  Word* const slot = memory_.slot(sequence);
+  slot[1].store(static_cast<std::uint64_t>(stamp_ns), std::memory_order_release);
+  slot[2].store(lent_, std::memory_order_release);
+  complete(sequence);
 }
 
 bool StreamRingReader::latest(std::uint64_t after, StreamSample& into) {
@@ -126,6 +149,29 @@ bool StreamRingReader::next(std::uint64_t after, StreamSample& into) {
     if (read_sample(watch_->memory, std::max(after + 1, oldest), into)) return true;
   }
   return latest(after, into);  // the writer laps us: its newest has the longest to live
+}
+
+std::optional<LentSample> StreamRingReader::lend_latest(std::uint64_t after) {
+  const StreamMemory& memory = watch_->memory;
+  for (int tries = 0; tries < most_tries; ++tries) {
+    const std::uint64_t newest = memory.newest().load(std::memory_order_acquire);
+    watch_->seen.store(newest, std::memory_order_relaxed);
+    if (newest <= after) return std::nullopt;
+    const Word* const slot = memory.slot(newest);
+    const auto stamp = static_cast<std::int64_t>(slot[1].load(std::memory_order_acquire));
+    const std::uint64_t size = slot[2].load(std::memory_order_acquire);
+    if (size > memory.largest) continue;  // torn, or written by a peer that means harm
+    const auto* const bytes = reinterpret_cast<const std::byte*>(slot + sample_at);
+    const LentSample sample{newest, stamp, ByteView(bytes, size)};
+    if (intact(sample)) return sample;
+  }
+  return std::nullopt;
+}
+
+bool StreamRingReader::intact(const LentSample& sample) const {
+  std::atomic_thread_fence(std::memory_order_acquire);  // after the caller's reading of the bytes
+  return watch_->memory.slot(sample.sequence)[0].load(std::memory_order_relaxed) ==
+         2 * sample.sequence;
 }
 
 std::unique_ptr<StreamReader> StreamWatches::open(StreamMemory memory,

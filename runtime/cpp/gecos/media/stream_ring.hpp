@@ -58,6 +58,8 @@ class StreamRingWriter : public StreamWriter {
   /// `owner` keeps the memory, which is zero at first.
   StreamRingWriter(StreamMemory memory, std::shared_ptr<void> owner);
   tl::expected<void, SendProblem> publish(ByteView sample, std::int64_t stamp_ns) override;
+  tl::expected<std::span<std::byte>, SendProblem> lend(std::size_t size) override;
+  void publish_lent(std::int64_t stamp_ns) override;
 
   const StreamMemory& memory() const { return memory_; }
   const std::shared_ptr<void>& owner() const { return owner_; }
@@ -66,8 +68,11 @@ class StreamRingWriter : public StreamWriter {
  private:
   const StreamMemory memory_;
   const std::shared_ptr<void> owner_;
+  void complete(std::uint64_t sequence);
+
   const std::shared_ptr<SleeperList> sleepers_ = std::make_shared<SleeperList>();
   std::uint64_t newest_ = 0;
+  std::size_t lent_ = 0;  ///< bytes
 };
 
 /// What a link knows of a stream that somebody reads through it.
@@ -86,6 +91,8 @@ class StreamRingReader : public StreamReader {
   explicit StreamRingReader(std::shared_ptr<StreamWatch> watch) : watch_(std::move(watch)) {}
   bool latest(std::uint64_t after, StreamSample& into) override;
   bool next(std::uint64_t after, StreamSample& into) override;
+  std::optional<LentSample> lend_latest(std::uint64_t after) override;
+  bool intact(const LentSample& sample) const override;
 
  private:
   const std::shared_ptr<StreamWatch> watch_;

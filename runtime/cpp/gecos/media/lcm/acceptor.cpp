@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstddef>
-#include <stdexcept>
 #include <utility>
 
 #include "gecos/base/log.hpp"
@@ -86,18 +85,7 @@ class LcmAcceptor final : public Acceptor {
   std::span<const int> descriptors() const override { return descriptors_; }
 
   std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth) override {
-    if (streams_ == nullptr) {
-      auto opened = LcmPort::open(door_->options(), stream_port_);
-      if (!opened) throw std::runtime_error(opened.error().text);
-      streams_ = std::move(*opened);
-    }
-    SharedStream where;
-    where.largest = static_cast<std::uint32_t>(std::min(largest, largest_lcm_packet));
-    where.depth =
-        static_cast<std::uint16_t>(std::clamp<std::size_t>(depth, 1, SharedStream::most_depth));
-    where.port = stream_port_;
-    where.channel = draw_number();
-    return std::make_unique<LcmStreamWriter>(std::make_shared<LcmStream>(streams_, where));
+    return door_->make_stream(largest, depth);
   }
 
  private:
@@ -105,8 +93,6 @@ class LcmAcceptor final : public Acceptor {
   const std::shared_ptr<LcmDoor> door_;
   const std::string address_;
   const std::array<int, 2> descriptors_;
-  const std::uint16_t stream_port_ = draw_port();
-  std::shared_ptr<LcmPort> streams_;
 };
 
 class Lcm final : public Medium {

@@ -63,7 +63,7 @@ std::optional<InnerHeader> InnerHeader::read(ByteView from) {
   if (from.size() < bytes) return std::nullopt;
   const auto kind = std::to_integer<std::uint8_t>(from[0]);
   if (kind < static_cast<std::uint8_t>(InnerKind::Packet) ||
-      kind > static_cast<std::uint8_t>(InnerKind::Unshare)) {
+      kind > static_cast<std::uint8_t>(InnerKind::InwardSample)) {
     return std::nullopt;
   }
   return InnerHeader{static_cast<InnerKind>(kind), get<std::uint64_t>(&from[1]),
@@ -92,6 +92,30 @@ std::optional<SharedStream> SharedStream::read(ByteView from) {
     return std::nullopt;
   }
   return stream;
+}
+
+void InwardShare::write(std::span<std::byte, bytes> to) const {
+  put<std::uint32_t>(&to[0], id);
+  put<std::uint32_t>(&to[4], largest);
+  put<std::uint16_t>(&to[8], depth);
+}
+
+std::optional<InwardShare> InwardShare::read(ByteView from) {
+  if (from.size() != bytes) return std::nullopt;
+  const InwardShare share{get<std::uint32_t>(&from[0]), get<std::uint32_t>(&from[4]),
+                          get<std::uint16_t>(&from[8])};
+  if (share.depth == 0 || share.depth > SharedStream::most_depth) return std::nullopt;
+  return share;
+}
+
+void InwardSampleHead::write(std::span<std::byte, bytes> to) const {
+  put<std::uint32_t>(&to[0], id);
+  put<std::uint64_t>(&to[4], static_cast<std::uint64_t>(stamp_ns));
+}
+
+std::optional<InwardSampleHead> InwardSampleHead::read(ByteView from) {
+  if (from.size() < bytes) return std::nullopt;
+  return InwardSampleHead{get<std::uint32_t>(&from[0]), get<std::int64_t>(&from[4])};
 }
 
 void write_stamp(std::span<std::byte, 8> to, std::int64_t stamp_ns) {

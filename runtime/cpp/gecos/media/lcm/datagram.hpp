@@ -41,9 +41,11 @@ enum class InnerKind : std::uint8_t {
   Packet = 1,
   Beat,
   Bye,
-  Share,    ///< server: a SharedStream, until it was opened
-  Opened,   ///< client: stream `number` is being read
-  Unshare,  ///< server: stream `number` ends for you
+  Share,         ///< server: a SharedStream, until it was opened
+  Opened,        ///< both: stream `number` of yours is being read
+  Unshare,       ///< both: stream `number` of mine ends for you
+  InwardShare,   ///< client: an InwardShare, until it was opened
+  InwardSample,  ///< client: sample `number` of a stream, with an InwardSampleHead
 };
 
 /// Stands in front of what is sealed.
@@ -70,6 +72,28 @@ struct SharedStream {
 
   void write(std::span<std::byte, bytes> to) const;
   static std::optional<SharedStream> read(ByteView from);
+};
+
+/// A stream of a client to its server. Its samples travel in the sealed channel of the two.
+struct InwardShare {
+  static constexpr std::size_t bytes = 10;
+  std::uint32_t id = 0;
+  std::uint32_t largest = 0;
+  std::uint16_t depth = 0;
+
+  void write(std::span<std::byte, bytes> to) const;
+  static std::optional<InwardShare> read(ByteView from);
+};
+
+/// Stands in front of an inward sample.
+struct InwardSampleHead {
+  static constexpr std::size_t bytes = 12;
+  std::uint32_t id = 0;
+  std::int64_t stamp_ns = 0;
+
+  void write(std::span<std::byte, bytes> to) const;
+  /// Nothing when `from` is shorter; the sample is what follows.
+  static std::optional<InwardSampleHead> read(ByteView from);
 };
 
 void write_stamp(std::span<std::byte, 8> to, std::int64_t stamp_ns);

@@ -1,5 +1,7 @@
 #include "gecos/media/lcm/door.hpp"
 
+#include <algorithm>
+#include <stdexcept>
 #include <system_error>
 #include <utility>
 
@@ -32,7 +34,8 @@ LcmDoor::LcmDoor(LcmOptions options, std::shared_ptr<const LcmKeys> keys,
       address_(std::move(address)),
       handshakes_(
           keys_->own, [keys = keys_](const crypto::PublicKey& key) { return keys->admits(key); },
-          {}, options_.rekey) {}
+          {}, options_.rekey),
+      stream_port_(draw_port()) {}
 
 tl::expected<void, MediumError> LcmDoor::open() {
   return in_->subscribe(address_.channel, [this](ByteView datagram) { take(datagram); });
@@ -132,6 +135,22 @@ std::optional<LcmDoor::Guest> LcmDoor::next_guest() {
 void LcmDoor::forget(std::uint64_t client) {
   const std::lock_guard lock(mutex_);
   inboxes_.erase(client);
+}
+
+std::unique_ptr<StreamWriter> LcmDoor::make_stream(std::size_t largest, std::size_t depth) {
+  const std::lock_guard lock(mutex_);
+  if (streams_ == nullptr) {
+    auto opened = LcmPort::open(options_, stream_port_);
+    if (!opened) throw std::runtime_error(opened.error().text);
+    streams_ = std::move(*opened);
+  }
+  SharedStream where;
+  where.largest = static_cast<std::uint32_t>(std::min(largest, largest_lcm_packet));
+  where.depth =
+      static_cast<std::uint16_t>(std::clamp<std::size_t>(depth, 1, SharedStream::most_depth));
+  where.port = stream_port_;
+  where.channel = draw_number();
+  return std::make_unique<LcmStreamWriter>(std::make_shared<LcmStream>(streams_, where));
 }
 
 }  // namespace gecos::media

@@ -38,6 +38,9 @@ class LcmDoor {
   bool pump() { return in_->pump(); }
   std::optional<Guest> next_guest();
   void forget(std::uint64_t client);
+  /// A stream for all clients of the object. Throws std::runtime_error when its port cannot be
+  /// opened. Any thread.
+  std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth);
 
   int descriptor() const { return in_->descriptor(); }
   /// Rung when a guest has come, by whoever pumps.
@@ -85,6 +88,8 @@ class LcmDoor {
   std::list<Unconfirmed> unconfirmed_;  // oldest first
   std::map<std::uint64_t, std::shared_ptr<LcmInbox>> inboxes_;
   std::deque<Guest> guests_;
+  const std::uint16_t stream_port_;
+  std::shared_ptr<LcmPort> streams_;
 };
 
 }  // namespace gecos::media

@@ -59,19 +59,53 @@ void LcmInbox::put_locked(Bytes frame, TimePoint now) {
       break;
     case InnerKind::Share:
     case InnerKind::Opened:
-    case InnerKind::Unshare: {
-      Notice notice{header->kind, header->number, {}};
-      if (header->kind == InnerKind::Share) {
-        const auto stream = SharedStream::read(packet_in(frame));
-        if (!stream) return;
-        notice.stream = *stream;
-      }
-      if (notices_.size() == most_notices) return;
-      notices_.push_back(notice);
+    case InnerKind::Unshare:
+    case InnerKind::InwardShare:
+      note(*header, packet_in(frame));
       break;
-    }
+    case InnerKind::InwardSample:
+      put_sample(*header, packet_in(frame));
+      break;
   }
   wake_if_asleep();
+}
+
+void LcmInbox::note(const InnerHeader& header, ByteView body) {
+  Notice notice{header.kind, header.number, {}, {}};
+  if (header.kind == InnerKind::Share) {
+    const auto stream = SharedStream::read(body);
+    if (!stream) return;
+    notice.stream = *stream;
+  } else if (header.kind == InnerKind::InwardShare) {
+    const auto inward = InwardShare::read(body);
+    if (!inward) return;
+    notice.inward = *inward;
+  }
+  if (notices_.size() < most_notices) notices_.push_back(notice);
+}
+
+void LcmInbox::put_sample(const InnerHeader& header, ByteView body) {
+  const auto head = InwardSampleHead::read(body);
+  if (!head) return;
+  const auto found = inward_.find(head->id);
+  if (found == inward_.end()) return;
+  if (const auto samples = found->second.lock()) {
+    samples->put(header.number, head->stamp_ns, body.subspan(InwardSampleHead::bytes));
+  }
+}
+
+void LcmInbox::collect(std::uint32_t id, std::weak_ptr<SampleBuffer> samples) {
+  const std::lock_guard lock(mutex_);
+  inward_[id] = std::move(samples);
+}
+
+bool LcmInbox::new_samples() {
+  const std::lock_guard lock(mutex_);
+  bool found = false;
+  for (const auto& [id, held] : inward_) {
+    if (const auto samples = held.lock()) found = samples->anything_new() || found;
+  }
+  return found;
 }
 
 bool LcmInbox::pop(Packet& packet) {

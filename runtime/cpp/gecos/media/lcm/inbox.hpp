@@ -3,6 +3,8 @@
 #include <atomic>
 #include <cstdint>
 #include <deque>
+#include <map>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <vector>
@@ -11,6 +13,7 @@
 #include "gecos/media/bell.hpp"
 #include "gecos/media/lcm/datagram.hpp"
 #include "gecos/media/lcm/senders_clock.hpp"
+#include "gecos/media/sample_buffer.hpp"
 #include "gecos/media/stream_ring.hpp"
 
 namespace gecos::media {
@@ -48,8 +51,13 @@ class LcmInbox final : public Sleeper {
     InnerKind kind{};
     std::uint64_t number = 0;
     SharedStream stream;
+    InwardShare inward;
   };
   std::vector<Notice> notices();
+  /// From now on inward samples of `id` go to `samples`, while somebody holds it.
+  void collect(std::uint32_t id, std::weak_ptr<SampleBuffer> samples);
+  /// Whether an inward sample came that nobody has seen.
+  bool new_samples();
   /// With every beat: keys that were replaced go.
   void tend(TimePoint now);
 
@@ -67,6 +75,8 @@ class LcmInbox final : public Sleeper {
 
  private:
   void put_locked(Bytes frame, TimePoint now);
+  void note(const InnerHeader& header, ByteView body);
+  void put_sample(const InnerHeader& header, ByteView body);
 
   Bell bell_;
   std::atomic<bool> asleep_{false};  // tells whoever pumps to ring
@@ -80,6 +90,7 @@ class LcmInbox final : public Sleeper {
   Bytes spare_;  // of a packet that was taken: most frames need no memory of their own
   std::size_t bytes_ = 0;
   std::vector<Notice> notices_;
+  std::map<std::uint32_t, std::weak_ptr<SampleBuffer>> inward_;
 };
 
 }  // namespace gecos::media

@@ -140,12 +140,21 @@ LcmClientLink::LcmClientLink(const LcmOptions& options, std::shared_ptr<LcmInbox
       descriptors_{in_->descriptor(), inbox_->bell().descriptor(), streams_.get()} {}
 
 LcmClientLink::~LcmClientLink() {
+  for (const auto& made : made_) {
+    if (const auto stream = made.lock()) stream->end();
+  }
   if (!inherited() && !inbox_->closed()) say(InnerKind::Bye);
 }
 
 void LcmClientLink::beat() {
   LcmLink::beat();
-  if (!inherited()) opening_->advance();
+  if (inherited()) return;
+  opening_->advance();
+  const std::lock_guard lock(mutex_);
+  for (const auto& [id, inward] : inward_) {
+    if (inward.opened) continue;
+    if (const auto stream = inward.stream.lock()) tell(id, *stream);
+  }
 }
 
 std::string LcmClientLink::loss_text() const {
@@ -176,18 +185,36 @@ void LcmClientLink::pump() {
   if (in_->pump()) ring_bell(inbox_->bell().descriptor());
   opening_->advance();
   for (const auto& notice : inbox_->notices()) {
-    const std::lock_guard lock(mutex_);
+    const auto id = static_cast<std::uint32_t>(notice.number);
+    if (notice.kind == InnerKind::Share) take_share(notice.stream);
+    if (notice.kind == InnerKind::Opened) take_opened(id);
     if (notice.kind == InnerKind::Unshare) {
-      arrived_.erase(static_cast<std::uint32_t>(notice.number));
-    } else if (notice.kind == InnerKind::Share) {
-      if (arrived_.size() >= most_streams && !arrived_.contains(notice.stream.id)) continue;
-      Arrived& arrived = arrived_[notice.stream.id];
-      if (arrived.where.channel != notice.stream.channel) arrived = {notice.stream, false};
-      heard_of_streams_ = true;
-      // Told again although it is open: our answer was lost.
-      if (arrived.opened) say(InnerKind::Opened, notice.stream.id);
+      const std::lock_guard lock(mutex_);
+      arrived_.erase(id);
     }
   }
+}
+
+void LcmClientLink::take_share(const SharedStream& where) {
+  const std::lock_guard lock(mutex_);
+  if (arrived_.size() >= most_streams && !arrived_.contains(where.id)) return;
+  Arrived& arrived = arrived_[where.id];
+  if (arrived.where.channel != where.channel) arrived = {where, false};
+  heard_of_streams_ = true;
+  // Told again although it is open: our answer was lost.
+  if (arrived.opened) say(InnerKind::Opened, where.id);
+}
+
+void LcmClientLink::take_opened(std::uint32_t id) {
+  std::shared_ptr<InwardStream> stream;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto found = inward_.find(id);
+    if (found == inward_.end()) return;
+    found->second.opened = true;
+    stream = found->second.stream.lock();
+  }
+  if (stream != nullptr) stream->repeat_last();
 }
 
 bool LcmClientLink::new_samples() {
@@ -207,11 +234,37 @@ bool LcmClientLink::new_samples() {
   return found;
 }
 
-tl::expected<void, SendProblem> LcmClientLink::share(std::uint32_t /*id*/,
-                                                     StreamWriter& /*stream*/) {
-  return tl::unexpected(SendProblem::Lost);  // only servers have outward streams
+std::unique_ptr<StreamWriter> LcmClientLink::make_stream(std::size_t largest, std::size_t depth) {
+  auto stream = std::make_shared<InwardStream>(outlet(), options_, largest, depth);
+  const std::lock_guard lock(mutex_);
+  std::erase_if(made_, [](const auto& made) { return made.expired(); });
+  made_.push_back(stream);
+  return std::make_unique<InwardWriter>(std::move(stream));
 }
-void LcmClientLink::unshare(std::uint32_t /*id*/) {}
+
+tl::expected<void, SendProblem> LcmClientLink::share(std::uint32_t id, StreamWriter& stream) {
+  if (inherited() || inbox_->closed()) return tl::unexpected(SendProblem::Lost);
+  const auto& inward = dynamic_cast<InwardWriter&>(stream).stream();
+  const std::lock_guard lock(mutex_);
+  if (inward_.size() >= most_streams && !inward_.contains(id)) {
+    return tl::unexpected(SendProblem::Full);
+  }
+  inward_[id] = {inward, false};
+  tell(id, *inward);
+  return {};
+}
+
+void LcmClientLink::tell(std::uint32_t id, InwardStream& stream) {
+  std::array<std::byte, InwardShare::bytes> body;
+  stream.shared_as(id).write(body);
+  say(InnerKind::InwardShare, id, body);
+}
+
+void LcmClientLink::unshare(std::uint32_t id) {
+  if (inherited()) return;
+  const std::lock_guard lock(mutex_);
+  if (inward_.erase(id) != 0) say(InnerKind::Unshare, id);
+}
 
 std::unique_ptr<StreamReader> LcmClientLink::open_stream(std::uint32_t id) {
   if (inherited()) return nullptr;
@@ -287,7 +340,7 @@ bool LcmServerLink::arm() {
   if (inherited()) return false;
   inbox_->set_asleep(true);
   pump();
-  if (!inbox_->has_packets() && !inbox_->closed()) return true;
+  if (!inbox_->has_packets() && !inbox_->new_samples() && !inbox_->closed()) return true;
   inbox_->set_asleep(false);
   return false;
 }
@@ -296,22 +349,41 @@ void LcmServerLink::disarm() {
   if (inherited()) return;
   inbox_->set_asleep(false);
   inbox_->bell().quiet();
+  inbox_->new_samples();
 }
 
 void LcmServerLink::pump() {
   door_->pump();
   for (const auto& notice : inbox_->notices()) {
-    if (notice.kind != InnerKind::Opened) continue;
-    std::shared_ptr<LcmStream> stream;
-    {
+    const auto id = static_cast<std::uint32_t>(notice.number);
+    if (notice.kind == InnerKind::Opened) take_opened(id);
+    if (notice.kind == InnerKind::InwardShare) take_share(notice.inward);
+    if (notice.kind == InnerKind::Unshare) {
       const std::lock_guard lock(mutex_);
-      const auto found = shared_.find(static_cast<std::uint32_t>(notice.number));
-      if (found == shared_.end()) continue;
-      found->second.opened = true;
-      stream = found->second.stream.lock();
+      inward_.erase(id);
     }
-    if (stream != nullptr) stream->repeat_last();
   }
+}
+
+void LcmServerLink::take_opened(std::uint32_t id) {
+  std::shared_ptr<LcmStream> stream;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto found = shared_.find(id);
+    if (found == shared_.end()) return;
+    found->second.opened = true;
+    stream = found->second.stream.lock();
+  }
+  if (stream != nullptr) stream->repeat_last();
+}
+
+void LcmServerLink::take_share(const InwardShare& where) {
+  const std::lock_guard lock(mutex_);
+  if (inward_.size() >= most_streams && !inward_.contains(where.id)) return;
+  Inward& inward = inward_[where.id];
+  inward.where = where;
+  // Told again although it is open: our answer was lost.
+  if (inward.opened) say(InnerKind::Opened, where.id);
 }
 
 void LcmServerLink::beat() {
@@ -332,6 +404,11 @@ void LcmServerLink::tell(std::uint32_t id, const LcmStream& stream) {
   say(InnerKind::Share, id, body);
 }
 
+/// A server sends to all its readers at once: its acceptor's streams serve one reader as well.
+std::unique_ptr<StreamWriter> LcmServerLink::make_stream(std::size_t largest, std::size_t depth) {
+  return door_->make_stream(largest, depth);
+}
+
 tl::expected<void, SendProblem> LcmServerLink::share(std::uint32_t id, StreamWriter& stream) {
   if (inherited() || inbox_->closed()) return tl::unexpected(SendProblem::Lost);
   const auto& shared = dynamic_cast<LcmStreamWriter&>(stream).stream();
@@ -347,8 +424,17 @@ void LcmServerLink::unshare(std::uint32_t id) {
   if (shared_.erase(id) != 0) say(InnerKind::Unshare, id);
 }
 
-std::unique_ptr<StreamReader> LcmServerLink::open_stream(std::uint32_t /*id*/) {
-  return nullptr;  // only servers have outward streams
+std::unique_ptr<StreamReader> LcmServerLink::open_stream(std::uint32_t id) {
+  if (inherited()) return nullptr;
+  pump();
+  const std::lock_guard lock(mutex_);
+  const auto found = inward_.find(id);
+  if (found == inward_.end()) return nullptr;
+  auto samples = std::make_shared<SampleBuffer>(found->second.where.depth);
+  inbox_->collect(id, samples);
+  found->second.opened = true;
+  say(InnerKind::Opened, id);
+  return std::make_unique<InwardReader>(std::move(samples));
 }
 
 }  // namespace gecos::media

@@ -12,6 +12,7 @@
 #include "gecos/media/forked.hpp"
 #include "gecos/media/lcm/door.hpp"
 #include "gecos/media/lcm/inbox.hpp"
+#include "gecos/media/lcm/inward.hpp"
 #include "gecos/media/lcm/opening.hpp"
 #include "gecos/media/lcm/outlet.hpp"
 #include "gecos/media/lcm/port.hpp"
@@ -46,6 +47,7 @@ class LcmLink : public Link {
   /// Takes what has arrived, into the inbox and from there what is no packet.
   virtual void pump() = 0;
   void say(InnerKind kind, std::uint64_t number = 0, ByteView body = {});
+  const std::shared_ptr<LcmOutlet>& outlet() const { return outlet_; }
   bool inherited() const { return inherited_.load(std::memory_order_relaxed); }
 
   const std::shared_ptr<LcmInbox> inbox_;
@@ -72,6 +74,7 @@ class LcmClientLink final : public LcmLink {
   bool arm() override;
   void disarm() override;
   std::span<const int> descriptors() const override { return descriptors_; }
+  std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth) override;
   tl::expected<void, SendProblem> share(std::uint32_t id, StreamWriter& stream) override;
   void unshare(std::uint32_t id) override;
   std::unique_ptr<StreamReader> open_stream(std::uint32_t id) override;
@@ -87,8 +90,15 @@ class LcmClientLink final : public LcmLink {
     bool opened = false;
     std::string problem{};  ///< why it could not be opened last
   };
+  struct Inward {
+    std::weak_ptr<InwardStream> stream;
+    bool opened = false;  ///< until then the server is told again with every beat
+  };
   void pump() override;
   bool new_samples();
+  void take_share(const SharedStream& where);
+  void take_opened(std::uint32_t id);
+  void tell(std::uint32_t id, InwardStream& stream);
 
   const std::unique_ptr<LcmPort> in_;
   const std::shared_ptr<LcmOpening> opening_;
@@ -100,6 +110,8 @@ class LcmClientLink final : public LcmLink {
   std::mutex mutex_;  // guards what follows
   std::map<std::uint32_t, Arrived> arrived_;
   std::vector<std::weak_ptr<LcmStreamInbox>> reading_;
+  std::vector<std::weak_ptr<InwardStream>> made_;  ///< ended with the link
+  std::map<std::uint32_t, Inward> inward_;
 };
 
 class LcmServerLink final : public LcmLink {
@@ -112,6 +124,7 @@ class LcmServerLink final : public LcmLink {
   void disarm() override;
   std::span<const int> descriptors() const override { return descriptors_; }
   void beat() override;
+  std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth) override;
   tl::expected<void, SendProblem> share(std::uint32_t id, StreamWriter& stream) override;
   void unshare(std::uint32_t id) override;
   std::unique_ptr<StreamReader> open_stream(std::uint32_t id) override;
@@ -124,7 +137,14 @@ class LcmServerLink final : public LcmLink {
     std::weak_ptr<LcmStream> stream;
     bool opened = false;  // until then it is told again with every beat
   };
+  /// A stream that the client has shared.
+  struct Inward {
+    InwardShare where;
+    bool opened = false;
+  };
   void pump() override;
+  void take_opened(std::uint32_t id);
+  void take_share(const InwardShare& where);
   void tell(std::uint32_t id, const LcmStream& stream);
 
   const std::shared_ptr<LcmDoor> door_;
@@ -132,6 +152,7 @@ class LcmServerLink final : public LcmLink {
   const std::array<int, 1> descriptors_;
   std::mutex mutex_;  // guards what follows
   std::map<std::uint32_t, Shared> shared_;
+  std::map<std::uint32_t, Inward> inward_;
 };
 
 }  // namespace gecos::media

@@ -48,8 +48,8 @@ void LcmStream::repeat_last() {
 LcmStreamInbox::LcmStreamInbox(std::shared_ptr<LcmPort> port, const SharedStream& where,
                                std::weak_ptr<Sleeper> sleeper)
     : port_(std::move(port)),
-      depth_(where.depth),
       sleeper_(std::move(sleeper)),
+      samples_(where.depth),
       opener_(where.key) {}
 
 void LcmStreamInbox::take(ByteView datagram) {
@@ -61,46 +61,23 @@ void LcmStreamInbox::take(ByteView datagram) {
     // The first sample of a stream has number 1, and counter 0.
     const std::uint64_t sequence =
         crypto::read_u64(sealed.first<crypto::StreamSealer::text_at>()) + 1;
-    // Repeated, or overtaken by a newer one: a stream never goes back.
-    if (!samples_.empty() && sequence <= samples_.back().sequence) return;
+    if (sequence <= samples_.newest()) return;  // repeated, or overtaken by a newer one
     frame_.assign(sealed.begin(), sealed.end());
     const auto text = opener_.open(datagram.first(DatagramHeader::bytes), frame_);
     if (!text) return;
-    StreamSample sample;
-    if (samples_.size() == depth_) {
-      sample = std::move(samples_.front());  // its memory is used again
-      samples_.pop_front();
-    }
-    const ByteView bytes = text->subspan(stamp_bytes);
-    sample.sequence = sequence;
-    sample.stamp_ns = read_stamp(text->first(stamp_bytes));
-    sample.bytes.assign(bytes.begin(), bytes.end());
-    samples_.push_back(std::move(sample));
+    samples_.put(sequence, read_stamp(text->first(stamp_bytes)), text->subspan(stamp_bytes));
   }
   if (const auto sleeper = sleeper_.lock()) sleeper->wake_if_asleep();
 }
 
 bool LcmStreamInbox::read(std::uint64_t after, bool newest, StreamSample& into) {
   port_->pump();
-  const std::lock_guard lock(mutex_);
-  if (samples_.empty()) return false;
-  seen_ = samples_.back().sequence;
-  if (seen_ <= after) return false;
-  auto found = std::prev(samples_.end());
-  if (!newest) {
-    found = std::ranges::find_if(samples_, [&](const auto& held) { return held.sequence > after; });
-  }
-  into.sequence = found->sequence;
-  into.stamp_ns = found->stamp_ns;
-  into.bytes.assign(found->bytes.begin(), found->bytes.end());
-  return true;
+  return samples_.read(after, newest, into);
 }
 
 bool LcmStreamInbox::anything_new() {
   port_->pump();
-  const std::lock_guard lock(mutex_);
-  const std::uint64_t newest = samples_.empty() ? 0 : samples_.back().sequence;
-  return std::exchange(seen_, newest) != newest;
+  return samples_.anything_new();
 }
 
 std::string lcm_channel(std::string_view prefix, std::uint64_t number) {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <atomic>
-#include <deque>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -9,6 +8,7 @@
 #include "gecos/crypto/stream_seal.hpp"
 #include "gecos/media/lcm/datagram.hpp"
 #include "gecos/media/lcm/port.hpp"
+#include "gecos/media/sample_buffer.hpp"
 #include "gecos/media/stream_ring.hpp"
 
 namespace gecos::media {
@@ -32,9 +32,10 @@ class LcmStream {
   Bytes last_;  // as it was sent
 };
 
-class LcmStreamWriter final : public StreamWriter {
+class LcmStreamWriter final : public CopyingWriter {
  public:
-  explicit LcmStreamWriter(std::shared_ptr<LcmStream> stream) : stream_(std::move(stream)) {}
+  explicit LcmStreamWriter(std::shared_ptr<LcmStream> stream)
+      : CopyingWriter(stream->where().largest), stream_(std::move(stream)) {}
   tl::expected<void, SendProblem> publish(ByteView sample, std::int64_t stamp_ns) override {
     return stream_->publish(sample, stamp_ns);
   }
@@ -58,16 +59,14 @@ class LcmStreamInbox {
 
  private:
   const std::shared_ptr<LcmPort> port_;
-  const std::size_t depth_;
   const std::weak_ptr<Sleeper> sleeper_;
-  std::mutex mutex_;
+  SampleBuffer samples_;
+  std::mutex mutex_;  // guards what follows
   crypto::StreamOpener opener_;
   Bytes frame_;
-  std::deque<StreamSample> samples_;
-  std::uint64_t seen_ = 0;
 };
 
-class LcmStreamReader final : public StreamReader {
+class LcmStreamReader final : public CopyingReader {
  public:
   explicit LcmStreamReader(std::shared_ptr<LcmStreamInbox> inbox) : inbox_(std::move(inbox)) {}
   bool latest(std::uint64_t after, StreamSample& into) override {

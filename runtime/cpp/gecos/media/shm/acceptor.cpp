@@ -322,11 +322,7 @@ void ShmAcceptor::drop(std::size_t guest) {
 }
 
 std::unique_ptr<StreamWriter> ShmAcceptor::make_stream(std::size_t largest, std::size_t depth) {
-  auto sealed = make_sealed("gecos stream", StreamMemory::bytes(largest, depth));
-  if (!sealed) throw std::runtime_error(sealed.error().text);
-  auto held = std::make_shared<SealedMemory>(std::move(*sealed));
-  const StreamMemory memory{held->mapping.data(), largest, depth};
-  return std::make_unique<SharedStreamWriter>(memory, std::move(held));
+  return make_shared_stream(largest, depth);
 }
 
 void ShmAcceptor::abandon() noexcept {

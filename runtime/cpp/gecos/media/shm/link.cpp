@@ -15,7 +15,11 @@ namespace gecos::media::shm {
 namespace {
 
 constexpr std::size_t ring_bytes = RingMemory::bytes(usual_slot_count);
-constexpr std::size_t most_streams = 1024;  // of one link; a peer that shares more means harm
+/// Streams that an end may share on one link; a peer that shares more means harm. Each takes a
+/// mapping of its reader, and a server has many clients.
+constexpr std::size_t most_streams_of(ShmLink::Role sharing) {
+  return sharing == ShmLink::Role::Server ? 1024 : 64;
+}
 constexpr std::size_t most_unsent = 256;
 constexpr int most_messages_at_once = 64;  // so that a flood on the socket delays, but never holds
 
@@ -243,12 +247,19 @@ std::string ShmLink::loss_text() const {
   return loss_text_.empty() ? inherited_text : loss_text_;
 }
 
+std::unique_ptr<StreamWriter> ShmLink::make_stream(std::size_t largest, std::size_t depth) {
+  return make_shared_stream(largest, depth);
+}
+
 tl::expected<void, SendProblem> ShmLink::share(std::uint32_t id, StreamWriter& stream) {
   if (loss_.load(std::memory_order_relaxed) != Loss::None) {
     return tl::unexpected(SendProblem::Lost);
   }
   auto& writer = dynamic_cast<SharedStreamWriter&>(stream);
   const std::lock_guard lock(control_mutex_);
+  if (!shared_.contains(id) && shared_.size() >= most_streams_of(role_)) {
+    return tl::unexpected(SendProblem::Full);
+  }
   ControlMessage message{.type = ControlType::Share, .id = id};
   message.largest = writer.memory().largest;
   message.depth = writer.memory().depth;
@@ -321,8 +332,7 @@ void ShmLink::read_control() {
     } else if (read == ControlRead::NoDescriptors) {
       const std::string why =
           "there is no descriptor here for what it sent: " + system_text(EMFILE);
-      if (role_ == Role::Client && control.message.type == ControlType::Share &&
-          not_opened_.size() < most_streams) {
+      if (control.message.type == ControlType::Share && not_opened_.size() < most_streams_of(peer_role())) {
         not_opened_[control.message.id] = why;
         ring_bell(bell_.descriptor());  // who waits for this stream may sleep in another thread
       } else {
@@ -345,7 +355,6 @@ void ShmLink::read_control_to_the_end() {
 
 void ShmLink::take_control(ReceivedControl& control) {
   const ControlMessage& message = control.message;
-  const bool client = role_ == Role::Client;
   std::string problem;
   switch (message.type) {
     case ControlType::Poke:
@@ -358,7 +367,7 @@ void ShmLink::take_control(ReceivedControl& control) {
       return;
     }
     case ControlType::Welcome:
-      if (!client || other_->known()) break;
+      if (role_ != Role::Client || other_->known()) break;
       if (!know_peer(control, problem)) {
         note_loss(Loss::Broken, std::move(problem));
         return;
@@ -366,11 +375,9 @@ void ShmLink::take_control(ReceivedControl& control) {
       ring_bell(bell_.descriptor());  // a thread may sleep that could not look at the ring before
       return;
     case ControlType::Share:
-      if (!client) break;
       take_stream(control);
       return;
     case ControlType::Unshare:
-      if (!client) break;
       arrived_.erase(message.id);
       not_opened_.erase(message.id);
       return;
@@ -389,7 +396,7 @@ void ShmLink::take_control(ReceivedControl& control) {
 void ShmLink::take_stream(ReceivedControl& control) {
   const ControlMessage& message = control.message;
   constexpr std::size_t most = StreamMemory::most_bytes;
-  if (arrived_.size() >= most_streams || message.depth == 0 || message.depth > most ||
+  if (arrived_.size() >= most_streams_of(peer_role()) || message.depth == 0 || message.depth > most ||
       message.largest > most ||
       message.depth + 1 > most / StreamMemory::slot_bytes(message.largest)) {
     note_loss(Loss::Broken, "it shared a stream of an impossible size");

@@ -78,6 +78,7 @@ class ShmLink final : public Link, public QuietSender {
   std::uint64_t beats_seen() override;
   Loss loss() override;
   std::string loss_text() const override;
+  std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth) override;
   tl::expected<void, SendProblem> share(std::uint32_t id, StreamWriter& stream) override;
   void unshare(std::uint32_t id) override;
   std::unique_ptr<StreamReader> open_stream(std::uint32_t id) override;
@@ -95,6 +96,7 @@ class ShmLink final : public Link, public QuietSender {
     std::shared_ptr<SealedMemory> memory;  // keeps the descriptor to be sent
   };
 
+  Role peer_role() const { return role_ == Role::Client ? Role::Server : Role::Client; }
   void wake_reader();
   bool know_peer(ReceivedControl& from, std::string& problem);
   void read_control();

@@ -18,4 +18,7 @@ class SharedStreamWriter final : public StreamRingWriter {
   const std::shared_ptr<SealedMemory> sealed_;
 };
 
+/// Throws std::runtime_error when no memory or no descriptor is left.
+std::unique_ptr<StreamWriter> make_shared_stream(std::size_t largest, std::size_t depth);
+
 }  // namespace gecos::media::shm
