@@ -49,7 +49,7 @@ std::string processor() {
   return "unknown processor";
 }
 
-/// What runs where, as candidates.
+/// The candidates: each program with its cores.
 class On {
  public:
   explicit On(Cores cores) : cores_(cores) {}

@@ -1,4 +1,4 @@
-// What sealing costs a packet, beside copying as many bytes, and what a channel costs to open.
+// Cost of sealing a packet, compared with copying as many bytes, and of opening a channel.
 #include <benchmark/benchmark.h>
 
 #include <cstring>

@@ -11,8 +11,8 @@
 
 #include "gecos/broker/broker.hpp"
 #include "gecos/gecos.hpp"
-#include "gecos/media/open.hpp"
-#include "gecos/media/waiting.hpp"
+#include "gecos/media/kinds.hpp"
+#include "gecos/media/parts/waiting.hpp"
 #include "robcl/laser_distance_sensor_client.hpp"
 #include "robcl/laser_distance_sensor_server.hpp"
 
@@ -67,14 +67,14 @@ std::optional<ByteView> await_packet(Link& link, media::SpinPolicy& spin, media:
   for (;;) {
     if (const auto packet = link.receive()) return packet;
     if (spin.again([&] { return media::place_of(link.peer_whereabouts()); })) continue;
-    if (link.arm()) {
+    if (link.prepare_to_sleep()) {
       std::vector<int> all(link.descriptors().begin(), link.descriptors().end());
       if (door != nullptr) {
         all.insert(all.end(), door->descriptors().begin(), door->descriptors().end());
       }
       media::sleep_on(all, TimePoint::max());
       spin.woke(link.peer_whereabouts().rang_at, media::Woken::ByAnswer);
-      link.disarm();
+      link.woke();
     }
     if (link.loss() != media::Loss::None) return std::nullopt;
     spin.begin();

@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "benchmarks/rounds.hpp"
-#include "gecos/media/medium.hpp"
+#include "gecos/media/kinds.hpp"
 
 namespace gecos::benchmarks {
 

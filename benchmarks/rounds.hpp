@@ -62,7 +62,7 @@ class BusyNeighbours {
   std::vector<std::unique_ptr<OtherProcess>> loops_;
 };
 
-/// Of one candidate, over the rounds.
+/// The figures of one candidate over all rounds.
 struct Medians {
   std::string name;
   Microseconds p50{};

@@ -112,7 +112,7 @@ Work decode_lcm(const Value& from_this) {
   };
 }
 
-/// To where the numbers of a message lie: behind the fingerprint and their count.
+/// Position of the numbers of a message: after the fingerprint and their count.
 Work copy_doubles() {
   return [from = our_doubles().numbers,
           to = gecos::Bytes(12 + count * sizeof(double))](int times) mutable {

@@ -1,4 +1,4 @@
-// What the codec costs, beside memcpy of as many bytes. Compare ratios within one run.
+// Cost of the codec, compared with memcpy of as many bytes. Compare ratios within one run.
 #include <benchmark/benchmark.h>
 
 #include <array>

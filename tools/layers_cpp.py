@@ -1,4 +1,4 @@
-"""Who may include whom in C++. Every file belongs to a room; a room lists the rooms it may know."""
+"""Allowed includes of C++. Every file belongs to a module, which lists the modules it may know."""
 
 import re
 from collections.abc import Iterator
@@ -7,16 +7,16 @@ from pathlib import Path
 
 from layers_rule import Violation
 
-# These may include everything except the inner rooms of the session.
+# These may include everything except the inner modules of the session.
 PROGRAM = "a program"
 PROGRAMS = ("benchmarks", "examples", "tests")
 ROOTS = ("runtime/cpp", "runtime/python/src", "devices", "generated/cpp", *PROGRAMS)
 SUFFIXES = (".hpp", ".cpp", ".h", ".cc")
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
-# What media's users see: the contract, how to wait, and the door that opens what is here.
-CONTRACT = re.compile(r"^gecos/media/(?:(?:core|medium|quiet|waiting)\.[hc]pp|open\.hpp)$")
-# What an interface is in the words of the session; it stands below all of its rooms.
+# What media's users see: the contract, how to wait, and the header that opens a medium.
+CONTRACT = re.compile(r"^gecos/media/(?:(?:core|medium|quiet|parts/waiting)\.[hc]pp|kinds\.hpp)$")
+# What an interface is in the words of the session; it stands below all of its modules.
 DESCRIPTION = re.compile(r"^gecos/description\.[hc]pp$")
 # The headers that users and generated code include, and their sources.
 PUBLIC = re.compile(
@@ -24,11 +24,12 @@ PUBLIC = re.compile(
     r"\.[hc]pp$"
 )
 HAND_WRITTEN = re.compile(
-    r"^(?:gecos/(base|wire|qos|access|crypto|media|session/(?:protocol|process|client|server)|"
-    r"broker)|robcl/(frames|arm|motion))/"
+    r"^(?:gecos/(base|wire|qos|access|crypto|"
+    r"media(?:/(?:parts|layers|sealed|inproc|shm|lcm|testing))?|"
+    r"session/(?:protocol|process|client|server)|broker)|robcl/(frames|arm|motion))/"
 )
 # A header of devices/ is included from there: "arm/arm_device.hpp". The folders that all devices
-# share are rooms of their own.
+# share are modules of their own.
 DEVICE_FOLDERS = {
     folder.name
     for folder in (Path(__file__).resolve().parents[1] / "devices").iterdir()
@@ -37,7 +38,7 @@ DEVICE_FOLDERS = {
 SHARED_BY_DEVICES = ("drivers", "support", "arm")
 GENERATED = re.compile(r"^(?:[\w]+/)*\w+_(types|json|interface|client|server)\.[hc]pp$")
 
-GENERATED_ROOMS = {
+GENERATED_MODULES = {
     "types": "generated-types",
     "json": "generated-types",
     "interface": "generated-interfaces",
@@ -47,83 +48,103 @@ GENERATED_ROOMS = {
 
 
 @dataclass(frozen=True, slots=True)
-class Room:
-    """`knows`: the rooms whose headers it may include. `why`: the rule, for people."""
+class Module:
+    """`knows`: the modules whose headers it may include. `why`: the rule, for people."""
 
     knows: frozenset[str]
     why: str
 
 
-def _room(knows: str, why: str) -> Room:
-    return Room(frozenset(knows.split()), why)
+def _module(knows: str, why: str) -> Module:
+    return Module(frozenset(knows.split()), why)
 
 
-_BELOW_SESSION = (
-    "base wire qos access crypto medium description generated-types generated-interfaces"
-)
+_BELOW_PROTOCOL = "base wire qos access crypto medium description"
+_BELOW_SESSION = _BELOW_PROTOCOL + " generated-types generated-interfaces"
 _SESSION = _BELOW_SESSION + " public"
-_INWARDS = "the rooms of the session stand on each other: public, protocol, process, client, server"
+_INWARDS = (
+    "the modules of the session stand on each other: public, protocol, process, client, server"
+)
 _BY_CONTRACT = (
-    "the session knows media by contract alone (core, medium, quiet, waiting and open.hpp), "
+    "the session knows media by contract alone (core, medium, quiet, waiting and kinds.hpp), "
     "and generated types, never clients; "
 )
 
+_MEDIUM = "a medium moves opaque bytes and knows no other: the contract, its registration and parts"
 _DEVICE = _BELOW_SESSION + " public umbrella frames generated-stubs"
 
-ROOMS: dict[str, Room] = {
-    "base": _room("", "base stands on the standard library alone"),
-    "wire": _room("base", "wire knows base alone"),
-    "qos": _room("base", "qos knows base alone"),
-    "access": _room("base", "access knows base alone: what it needs is passed in"),
-    "crypto": _room("base", "crypto knows base alone: bytes in, bytes out"),
-    "medium": _room("base qos", "the contract of a medium speaks of bytes and quality alone"),
-    "media": _room(
-        "base qos crypto medium",
-        "a medium moves opaque bytes, sealed where others listen: base, qos, crypto, the contract",
+MODULES: dict[str, Module] = {
+    "base": _module("", "base stands on the standard library alone"),
+    "wire": _module("base", "wire knows base alone"),
+    "qos": _module("base", "qos knows base alone"),
+    "access": _module("base", "access knows base alone: what it needs is passed in"),
+    "crypto": _module("base", "crypto knows base alone: bytes in, bytes out"),
+    "medium": _module("base qos", "the contract of a medium speaks of bytes and quality alone"),
+    "media": _module(
+        "base medium media/layers media/shm",
+        "kinds.cpp opens a medium and puts layers on it: what it offers is asked by contract",
     ),
-    "description": _room("base qos access", "a description knows status, quality and base alone"),
-    "public": _room(_BELOW_SESSION, _BY_CONTRACT + _INWARDS),
-    "session/protocol": _room(_SESSION, _BY_CONTRACT + _INWARDS),
-    "session/process": _room(_SESSION + " session/protocol", _BY_CONTRACT + _INWARDS),
-    "session/client": _room(
+    "media/parts": _module("base medium", "parts of media know base and the contract"),
+    "media/layers": _module("base medium", "a layer knows the contract of what it is put on"),
+    "media/sealed": _module(
+        "base crypto medium media/parts",
+        "what seals a medium knows no medium: datagrams, crypto and parts",
+    ),
+    "media/inproc": _module("base medium media media/parts", _MEDIUM),
+    "media/shm": _module("base medium media media/parts", _MEDIUM),
+    "media/lcm": _module("base crypto medium media media/parts media/sealed", _MEDIUM),
+    "media/testing": _module(
+        "base medium media/parts media/layers", "a faulty line is a layer for tests"
+    ),
+    "description": _module("base qos access", "a description knows status, quality and base alone"),
+    "public": _module(_BELOW_SESSION, _BY_CONTRACT + _INWARDS),
+    "session/protocol": _module(
+        _BELOW_PROTOCOL + " public",
+        "packets know no generated types: what travels in calls is coded by generated code alone",
+    ),
+    "session/process": _module(_SESSION + " session/protocol", _BY_CONTRACT + _INWARDS),
+    "session/client": _module(
         _SESSION + " session/protocol session/process", _BY_CONTRACT + _INWARDS
     ),
-    "session/server": _room(
+    "session/server": _module(
         _SESSION + " session/protocol session/process session/client", _BY_CONTRACT + _INWARDS
     ),
-    "umbrella": _room("base public", "gecos.hpp gathers what programs use: base and public"),
-    "broker": _room(
+    "umbrella": _module("base public", "gecos.hpp gathers what programs use: base and public"),
+    "broker": _module(
         _BELOW_SESSION + " public umbrella generated-stubs",
         "the broker is an object like any other: public headers and generated code, no medium",
     ),
-    "frames": _room("base wire", "robcl/frames knows neither session nor generated code"),
-    "arm": _room("base wire frames", "robcl/arm knows no session, no generated code, no motion"),
-    "motion": _room("base wire frames arm", "robcl/motion knows no session and no generated code"),
-    "generated-types": _room(
+    "frames": _module("base wire", "robcl/frames knows neither session nor generated code"),
+    "arm": _module("base wire frames", "robcl/arm knows no session, no generated code, no motion"),
+    "motion": _module(
+        "base wire frames arm", "robcl/motion knows no session and no generated code"
+    ),
+    "generated-types": _module(
         "base wire frames", "generated types know the codec and hand-written values"
     ),
-    "generated-interfaces": _room(
-        "base qos access description", "descriptions of interfaces are tables below the session"
+    "generated-interfaces": _module(
+        "base wire qos access description generated-types",
+        "descriptions of interfaces and what calls take and give stand below the session",
     ),
-    "generated-stubs": _room(
+    "generated-stubs": _module(
         _BELOW_SESSION + " frames public",
         "generated clients and servers know public headers and types",
     ),
-    "devices/drivers": _room(
+    "devices/drivers": _module(
         "base frames arm", "a joint driver knows joints and hardware: no session, no generated code"
     ),
-    "devices/support": _room(
+    "devices/support": _module(
         _DEVICE, "what every device needs knows no device: no medium, no broker, no arm"
     ),
-    "devices/arm": _room(
+    "devices/arm": _module(
         _DEVICE + " arm motion devices/drivers devices/support",
         "the servants of all arms know drivers and support, and no exact arm",
     ),
-    "devices": _room(
+    "devices": _module(
         _DEVICE + " arm motion devices/drivers devices/support devices/arm",
         "a device is a generated skeleton, robcl and one piece of hardware: no medium, no broker",
     ),
-    "binding": _room(
+    "binding": _module(
         _BELOW_SESSION + " public umbrella broker",
         "the binding sits on public headers and broker, at the byte seam: no generated client",
     ),
@@ -132,7 +153,7 @@ ROOMS: dict[str, Room] = {
 
 @dataclass(frozen=True, slots=True)
 class Guest:
-    """A library, or a room, that only some files may include."""
+    """A library, or a module, that only some files may include."""
 
     header: re.Pattern[str]
     where: re.Pattern[str]
@@ -140,14 +161,14 @@ class Guest:
     rule: str
 
 
-INNER_ROOMS = Guest(
+INNER_MODULES = Guest(
     re.compile(r"^gecos/session/"),
     re.compile(r"^(runtime/cpp/gecos/session|tests/cpp/session|tests/fuzz|tests/stress)/"),
-    "an inner room of the session",
-    "the session and its tests know its rooms; all others include the public headers in gecos/",
+    "an inner module of the session",
+    "the session and its tests know its modules; all others include the public headers in gecos/",
 )
 GUESTS = (
-    INNER_ROOMS,
+    INNER_MODULES,
     Guest(
         re.compile(r"^gecos/session/client/"),
         re.compile(r"^(?!runtime/cpp/gecos/session/server/(?!(server|registrar)\.))"),
@@ -156,9 +177,9 @@ GUESTS = (
     ),
     Guest(
         re.compile(r"^lcm/"),
-        re.compile(r"^runtime/cpp/gecos/media/lcm\.cpp$"),
+        re.compile(r"^runtime/cpp/gecos/media/lcm/port\.cpp$"),
         "LCM",
-        "lcm.h appears in gecos/media/lcm.cpp alone",
+        "lcm.h appears in gecos/media/lcm/port.cpp alone",
     ),
     Guest(
         re.compile(r"^(kdl|kdl_parser|Eigen|eigen3|unsupported/Eigen|urdf\w*)/"),
@@ -192,7 +213,7 @@ GUESTS = (
     ),
 )
 
-PURE_ROOMS = ("wire", "qos", "access", "crypto")
+PURE_MODULES = ("wire", "qos", "access", "crypto")
 # A user's keys are files, and the one file that looks after them may do I/O.
 KEY_KEEPER = "runtime/cpp/gecos/crypto/key_directory.cpp"
 IMPURE_HEADER = re.compile(
@@ -203,22 +224,35 @@ IMPURE_CALL = re.compile(r"\b(?:\w*[cC]lock::now|clock_gettime|gettimeofday)\s*\
 PURE_RULE = "wire, qos, access and crypto do no I/O, own no thread and read no clock"
 
 
-def room_of_file(path: str) -> str | None:
-    """Room of a file of the tree."""
+# What travels in calls is stated in .gidl, and its codec and description are generated.
+CALLING_MODULES = ("session/process", "session/client", "session/server", "broker")
+CODED = re.compile(
+    r"\.(?:put|put_string|put_count|get_string|get_count)\(|\.get\([^)]|"
+    r"\b(?:get|put)_(?:block|sequence|optional|array|map)\(|\bdecode_enum\("
+)
+DESCRIBED = re.compile(r"(?<!const )\bOperationDescription(?: \w+)? ?[;{(=,]")
+BY_HAND_RULE = (
+    "calls, their results and the descriptions of operations are generated from idl/; packets are "
+    "coded in session/protocol"
+)
+
+
+def module_of_file(path: str) -> str | None:
+    """Module of a file of the tree."""
     if path.startswith(tuple(root + "/" for root in PROGRAMS)):
         return PROGRAM
     if path.startswith("runtime/python/src/"):
         return "binding"
     if path.startswith("devices/"):
-        return room_of_device(path.split("/")[1])
+        return module_of_device(path.split("/")[1])
     for root in ("runtime/cpp/", "generated/cpp/"):
         if path.startswith(root):
-            return room_of_header(path.removeprefix(root))
+            return module_of_header(path.removeprefix(root))
     return None
 
 
-def room_of_header(header: str) -> str | None:
-    """Room of a header as it is written in an include; None when it is not one of ours."""
+def module_of_header(header: str) -> str | None:
+    """Module of a header as it is written in an include; None when it is not one of ours."""
     if CONTRACT.match(header):
         return "medium"
     if DESCRIPTION.match(header):
@@ -232,12 +266,12 @@ def room_of_header(header: str) -> str | None:
         return hand_written[1] or hand_written[2]
     generated = GENERATED.match(header)
     if generated:
-        return GENERATED_ROOMS[generated[1]]
+        return GENERATED_MODULES[generated[1]]
     folder = header.split("/")[0]
-    return room_of_device(folder) if folder in DEVICE_FOLDERS else None
+    return module_of_device(folder) if folder in DEVICE_FOLDERS else None
 
 
-def room_of_device(folder: str) -> str:
+def module_of_device(folder: str) -> str:
     return f"devices/{folder}" if folder in SHARED_BY_DEVICES else "devices"
 
 
@@ -249,33 +283,54 @@ def files(tree: Path) -> Iterator[Path]:
 
 
 def violations(path: str, text: str) -> list[Violation]:
-    room = room_of_file(path)
-    if room is None:
+    module = module_of_file(path)
+    if module is None:
         return [
             Violation(
                 path,
                 1,
-                "this file stands in no room",
-                "every C++ file of runtime/ and devices/ belongs to a room of docs/architecture.md",
-                "move it into a room, or give its room a line in ROOMS of tools/layers_cpp.py",
+                "this file stands in no module",
+                "every C++ file of runtime/ and devices/ has a module in docs/architecture.md",
+                "move it into a module, or add its module to MODULES in tools/layers_cpp.py",
             )
         ]
     found: list[Violation] = []
     for number, line in enumerate(text.splitlines(), start=1):
         include = INCLUDE.match(line)
         if include:
-            found += _include(path, number, room, include[2])
-        elif room in PURE_ROOMS and IMPURE_CALL.search(line.split("//")[0]):
+            found += _include(path, number, module, include[2])
+        elif _by_hand(module, line.split("//")[0]):
             found.append(
                 Violation(
-                    path, number, f"{room} reads a clock", PURE_RULE, "take the time as an argument"
+                    path,
+                    number,
+                    f"{module} codes fields, or describes an operation, by hand",
+                    BY_HAND_RULE,
+                    "declare it in idl/gecos and use what gidl generates for its calls",
+                )
+            )
+        elif module in PURE_MODULES and IMPURE_CALL.search(line.split("//")[0]):
+            found.append(
+                Violation(
+                    path,
+                    number,
+                    f"{module} reads a clock",
+                    PURE_RULE,
+                    "take the time as an argument",
                 )
             )
     return found
 
 
-def _include(path: str, line: int, room: str, header: str) -> list[Violation]:
-    for guest in (INNER_ROOMS,) if room == PROGRAM else GUESTS:
+def _by_hand(module: str, code: str) -> bool:
+    """Whether a line codes what travels in a call, or describes an operation."""
+    if module in CALLING_MODULES and CODED.search(code):
+        return True
+    return module in (*CALLING_MODULES, "session/protocol") and bool(DESCRIBED.search(code))
+
+
+def _include(path: str, line: int, module: str, header: str) -> list[Violation]:
+    for guest in (INNER_MODULES,) if module == PROGRAM else GUESTS:
         if guest.header.match(header) and not guest.where.match(path):
             return [
                 Violation(
@@ -283,32 +338,32 @@ def _include(path: str, line: int, room: str, header: str) -> list[Violation]:
                     line,
                     f"<{header}>: {guest.name} has no place here",
                     guest.rule,
-                    "use what the room that owns it offers, or extend that room",
+                    "use what the module that owns it offers, or extend that module",
                 )
             ]
-    if room in PURE_ROOMS and path != KEY_KEEPER and IMPURE_HEADER.match(header):
+    if module in PURE_MODULES and path != KEY_KEEPER and IMPURE_HEADER.match(header):
         return [
             Violation(
                 path,
                 line,
-                f"<{header}> in {room}",
+                f"<{header}> in {module}",
                 PURE_RULE,
                 "let the caller do it and pass the result in",
             )
         ]
-    target = room_of_header(header)
-    if room == PROGRAM:
+    target = module_of_header(header)
+    if module == PROGRAM:
         return []
-    allowed = ROOMS[room].knows
-    if target is None or target == room or target in allowed:
+    allowed = MODULES[module].knows
+    if target is None or target == module or target in allowed:
         return []
     choice = ", ".join(sorted(allowed)) or "nothing of ours"
     return [
         Violation(
             path,
             line,
-            f'{room} includes "{header}" of {target}',
-            ROOMS[room].why,
-            f"it may include {choice}: pass in what it needs, or move the code to a room that may",
+            f'{module} includes "{header}" of {target}',
+            MODULES[module].why,
+            f"it may include {choice}: pass in what it needs, or move the code to one that may",
         )
     ]

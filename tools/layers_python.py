@@ -1,4 +1,4 @@
-"""Who may import whom in Python. The first row that matches a module says what it may import."""
+"""Allowed imports of Python. The first row that matches a module lists its allowed imports."""
 
 import ast
 import re
@@ -49,7 +49,7 @@ ROWS = (
     _row(
         _gidl(*_MODEL),
         _gidl(*_MODEL),
-        "the model is the meaning: it knows neither text nor targets",
+        "the model has the meaning of a file: it knows neither text nor targets",
     ),
     _row(
         _gidl(*_FOUNDATION),
@@ -95,6 +95,11 @@ ROWS = (
         r"gecos\.cli(\..*)?",
         r"typer(\..*)?|rich(\..*)?|gecos(\..*)?|gecos_idl\.\w+",
         "the command stands on gecos, with typer and rich",
+    ),
+    _row(
+        r"gecos\.reserved",
+        r"gecos(\..*)?|gecos_idl\.(?:object|\w+_types)(?:\..*)?",
+        "gecos.reserved calls what every object answers, through the generated proxy of that alone",
     ),
     _row(
         r"gecos(\..*)?",
@@ -169,7 +174,26 @@ def violations(path: str, text: str) -> list[Violation]:
             row.why,
             "pass in what it needs, or move the code to a module that may import it",
         )
+    if module.startswith("gecos.") and module != "gecos.interface":
+        for line in _described(path, text):
+            found[line, ""] = Violation(
+                path,
+                line,
+                f"{module} describes an operation by hand",
+                "descriptions of operations are generated from idl/",
+                "declare it in idl/gecos and call it through the generated proxy",
+            )
     return list(found.values())
+
+
+def _described(path: str, text: str) -> Iterator[int]:
+    """Lines that make an Operation of gecos.interface."""
+    for node in ast.walk(ast.parse(text, filename=path)):
+        if isinstance(node, ast.Call):
+            called = node.func.attr if isinstance(node.func, ast.Attribute) else node.func
+            name = called if isinstance(called, str) else getattr(called, "id", "")
+            if name == "Operation":
+                yield node.lineno
 
 
 def _allowed(row: Row, name: str) -> bool:

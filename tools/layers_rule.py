@@ -1,4 +1,4 @@
-"""What a broken rule looks like."""
+"""A violation of a layer rule, and its text."""
 
 from dataclasses import dataclass
 

@@ -1,8 +1,9 @@
-"""Runs every lane of `make test` in turn, and says at the end what each of them said last.
+"""Runs every lane of `make test`, and says at the end what each of them said last.
 
-A lane is one runner (ctest, pytest, mypy, …). All lanes run, whatever the others said; the exit
-status is 0 exactly when all of them passed. A lane that cannot run on this machine fails: nothing
-is skipped.
+A lane is one runner (ctest, pytest, mypy, …). Two lanes that talk over the network run at the same
+time where each may have a network of its own, all others in turn. All lanes run, whatever the
+others said; the exit status is 0 exactly when all of them passed. A lane that cannot run on this
+machine fails: nothing is skipped.
 """
 
 import argparse
@@ -13,12 +14,22 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 TREE = Path(__file__).resolve().parent.parent
 LONGEST_LANE = 15 * 60.0
+# A network of its own, in which multicast stays: `unshare -n` needs to be root.
+OWN_NETWORK = (
+    "unshare",
+    "-n",
+    "sh",
+    "-euc",
+    'ip link set lo up multicast on; ip route add 224.0.0.0/4 dev lo; exec "$@"',
+    "sh",
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,6 +39,7 @@ class Lane:
     name: str
     command: tuple[str, ...]
     closing: str
+    shares_network: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +52,10 @@ class Verdict:
 
 def all_lanes(build: str, jobs: int) -> list[Lane]:
     python = sys.executable
-    of_compiler = ("tests/gidl", "tests/generated", "tests/fuzz")
+    alone = ("tests/gidl", "tests/generated", "tests/fuzz", "tests/docs", "tests/tools")
+    of_compiler = (*alone, "tests/system/test_sdk.py")
+    of_systems = ("tests/system", "tests/stress")
+    of_python = (*alone, *of_systems)
     pytest_sum = r"^=+ .*(passed|failed|error|no tests).* =+$"
     return [
         Lane("host", (python, "tools/check_host.py"), r"^check_host: "),
@@ -50,25 +65,48 @@ def all_lanes(build: str, jobs: int) -> list[Lane]:
         Lane("gidl-lint", (python, "-m", "gidl", "lint"), r"^gidl: "),
         Lane("ruff", (python, "-m", "ruff", "check", "."), r"^(All checks passed|Found )"),
         Lane("clang-format", (python, "tools/check_format.py"), r"^check_format: "),
-        # What `make wheels` does, with what the build has compiled already.
+        # The steps of `make wheels`, with the files that the build has compiled already.
         Lane("wheels", ("tools/wheels.sh", "--of-build"), r"^wheels: "),
+        Lane(
+            "thread-safety",
+            (python, "tools/check_thread_safety.py", "--build", build),
+            r"^check_thread_safety: ",
+        ),
         Lane("mypy", (python, "-m", "mypy"), r"^(Success|Found )"),
         Lane(
             "ctest",
             ("ctest", "--test-dir", build, "--output-on-failure", "--no-tests=error", f"-j{jobs}"),
             r"^\d+% tests passed",
         ),
-        # Of the compiler, on all cores: nothing there is timed, and nobody meets at one place.
-        Lane("compiler", (python, "-m", "pytest", f"-n{jobs}", *of_compiler), pytest_sum),
+        # Tests that compile, on all cores: no test there is timed or shares a resource.
         Lane(
-            "pytest", (python, "-m", "pytest", *(f"--ignore={f}" for f in of_compiler)), pytest_sum
+            "compiler",
+            (python, "-m", "pytest", f"-n{jobs}", "--dist=worksteal", *of_compiler),
+            pytest_sum,
+        ),
+        Lane(
+            "pytest",
+            (python, "-m", "pytest", *(f"--ignore={f}" for f in of_python)),
+            pytest_sum,
+            shares_network=True,
+        ),
+        Lane(
+            "systems",
+            (python, "-m", "pytest", *of_systems, "--ignore=tests/system/test_sdk.py"),
+            pytest_sum,
+            shares_network=True,
         ),
     ]
 
 
-def run(lane: Lane, limit: float = LONGEST_LANE) -> Verdict:
-    """Runs `lane`, its output passed on as it comes; after `limit` seconds ends all of it."""
-    print(f"\n──── {lane.name}: {' '.join(lane.command)}", flush=True)
+def shown(text: str) -> None:
+    print(text, end="", flush=True)
+
+
+def run(lane: Lane, limit: float = LONGEST_LANE, show: Callable[[str], object] = shown) -> Verdict:
+    """Runs `lane`, its output passed to `show` as it comes; after `limit` seconds ends all of
+    it."""
+    show(f"\n──── {lane.name}: {' '.join(lane.command)}\n")
     started = time.monotonic()
     try:
         process = subprocess.Popen(
@@ -96,7 +134,7 @@ def run(lane: Lane, limit: float = LONGEST_LANE) -> Verdict:
     with process:
         assert process.stdout is not None
         for line in process.stdout:
-            print(line, end="", flush=True)
+            show(line)
             text = line.strip()
             last = text or last
             if re.search(lane.closing, text):
@@ -109,6 +147,38 @@ def run(lane: Lane, limit: float = LONGEST_LANE) -> Verdict:
     elif status < 0:
         closing = f"died of {signal.Signals(-status).name}"
     return Verdict(lane, status == 0, closing or last, time.monotonic() - started)
+
+
+def run_together(lanes: Sequence[Lane]) -> list[Verdict]:
+    """The output of the first is passed on as it comes, that of the others after its end."""
+    held: list[list[str]] = [[] for _ in lanes[1:]]
+    with ThreadPoolExecutor(len(lanes)) as threads:
+        others = [
+            threads.submit(run, lane, show=lines.append)
+            for lane, lines in zip(lanes[1:], held, strict=True)
+        ]
+        verdicts = [run(lanes[0])]
+        for other, lines in zip(others, held, strict=True):
+            verdicts.append(other.result())
+            shown("".join(lines))
+    return verdicts
+
+
+def has_own_networks() -> bool:
+    try:
+        return subprocess.run([*OWN_NETWORK, "true"], capture_output=True).returncode == 0
+    except OSError:
+        return False
+
+
+def in_steps(lanes: Sequence[Lane]) -> list[list[Lane]]:
+    """The lanes of a step run at the same time: those that share the network, where each of them
+    may have one of its own."""
+    sharing = [lane for lane in lanes if lane.shares_network]
+    if len(sharing) < 2 or not has_own_networks():
+        return [[lane] for lane in lanes]
+    apart = [replace(lane, command=(*OWN_NETWORK, *lane.command)) for lane in sharing]
+    return [*([lane] for lane in lanes if not lane.shares_network), apart]
 
 
 def summary(verdicts: Sequence[Verdict]) -> str:
@@ -136,7 +206,8 @@ def main() -> int:
         known = ", ".join(lane.name for lane in lanes)
         parser.error(f"no lane {', '.join(sorted(unknown))}; there are {known}")
     os.environ["GECOS_BUILD"] = asked.build  # where pytest finds the programs
-    verdicts = [run(lane) for lane in lanes if not asked.lanes or lane.name in asked.lanes]
+    wanted = [lane for lane in lanes if not asked.lanes or lane.name in asked.lanes]
+    verdicts = [verdict for step in in_steps(wanted) for verdict in run_together(step)]
     print("\n" + summary(verdicts), flush=True)
     return 0 if all(verdict.passed for verdict in verdicts) else 1
 

@@ -10,6 +10,7 @@ cd "$(dirname "$0")/.."
 
 # What runs inside, as the first process of its own namespaces, in the folder of the fresh system.
 inside() {
+  mount --bind "$1" "$1"  # a mount point, as the root of a system is: unshare(1) wants one
   cd "$1"
   shift
   mount -t proc proc proc

@@ -1,4 +1,4 @@
-"""Round trips of ours beside those of other libraries and of what nobody can beat, in one run.
+"""Round trips of this project, of other libraries and of lower limits, in one run.
 
 Prints a table of each setting, and at the end what is promised, met or missed. A peer whose
 programs are not there is named, the rest is measured, and the exit status is 3 unless --without
@@ -30,7 +30,7 @@ MISSING = 3
 
 @contextlib.contextmanager
 def own_laboratory(build: Path) -> Iterator[dict[str, str]]:
-    """The environment of programs that meet nobody else's, and find what was built."""
+    """The environment of programs: a folder of their own to meet in, and the built libraries."""
     # Not below a long path: the name of a Unix socket has at most 107 characters.
     with tempfile.TemporaryDirectory(prefix="bench-peers-") as room:
         env = {name: value for name, value in os.environ.items() if name != "GECOS_BROKER"}

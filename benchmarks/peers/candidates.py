@@ -13,7 +13,7 @@ HERE = Path(__file__).resolve().parent
 
 @dataclass(frozen=True, slots=True)
 class Candidates:
-    """Everybody, by the name that the tables print."""
+    """All candidates, by the names in the tables."""
 
     spin: Candidate
     yielding: Candidate

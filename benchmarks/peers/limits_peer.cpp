@@ -1,4 +1,4 @@
-// What a ring, a socket and LCM do with nothing of ours around them:
+// Round trips over a plain ring, a socket and LCM, without this project:
 //   spin     ring in shared memory that never gives its core away
 //   yield    the same, giving it away after every look, and asleep on a futex after 50 µs of that
 //   futex    the same, asleep on a futex at once
@@ -124,7 +124,7 @@ class RingClient final : public PipeliningClient {
 
 // Socket
 
-/// Never in the file system: an abstract name, gone with its server.
+/// The socket has an abstract name outside the file system, which disappears with its server.
 std::pair<sockaddr_un, socklen_t> abstract(const std::string& name) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;

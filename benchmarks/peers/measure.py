@@ -22,7 +22,7 @@ class Pace:
     """How much is measured."""
 
     rounds: int
-    seconds: float  # of every line in every round
+    seconds: float  # measured for each line in each round
     rests: int  # calls after a second of silence, in every round
 
 
@@ -49,7 +49,7 @@ class Measured:
 @dataclass(frozen=True, slots=True)
 class Verdict:
     bar: Bar
-    ratios: list[float]  # of the rounds; empty when there was nobody to compare with
+    ratios: list[float]  # one for each round; empty without another candidate
     met: bool
 
 
@@ -65,7 +65,7 @@ class Run:
 
 
 TRIES = 3
-"""So often a line is measured in a round before it counts as broken."""
+"""Attempts to measure a candidate in a round before it counts as failed."""
 
 
 def run(setting: Setting, there: tuple[Line, ...], pace: Pace, env: dict[str, str]) -> Run:
@@ -141,7 +141,7 @@ def _once(
 
 
 def _share(client: Process, server: Process, late: float, seconds: float) -> Measured:
-    """What a client takes whose answers come `late`, or a server whose client says nothing."""
+    """Processor share of a client whose replies come `late`, or of a server with an idle client."""
     if late:
         _ask(client, f"late {late} {seconds}")  # it learns how long it waits
     else:
@@ -166,7 +166,7 @@ def _trips(answer: list[float], seconds: float = 0.0) -> Measured:
 
 
 def judge(bar: Bar, measured: Rounds) -> Verdict:
-    """Of every round ours beside the best of the others in it."""
+    """For each round, our figure divided by the best of the others in that round."""
     others = [measured[label] for label in bar.others if label in measured]
     if bar.others and not others:
         return Verdict(bar, [], False)

@@ -24,7 +24,7 @@ class Broken(RuntimeError):
 
 @dataclass(frozen=True, slots=True)
 class Candidate:
-    """What is measured. `peer` is whose programs it needs, "" for ours and the limits."""
+    """One measured pair of programs. `peer` is the library that it needs, "" for none."""
 
     name: str
     peer: str
@@ -82,7 +82,9 @@ class Process:
 
     def say(self, question: str) -> None:
         assert self._process.stdin is not None
-        with contextlib.suppress(BrokenPipeError):  # who reads the answer learns why it ended
+        with contextlib.suppress(
+            BrokenPipeError
+        ):  # the reader of the answer reports why the program ended
             self._process.stdin.write(question.encode() + b"\n")
             self._process.stdin.flush()
 
@@ -121,7 +123,7 @@ class Process:
 
 
 class Pair:
-    """A server, and clients of it. What began last ends first."""
+    """A server and its clients. The program that was started last ends first."""
 
     def __init__(self, candidate: Candidate, core: int, env: dict[str, str]) -> None:
         self._candidate = candidate

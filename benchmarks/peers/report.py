@@ -1,4 +1,4 @@
-"""What was measured, as the tables in Markdown that README.md has."""
+"""Writes the measurements as the Markdown tables of README.md."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is measured beside what, and what is promised of it."""
+"""The comparisons of `make bench-peers` and the bars that have to be met."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Figure(enum.Enum):
 
 
 MOST_ROUNDS = 8 / 9
-"""In so large a part of the rounds a bar holds that is judged round by round."""
+"""Share of the rounds in which a bar must be met that is judged round by round."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +67,7 @@ class Setting:
     bars: tuple[Bar, ...]
     one_core: bool = False
     loops: Loops | None = None
-    figure: Figure = Figure.P50  # of its table
+    figure: Figure = Figure.P50  # the column of the table that is compared
     silent: bool = False  # a second of rest before each call
     outstanding: int = 0
 

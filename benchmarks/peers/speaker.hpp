@@ -22,7 +22,7 @@ namespace peers {
 using Clock = std::chrono::steady_clock;
 using Seconds = std::chrono::duration<double>;
 
-/// What all of them carry there and back: 64 bytes.
+/// The payload of every call and reply: 64 bytes.
 struct Sample {
   double stamp = 0;
   std::array<double, 7> axis{};
@@ -51,7 +51,7 @@ class PipeliningClient : public Client {
   virtual Sample collect() = 0;
 };
 
-/// For peers whose calls can only wait: as many threads as calls outstanding.
+/// A speaker for peers whose calls block: as many threads as outstanding calls.
 std::uint64_t calls_of_threads(Clock::time_point end, unsigned threads,
                                const std::function<void()>& call);
 

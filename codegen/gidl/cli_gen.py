@@ -202,7 +202,7 @@ def _told(
 
 
 def _say(chosen: argparse.Namespace, text: str) -> None:
-    """To people: beside a report for machines it goes to stderr."""
+    """Prints a line for people; it goes to stderr when stdout has a report for machines."""
     (sys.stdout if chosen.error_format == "text" else sys.stderr).write(text)
 
 

@@ -1,4 +1,4 @@
-"""What several verbs of the command line share: their files, what was found, exit statuses."""
+"""Shared parts of the subcommands: their files, their findings, their exit statuses."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ from gidl.model import Location
 from gidl.source import Source, Span
 
 MAX_FINDINGS = 100  # printed; a file that is not .gidl at all does not need more
-_MAX_WIDTH = 140  # of a quoted source line
+_MAX_WIDTH = 140  # characters of a quoted source line
 
 
 class Severity(Enum):
@@ -35,7 +35,7 @@ class Finding:
     severity: Severity
     message: str
     location: Location | None  # None: about no line of a source
-    length: int = 0  # of what is underlined; 0: the word at the location
+    length: int = 0  # characters to underline; 0: the word at the location
     help: tuple[str, ...] = ()
     notes: tuple[Note, ...] = ()
     shown: str | None = None  # file, where there is no location
@@ -50,7 +50,7 @@ def _key(finding: Finding) -> _Key:
 
 @dataclass(slots=True)
 class Findings:
-    """What was found so far. A place gets each code once, so one mistake is one finding."""
+    """All findings so far. A location gets each code once, so one mistake is one finding."""
 
     found: list[Finding] = field(default_factory=list)
     _seen: set[_Key] = field(default_factory=set)

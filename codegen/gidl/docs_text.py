@@ -87,7 +87,7 @@ def _joined(blocks: list[str]) -> str:
 
 
 def _clean(comment: str) -> str:
-    """Without marks, common indentation and leading stars."""
+    """The comment without marks, common indentation and leading stars."""
     if comment.startswith("//"):
         text = _AFTER.sub("", comment, count=1)
         return text.removeprefix(" ").rstrip()

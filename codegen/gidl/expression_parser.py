@@ -178,7 +178,7 @@ def _integer(text: str) -> int:
 
 
 def _escape(rest: str) -> tuple[str | None, int]:
-    """What the escape at the start of `rest` (behind the backslash) stands for, and its width."""
+    """Value and width of the escape at the start of `rest`, which follows the backslash."""
     if not rest:
         return None, 0
     if rest[0] in _ESCAPES:

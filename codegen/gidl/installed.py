@@ -14,7 +14,7 @@ GROUP = "gidl.interfaces"
 
 
 def installed_folders() -> tuple[Path, ...]:
-    """In the order of the entry points' names; an entry point without its folder is passed over."""
+    """Folders in the order of the entry points' names; an entry without its folder is skipped."""
     found: list[Path] = []
     for point in sorted(entry_points(group=GROUP), key=lambda point: point.name):
         try:

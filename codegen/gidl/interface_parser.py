@@ -155,7 +155,7 @@ class InterfaceParser(StructParser):
             self._syntax_error(
                 "'in', 'out' or 'inout'",
                 "before a parameter",
-                "write 'in' for what the caller gives",
+                "write 'in' for a value from the caller",
             )
             direction = "in"
         else:

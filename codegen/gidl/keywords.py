@@ -38,7 +38,7 @@ UNUSED = words(
     """
 )
 
-# Words of C++ and Python; each target puts an underscore behind those that it cannot write.
+# Words of C++ and Python; each target puts an underscore after those that it cannot write.
 CPP = words(
     """
     alignas alignof and and_eq asm auto bitand bitor bool break case catch char char8_t char16_t

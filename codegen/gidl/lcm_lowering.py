@@ -119,7 +119,7 @@ class Lowering:
         self._lower_all()
 
     def struct(self, scoped_name: str) -> LcmStruct:
-        """Of a struct, exception, union, enum, bitmask or bitset."""
+        """The LCM type of a struct, exception, union, enum, bitmask or bitset."""
         return self._structs[self._full_names[scoped_name]]
 
     def by_full_name(self, full_name: str) -> LcmStruct:

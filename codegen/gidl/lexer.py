@@ -115,7 +115,7 @@ class _Lexer:
         text = self._source.text
         starts = [comment.start for comment in self._lexed.comments]
         warned = False
-        line_end = 0  # of the last line that was reported
+        line_end = 0  # end of the last line that was reported
         for at in self._source.foreign:
             index = bisect_right(starts, at) - 1
             if index >= 0 and at < self._lexed.comments[index].end:

@@ -348,7 +348,7 @@ def _checked(data: bytes, shown: str, findings: Findings) -> bytes | None:
 
 
 def absolute(place: Path) -> Path:
-    """From the root, without "..": names of one folder compare alike however they were written."""
+    """The absolute path without "..", so that different spellings of a folder compare equal."""
     return Path(os.path.abspath(place))  # noqa: PTH100 (resolve() follows links)
 
 

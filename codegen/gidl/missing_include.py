@@ -1,4 +1,4 @@
-"""Looks in the search folders for what a file uses and nobody in the run has declared."""
+"""Looks in the search folders for declarations that a file uses and that no file declares."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def _homes(folders: Sequence[Path]) -> dict[str, str]:
                     continue
                 text = place.read_text(encoding="utf-8", errors="replace")
             except OSError:
-                continue  # whoever includes it is told
+                continue  # the file that includes it gets the finding
             path = place.relative_to(folder).as_posix()
             for line in text.splitlines():
                 for of_its_own, alias in _DECLARED.findall(line[:_LONGEST_LINE]):

@@ -117,6 +117,9 @@ class Primitive(Enum):
         return -(1 << (bits - 1)), (1 << (bits - 1)) - 1
 
 
+BUILT_IN = "gecos::GecosObject"
+"""The interface that every object has besides its own."""
+
 _PRIMITIVE_SIZE = {
     "boolean": 1, "octet": 1, "char": 1, "int8": 1, "uint8": 1, "int16": 2, "uint16": 2,
     "int32": 4, "uint32": 4, "int64": 8, "uint64": 8, "float": 4, "double": 8,
@@ -137,7 +140,7 @@ class StringType:
 class SequenceType:
     element: Type
     bound: int | None = None
-    unit: str | None = None  # of the elements, where the sequence itself is annotated
+    unit: str | None = None  # unit of the elements, when the sequence is annotated
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,7 +172,7 @@ Type = PrimitiveType | StringType | SequenceType | MapType | ArrayType | NamedTy
 
 @dataclass(frozen=True, slots=True)
 class Facts:
-    """What every declaration may carry besides its meaning."""
+    """Facts of every declaration: documentation, annotations, locations."""
 
     location: Location = field(compare=False)
     doc: str = ""  # text of the author's comment without comment marks; lines joined by "\n"
@@ -177,9 +180,9 @@ class Facts:
     since: str | None = None
     deprecated: str | None = None  # the reason; "" when none is given
     hash_as: str | None = None  # name used for codes and hashes instead of the present one
-    annotations: tuple[Annotation, ...] = ()  # those without a meaning here, kept
+    annotations: tuple[Annotation, ...] = ()  # unknown annotations, kept
     written: tuple[tuple[str, Location], ...] = field(default=(), compare=False)
-    """Those with a meaning, and arguments of theirs: "qos", "qos.depth"."""
+    """Locations of annotations with a meaning and of their arguments: "qos", "qos.depth"."""
 
     def place_of(self, *annotations: str) -> Location:
         """Where one of these annotations stands, else where the name is declared."""
@@ -249,7 +252,7 @@ class Struct(Declaration):
 
 @dataclass(frozen=True, slots=True)
 class ExceptionStruct(Struct):
-    """What an operation may raise: a struct in every respect, never used as a value."""
+    """An exception that an operation may raise: a struct that is never used as a value."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -267,7 +270,7 @@ class EnumDeclaration(Declaration):
 
     @property
     def initial(self) -> Enumerator:
-        """Value of a member nobody has set: the default literal, else the first."""
+        """Value of an unset member: the default literal, else the first."""
         for enumerator in self.enumerators:
             if enumerator.name == self.default_literal:
                 return enumerator
@@ -383,7 +386,7 @@ class Operation:
     needs_presence: bool = True  # False for sensor operations and @presence(FALSE)
     idempotent: bool = False
     cancelable: bool = False
-    feedback: NamedType | None = None  # of a cancelable operation; None when untyped
+    feedback: NamedType | None = None  # for a cancelable operation; None when untyped
     on_new: OnNew = OnNew.QUEUE
     parallel: bool = False
     ordered: bool = False
@@ -586,10 +589,10 @@ class Model:
         assert isinstance(base, Bitset)
         return self.all_fields(base) + bitset.fields
 
-    def lineage(self, interface: Interface) -> tuple[Interface, ...]:
+    def with_bases(self, interface: Interface) -> tuple[Interface, ...]:
         """All bases, most general first, then the interface itself."""
         return (*(self.interface(name) for name in interface.all_bases), interface)
 
     def all_interface_members(self, interface: Interface) -> tuple[Operation | Attribute, ...]:
-        """What an object of this interface answers: inherited members first."""
-        return tuple(m for i in self.lineage(interface) for m in i.members)
+        """All members of an object of this interface, inherited ones first."""
+        return tuple(m for i in self.with_bases(interface) for m in i.members)

@@ -58,7 +58,7 @@ def file_text(model: Model, layout: Layout, file: File) -> str:
 
 
 def model_text(model: Model, layout: Layout, whole: bool = False) -> str:
-    """What `gidl dump` prints: the files asked for, or with `whole` all that were read."""
+    """The output of `gidl dump`: the files asked for, or with `whole` all that were read."""
     dumper = _Dumper(model, layout)
     files = [dumper.file(f) for f in model.files if whole or f.asked_for]
     return json.dumps({"files": files}, indent=1, ensure_ascii=False) + "\n"
@@ -294,7 +294,7 @@ def type_text(used: Type) -> str:
 
 
 def _said(**entries: object) -> Json:
-    """Without what is unsaid: None, and empty texts and lists."""
+    """The entries that have a value; None and empty texts and lists are left out."""
     return {k: v for k, v in entries.items() if v is not None and v != "" and v != []}
 
 

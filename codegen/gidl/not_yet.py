@@ -53,7 +53,7 @@ class Term:
 
     @property
     def written(self) -> str:
-        """As facts name it."""
+        """The name of the declaration in its facts."""
         named = self.argument and not self.argument.startswith('"')
         return f"{self.annotation}.{self.argument}" if named else self.annotation
 

@@ -175,7 +175,7 @@ def _naming(file: Path) -> Iterator[None]:
 
 
 def _mode(file: Path) -> int:
-    """What the file's permissions are, or those that a new file gets."""
+    """The permissions of the file, or those of a new file."""
     with suppress(OSError):
         return file.stat().st_mode & 0o7777
     mask = os.umask(0o022)

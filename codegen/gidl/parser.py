@@ -38,7 +38,7 @@ _REFUSED = {
     "home": ("G0210", "components are", "use an interface"),
     "eventtype": ("G0210", "components are", "use an @event operation"),
     "connector": ("G0210", "components are", "use an interface"),
-    "alias": ("G0215", "template modules are", "declare what the template stands for"),
+    "alias": ("G0215", "template modules are", "declare the type that the template expands to"),
     "porttype": ("G0210", "components are", "use an interface"),
     "custom": ("G0202", "'valuetype' is", "use a struct"),
 }
@@ -105,7 +105,8 @@ class Parser(InterfaceParser):
                 "G0502",
                 self._span(tokens[0]),
                 "this //@ comment annotates nothing",
-                "it stands behind the ';' or ',' of what it annotates, or alone on the line before",
+                "put it after the ';' or ',' of the annotated declaration, or alone on the line "
+                "before",
             )
         return tree
 
@@ -299,7 +300,7 @@ class Parser(InterfaceParser):
     # -- documentation and annotations around declarations --------------------------------------
 
     def _extras(self) -> Extras:
-        """What stands before a declaration."""
+        """Parses documentation and annotations before a declaration."""
         first = self._now
         doc = self._docs.before(self._previous.end, first.start)
         annotations = self._annotations()
@@ -308,7 +309,7 @@ class Parser(InterfaceParser):
         return Extras(annotations, doc)
 
     def _opened(self, extras: Extras) -> None:
-        """`//@` comments behind the `{` that is next belong to what it opens."""
+        """`//@` comments after the `{` that is next belong to what it opens."""
         if self._is("{"):
             self._take_trailing(extras, self._now)
 

@@ -1,4 +1,4 @@
-"""What a caller needs and what the line must promise: access, quality, streams.
+"""Access, quality and streams: the needs of a caller and the promises of a connection.
 
 Durations are whole nanoseconds, rates are hertz. `None` means "not said".
 """
@@ -18,7 +18,7 @@ class Access(IntEnum):
 
 
 class OnNew(Enum):
-    """What an actor operation does when an actor command of its object is running."""
+    """The behaviour of an actor operation when an actor command of its object is running."""
 
     QUEUE = "queue"
     REJECT = "reject"
@@ -27,7 +27,7 @@ class OnNew(Enum):
 
 
 class OnLoss(Enum):
-    """What happens to a running actor operation whose holder is lost."""
+    """The behaviour of a running actor operation when its holder is lost."""
 
     STOP = "stop"
     FINISH = "finish"
@@ -52,7 +52,7 @@ class Liveliness(IntEnum):
 
 
 class StreamDirection(Enum):
-    """As the server sees it: OUT is published by the server, IN is accepted by it."""
+    """Direction as seen by the server: it publishes OUT and accepts IN."""
 
     OUT = "out"
     IN = "in"
@@ -73,7 +73,7 @@ class Qos:
     media: tuple[str, ...] | None = None
 
     def over(self, outer: Qos) -> Qos:
-        """These terms where they are said, those of `outer` elsewhere."""
+        """The quality with each unset term taken from `outer`."""
         merged = {}
         for field in fields(self):
             own = getattr(self, field.name)

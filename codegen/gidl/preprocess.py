@@ -186,7 +186,7 @@ class _Preprocessor:
                 "G0211",
                 self._span(token),
                 f"macro '{name}' has parameters: these are not part of .gidl",
-                "write out what it stands for, or use a constant",
+                "write out its expansion, or use a constant",
             )
             return
         quiet = Findings()

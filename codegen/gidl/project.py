@@ -22,7 +22,7 @@ _AT = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\)\Z")
 
 @dataclass(frozen=True, slots=True)
 class Project:
-    """What holds where the command line is silent. Folders are as seen from the current one."""
+    """Defaults of the command line. Folders are relative to the current one."""
 
     file: Path | None = None
     roots: tuple[Path, ...] = (Path("idl"),)
@@ -46,7 +46,7 @@ def find(start: Path) -> Path | None:
 
 
 def read(file: Path, findings: Findings, sources: dict[str, Source]) -> Project:
-    """What the file says. What is wrong is found, with its line."""
+    """The contents of the file. Each mistake becomes a finding with its line."""
     shown = file.as_posix()
     try:
         text = file.read_bytes().decode("utf-8")

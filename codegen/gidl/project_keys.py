@@ -18,7 +18,7 @@ _Check = Callable[[object, Path], str]  # what is wrong, or ""
 
 
 def wrong_with(keys: tuple[str, ...], value: object, folder: Path) -> tuple[str, str] | None:
-    """What is wrong with a value, and what to write; folders begin in `folder`. None where it is
+    """The mistake of a value and the correction; folders begin in `folder`. None where it is
     right. `keys` is ("roots",) or ("outputs", "cpp")."""
     written = ".".join(keys)
     if written not in _KEYS:

@@ -67,7 +67,7 @@ def _shown(file: str, sources: Mapping[str, Source]) -> str:
 
 
 def _uri(shown: str) -> str:
-    """A path as a relative reference; what is not allowed in one is written with %."""
+    """A path as a relative reference; characters that it may not have are written with %."""
     from urllib.parse import quote
 
     prefix = "./" if ":" in shown.split("/")[0] else ""

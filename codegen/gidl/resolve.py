@@ -199,7 +199,7 @@ class Resolver(InterfaceResolver):
             self._names.visible.add(symbol.file)
 
     def _anywhere(self, name: ScopedName, scope: Scope) -> list[Symbol]:
-        """What the name means, whether its file is included or not."""
+        """The declaration of a name, even when its file is not included."""
         visible = self._names.visible
         self._names.visible = visible | _files_of_scope(self._names.top)
         try:

@@ -104,7 +104,7 @@ class InterfaceResolver(TypeResolver):
         )
 
     def _few_enough(self, syntax: InterfaceSyntax, name: str, bases: list[str]) -> list[str]:
-        """`bases`, or none where there are too many. What derives from that is not told again."""
+        """`bases`, or none where there are too many. Derived interfaces get no finding for that."""
         if not self._cut_off.isdisjoint(bases):
             self._cut_off.add(name)
             return []

@@ -159,7 +159,7 @@ class TypeResolver(ValueResolver):
 
     def _behind(self, name: ScopedName, typedef: Symbol, scope: Scope, kinds: frozenset[str],
                 what: str) -> Symbol | None:  # fmt: skip
-        """What a typedef is another name of."""
+        """The type that a typedef names."""
         target = self._target(NamedType(typedef.scoped))
         symbol = self._names.declared(target.name) if isinstance(target, NamedType) else None
         if symbol is None or symbol.kind not in kinds:
@@ -289,7 +289,7 @@ class TypeResolver(ValueResolver):
         return both_ranges
 
     def _bounded(self, used: Type) -> tuple[Type, Range | None]:
-        """What a range speaks of (the number inside arrays and sequences), and the range that the
+        """The limited type (the number inside arrays and sequences), and the range that the
         typedefs on the way give it."""
         inherited = self._from_typedef(used)[1]
         target = self._target(used)
@@ -482,7 +482,7 @@ class TypeResolver(ValueResolver):
         self._keep(symbol, Bitset(inside.name, facts, tuple(fields), base, position))
 
     def _bitfield_type(self, field: BitfieldSyntax, width: int) -> PrimitiveType:
-        """As written, else the smallest unsigned integer that holds it."""
+        """The written type, else the smallest unsigned integer that holds the value."""
         if isinstance(field.type, BasicType):
             kind = Primitive(field.type.name)
             if not (kind.is_integer or kind is Primitive.BOOLEAN):

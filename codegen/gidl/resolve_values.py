@@ -67,7 +67,7 @@ class Marks:
         return self._applied.get(name)
 
     def flag(self, name: str) -> bool:
-        """Of @a and @a(TRUE) true, of @a(FALSE) and nothing false."""
+        """True for @a and @a(TRUE), false for @a(FALSE) and for a missing annotation."""
         applied = self._applied.get(name)
         return applied is not None and applied.arguments.get("value", True) is True
 
@@ -438,7 +438,7 @@ class ValueResolver(ABC):
     def _apply_unknown(
         self, use: AnnotationUse, name: str, scope: Scope
     ) -> tuple[Applied, bool] | None:
-        """Keeps what can be computed of an annotation nobody declared."""
+        """Keeps the arguments of an undeclared annotation that can be computed."""
         arguments: dict[str, Value] = {}
         for argument, expression in use.arguments:
             value = compute(expression, lambda n: None, Findings())

@@ -49,9 +49,9 @@ class Symbol:
     file: str
     completed_in: str = ""  # file that declares it; "": only declared forward so far
     scope: Scope | None = None  # what it contains
-    type: Type | None = None  # of a constant
-    value: Value | None = None  # of a constant, enumerator or flag
-    meanings: tuple[Symbol, ...] = ()  # of kind "ambiguous": what several bases declare
+    type: Type | None = None  # type of a constant
+    value: Value | None = None  # value of a constant, enumerator or flag
+    meanings: tuple[Symbol, ...] = ()  # for kind "ambiguous": the declarations of the bases
 
 
 @dataclass(slots=True, eq=False)
@@ -61,13 +61,13 @@ class Scope:
     parent: Scope | None = None
     symbols: dict[str, Symbol] = field(default_factory=dict)  # by lower-case name
     uses: dict[str, tuple[str, Span]] = field(default_factory=dict)  # names of types used here
-    bases: list[Scope] = field(default_factory=list)  # of an interface
+    bases: list[Scope] = field(default_factory=list)  # bases of an interface
 
     def qualified(self, simple: str) -> str:
         return f"{self.name}::{simple}" if self.name else simple
 
     def chain(self) -> Iterator[Scope]:
-        """From here outward."""
+        """This scope and the enclosing ones, innermost first."""
         scope: Scope | None = self
         while scope is not None:
             yield scope
@@ -171,12 +171,12 @@ class Names:
     # -- looking up ----------------------------------------------------------------------------
 
     def look_up(self, name: ScopedName, scope: Scope) -> Symbol | None:
-        """What `name` means in `scope`; None where it means nothing (no finding)."""
+        """The symbol of `name` in `scope`; None where there is none (no finding)."""
         path = self.path(name, scope)
         return path[-1] if path else None
 
     def path(self, name: ScopedName, scope: Scope) -> list[Symbol]:
-        """What each part of `name` means in `scope`; empty where one means nothing (no finding).
+        """The symbol of each part of `name` in `scope`; empty where a part has none (no finding).
         A part that is broken or ambiguous ends it."""
         symbol = self._first(name, scope)
         path: list[Symbol] = []
@@ -202,7 +202,7 @@ class Names:
         return None
 
     def declared(self, scoped: str) -> Symbol | None:
-        """By its scoped name, whether its file is included or not."""
+        """Finds a symbol by its scoped name, even when its file is not included."""
         scope: Scope | None = self.top
         symbol = None
         for part in scoped.split("::"):
@@ -229,7 +229,7 @@ class Names:
                 return
 
     def hidden(self, name: ScopedName, scope: Scope, kinds: frozenset[str]) -> Symbol | None:
-        """What `name` would mean further out, were it not for something nearer of another kind."""
+        """The symbol of `name` in an outer scope that a nearer one of another kind hides."""
         for outer in scope.chain():
             symbol = self._in(outer, name.parts[0])
             if len(name.parts) == 1 and symbol is not None and symbol.kind in kinds:
@@ -247,7 +247,7 @@ class Names:
         return Symbol(one.name, one.scoped, "ambiguous", one.span, one.file, meanings=tuple(found))
 
     def _inherited(self, scope: Scope, key: str, seen: set[str]) -> Iterator[Symbol]:
-        """What the bases declare, each base once; a declaration hides those of its own bases."""
+        """Declarations of the bases, each base once; a declaration hides those of its own bases."""
         for base in scope.bases:
             if base.name in seen:
                 continue

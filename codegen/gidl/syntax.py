@@ -138,7 +138,7 @@ class Declarator:
 
 @dataclass(slots=True)
 class Extras:
-    """What stands around a declaration: annotations and documentation."""
+    """The annotations and the documentation of a declaration."""
 
     annotations: list[AnnotationUse] = field(default_factory=list)
     doc: str = ""

@@ -1,4 +1,4 @@
-"""What every rule of the parser stands on: looking ahead, expecting, reporting, recovering."""
+"""Base of the parser's rules: looking ahead, expecting, reporting, recovering."""
 
 from __future__ import annotations
 
@@ -196,7 +196,7 @@ class TokenReader:
     # -- recovery ------------------------------------------------------------------------------
 
     def _skip_statement(self) -> None:
-        """To behind the next `;`, or before the `}` that closes the body around."""
+        """Skips the next `;`, or stops before the `}` that closes the enclosing body."""
         depth = 0
         while self._now.kind != "eof":
             text = self._now.text if self._now.kind == "op" else ""

@@ -1,10 +1,14 @@
-"""What every type, constant and interface is called in the output of one language.
+"""Names of types, constants and interfaces in the output of one language.
 
 A declaration keeps its simple name wherever it can. A type inside an interface or another type is
 called after both (`Manipulator_Mode`), because classes cannot be reopened. A word of the language
 gets an underscore at its end (`escaped`). What an interface brings along besides, its servant and
-the results of operations that give several values, is named here too: nothing in a scope has the
-name of something else.
+the structs of what operations take and give, is named here too: nothing in a scope has the name of
+something else.
+
+Operations that give several values have a struct for them. The operations of the runtime's own
+interfaces have one for their arguments and one for their result, because the session, which calls
+and answers them, stands below proxies and servants.
 
 The names of a file depend on what it includes and on nothing else that is compiled in the same
 run, so a declaration is called the same everywhere.
@@ -35,14 +39,14 @@ def escaped(name: str, reserved: Collection[str]) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Language:
-    """What a language does not let declarations be called."""
+    """Names that a language does not allow for declarations."""
 
     type_words: frozenset[str]  # types and constants
     module_words: frozenset[str]  # modules at the top
     inner_module_words: frozenset[str]  # modules in modules
     file_is_scope: bool  # names of modules vanish, and a file is one scope
     root_words: frozenset[str] = frozenset()  # whatever stands at the top, besides
-    own_module: str = ""  # of the runtime: of our interfaces, which stand in a folder called so
+    own_module: str = ""  # module of the runtime, and folder of the interfaces in this project
     # Names of a declaration's members, where none may be that of the type.
     members: Callable[[Model, AnyDeclaration], set[str]] = lambda _model, _declaration: set()
 
@@ -62,6 +66,7 @@ class TypeNames:
     types: dict[str, TypeName] = field(default_factory=dict)
     servants: dict[str, TypeName] = field(default_factory=dict)  # by interface
     descriptions: dict[str, TypeName] = field(default_factory=dict)  # by interface, where classes
+    arguments: dict[str, TypeName] = field(default_factory=dict)  # by operation
     results: dict[str, TypeName] = field(default_factory=dict)  # by operation
 
 
@@ -117,10 +122,15 @@ class _Naming:
         if not self._language.file_is_scope:
             described = _fresh(own.scope, f"{own.name}Interface", taken, inside)
             self.names.descriptions[interface.name] = described
+        in_structs = self._is_own(interface)
         for operation in interface.operations:
-            if len(operation.outputs) + (operation.result is not None) > 1:
-                wanted = f"{own.name}_{operation.name}_result"
-                self.names.results[operation.scoped_name] = _fresh(own.scope, wanted, taken)
+            wanted = f"{own.name}_{operation.name}"
+            name = operation.scoped_name
+            if in_structs and operation.inputs:
+                self.names.arguments[name] = _fresh(own.scope, f"{wanted}_arguments", taken)
+            given = len(operation.outputs) + (operation.result is not None)
+            if given > 1 or (in_structs and given == 1):
+                self.names.results[name] = _fresh(own.scope, f"{wanted}_result", taken)
 
     def _scope(self, declaration: AnyDeclaration) -> tuple[str, ...]:
         if self._language.file_is_scope:
@@ -130,20 +140,24 @@ class _Naming:
         return first + tuple(escaped(m, self._language.inner_module_words) for m in modules[1:])
 
     def _top_module(self, declaration: AnyDeclaration, name: str) -> str:
-        own = self._language.own_module
-        if name == own and not self._model.file_of(declaration.name).startswith(f"{own}/"):
+        if name == self._language.own_module and not self._is_own(declaration):
             return f"{name}_"
         return escaped(name, self._top_modules)
 
+    def _is_own(self, declaration: AnyDeclaration) -> bool:
+        """Whether it is the runtime's, in a language that tells those apart."""
+        own = self._language.own_module
+        return bool(own) and self._model.file_of(declaration.name).startswith(f"{own}/")
+
     def _modules(self, declaration: AnyDeclaration) -> list[str]:
-        """Modules around a declaration. What else is around it becomes part of its name."""
+        """Modules around a declaration. Other scopes around it become part of its name."""
         modules = declaration.name.split("::")[:-1]
         while modules and self._model.has("::".join(modules)):
             modules.pop()
         return modules
 
     def _parts(self, declaration: AnyDeclaration) -> list[str]:
-        """What its name is made of: ["Manipulator", "Mode"]."""
+        """The parts of its name: ["Manipulator", "Mode"]."""
         return declaration.name.split("::")[len(self._modules(declaration)) :]
 
     def _wanted(self, declaration: AnyDeclaration, joined: dict[str, str]) -> str:

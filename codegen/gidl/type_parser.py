@@ -35,7 +35,7 @@ _SIMPLE_TYPES = {
 
 _WIDE_HELP = "use a string: it is UTF-8; --wide=utf8 reads wide text as that"
 _REFUSED_TYPES = {
-    "any": ("G0201", "'any' is", "declare a union of what it may hold"),
+    "any": ("G0201", "'any' is", "declare a union of the types that it may hold"),
     "ValueBase": ("G0202", "'ValueBase' is", "use a struct"),
     "fixed": ("G0203", "'fixed' is", "use an int64 in the smallest unit, or a double"),
     "wchar": ("G0206", "'wchar' is", _WIDE_HELP),

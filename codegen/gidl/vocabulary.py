@@ -49,7 +49,7 @@ class Parameter:
     name: str
     type: Type | None  # None is `any`
     default: Value | None
-    literals: Mapping[str, Value] = field(default_factory=dict)  # of an enum
+    literals: Mapping[str, Value] = field(default_factory=dict)  # literals of an enum
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,7 +94,7 @@ class Vocabulary:
         self._declared[declared.name.lower()] = declared
 
     def find(self, name: str, scopes: list[str]) -> Declared | None:
-        """By the name as written, seen from `scopes` (innermost first)."""
+        """Finds an annotation by its written name, seen from `scopes` (innermost first)."""
         for scope in scopes:
             found = self._declared.get(f"{scope}::{name}".lower() if scope else name.lower())
             if found is not None:
@@ -104,7 +104,7 @@ class Vocabulary:
     # -- one use -------------------------------------------------------------------------------
 
     def unknown(self, use: AnnotationUse) -> None:
-        """Reports what nobody declared: a slip is an error, another vocabulary a warning."""
+        """Reports an undeclared annotation: a misspelt one is an error, else it is a warning."""
         name = str(use.name).removeprefix("::")
         if name.lower() in PLACES:
             self._findings.error("G0501", use.span, f"'@{name}' is written '@{name.lower()}'")
@@ -217,7 +217,7 @@ class Vocabulary:
             "G0504",
             applied.span,
             f"'@{applied.name}' cannot stand on {_article(place)}",
-            f"it stands on {shown}",
+            f"it applies to {shown}",
         )
         return False
 
@@ -234,7 +234,7 @@ class Vocabulary:
 
 
 def _wanted(parameter: Parameter, given: Computed) -> tuple[str, bool]:
-    """What the parameter wants, in words, and whether the value is that."""
+    """The expected type of the parameter in words, and whether the value has it."""
     match parameter.type:
         case StringType(bound):
             what = "a string" if bound is None else f"a string of at most {bound} bytes"

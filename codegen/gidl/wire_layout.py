@@ -135,7 +135,7 @@ class StreamLayout:
     name: str
     code: int
     sample: FieldLayout
-    fingerprint: int | None  # of a struct sample: what an @open_stream puts in front
+    fingerprint: int | None  # fingerprint of a struct sample, sent first on an @open_stream
     hash: int
 
 
@@ -157,10 +157,10 @@ class Layout:
     python_names: TypeNames
 
     def all_calls(self, model: Model, interface: Interface) -> tuple[CallLayout, ...]:
-        return tuple(c for i in model.lineage(interface) for c in self.interfaces[i.name].calls)
+        return tuple(c for i in model.with_bases(interface) for c in self.interfaces[i.name].calls)
 
     def call(self, scoped_name: str) -> CallLayout:
-        """By scoped name of an operation or attribute (getter), or that with "=" (setter)."""
+        """Finds a call by the scoped name of an operation or attribute; a setter ends in "="."""
         owner = scoped_name.rpartition("::")[0]
         return next(c for c in self.interfaces[owner].calls if c.name == scoped_name)
 

@@ -19,7 +19,7 @@ class ScalarNode:
 
     @property
     def bounds(self) -> Range | None:
-        """What is to be compared: `limits` in the precision of the type (a float with the nearest
+        """The limits to compare with, in the precision of the type (a float with the nearest
         float), without the bounds that no value of the type can violate."""
         if self.limits is None:
             return None
@@ -35,7 +35,7 @@ class ScalarNode:
 
 @dataclass(frozen=True, slots=True)
 class EnumNode:
-    name: str  # of an enum, bitmask or bitset
+    name: str  # name of an enum, bitmask or bitset
     wire: Primitive  # INT32 or INT64
 
 

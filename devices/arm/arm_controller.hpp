@@ -30,15 +30,15 @@ class ArmController {
     double position_gain = 20;  ///< 1/s, in velocity mode: rad/s for each rad that a joint is away
   };
 
-  /// What was measured, all of it in one cycle.
+  /// The measurements of one cycle.
   struct Reading {
     std::array<double, robcl::arm::max_axes> joints{};
-    std::array<double, robcl::arm::max_axes> commanded{};  // where they are told to be meanwhile
+    std::array<double, robcl::arm::max_axes> commanded{};  // their set points in the same cycle
     std::array<double, 7> base_from_flange{};              // x, y, z, then w, x, y, z
     double fraction = 0;
     double remaining = 0;
     std::uint64_t cycle = 0;          // counts what was measured
-    std::int64_t measured_at_ns = 0;  // of the Unix clock
+    std::int64_t measured_at_ns = 0;  // time of the Unix clock
     bool moving = false;
     DrivePower power = DrivePower::Off;
   };
@@ -71,7 +71,7 @@ class ArmController {
   /// Hands a motion to the control loop. @pre the last one was awaited; it starts at
   /// `standing_at()`.
   void start(robcl::motion::Plan plan);
-  /// Decelerates what runs. May be called at any time, also when nothing runs.
+  /// Decelerates the running motion. May be called at any time, even when no motion runs.
   void stop() { stop_.store(true); }
   /// Whether the motion ended within `patience`; if so, the next may be started.
   std::optional<Outcome> wait(gecos::Duration patience);

@@ -15,7 +15,7 @@ using robcl::motion::Plan;
 using namespace std::chrono_literals;
 
 constexpr auto beat = 5ms;       // between two looks at a motion
-constexpr int most_looks = 400;  // of these while the control loop stands still
+constexpr int most_looks = 400;  // polls while the control loop makes no progress
 
 MoveFailure as_move_failure(const Failure& failure) {
   return std::visit([](const auto& reason) { return MoveFailure(reason); }, failure);

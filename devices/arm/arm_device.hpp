@@ -18,7 +18,7 @@ using robcl::Frame;
 
 enum class PathKind { Joint, Straight };
 
-/// Whoever asked for a motion, while it runs.
+/// The caller of a motion, while the motion runs.
 class MotionWatcher {
  public:
   virtual ~MotionWatcher() = default;
@@ -53,13 +53,13 @@ class ArmDevice {
   /// One cycle of the control loop.
   void step(double seconds) { controller_.step(seconds); }
 
-  /// What was measured in one cycle of the control loop.
+  /// The measurements of one cycle of the control loop.
   struct Sample {
     Frame flange;  ///< in the world
     Frame tool;    ///< in the world
     JointValues joints;
     std::uint64_t cycle = 0;          ///< counts what was measured
-    std::int64_t measured_at_ns = 0;  ///< of the Unix clock
+    std::int64_t measured_at_ns = 0;  ///< time of the Unix clock
   };
   Sample sample() const;
 

@@ -10,7 +10,7 @@
 
 namespace devices {
 
-/// What distinguishes the program of one arm from that of another.
+/// The differences between the programs of two arms.
 struct ArmProgram {
   std::string program;      ///< "robcl-rx90"
   std::string name;         ///< to register, unless --name says another
@@ -18,7 +18,7 @@ struct ArmProgram {
   std::string urdf;         ///< the model itself
   std::string base_link;    ///< in the URDF
   std::string flange_link;  ///< in the URDF
-  /// Of each joint: URDF has no acceleration, and no published source gives it for these arms.
+  /// Limit for each joint: URDF has none, and no published source gives one for these arms.
   double seconds_to_full_speed = 0.25;
   std::vector<double> start_degrees;  ///< where the joints of the simulated arm stand at first
   std::string place;                  ///< why it has no carrier; see ManipulatorServant

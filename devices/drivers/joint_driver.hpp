@@ -1,4 +1,4 @@
-// What separates motion from hardware: the drives of one arm.
+// The interface between motion and hardware: the drives of one arm.
 #pragma once
 
 #include <cstdint>
@@ -27,17 +27,17 @@ enum class DrivePower {
   Fault,      ///< as Off, until the fault is reset
 };
 
-/// Of joints that have none: Released.
+/// The brakes of the joints; Released for joints without brakes.
 enum class Brakes { Engaged, Released };
 
-/// What the joints shall do until the next command.
+/// The set points of the joints until the next command.
 struct JointCommand {
   JointValues position;  ///< rad, at the end of the cycle
   JointValues velocity;  ///< rad/s
   JointValues torque;    ///< N·m; empty unless the mode is Torque
 };
 
-/// What the drives measured, and the state they are in.
+/// Measurements and state of the drives.
 struct JointState {
   DrivePower power = DrivePower::Off;
   Brakes brakes = Brakes::Engaged;
@@ -45,7 +45,7 @@ struct JointState {
   JointValues position;                      ///< rad
   JointValues velocity;                      ///< rad/s; empty: not measured
   JointValues torque;                        ///< N·m; empty: not measured
-  std::int64_t measured_at_ns = 0;           ///< of this host's Unix clock
+  std::int64_t measured_at_ns = 0;           ///< time of this host's Unix clock
   std::string fault;                         ///< in words for people, where power is Fault
 };
 
@@ -79,7 +79,7 @@ class JointDriver {
   /// Clears a fault whose cause is gone; the drives are Off then.
   virtual tl::expected<void, DriverFault> reset() = 0;
 
-  /// Once per control cycle: the command for the next `seconds`, answered by what was measured.
+  /// Called once per control cycle: takes the command for the next `seconds`, returns measurements.
   /// Ignores the command unless the drives are On. Allocates only to fail.
   virtual tl::expected<JointState, DriverFault> exchange(const JointCommand& command,
                                                          double seconds) = 0;

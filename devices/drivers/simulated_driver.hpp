@@ -28,7 +28,7 @@ class SimulatedDriver final : public JointDriver {
   tl::expected<JointState, DriverFault> exchange(const JointCommand& command,
                                                  double seconds) override;
 
-  /// As their encoders see the joints now, rad.
+  /// Positions of the joints as the encoders measure them now, rad.
   JointValues measured();
   /// The drives fail with these words, and hold the arm with their brakes until they are reset.
   void break_down(std::string fault);

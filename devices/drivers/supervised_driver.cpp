@@ -12,7 +12,7 @@ namespace {
 
 constexpr double encoder_slack = 0.01;  // rad that noise and a late cycle may add to a step
 
-/// What `ask` gives; what it throws as a fault.
+/// Returns the result of `ask`; an exception becomes a fault.
 template <typename Ask>
 auto caught(Ask ask) -> decltype(ask()) {
   try {

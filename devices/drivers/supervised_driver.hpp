@@ -14,7 +14,7 @@ namespace devices {
 /// can.
 class SupervisedDriver final : public JointDriver {
  public:
-  /// s. What was measured longer ago is no answer; nor is what is so far in the future.
+  /// s. An older measurement counts as no answer, and so does one that is as far in the future.
   static constexpr double oldest = 0.1;
   /// Times its greatest speed at which a joint is not believed to have moved.
   static constexpr double speed_margin = 4;

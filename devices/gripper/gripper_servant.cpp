@@ -11,7 +11,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto beat = 10ms;              // between two looks at the jaws
-constexpr auto world_takes_notice = 2s;  // of what the jaws hold, at most
+constexpr auto world_takes_notice = 2s;  // longest delay until the world shows a held body
 
 gecos::Fault out_of_range(const SimulatedGripper::OutOfRange& refused) {
   return robcl::OutOfRange{refused.what, refused.value, refused.lower, refused.upper};
@@ -34,7 +34,7 @@ GripperServant::GripperServant(gecos::Lab& lab, std::string name, std::string wo
       gripper_(settings) {}
 
 void GripperServant::publish() {
-  mounting_.carrier().tend();
+  mounting_.carrier().tick();
   if (const auto now = jaws()) publish_jaws(*now);
 }
 
@@ -56,7 +56,7 @@ gecos::Result<robcl::Frame> GripperServant::grip_point() {
   return *world_from_base * base_from_grip_point_;
 }
 
-/// What the jaws would meet where they are now.
+/// The body that the jaws would meet at their present place.
 gecos::Result<std::optional<SimulatedGripper::Contact>> GripperServant::contact() {
   if (world_.name().empty()) return std::nullopt;
   const auto point = grip_point();

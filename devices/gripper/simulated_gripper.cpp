@@ -11,7 +11,7 @@ SimulatedGripper::SimulatedGripper(const Settings& settings)
 }
 
 SimulatedGripper::State SimulatedGripper::state() const {
-  const std::lock_guard lock(guard_);
+  const gecos::MutexLock lock(guard_);
   return state_;
 }
 
@@ -20,7 +20,7 @@ tl::expected<void, SimulatedGripper::OutOfRange> SimulatedGripper::open(
   if (!(width >= 0 && width <= settings_.max_width)) {  // so that NaN is refused, too
     return tl::unexpected(OutOfRange{"width in m", width, 0, settings_.max_width});
   }
-  const std::lock_guard lock(guard_);
+  const gecos::MutexLock lock(guard_);
   const bool narrows = width < state_.width;
   target_ = narrows && contact ? std::max(width, contact->width) : width;
   force_at_target_ = 0;
@@ -34,7 +34,7 @@ tl::expected<void, SimulatedGripper::OutOfRange> SimulatedGripper::close(
   if (!(force > 0 && force <= settings_.max_force)) {
     return tl::unexpected(OutOfRange{"force in N", force, 0, settings_.max_force});
   }
-  const std::lock_guard lock(guard_);
+  const gecos::MutexLock lock(guard_);
   if (state_.holding) {  // it presses harder, or less hard, and does not let go
     state_.force = force;
     return {};
@@ -47,13 +47,13 @@ tl::expected<void, SimulatedGripper::OutOfRange> SimulatedGripper::close(
 }
 
 void SimulatedGripper::halt() {
-  const std::lock_guard lock(guard_);
+  const gecos::MutexLock lock(guard_);
   target_ = state_.width;
   state_.moving = false;
 }
 
 void SimulatedGripper::step(double seconds) {
-  const std::lock_guard lock(guard_);
+  const gecos::MutexLock lock(guard_);
   if (!state_.moving) return;
   const double most = settings_.speed * seconds;
   const double change = std::clamp(target_ - state_.width, -most, most);

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <mutex>
 #include <optional>
 #include <string>
 
+#include "gecos/base/mutex.hpp"
 #include "gecos/base/result.hpp"
 
 namespace devices {
@@ -24,7 +24,7 @@ class SimulatedGripper {
     bool holding = false;
     std::string held;  ///< body, where it is known
   };
-  /// What the jaws would meet, and at what width, m.
+  /// The body that the jaws would meet, and the width there, m.
   struct Contact {
     double width = 0;
     std::string body;
@@ -44,17 +44,17 @@ class SimulatedGripper {
   tl::expected<void, OutOfRange> open(double width, const std::optional<Contact>& contact);
   /// Starts to close until the jaws meet `contact` (else each other), to press it with `force`.
   tl::expected<void, OutOfRange> close(double force, const std::optional<Contact>& contact);
-  /// The jaws stand where they are; what is held stays held.
+  /// The jaws stop at their place; a held body stays held.
   void halt();
   void step(double seconds);
 
  private:
   const Settings settings_;
-  mutable std::mutex guard_;  // of all below
-  State state_;
-  double target_;
-  double force_at_target_ = 0;  // 0: it does not grip there
-  std::string body_at_target_;
+  mutable gecos::Mutex guard_;
+  State state_ GECOS_GUARDED_BY(guard_);
+  double target_ GECOS_GUARDED_BY(guard_);
+  double force_at_target_ GECOS_GUARDED_BY(guard_) = 0;  // 0: it does not grip there
+  std::string body_at_target_ GECOS_GUARDED_BY(guard_);
 };
 
 }  // namespace devices

@@ -34,7 +34,7 @@ gecos::Result<void> LdsServant::power(bool on) {
 }
 
 void LdsServant::publish() {
-  mounting_.carrier().tend();
+  mounting_.carrier().tick();
   if (!on_.load()) return;
   if (const auto now = measure()) publish_beam(*now);
 }

@@ -7,7 +7,7 @@ SimulatedBeam::SimulatedBeam(const Settings& settings)
 
 std::optional<double> SimulatedBeam::measure(std::optional<double> distance) {
   if (!distance) return std::nullopt;
-  const std::lock_guard lock(guard_);
+  const gecos::MutexLock lock(guard_);
   const double seen = *distance + noise_(random_);
   if (seen < settings_.lower || seen > settings_.upper) return std::nullopt;
   return seen;

@@ -1,12 +1,13 @@
 #pragma once
 
-#include <mutex>
 #include <optional>
 #include <random>
 
+#include "gecos/base/mutex.hpp"
+
 namespace devices {
 
-/// What a laser distance sensor makes of a true distance. Any thread.
+/// The reading of a laser distance sensor for a true distance. Any thread.
 class SimulatedBeam {
  public:
   struct Settings {
@@ -25,9 +26,9 @@ class SimulatedBeam {
 
  private:
   const Settings settings_;
-  std::mutex guard_;  // of all below
-  std::mt19937 random_;
-  std::normal_distribution<double> noise_;
+  gecos::Mutex guard_;
+  std::mt19937 random_ GECOS_GUARDED_BY(guard_);
+  std::normal_distribution<double> noise_ GECOS_GUARDED_BY(guard_);
 };
 
 }  // namespace devices

@@ -20,13 +20,13 @@ std::shared_ptr<FlangeStream> flange_of(gecos::Lab& lab, const std::string& name
 }  // namespace
 
 void Carrier::follow(const std::string& name) {
-  const std::lock_guard lock(guard_);
+  const gecos::MutexLock lock(guard_);
   if (name == (flange_ ? flange_->name() : std::string())) return;
   flange_ = name.empty() ? nullptr : flange_of(lab_, name, 200ms);
 }
 
 std::shared_ptr<FlangeStream> Carrier::flange() const {
-  const std::lock_guard lock(guard_);
+  const gecos::MutexLock lock(guard_);
   return flange_;
 }
 
@@ -35,8 +35,8 @@ std::string Carrier::name() const {
   return flange ? flange->name() : std::string();
 }
 
-void Carrier::tend() {
-  if (const auto flange = this->flange()) flange->tend();
+void Carrier::tick() {
+  if (const auto flange = this->flange()) flange->tick();
 }
 
 tl::expected<robcl::Frame, std::string> Carrier::frame() {
@@ -57,7 +57,7 @@ Mounting::Mounting(gecos::Lab& lab, const std::string& carrier,
 gecos::Result<robcl::Frame> Mounting::base() {
   const auto carrier = carrier_.frame();
   if (!carrier) return tl::unexpected(gecos::Fault::failed(carrier.error()));
-  const std::lock_guard lock(guard_);
+  const gecos::MutexLock lock(guard_);
   return *carrier * carrier_from_base_;
 }
 
@@ -65,12 +65,12 @@ gecos::Result<void> Mounting::mount(const std::string& carrier,
                                     const robcl::Frame& carrier_from_base) {
   if (!carrier.empty()) {
     const auto flange = flange_of(lab_, carrier, 500ms);
-    flange->tend();
+    flange->tick();
     if (!flange->proxy()) {
       return tl::unexpected(robcl::MountRefused{flange->latest().error()});
     }
   }
-  const std::lock_guard lock(guard_);
+  const gecos::MutexLock lock(guard_);
   carrier_.follow(carrier);
   carrier_from_base_ = carrier_from_base;
   return {};

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <memory>
-#include <mutex>
 #include <string>
 
+#include "gecos/base/mutex.hpp"
 #include "gecos/gecos.hpp"
 #include "gecos/reconnecting.hpp"
 #include "robcl/frames/frame.hpp"
@@ -15,7 +15,7 @@ namespace devices {
 using FlangeStream = gecos::ReconnectingStream<robcl::Manipulator, robcl::Frame>;
 
 /// The flange of a manipulator, as its stream last said; or the world, which stands. Any thread may
-/// ask; one thread tends.
+/// ask; one thread calls `tick`.
 class Carrier {
  public:
   /// A flange that was silent for longer than this is not known any more.
@@ -29,7 +29,7 @@ class Carrier {
 
   /// Connects, or connects again, when that is needed; call it now and then, where waiting for up
   /// to 0.2 s does no harm.
-  void tend();
+  void tick();
 
   /// The flange in the world; or why it is not known.
   tl::expected<robcl::Frame, std::string> frame();
@@ -38,8 +38,8 @@ class Carrier {
   std::shared_ptr<FlangeStream> flange() const;
 
   gecos::Lab& lab_;
-  mutable std::mutex guard_;              // of flange_; never held while connecting
-  std::shared_ptr<FlangeStream> flange_;  // null: the world
+  mutable gecos::Mutex guard_;                                     // never held while connecting
+  std::shared_ptr<FlangeStream> flange_ GECOS_GUARDED_BY(guard_);  // null: the world
 };
 
 /// A device's base: fixed to a carrier.
@@ -49,7 +49,7 @@ class Mounting {
 
   Carrier& carrier() { return carrier_; }
   std::string parent() const { return carrier_.name(); }
-  /// In the world; fails with why it is not known.
+  /// The frame in the world; fails with the reason why it is not known.
   gecos::Result<robcl::Frame> base();
   /// Waits until the new carrier is heard. Fails with robcl::MountRefused when it is not, and then
   /// changes nothing.
@@ -58,8 +58,8 @@ class Mounting {
  private:
   gecos::Lab& lab_;
   Carrier carrier_;
-  mutable std::mutex guard_;  // of carrier_from_base_
-  robcl::Frame carrier_from_base_;
+  mutable gecos::Mutex guard_;
+  robcl::Frame carrier_from_base_ GECOS_GUARDED_BY(guard_);
 };
 
 }  // namespace devices

@@ -1,4 +1,4 @@
-// What the program of every device does around its servant.
+// The common part of every device program, around its servant.
 #pragma once
 
 #include <functional>

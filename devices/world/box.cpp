@@ -49,7 +49,7 @@ std::optional<std::array<double, 2>> through(const Box& box, const Vector3d& ori
   return std::array<double, 2>{enter, leave};
 }
 
-/// What is left of a convex polygon where sign·p[axis] <= limit (Sutherland and Hodgman).
+/// The part of a convex polygon where sign·p[axis] <= limit (Sutherland and Hodgman).
 std::vector<Vector3d> clipped(const std::vector<Vector3d>& polygon, Eigen::Index axis, double sign,
                               double limit) {
   std::vector<Vector3d> kept;

@@ -23,7 +23,7 @@ struct Box {
 /// inside meets it at 0.
 std::optional<double> ray_hit(const Frame& ray, double reach, const Box& box);
 
-/// What of a box lies between two jaws.
+/// The part of a box that lies between two jaws.
 struct Between {
   double lower = 0, upper = 0;  ///< along y of the jaws, m
 };

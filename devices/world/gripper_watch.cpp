@@ -27,9 +27,9 @@ GripperWatch::GripperWatch(gecos::Lab& lab, SimulatedWorld& world, std::string g
       carrier_(lab),
       jaws_(lab, name_, jaws_of, patient()) {}
 
-void GripperWatch::tend() {
-  carrier_.tend();
-  jaws_.tend();
+void GripperWatch::tick() {
+  carrier_.tick();
+  jaws_.tick();
   if (const auto jaws = jaws_.latest()) see(jaws->value);  // else what they hold stays held
   carry();
 }
@@ -37,7 +37,7 @@ void GripperWatch::tend() {
 void GripperWatch::see(const robcl::GripperState& jaws) {
   const std::string holds = jaws.holding ? jaws.held : std::string();
   {
-    const std::lock_guard lock(guard_);
+    const gecos::MutexLock lock(guard_);
     if (holds == held_) return;
   }
   if (!holds.empty()) {
@@ -48,15 +48,15 @@ void GripperWatch::see(const robcl::GripperState& jaws) {
     const auto name = parent.get();
     if (!name) return;
     carrier_.follow(*name);
-    carrier_.tend();
+    carrier_.tick();
     if (!carrier_.frame()) return;  // not heard yet: seen again in the next cycle
   }
-  const std::lock_guard lock(guard_);
+  const gecos::MutexLock lock(guard_);
   held_ = holds;
 }
 
 void GripperWatch::carry() {
-  const std::lock_guard lock(guard_);
+  const gecos::MutexLock lock(guard_);
   if (held_.empty()) return world_.track(name_, held_, robcl::Frame());
   if (const auto carrier = carrier_.frame()) world_.track(name_, held_, *carrier);
 }

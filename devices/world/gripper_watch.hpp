@@ -1,8 +1,8 @@
 #pragma once
 
-#include <mutex>
 #include <string>
 
+#include "gecos/base/mutex.hpp"
 #include "robcl/gripper_client.hpp"
 #include "support/carrier.hpp"
 #include "world/simulated_world.hpp"
@@ -16,7 +16,7 @@ class GripperWatch {
 
   /// Connects where needed, sees what the jaws do, moves what they carry. One thread; may wait for
   /// up to half a second while something is not there.
-  void tend();
+  void tick();
   /// Moves what they carry to where it is now. Any thread; does not wait.
   void carry();
 
@@ -28,8 +28,8 @@ class GripperWatch {
   Carrier carrier_;
   gecos::ReconnectingStream<robcl::Gripper, robcl::GripperState> jaws_;
 
-  std::mutex guard_;  // of held_
-  std::string held_;  // what the world was told that the gripper holds
+  gecos::Mutex guard_;
+  std::string held_ GECOS_GUARDED_BY(guard_);  // what the world was told that the gripper holds
 };
 
 }  // namespace devices

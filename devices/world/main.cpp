@@ -43,7 +43,7 @@ int run(int count, char** words) {
   });
   devices::Served how{.program = "robcl-world", .name = line.text("name")};
   for (const auto& gripper : grippers) {
-    how.beats.push_back({4ms, [watch = gripper.get()](double) { watch->tend(); }});
+    how.beats.push_back({4ms, [watch = gripper.get()](double) { watch->tick(); }});
   }
   return devices::serve_device(lab, servant, how);
 }

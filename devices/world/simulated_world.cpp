@@ -19,12 +19,12 @@ SimulatedWorld::SimulatedWorld(double floor, std::vector<SimulatedBody> bodies)
 }
 
 std::vector<SimulatedBody> SimulatedWorld::bodies() const {
-  const std::lock_guard lock(guard_);
+  const gecos::MutexLock lock(guard_);
   return bodies_;
 }
 
 std::optional<SimulatedBody> SimulatedWorld::find(std::string_view name) const {
-  const std::lock_guard lock(guard_);
+  const gecos::MutexLock lock(guard_);
   for (const SimulatedBody& body : bodies_) {
     if (body.name == name) return body;
   }
@@ -38,7 +38,7 @@ SimulatedBody* SimulatedWorld::look_up(std::string_view name) {
 }
 
 std::optional<SimulatedWorld::Hit> SimulatedWorld::cast(const Frame& origin, double reach) const {
-  const std::lock_guard lock(guard_);
+  const gecos::MutexLock lock(guard_);
   std::optional<Hit> first;
   for (const SimulatedBody& body : bodies_) {
     const auto range = ray_hit(origin, reach, body.box);
@@ -49,7 +49,7 @@ std::optional<SimulatedWorld::Hit> SimulatedWorld::cast(const Frame& origin, dou
 
 std::optional<SimulatedWorld::Contact> SimulatedWorld::between(const Frame& jaws,
                                                                double opening) const {
-  const std::lock_guard lock(guard_);
+  const gecos::MutexLock lock(guard_);
   std::optional<Contact> thickest;
   for (const SimulatedBody& body : bodies_) {
     const auto part = between_jaws(jaws, {pad_across, pad_along}, opening, body.box);
@@ -62,7 +62,7 @@ std::optional<SimulatedWorld::Contact> SimulatedWorld::between(const Frame& jaws
 
 tl::expected<void, SimulatedWorld::PlaceProblem> SimulatedWorld::place(std::string_view name,
                                                                        const Frame& pose) {
-  const std::lock_guard lock(guard_);
+  const gecos::MutexLock lock(guard_);
   SimulatedBody* const body = look_up(name);
   if (!body) return tl::unexpected(PlaceProblem::Unknown);
   if (body->fixed) return tl::unexpected(PlaceProblem::Fixed);
@@ -73,9 +73,9 @@ tl::expected<void, SimulatedWorld::PlaceProblem> SimulatedWorld::place(std::stri
 
 void SimulatedWorld::track(const std::string& gripper, const std::string& held,
                            const Frame& carrier) {
-  const std::lock_guard lock(guard_);
+  const gecos::MutexLock lock(guard_);
   SimulatedBody* const body = held.empty() ? nullptr : look_up(held);
-  if (!body || body->held_by != gripper) let_go(gripper);
+  if (!body || body->held_by != gripper) release(gripper);
   if (!body || body->fixed) return;
   if (body->held_by.empty()) {
     body->held_by = gripper;
@@ -84,7 +84,7 @@ void SimulatedWorld::track(const std::string& gripper, const std::string& held,
   if (body->held_by == gripper) body->box.pose = carrier * carrier_from_body_[gripper];
 }
 
-void SimulatedWorld::let_go(const std::string& gripper) {
+void SimulatedWorld::release(const std::string& gripper) {
   if (carrier_from_body_.erase(gripper) == 0) return;
   for (SimulatedBody& body : bodies_) {
     if (body.held_by != gripper) continue;

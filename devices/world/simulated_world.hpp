@@ -2,12 +2,12 @@
 #pragma once
 
 #include <map>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "gecos/base/mutex.hpp"
 #include "gecos/base/result.hpp"
 #include "world/box.hpp"
 
@@ -22,7 +22,7 @@ struct SimulatedBody {
 
 /// Grasping attaches a body to what carries the gripper, as it stands at that moment. Let go, it
 /// falls straight down onto what is below it, keeping its orientation. Bodies that are not held do
-/// not move, also when what they stand on is taken away. Any thread.
+/// not move, even when the body below them is taken away. Any thread.
 class SimulatedWorld {
  public:
   struct Hit {
@@ -60,14 +60,15 @@ class SimulatedWorld {
   void track(const std::string& gripper, const std::string& body, const Frame& carrier);
 
  private:
-  SimulatedBody* look_up(std::string_view name);
-  void let_go(const std::string& gripper);
-  void fall(SimulatedBody& body);
+  SimulatedBody* look_up(std::string_view name) GECOS_REQUIRES(guard_);
+  void release(const std::string& gripper) GECOS_REQUIRES(guard_);
+  void fall(SimulatedBody& body) GECOS_REQUIRES(guard_);
 
   const double floor_;
-  mutable std::mutex guard_;  // of all below
-  std::vector<SimulatedBody> bodies_;
-  std::map<std::string, Frame> carrier_from_body_;  // per gripper that holds something
+  mutable gecos::Mutex guard_;
+  std::vector<SimulatedBody> bodies_ GECOS_GUARDED_BY(guard_);
+  // Per gripper that holds something.
+  std::map<std::string, Frame> carrier_from_body_ GECOS_GUARDED_BY(guard_);
 };
 
 /// A table whose top is at height 0, for the RX90 to stand on, and a block before it to grip.

@@ -35,7 +35,7 @@ int main(int argc, char** argv) {
     const robcl::Frame& at = sample->value;
     file << sample->sequence << ',' << sample->lost << ',' << sample->stamp << ',' << at.x() << ','
          << at.y() << ',' << at.z() << '\n';
-    lost += sample->lost;  // a reader that is too slow loses samples, and is told how many
+    lost += sample->lost;  // number of samples that a slow reader lost
   }
   if (!file.flush()) return fail("the file could not be written");
   std::cout << "250 samples, " << lost << " lost" << std::endl;

@@ -21,7 +21,7 @@ def main(path: Path) -> None:
             sample = tool.next(timeout=5.0)  # the next unread one; waits for it
             at = sample.value
             rows.writerow([sample.sequence, sample.lost, sample.stamp, at.x, at.y, at.z])
-            lost += sample.lost  # a reader that is too slow loses samples, and is told how many
+            lost += sample.lost  # number of samples that a slow reader lost
     print(f"250 samples, {lost} lost")
 
 

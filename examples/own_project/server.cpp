@@ -9,7 +9,7 @@ namespace {
 
 constexpr double limit_kelvin = 500.0;
 
-/// An oven that is as warm as it was told last.
+/// An oven that has its set temperature at once.
 class Oven : public plant::OvenServant {
   gecos::Result<double> temperature() override { return temperature_; }
   gecos::Result<void> heat(double to) override {

@@ -10,7 +10,7 @@ LIMIT_K = 500.0
 
 
 class Oven(OvenServant):
-    """An oven that is as warm as it was told last."""
+    """An oven that has its set temperature at once."""
 
     def __init__(self) -> None:
         super().__init__()

@@ -59,8 +59,8 @@ def settings_that_are_read() -> set[str]:
     )
     return {
         match[1]
-        for room in ("runtime", "codegen", "tools", "devices", "tests")
-        for file in (TREE / room).rglob("*")
+        for folder in ("runtime", "codegen", "tools", "devices", "tests")
+        for file in (TREE / folder).rglob("*")
         if file.suffix in (".cpp", ".hpp", ".py", ".sh")
         for match in read.finditer(text_of(file))
     }

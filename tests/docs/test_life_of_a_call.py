@@ -39,8 +39,8 @@ def test_every_file_of_the_page_exists() -> None:
 def test_the_way_there_and_back_passes_client_medium_and_server() -> None:
     folders = [file.removeprefix("../") for file, _ in rows()]
     first_of = [
-        next(at for at, file in enumerate(folders) if file.startswith(room))
-        for room in (
+        next(at for at, file in enumerate(folders) if file.startswith(start))
+        for start in (
             "generated/cpp/robcl/gripper_client",
             "runtime/cpp/gecos/session/client",
             "runtime/cpp/gecos/media/shm",

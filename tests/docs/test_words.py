@@ -1,9 +1,11 @@
-"""The documents use standard terms: no word of the left column below, but for the exceptions."""
+"""Documents and identifiers use standard terms, except for the uses with a stated reason."""
 
 import re
 from pathlib import Path
 
+import private_terms
 import pytest
+from private_terms import Use, all_uses, allow_list, uses_in
 
 TREE = Path(__file__).resolve().parents[2]
 DOCUMENTS = sorted(
@@ -73,3 +75,28 @@ def test_a_private_term_is_seen_in_prose_and_not_in_code(tmp_path: Path) -> None
     assert private_words(page) == set()
     page.write_text("Several Doors.\n")
     assert private_words(page) == {"door"}
+
+
+def test_no_identifier_has_a_private_term() -> None:
+    allowed = allow_list()
+    left = sorted(use for use in all_uses() if not any(each.covers(use) for each in allowed))
+    assert [
+        f"{use.file}: {use.identifier}: {private_terms.INSTEAD[use.term]}" for use in left
+    ] == []
+
+
+def test_every_use_that_stays_has_a_reason_and_exists() -> None:
+    stays = [each for each in allow_list() if not each.leaving]
+    assert [each.term for each in allow_list() if len(each.reason) < 5] == []
+    unused = [each for each in stays if not any(each.covers(use) for use in all_uses())]
+    assert unused == [], "an exception that nobody needs any more"
+
+
+def test_a_private_term_is_seen_in_identifiers_and_not_in_comments_or_texts() -> None:
+    file = "devices/x.cpp"
+    quiet = '// door\n/* a\n door */ say("a \\"door\\" here"); indoors();'
+    assert uses_in(file, quiet) == set()
+    for identifier in ("door", "open_doors_", "HandshakeDoor", "DOOR"):
+        assert uses_in(file, f"auto x = {identifier};") == {Use(file, identifier, "door")}
+    assert uses_in(file, "all_up_to_") == {Use(file, "all_up_to_", "all up to")}
+    assert uses_in("devices/x.py", '"""door"""\nx = "door"  # door\n') == set()

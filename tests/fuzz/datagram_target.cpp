@@ -6,9 +6,9 @@
 
 #include "gecos/crypto/handshake_door.hpp"
 #include "gecos/crypto/opening.hpp"
-#include "gecos/media/lcm/datagram.hpp"
-#include "gecos/media/lcm/inbox.hpp"
 #include "gecos/media/lcm/receiver.hpp"
+#include "gecos/media/sealed/datagram.hpp"
+#include "gecos/media/sealed/receive_queue.hpp"
 #include "pieces_target.hpp"
 #include "script.hpp"
 #include "targets.hpp"
@@ -45,9 +45,9 @@ void read_as_anything(ByteView bytes) {
   }
   const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   for (const std::string& tried : {text, "lcm:" + text}) {
-    const auto address = LcmAddress::parse(tried);
+    const auto address = SealedAddress::parse(tried);
     if (!address) continue;
-    const auto same = LcmAddress::parse(address->to_string());
+    const auto same = SealedAddress::parse(address->to_string());
     expect(same && same->to_string() == address->to_string(), "an address is read again");
   }
 }
@@ -109,14 +109,14 @@ void try_handshake(Script script) {
   }
 }
 
-/// The inbox of a link, whose peer has the channel's keys and seals what it likes, and whose port
-/// anybody may write to.
-void try_inbox(Script script) {
+/// The receive queue of a link, whose peer has the channel's keys and seals what it likes, and
+/// whose port anybody may write to.
+void try_receive_queue(Script script) {
   const crypto::Key key;
   TimePoint now{std::chrono::hours(1)};
   const crypto::RekeyRule rule{.packets = 1 + static_cast<std::uint32_t>(script.below(8))};
   crypto::Sealer sealer(key, now, rule);
-  LcmInbox inbox{crypto::Opener(key)};
+  ReceiveQueue queue{crypto::Opener(key)};
   std::vector<Bytes> wire;                     // what was sealed, oldest first
   std::map<std::uint64_t, Bytes> not_arrived;  // of packets that were sealed: by number
   std::uint64_t numbers = 0;
@@ -150,22 +150,22 @@ void try_inbox(Script script) {
         if (wire.empty()) break;
         Bytes frame =
             wire[wire.size() - 1 - script.byte() % wire.size()];  // newest, older, or again
-        inbox.take(header, frame, now);
+        queue.take(header, frame, now);
         break;
       }
       case 5: {
         Bytes frame = wire.empty() ? script.bytes(200) : wire[script.byte() % wire.size()];
-        const std::uint64_t before = inbox.beats();
+        const std::uint64_t before = queue.beats();
         const bool bent = wire.empty() || bend(script, frame);
-        inbox.take(header, frame, now);
-        expect(!bent || inbox.beats() == before, "nothing that was forged or altered is opened");
+        queue.take(header, frame, now);
+        expect(!bent || queue.beats() == before, "nothing that was forged or altered is opened");
         break;
       }
       case 6: {
-        LcmInbox::Packet packet;
-        expect(inbox.has_packets() == inbox.pop(packet), "what is there is given");
+        ReceiveQueue::Packet packet;
+        expect(queue.has_packets() == queue.pop(packet), "what is there is given");
         if (packet.frame.empty()) break;
-        const ByteView got = LcmInbox::packet_in(packet.frame);
+        const ByteView got = ReceiveQueue::packet_in(packet.frame);
         const auto sent = std::ranges::find_if(
             not_arrived, [&](const auto& one) { return std::ranges::equal(one.second, got); });
         expect(sent != not_arrived.end(), "what arrives was sent, and arrives once");
@@ -173,9 +173,9 @@ void try_inbox(Script script) {
         break;
       }
       case 7:
-        inbox.tend(now);
+        queue.tend(now);
         sealer.tend(now);
-        expect(inbox.notices().size() <= 1024, "notices are bounded");
+        expect(queue.notices().size() <= 1024, "notices are bounded");
         break;
     }
   }
@@ -193,7 +193,7 @@ void try_datagrams(ByteView input) {
     case 2:
     case 3:
     case 4:
-      return try_inbox(script);
+      return try_receive_queue(script);
     default:
       return try_pieces(script);
   }

@@ -4,10 +4,10 @@
 #include <vector>
 
 #include "gecos/gecos.hpp"
-#include "gecos/media/stream_ring.hpp"
+#include "gecos/media/parts/stream_ring.hpp"
 #include "gecos/session/client/client_connection.hpp"
-#include "gecos/session/protocol/builtin_codec.hpp"
 #include "gecos/session/protocol/packets.hpp"
+#include "gecos/wire/encodable.hpp"
 #include "packet_target.hpp"
 #include "probe.hpp"
 #include "scripted_link.hpp"
@@ -86,11 +86,11 @@ class Server {
   Bytes body() {
     switch (script_.below(6)) {
       case 0:
-        return block_bytes(Grant{Status::ACTOR, script_.number()});
+        return wire::encoded(GecosObject_acquire_result{{Status::ACTOR, script_.number()}});
       case 1:
         return wire::to_bytes(FailureBody{"why", "probe::Jammed", script_.bytes(8)});
       case 2:
-        return block_bytes(OutcomeRecord{script_.byte(), "then"});
+        return wire::encoded(GecosObject_outcome_result{{script_.byte(), "then"}});
       case 3: {
         ProgressBody progress{script_.byte(), 0, script_.bytes(8)};
         const std::uint64_t fraction = script_.number();
@@ -167,7 +167,7 @@ class Program {
     static constexpr std::array ends = {media::Loss::Closed, media::Loss::Died,
                                         media::Loss::Broken};
     link_.lost = ends[script_.below(ends.size())];
-    tend(std::chrono::seconds(1));
+    tick(std::chrono::seconds(1));
     expect(session_->lost(), "a loss is seen");
     for (Issued& one : issued_) {
       one.look();
@@ -179,7 +179,7 @@ class Program {
   }
 
  private:
-  void tend(Duration later) {
+  void tick(Duration later) {
     the_clock().advance(later);
     session_->on_tick(the_clock().now());
   }
@@ -244,7 +244,7 @@ class Program {
       case 18:
         return session_->poll_once();
       case 19:
-        return tend(std::chrono::milliseconds(script_.byte() * 8));
+        return tick(std::chrono::milliseconds(script_.byte() * 8));
     }
   }
 

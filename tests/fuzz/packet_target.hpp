@@ -11,7 +11,7 @@ void try_served(Script script);
 /// The client's side, from its greeting on.
 void try_linked(Script script);
 
-/// Of all inputs: it only goes on.
+/// One clock for all inputs; it only advances.
 inline FakeClock& the_clock() {
   static FakeClock clock;
   return clock;

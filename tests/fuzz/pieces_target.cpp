@@ -4,14 +4,16 @@
 #include <deque>
 #include <memory>
 
-#include "gecos/media/in_pieces.hpp"
-#include "gecos/media/transfer.hpp"
+#include "gecos/media/layers/fragments.hpp"
+#include "gecos/media/layers/transfer.hpp"
 #include "scripted_link.hpp"
 
 namespace gecos::fuzz {
 namespace {
 
 using namespace gecos::media;
+
+constexpr std::size_t piece_bytes = 8 * 1024;
 
 /// Connects to a script.
 class ScriptedMedium final : public Medium {
@@ -42,7 +44,7 @@ Bytes piece_of(std::uint64_t transfer, std::size_t size, std::uint32_t index, st
 }  // namespace
 
 void try_pieces(Script script) {
-  auto made = std::make_unique<ScriptedLink>(false, 60 * 1024);
+  auto made = std::make_unique<ScriptedLink>(false, piece_bytes + Piece::head_bytes);
   ScriptedLink& inner = *made;
   std::deque<Bytes> arriving;
   inner.next = [&]() -> std::optional<Bytes> {
@@ -52,7 +54,7 @@ void try_pieces(Script script) {
     return packet;
   };
   FakeClock clock;
-  const auto medium = make_in_pieces(std::make_unique<ScriptedMedium>(std::move(made)), clock);
+  const auto medium = make_fragmented(std::make_unique<ScriptedMedium>(std::move(made)), clock);
   const auto link = std::move(*medium->connect({}));
   std::uint64_t transfer = 0;
   for (int step = 0; step < 100 && !script.over(); ++step) {

@@ -40,14 +40,17 @@ class ScriptedLink final : public media::Link {
   }
   Duration age() override { return age_of_packets; }
   std::optional<std::uint64_t> taken_by_peer() override { return taken; }
-  bool arm() override { return false; }  // nobody would wake us
-  void disarm() override {}
+  bool prepare_to_sleep() override { return false; }  // nobody would wake us
+  void woke() override {}
   std::span<const int> descriptors() const override { return {}; }
   void beat() override {}
   std::uint64_t beats_seen() override { return beats; }
   media::Loss loss() override { return lost; }
   std::string loss_text() const override {
     return lost == media::Loss::None ? "" : "the script says so";
+  }
+  std::unique_ptr<media::StreamWriter> make_stream(std::size_t, std::size_t) override {
+    return nullptr;
   }
   tl::expected<void, media::SendProblem> share(std::uint32_t, media::StreamWriter&) override {
     if (full) return tl::unexpected(media::SendProblem::Full);

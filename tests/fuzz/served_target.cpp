@@ -5,11 +5,11 @@
 #include <set>
 #include <vector>
 
-#include "gecos/media/inproc.hpp"
-#include "gecos/session/protocol/builtin_codec.hpp"
-#include "gecos/session/protocol/function_code.hpp"
+#include "gecos/media/inproc/inproc.hpp"
+#include "gecos/session/protocol/builtin.hpp"
 #include "gecos/session/protocol/packets.hpp"
 #include "gecos/session/server/object_host.hpp"
+#include "gecos/wire/fields.hpp"
 #include "packet_target.hpp"
 #include "probe.hpp"
 #include "scripted_link.hpp"
@@ -18,6 +18,7 @@ namespace gecos::fuzz {
 namespace {
 
 using namespace gecos::session;
+using Kind = wire::PacketKind;
 
 bool moves(const OperationDescription& operation) {
   return operation.status != access::Status::Sensor;
@@ -144,7 +145,8 @@ class Client {
   void take(ByteView packet) {
     object_->take(session_, packet);
     object_->run_ready(Starter::Poller);
-    expect(session_->early.size() <= ObjectQueue::most_of_object, "what came too early is bounded");
+    expect(session_->intake.aside() <= ObjectQueue::most_of_object,
+           "what came too early is bounded");
   }
   void greet(std::string interface_name) {
     Hello hello;
@@ -157,7 +159,6 @@ class Client {
   }
 
   void send(Script& script, const Client& other, std::uint64_t& serial) {
-    using Kind = wire::PacketKind;
     static constexpr std::array usual = {Kind::Call,   Kind::Call,  Kind::Call,   Kind::Call,
                                          Kind::Cancel, Kind::Query, Kind::Goodbye};
     static constexpr std::array codes = {probe::read_code,   probe::move_code,
@@ -185,10 +186,9 @@ class Client {
     if (header.kind == Kind::Goodbye && !script.one_in(4)) return;  // it would be over too soon
     if (header.kind != Kind::Call) return take(bent(script, header, script.bytes(20)));
     Bytes body(8);
-    if (number(header.code) <= last_builtin_code) {
-      const auto asks = static_cast<BuiltIn>(number(header.code));
-      body = reserved_body(script, other, asks);
-      if (asks == BuiltIn::Acquire) asked_.insert(header.counter);
+    if (is_builtin(header.code)) {
+      body = reserved_body(script, other, header.code);
+      if (header.code == GecosObjectInterface::acquire.code) asked_.insert(header.counter);
     } else {
       // Whoever repeats a call repeats it as it was; then it may arrive any number of times.
       auto& as = serials_[{number(header.session), header.counter}];
@@ -198,34 +198,29 @@ class Client {
     take(wire::encode_packet(header, body));
   }
 
-  Bytes reserved_body(Script& script, const Client& other, BuiltIn which) {
+  Bytes reserved_body(Script& script, const Client& other, FunctionCode which) {
     if (script.one_in(8)) return script.bytes(40);
     Bytes body(24);
     wire::Encoder to(body);
-    switch (which) {
-      case BuiltIn::Acquire:
-        to.put(static_cast<std::int32_t>(script.below(4)));
-        to.put(script.one_in(4));
-        to.put_string("pw");
-        break;
-      case BuiltIn::Release:
-        to.put(number(epoch_));
-        to.put(script.one_in(2));
-        break;
-      case BuiltIn::Outcome:
-        to.put(script.one_in(8) ? script.number() : number(process_boot()));
-        to.put(number(script.one_in(2) ? other.session_->id() : session_->id()));
-        to.put(newest_ - script.below(4));
-        break;
-      default:
-        to.put(number(probe::level_code));
+    if (which == GecosObjectInterface::acquire.code) {
+      to.put(static_cast<std::int32_t>(script.below(4)));
+      to.put(script.one_in(4));
+      to.put_string("pw");
+    } else if (which == GecosObjectInterface::release.code) {
+      to.put(number(epoch_));
+      to.put(script.one_in(2));
+    } else if (which == GecosObjectInterface::outcome.code) {
+      to.put(script.one_in(8) ? script.number() : number(process_incarnation()));
+      to.put(number(script.one_in(2) ? other.session_->id() : session_->id()));
+      to.put(newest_ - script.below(4));
+    } else {
+      to.put(number(probe::level_code));
     }
     body.resize(to.written());
     return body;
   }
 
   void hear(const wire::PacketView& packet) {
-    using Kind = wire::PacketKind;
     const auto detail = detail_from(static_cast<std::uint8_t>(packet.header.flags));
     switch (packet.header.kind) {
       case Kind::Welcome:
@@ -316,7 +311,7 @@ void try_served(Script script) {
     object->join();
     for (const Client* client : {&first, &second}) {
       expect(client->session()->calls.size() == 0, "every call comes to an end");
-      expect(client->session()->early.empty(), "nothing that came too early is left");
+      expect(client->session()->intake.aside() == 0, "nothing that came too early is left");
     }
   }
 }

@@ -35,7 +35,7 @@ class Hostile {
         "setup: a socket");
     self.socket_ = Descriptor(ends[1]);
     Peer peer{::geteuid(), ::getpid(), "a peer that means harm"};
-    const std::array given{self.memory_.memfd.get(), self.bell_.descriptor()};
+    const std::array given{self.memory_.memfd.get(), self.event_.descriptor()};
     if (!as_server) {
       auto link = ShmLink::greet(Descriptor(ends[0]), peer, {});
       expect(link.has_value(), "setup: a client");
@@ -83,7 +83,7 @@ class Hostile {
     if (script.one_in(8)) message.version = static_cast<std::uint32_t>(script.word());
     message.largest = script.one_in(2) ? script.number() : 64;
     message.depth = script.one_in(2) ? script.number() : 4;
-    std::array<int, 2> given{stream_.memfd.get(), bell_.descriptor()};
+    std::array<int, 2> given{stream_.memfd.get(), event_.descriptor()};
     const std::size_t count = script.below(3);
     if (script.one_in(4)) given[0] = memory_.memfd.get();
     if (script.one_in(8)) given[1] = socket_.get();
@@ -93,7 +93,7 @@ class Hostile {
   }
 
   Descriptor socket_;
-  Bell bell_;
+  EventFd event_;
   shm::SealedMemory memory_ = shm::make_sealed("hostile", ring_bytes).value();
   shm::SealedMemory stream_ = shm::make_sealed("hostile stream", stream_bytes).value();
   const RingMemory ring_ = RingMemory::at(memory_.mapping.data(), usual_slot_count);
@@ -126,7 +126,7 @@ void try_shm_link(Script script) {
         if (link->send(Bytes(script.byte()), {})) ++sent;
         break;
       case 2:
-        if (link->arm()) link->disarm();
+        if (link->prepare_to_sleep()) link->woke();
         break;
       case 3:
         link->beat();
@@ -157,7 +157,7 @@ void try_shm_link(Script script) {
     expect(loss == Loss::None || link->loss() == loss, "the first loss stays");
     loss = link->loss();
     expect((loss == Loss::None) == link->loss_text().empty(), "a loss says why");
-    expect(loss == Loss::None || !link->arm(), "nobody sleeps on what is lost");
+    expect(loss == Loss::None || !link->prepare_to_sleep(), "nobody sleeps on what is lost");
   }
 }
 

@@ -1,5 +1,5 @@
-"""No name of an interface breaks generated Python: whatever a module imports for itself, whatever
-builtin or local its bodies name may be what a type, parameter or member is called."""
+"""No name of an interface breaks generated Python: a type, a parameter or a member may have the
+name of an import, a builtin or a local variable of the generated module."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ class Answers:
         self.client, self.server = Client(), Server()
 
     def operations(self, start: str) -> Iterator[tuple[str, Any]]:
-        """Those of the interface that are called `start` and a number."""
+        """The operations of the interface whose names are `start` and a number."""
         for name in vars(type(self.client).__mro__[1]):
             if name.startswith(start) and name[len(start) :].isdigit():
                 yield name, getattr(self.client, name)

@@ -32,7 +32,7 @@ ODD = (
 )  # fmt: skip
 
 
-def planned(model: Model) -> list[Case]:
+def compiled_cases(model: Model) -> list[Case]:
     """The cases of types that have a plan."""
     return [c for c in cases() if hasattr(python_type(model, c.type).encode, "__wrapped__")]
 
@@ -69,7 +69,7 @@ def decoded(decode: Callable[[wire.Decoder], Any], data: bytes) -> tuple[type, A
 
 def test_the_extension_is_there_and_most_types_have_plans(model: Model, everything: Path) -> None:
     assert plans.COMPILED
-    assert len({case.type for case in planned(model)}) >= 20
+    assert len({case.type for case in compiled_cases(model)}) >= 20
 
 
 def test_the_usual_case_never_comes_to_python(model: Model, everything: Path) -> None:
@@ -79,7 +79,7 @@ def test_the_usual_case_never_comes_to_python(model: Model, everything: Path) ->
         if event == "call" and frame.f_code.co_name in ("encode", "decode"):
             called.append(f"{frame.f_code.co_filename}: {frame.f_code.co_qualname}")
 
-    for case in planned(model):
+    for case in compiled_cases(model):
         kind = python_type(model, case.type)
         value = python_struct(model, case.type, case.value)
         read = wire.from_bytes(kind, case.bytes)
@@ -95,7 +95,7 @@ def test_the_usual_case_never_comes_to_python(model: Model, everything: Path) ->
 
 def test_unusual_values_are_written_or_refused_as_by_python(model: Model, everything: Path) -> None:
     written = 0
-    for case in planned(model):
+    for case in compiled_cases(model):
         kind = python_type(model, case.type)
         for member in fields(kind):
             for odd in ODD:
@@ -108,7 +108,7 @@ def test_unusual_values_are_written_or_refused_as_by_python(model: Model, everyt
 
 
 def test_bytes_are_read_or_refused_as_by_python(model: Model, everything: Path) -> None:
-    known, read = {case.type for case in planned(model)}, 0
+    known, read = {case.type for case in compiled_cases(model)}, 0
     for name, data in hostile(random.Random(20261121), 6000):
         if name in known:
             kind = python_type(model, name)
@@ -132,7 +132,7 @@ def _framed() -> Iterator[tuple[str, Callable[[Any], Any]]]:
 def test_each_way_to_write_gives_what_python_gives(
     name: str, frame: Callable[[Any], Any], model: Model, everything: Path, monkeypatch: Any
 ) -> None:
-    values = [wire.from_bytes(python_type(model, c.type), c.bytes) for c in planned(model)]
+    values = [wire.from_bytes(python_type(model, c.type), c.bytes) for c in compiled_cases(model)]
     ours = [frame(value) for value in values]
     monkeypatch.setattr(wire, name, getattr(wire, name).__wrapped__)
     assert ours == [frame(value) for value in values]
@@ -142,7 +142,7 @@ def test_each_way_to_write_gives_what_python_gives(
 def test_messages_are_read_from_any_bytes(
     kind: type[bytes], model: Model, everything: Path
 ) -> None:
-    for case in planned(model):
+    for case in compiled_cases(model):
         mine = python_type(model, case.type)
         value = wire.from_bytes(mine, kind(case.bytes))
         message = wire.to_message(value)
@@ -153,7 +153,7 @@ def test_messages_are_read_from_any_bytes(
 
 
 def test_nothing_is_kept_of_what_was_written_and_read(model: Model, everything: Path) -> None:
-    known = [(python_type(model, case.type), case.bytes) for case in planned(model)]
+    known = [(python_type(model, case.type), case.bytes) for case in compiled_cases(model)]
     shared: list[object] = [None, True, False, PathType.JOINT, b"", *(kind for kind, _ in known)]
 
     def references() -> list[int]:

@@ -65,7 +65,7 @@ class Side:
 
     @property
     def hashes(self) -> tuple[int, ...]:
-        """Of what both versions have."""
+        """The values of members that both versions have."""
         cart = self.model.interface("lab::Cart")
         (go,) = (each for each in cart.operations if each.name == "go")
         (place,) = cart.attributes

@@ -226,6 +226,24 @@ class TestGen:
         assert "e.gidl:1:34: error[G0801]: E::hit: events" in capsys.readouterr().err
         assert not (here / "generated").exists()
 
+    def test_refuses_an_interface_that_inherits_what_every_object_answers(
+        self, here: Path, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        text = '#include "gecos/object.gidl"\ninterface E : gecos::GecosObject { void hit(); };\n'
+        (here / "idl" / "e.gidl").write_text(text)
+        assert main(["gen"]) == 100
+        error = capsys.readouterr().err
+        assert "e.gidl:2:11: error[G0801]: E: every object answers the operations" in error
+        assert not (here / "generated").exists()
+
+    def test_an_interface_may_use_the_types_of_what_every_object_answers(self, here: Path) -> None:
+        text = '#include "gecos/object.gidl"\ninterface E { void hit(in gecos::Holder by); };\n'
+        (here / "idl" / "e.gidl").write_text(text)
+        assert main(["gen"]) == 0
+        client = (here / "generated/cpp/e_client.hpp").read_text()
+        assert '#include "e_types.hpp"' in client
+        assert "gecos/object_client.hpp" not in client
+
 
 def test_an_unknown_type_of_a_file_that_is_not_included_says_which(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]

@@ -176,15 +176,15 @@ def test_a_server_without_descriptors_tells_the_client_so_and_serves_the_others(
     with running(WITH_FEW_DESCRIPTORS) as server:
         assert says(server) == "serving LAMP\n"
         first = lab.create(Lamp, "LAMP", medium="shm")
-        guests = gecos.Lab()
+        others = gecos.Lab()
         let_in = []
         with pytest.raises(
             gecos.CreateError, match=r"let us in: .*(ulimit -n|Too many open files)"
         ):
             for _ in range(64):
-                let_in.append(guests.create(Lamp, "LAMP", medium="shm"))
+                let_in.append(others.create(Lamp, "LAMP", medium="shm"))
         assert first.label().result(30) == "a lamp"
-        guests.close()
+        others.close()
         while True:  # the server learns of it at its own pace
             try:
                 again = lab.create(Lamp, "LAMP", medium="shm")

@@ -11,7 +11,7 @@
 #include "../cpp/media/kind_names.hpp"
 #include "gecos/broker/broker.hpp"
 #include "gecos/gecos.hpp"
-#include "gecos/media/faulty.hpp"
+#include "gecos/media/testing/faulty.hpp"
 #include "record.hpp"
 #include "stress/workbench_client.hpp"
 #include "stress/workbench_server.hpp"
@@ -50,7 +50,7 @@ gecos::LabOptions bad_line(std::uint64_t seed) {
 /// Counts how often each command ran, and what came out of order or damaged.
 class Counting : public stress::WorkbenchServant {
  public:
-  /// Of `clients` each has `share` numbers, one client's behind another's.
+  /// Each of `clients` has `share` numbers; the clients' ranges follow each other.
   Counting(std::uint64_t clients, std::uint64_t share)
       : share_(share), runs_(clients * share), last_(clients) {}
 

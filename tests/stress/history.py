@@ -82,7 +82,7 @@ class Client:
 
 
 class Start(NamedTuple):
-    """Of a handler."""
+    """The start of a handler, as its server recorded it."""
 
     command: int
     operation: str
@@ -149,7 +149,7 @@ class History:
                     yield server, start, call
 
     def frozen_before_they_began(self) -> Iterator[tuple[Freeze, Start]]:
-        """Those whose client heard nothing because the freeze fell between mark and handler."""
+        """Calls whose client heard nothing because the freeze came between mark and handler."""
         for server, start, call in self.begun_in_vain():
             freeze = self.freeze_between(server, start)
             if freeze is not None and call.detail() in LOST:

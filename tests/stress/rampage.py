@@ -242,7 +242,7 @@ class Rampage:
                 role.wait_ready()
 
     def freeze(self) -> None:
-        """At random instants, for as long as the plan says."""
+        """Freezes programs at random instants, for the lengths of the plan."""
         sets = list(self.plan.frozen)
         for length in self._lengths():
             self._pause()
@@ -250,7 +250,7 @@ class Rampage:
             self._freeze([self._random.choice(self._filling(name)) for name in roles], length)
 
     def _lengths(self) -> list[float]:
-        """Of the freezes, in s: as many of .05 to .1 as of 1 to 2, and one close to the longest."""
+        """Lengths of freezes, s: as many of .05 to .1 as of 1 to 2, and one near the longest."""
         steps = [
             (step + self._random.random()) / self.plan.freezes for step in range(self.plan.freezes)
         ]
@@ -343,7 +343,7 @@ class Rampage:
 
 
 def members(group: int) -> list[int]:
-    """Who is in that process group."""
+    """The processes of that process group."""
     found = []
     for stat in Path("/proc").glob("[0-9]*/stat"):
         with contextlib.suppress(OSError):  # it has gone meanwhile

@@ -5,7 +5,7 @@
 #include <sstream>
 #include <string_view>
 
-#include "gecos/media/faulty.hpp"
+#include "gecos/media/testing/faulty.hpp"
 
 namespace stress {
 namespace {
@@ -51,7 +51,7 @@ gecos::LabOptions Setting::lab() const {
       faults.corruption >> comma >> faults.seed;
   if (!from) wrong("faults are five numbers: " + text("faults"));
   options.wrap_medium = [faults](std::unique_ptr<gecos::media::Medium> inner) {
-    if (inner->offer().kind != gecos::media::Kind::Lcm) return inner;
+    if (inner->offer().name != "lcm") return inner;
     return gecos::media::make_faulty(std::move(inner), faults, real_clock());
   };
   return options;

@@ -28,7 +28,7 @@ EVERYBODY = {"client": 6, "server": 3, "broker": 1}
 ROUND = 200
 """Kills of one laboratory."""
 ROUND_OF_FREEZES = 25
-"""Of one laboratory."""
+"""Freezes of one laboratory."""
 
 
 @dataclass(slots=True)
@@ -133,6 +133,13 @@ def attack_the_channel(packets: int, build: Path, figures: Figures) -> None:
         figures.failed.append(f"crypto_test, Hostile, with GECOS_HOSTILE_PACKETS={packets}")
 
 
+def stream(seconds: int, build: Path, figures: Figures) -> None:
+    env = {**os.environ, "STREAM_SECONDS": str(seconds)}
+    done = subprocess.run([build / "tests" / "cpp" / "session" / "stream_rate_test"], env=env)
+    if done.returncode != 0:
+        figures.failed.append(f"stream_rate_test with STREAM_SECONDS={seconds}")
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description="The stress tests for hours.")
     parser.add_argument("--build", type=Path, default=Path("build"))
@@ -143,6 +150,7 @@ def main() -> int:
     parser.add_argument("--disturbances", type=int, default=50, help="cut lines")
     parser.add_argument("--calls", type=int, default=1_000_000, help="over each faulty line")
     parser.add_argument("--packets", type=int, default=1_000_000, help="to the secure channel")
+    parser.add_argument("--stream", type=int, default=60, help="seconds of a stream at 1 kHz")
     asked = parser.parse_args()
     print(f"soak: seed {asked.seed}", flush=True)
 
@@ -155,6 +163,7 @@ def main() -> int:
         env = {"PYTHONPATH": os.pathsep.join(paths), "GECOS_KEY_DIR": f"{made}/keys"}
         os.environ["GECOS_KEY_DIR"] = env["GECOS_KEY_DIR"]
         attack_the_channel(asked.packets, build, figures)
+        stream(asked.stream, build, figures)
         call_over_a_faulty_line(asked.calls, asked.seed, build, figures)
         for beside in freezing(asked.freezes, seeds):
             with ThreadPoolExecutor(len(beside)) as pool:
@@ -175,7 +184,7 @@ def main() -> int:
         f" {figures.freezes} freezes ({figures.in_vain} handlers began in vain after one),"
         f" {figures.cuts} cuts,"
         f" {asked.calls} calls over each of two faulty lines,"
-        f" {asked.packets} hostile packets,"
+        f" {asked.packets} hostile packets, {asked.stream} s of a stream over each of two media,"
         f" {figures.outcomes.total()} commands ({told})"
     )
     for wrong in figures.failed:

@@ -13,7 +13,7 @@ import rampage
 from rampage import Plan
 
 FREEZES = 5
-"""Of each laboratory. Six of them, so thirty in all."""
+"""Freezes of each laboratory; there are six laboratories, so thirty freezes in all."""
 
 
 def test_programs_that_stand_still_start_nothing_that_was_given_up_and_leave_no_command_open(

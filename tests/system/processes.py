@@ -25,7 +25,7 @@ def until(happened: Callable[[], bool], what: str, patience: float = PATIENCE_S)
 
 
 def await_ends(pids: Iterable[int], patience: float = PATIENCE_S) -> None:
-    """Of processes that are somebody else's children. Who has ended holds nothing any more."""
+    """Waits until processes that another process started have ended and hold nothing any more."""
     for pid in pids:
         try:
             process = os.pidfd_open(pid)
@@ -121,7 +121,7 @@ class Program:
         return gone
 
     def terminate(self) -> int:
-        """Of a server: it says that it is ready just before it takes the signal."""
+        """Stops a server, which reports that it is ready just before it handles the signal."""
         until(lambda: self._takes(signal.SIGTERM), f"{self} takes SIGTERM")
         self.signal(signal.SIGTERM)
         return self.finish()

@@ -77,8 +77,8 @@ def client() -> Iterator[gecos.Lab]:
 
 
 def holds_its_rate(attribute: gecos.StreamAttribute[Any], rate_hz: float, count: int = 30) -> None:
-    """Told by its stamps, which say when a sample was due: each a whole number of periods behind
-    the one before it, and of one period at least once. How late they come is not asked."""
+    """Checks the stamps, which are the due times: each is a whole number of periods after the one
+    before it, and exactly one period at least once. The delay of a sample is not checked."""
     period = 1.0 / rate_hz
     samples = []
     stream = attribute.stream()

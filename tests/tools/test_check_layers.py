@@ -25,19 +25,24 @@ def python(path: str, text: str) -> list[Violation]:
         ("runtime/cpp/gecos/qos/match.cpp", '"gecos/media/medium.hpp"'),
         ("runtime/cpp/gecos/access/lease_table.cpp", '"gecos/command.hpp"'),
         ("runtime/cpp/gecos/access/lease_table.cpp", '"gecos/object_types.hpp"'),
-        ("runtime/cpp/gecos/media/shm/ring.cpp", '"gecos/wire/encoder.hpp"'),
-        ("runtime/cpp/gecos/media/inproc.cpp", '"gecos/access/status.hpp"'),
-        ("runtime/cpp/gecos/session/client/select.cpp", '"gecos/media/lcm.hpp"'),
+        ("runtime/cpp/gecos/media/parts/ring.cpp", '"gecos/wire/encoder.hpp"'),
+        ("runtime/cpp/gecos/media/inproc/inproc.cpp", '"gecos/access/status.hpp"'),
+        ("runtime/cpp/gecos/media/parts/ring.cpp", '"gecos/media/shm/memory.hpp"'),
+        ("runtime/cpp/gecos/media/sealed/sender.cpp", '"gecos/media/lcm/port.hpp"'),
+        ("runtime/cpp/gecos/media/shm/link.cpp", '"gecos/media/sealed/sender.hpp"'),
+        ("runtime/cpp/gecos/media/layers/fragments.cpp", '"gecos/media/lcm/lcm.hpp"'),
+        ("runtime/cpp/gecos/media/lcm/network.cpp", '"gecos/media/testing/faulty.hpp"'),
+        ("runtime/cpp/gecos/session/client/select.cpp", '"gecos/media/lcm/lcm.hpp"'),
         ("runtime/cpp/gecos/session/client/select.cpp", '"gecos/media/shm/connection.hpp"'),
         ("runtime/cpp/gecos/session/client/lookup.cpp", '"gecos/broker_client.hpp"'),
         ("runtime/cpp/gecos/session/client/lookup.cpp", '"robcl/frames/frame.hpp"'),
-        ("runtime/cpp/gecos/broker/broker.cpp", '"gecos/media/inproc.hpp"'),
+        ("runtime/cpp/gecos/broker/broker.cpp", '"gecos/media/inproc/inproc.hpp"'),
         ("runtime/cpp/robcl/frames/frame.cpp", '"gecos/command.hpp"'),
         ("runtime/cpp/robcl/arm/chain.cpp", '"robcl/motion/straight.hpp"'),
         ("runtime/cpp/robcl/motion/straight.cpp", '"robcl/manipulator_types.hpp"'),
         ("generated/cpp/robcl/gripper_types.cpp", '"gecos/command.hpp"'),
-        ("generated/cpp/robcl/gripper_client.cpp", '"gecos/media/inproc.hpp"'),
-        ("devices/rx90/server.cpp", '"gecos/media/shm/ring.hpp"'),
+        ("generated/cpp/robcl/gripper_client.cpp", '"gecos/media/inproc/inproc.hpp"'),
+        ("devices/rx90/server.cpp", '"gecos/media/parts/ring.hpp"'),
         ("devices/rx90/server.cpp", '"gecos/broker/broker.hpp"'),
         ("devices/drivers/simulated_driver.cpp", '"gecos/gecos.hpp"'),
         ("devices/drivers/simulated_driver.cpp", '"arm/arm_controller.hpp"'),
@@ -47,6 +52,8 @@ def python(path: str, text: str) -> list[Violation]:
         ("runtime/python/src/core.cpp", '"robcl/gripper_client.hpp"'),
         ("runtime/cpp/gecos/lab.hpp", '"gecos/session/client/context.hpp"'),
         ("runtime/cpp/gecos/session/protocol/packets.hpp", '"gecos/session/process/runtime.hpp"'),
+        ("runtime/cpp/gecos/session/protocol/codec.hpp", '"gecos/object_types.hpp"'),
+        ("runtime/cpp/gecos/session/protocol/codec.hpp", '"gecos/broker_interface.hpp"'),
         ("runtime/cpp/gecos/session/process/runtime.cpp", '"gecos/session/client/connect.hpp"'),
         ("runtime/cpp/gecos/session/client/lab.cpp", '"gecos/session/server/io_loop.hpp"'),
         ("runtime/cpp/gecos/session/client/lab.cpp", '"gecos/gecos.hpp"'),
@@ -60,7 +67,7 @@ def python(path: str, text: str) -> list[Violation]:
         ("examples/grip_block.cpp", '"gecos/session/process/termination_signals.hpp"'),
         ("benchmarks/ours.cpp", '"gecos/session/protocol/packets.hpp"'),
         ("tests/cpp/broker/broker_test.cpp", '"gecos/session/server/server_call.hpp"'),
-        ("runtime/cpp/gecos/media/shm/ring.cpp", "<lcm/lcm.h>"),
+        ("runtime/cpp/gecos/media/lcm/network.cpp", "<lcm/lcm.h>"),
         ("runtime/cpp/gecos/session/client/select.cpp", "<Eigen/Dense>"),
         ("runtime/cpp/gecos/wire/encoder.hpp", "<kdl/frames.hpp>"),
         ("runtime/cpp/gecos/command.hpp", "<nanobind/nanobind.h>"),
@@ -73,7 +80,7 @@ def python(path: str, text: str) -> list[Violation]:
         ("runtime/cpp/gecos/crypto/transport.cpp", "<fcntl.h>"),
         ("runtime/cpp/gecos/crypto/key_directory.hpp", "<unistd.h>"),
         ("runtime/cpp/gecos/crypto/opening.cpp", '"gecos/wire/encoder.hpp"'),
-        ("runtime/cpp/gecos/media/lcm/link.cpp", "<sodium.h>"),
+        ("runtime/cpp/gecos/media/sealed/sender.cpp", "<sodium.h>"),
     ],
 )
 def test_a_forbidden_include_is_found(path: str, header: str) -> None:
@@ -89,12 +96,14 @@ def test_a_forbidden_include_is_found(path: str, header: str) -> None:
     ("path", "header"),
     [
         ("runtime/cpp/gecos/wire/packet.cpp", '"gecos/base/bytes.hpp"'),
-        ("runtime/cpp/gecos/media/lcm.cpp", "<lcm/lcm.h>"),
-        ("runtime/cpp/gecos/media/lcm/link.cpp", '"gecos/crypto/channel.hpp"'),
+        ("runtime/cpp/gecos/media/lcm/port.cpp", "<lcm/lcm.h>"),
+        ("runtime/cpp/gecos/media/sealed/responder.cpp", '"gecos/crypto/channel.hpp"'),
+        ("runtime/cpp/gecos/media/lcm/network.cpp", '"gecos/media/sealed/network.hpp"'),
+        ("runtime/cpp/gecos/session/server/io_loop.hpp", '"gecos/media/parts/waiting.hpp"'),
         ("runtime/cpp/gecos/crypto/keys.cpp", "<sodium.h>"),
         ("runtime/cpp/gecos/crypto/key_directory.cpp", "<fcntl.h>"),
-        ("runtime/cpp/gecos/media/shm/ring.cpp", '"gecos/media/medium.hpp"'),
-        ("runtime/cpp/gecos/media/shm/ring.cpp", "<sys/mman.h>"),
+        ("runtime/cpp/gecos/media/shm/memory.cpp", '"gecos/media/medium.hpp"'),
+        ("runtime/cpp/gecos/media/shm/memory.cpp", "<sys/mman.h>"),
         ("runtime/cpp/gecos/session/client/select.cpp", '"gecos/media/medium.hpp"'),
         ("runtime/cpp/gecos/reserved.hpp", '"gecos/object_types.hpp"'),
         ("runtime/cpp/gecos/broker/broker.hpp", '"gecos/broker_server.hpp"'),
@@ -126,7 +135,7 @@ def test_an_allowed_include_passes(path: str, header: str) -> None:
     assert cpp(path, f"#include {header}\n") == []
 
 
-def test_a_pure_room_that_reads_a_clock_is_found_but_not_in_a_comment() -> None:
+def test_a_pure_module_that_reads_a_clock_is_found_but_not_in_a_comment() -> None:
     path = "runtime/cpp/gecos/access/lease_table.cpp"
     (violation,) = cpp(
         path, "// std::chrono::steady_clock::now() is the caller's\nauto t = Clock::now();\n"
@@ -144,9 +153,9 @@ def test_a_pure_room_that_reads_a_clock_is_found_but_not_in_a_comment() -> None:
         "runtime/cpp/gecos/session/helpers/util.hpp",
     ],
 )
-def test_a_file_in_no_room_is_found(path: str) -> None:
+def test_a_file_in_no_module_is_found(path: str) -> None:
     (violation,) = cpp(path, "#pragma once\n")
-    assert "no room" in violation.what
+    assert "no module" in violation.what
 
 
 @pytest.mark.parametrize(
@@ -206,19 +215,65 @@ def test_an_allowed_import_passes(path: str, statement: str) -> None:
     assert python(path, statement) == []
 
 
+@pytest.mark.parametrize(
+    "text", ['_PING = Operation(3, "ping")', 'PING = interface.Operation(3, "ping")']
+)
+def test_an_operation_described_in_python_is_found(text: str) -> None:
+    (violation,) = python("runtime/python/gecos/reserved.py", f"{text}\n")
+    assert "by hand" in violation.what
+    assert python("runtime/python/gecos/interface.py", f"{text}\n") == []
+    assert python("generated/python/gecos_idl/object.py", f"{text}\n") == []
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        'if (!from.get(epoch, "epoch")) return;',
+        "to.put(static_cast<std::int32_t>(wanted));",
+        "if (!password.empty()) to.put_string(password);",
+        'if (wire::get_block(from, entry, "entry")) return entry;',
+        "put_block(to, entry);",
+        'decode_enum(from, wanted, "wanted") &&',
+        "OperationDescription operation;",
+        "const auto made = OperationDescription{};",
+        "std::array<OperationDescription, 9> operations;",
+    ],
+)
+def test_a_hand_written_codec_or_description_of_a_call_is_found(line: str) -> None:
+    path = "runtime/cpp/gecos/session/client/broker_client.cpp"
+    (violation,) = cpp(path, f"#pragma once\n{line}\n")
+    assert violation.line == 2
+    assert "by hand" in violation.what
+    assert "idl/gecos" in violation.do
+
+
+@pytest.mark.parametrize(
+    ("path", "line"),
+    [
+        ("session/client/reserved.cpp", "const auto result = described.get();"),
+        ("session/client/context.cpp", "void call(const OperationDescription& operation);"),
+        ("session/server/object_host.cpp", "const OperationDescription* const asked = find(code);"),
+        ("session/client/own_call.hpp", "[&](wire::Encoder& to) { arguments.encode(to); }, {});"),
+        ("session/protocol/handshake.cpp", "to.put_string(user);"),
+    ],
+)
+def test_generated_codecs_and_packets_pass(path: str, line: str) -> None:
+    assert cpp(f"runtime/cpp/gecos/{path}", f"{line}\n") == []
+
+
 def test_the_report_says_where_what_why_and_what_to_do(tmp_path: Path) -> None:
     planted = tmp_path / "runtime/cpp/gecos/session/client/select.cpp"
     planted.parent.mkdir(parents=True)
-    planted.write_text('#include "gecos/media/lcm.hpp"\n')
+    planted.write_text('#include "gecos/media/lcm/lcm.hpp"\n')
     assert check_layers.report(*check_layers.check(tmp_path)) == (
         "runtime/cpp/gecos/session/client/select.cpp:1: error: "
-        'session/client includes "gecos/media/lcm.hpp" of media\n'
+        'session/client includes "gecos/media/lcm/lcm.hpp" of media/lcm\n'
         "    = rule: the session knows media by contract alone (core, medium, quiet, "
-        "waiting and open.hpp), and generated types, never clients; the rooms of the session "
+        "waiting and kinds.hpp), and generated types, never clients; the modules of the session "
         "stand on each other: public, protocol, process, client, server\n"
         "    = help: it may include access, base, crypto, description, generated-interfaces, "
         "generated-types, medium, public, qos, session/process, session/protocol, wire: "
-        "pass in what it needs, or move the code to a room that may\n"
+        "pass in what it needs, or move the code to one that may\n"
         "check_layers: 1 files, 1 violations"
     )
 

@@ -1,8 +1,14 @@
 """`make test` must say what each runner said last, and must not call a failure a pass."""
 
+import os
 import sys
+from collections.abc import Sequence
+from pathlib import Path
 
-from run_lanes import Lane, Verdict, run, summary
+import pytest
+from run_lanes import OWN_NETWORK, Lane, Verdict, all_lanes, in_steps, run, run_together, summary
+
+TESTS = Path(__file__).resolve().parents[1]
 
 
 def lane(program: str, closing: str = r"passed|failed") -> Lane:
@@ -55,3 +61,42 @@ def test_the_summary_names_what_failed() -> None:
     assert "3 passed" in text
     assert text.endswith("FAILED: mypy")
     assert summary([good]).endswith("all 1 lanes passed")
+
+
+def test_lanes_of_one_step_run_at_the_same_time_and_are_shown_in_turn(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    os.mkfifo(tmp_path / "pipe")  # opens for neither of them until both are there
+    first = lane(f"print('A'); open({str(tmp_path / 'pipe')!r}).read(); print('1 passed')")
+    second = lane(f"print('B'); open({str(tmp_path / 'pipe')!r}, 'w').close(); print('2 passed')")
+    assert [v.closing_line for v in run_together([first, second])] == ["1 passed", "2 passed"]
+    said = [line for line in capfd.readouterr().out.splitlines() if len(line) == 1]
+    assert said == ["A", "B"]
+
+
+@pytest.mark.parametrize("may", [True, False])
+def test_lanes_that_share_the_network_run_together_where_each_may_have_its_own(
+    may: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("run_lanes.has_own_networks", lambda: may)
+    steps = in_steps(all_lanes("build", 2))
+    together = [lane.name for step in steps if len(step) > 1 for lane in step]
+    assert together == (["pytest", "systems"] if may else [])
+    assert all(one.command[: len(OWN_NETWORK)] == OWN_NETWORK for one in steps[-1]) == may
+    assert len([lane for step in steps for lane in step]) == len(all_lanes("build", 2))
+
+
+def test_every_test_of_python_belongs_to_one_lane() -> None:
+    commands = [lane.command for lane in all_lanes("build", 2) if "pytest" in lane.command]
+    folders = {path.parent for path in TESTS.rglob("test_*.py")}
+    for folder in folders:
+        name = folder.relative_to(TESTS.parent).as_posix()
+        taken = [c for c in commands if takes(c, name)]
+        assert len(taken) == 1, (name, taken)
+
+
+def takes(command: Sequence[str], folder: str) -> bool:
+    words = command[command.index("pytest") + 1 :]
+    left_out = {word.removeprefix("--ignore=") for word in words if word.startswith("--ignore=")}
+    named = [word for word in words if not word.startswith("-")]
+    return folder in named or (not named and folder not in left_out)

@@ -1,4 +1,4 @@
-"""What a change of interfaces breaks, between two models that were each checked.
+"""Incompatible changes between two checked models of interfaces.
 
 WIRE: old and new programs refuse or misread each other. SOURCE: programs have to be changed before
 they build again. QOS: a weaker promise. SECURITY: others may call than before. A change is

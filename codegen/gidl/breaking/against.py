@@ -18,7 +18,7 @@ _GIT = "git#"
 
 
 class AgainstError(ValueError):
-    """What was named cannot be read; the text says why and what to do."""
+    """The version to compare with cannot be read; the text says why and what to do."""
 
 
 @dataclass(frozen=True, slots=True)

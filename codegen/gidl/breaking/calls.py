@@ -32,7 +32,7 @@ def _bases(sides: Sides, old: Interface, new: Interface, report: Report) -> None
     ]
     for base in sorted(names[0] - names[1]):
         report.add("G1001", old.name, f"'{new.name}' is no '{base}' any more",
-                   "old clients do not find what it inherited", "keep the base",
+                   "old clients do not find the inherited operations", "keep the base",
                    new=new.facts, old=old.facts)  # fmt: skip
 
 

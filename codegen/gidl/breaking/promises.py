@@ -10,12 +10,12 @@ from gidl.model import Attribute, Facts, Interface, Operation
 from gidl.policy import Access, OnLoss, Qos, Stream
 
 _RELIES = "programs that rely on it miss it"
-_KEEP = "keep what was promised"
-_ASK = "keep it, or let those who answer for the laboratory's safety decide"
+_KEEP = "keep the promise"
+_ASK = "keep it, or ask the person responsible for the laboratory's safety"
 
 
 def interface(old: Interface, new: Interface, report: Report) -> frozenset[str]:
-    """What is promised less for the whole interface, which its members need not repeat."""
+    """Promises that the whole interface weakens; findings of its members do not repeat them."""
     weaker = tuple(_weaker(old.qos, new.qos))
     for text in weaker:
         _qos(report, old.name, f"'{old.name}' {text}", new.facts, old.facts)
@@ -49,7 +49,7 @@ def _qos(report: Report, subject: str, message: str, new: Facts, old: Facts) -> 
 
 
 def _weaker(old: Qos, new: Qos) -> Iterator[str]:
-    """What `old` promised and `new` does not."""
+    """The promises of `old` that `new` does not keep."""
     for what, was, is_now in (
         ("class", old.quality_class, new.quality_class),
         ("reliability", old.reliability, new.reliability),
@@ -124,9 +124,9 @@ def _operation_security(old: Operation, new: Operation) -> Iterator[tuple[str, s
         if new.safety:
             yield "is @safety now", "it is never refused, and overtakes every queue"
         else:
-            yield "is no @safety any more", "it can be refused, and waits behind others"
+            yield "is no @safety any more", "it can be refused, and it waits after other calls"
     if old.on_loss is OnLoss.STOP and new.on_loss is OnLoss.FINISH:
-        yield "goes on when its holder is lost", "what moves then, nobody holds"
+        yield "goes on when its holder is lost", "the robot may then move without a holder"
 
 
 def _attribute_security(old: Attribute, new: Attribute) -> Iterator[tuple[str, str]]:
@@ -154,7 +154,7 @@ def _access(what: str, old: Access, new: Access) -> Iterator[tuple[str, str]]:
 
 def _presence(old: bool, new: bool) -> Iterator[tuple[str, str]]:
     if old and not new:
-        yield "works although nobody is present", "it moves where nobody can stop it by hand"
+        yield "works although nobody is present", "it moves where no person can stop it by hand"
     elif new and not old:
         yield "needs presence now", "clients that used it unattended are refused"
 

@@ -30,7 +30,7 @@ class Report:
         new: Facts | None = None,
         old: Facts | None = None,
     ) -> None:
-        """At the place in the new files, with a note at the old one; a thing that is gone and has
+        """Adds a finding at the place in the new files, with a note at the old one; a removal with
         no place in the new files is shown in the old ones."""
         notes: tuple[Note, ...] = ()
         if new is not None:

@@ -1,4 +1,4 @@
-"""Members and parameters: what lies one behind the other, and may grow at its end."""
+"""Members and parameters: sequences of slots that may grow at their ends."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ def _gone(report: Report, owner: Owner, old: list[Slot], after: dict[str, Slot])
                     "keep it, with @deprecated", new=owner.new, old=slot.facts,
                 )  # fmt: skip
                 continue
-            instead = "keep it, and put what is new behind it"
+            instead = "keep it, and put new ones after it"
         else:
             instead = 'keep it, with @deprecated; @hash_as("old") where it has a new name'
         report.add(
@@ -109,7 +109,7 @@ def _added(
         elif not _may_be_left_out(slot):
             report.add(
                 "G1003", owner.subject, f"{what} is new and must be there",
-                "what an old program sends lacks it", "write @default(...) or @optional before it",
+                "messages of an old program lack it", "write @default(...) or @optional before it",
                 new=slot.facts,
             )  # fmt: skip
 
@@ -135,7 +135,7 @@ def _kept(
     if leaves_core and old.optional == new.optional:
         report.add("G1002", subject, f"whether {what} may be missing at the end has changed",
                    "the hashes of operations that use it differ: old and new refuse each other",
-                   "keep @default and what stands behind it as they were",
+                   "keep @default and everything after it unchanged",
                    new=places[0], old=places[1])  # fmt: skip
     elif had and not has and not new.optional:
         report.add("G1102", subject, f"{what} has no default any more",
@@ -212,7 +212,7 @@ def number(
     if bounds[0] != bounds[1]:
         report.add("G1006", subject,
                    f"{what} was {_bounds(bounds[0])} and is {_bounds(bounds[1])}",
-                   "what one side may send the other refuses",
+                   "one side may send values that the other refuses",
                    "keep the range, and add another member or operation beside it",
                    new=places[0], old=places[1])  # fmt: skip
 

@@ -1,7 +1,7 @@
 """One canonical layout of a .gidl file.
 
 Where a thing stands is decided here, with three exceptions that stay the author's: blank lines (one
-at most), whether a short body stands on one line, and breaks behind annotations and `(`. Every
+at most), whether a short body stands on one line, and breaks after annotations and `(`. Every
 token and every comment is kept, in order; `layout` proves it before it gives a text back.
 """
 

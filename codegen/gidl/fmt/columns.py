@@ -73,7 +73,7 @@ def _cells(item: Item) -> list[str] | None:
 
 
 def _type_end(pieces: list[Piece], at: int) -> int:
-    """Index behind the type that begins at `at`."""
+    """Index after the type that begins at `at`."""
     if pieces[at].text in _PRIMITIVES:
         while at < len(pieces) and pieces[at].text in _PRIMITIVES:
             at += 1

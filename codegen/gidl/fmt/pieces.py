@@ -23,7 +23,7 @@ class UnreadableError(ValueError):
 
 @dataclass(slots=True)
 class Piece:
-    """What is never split: a token, a comment or a preprocessor line."""
+    """A piece that is never split: a token, a comment or a preprocessor line."""
 
     kind: str  # "id" "op" ... of the lexer, "comment" or "directive"
     text: str
@@ -32,7 +32,7 @@ class Piece:
     end_line: int
     first_on_line: bool  # nothing but white space before it
     blank_before: bool
-    role: str = ""  # of brackets: "annotation" "params" "group" "angle" "angles"
+    role: str = ""  # use of a bracket: "annotation" "params" "group" "angle" "angles"
     spaced: bool = True  # a space before it when it follows something on its line
 
     @property
@@ -85,7 +85,7 @@ def scan(text: str) -> list[Piece]:
 
 
 def _directive(text: str) -> str:
-    """A preprocessor line without the comment behind it."""
+    """A preprocessor line without the comment after it."""
     for comment in re.finditer(r"//|/\*", text):
         if text.count('"', 0, comment.start()) % 2 == 0:
             return text[: comment.start()]

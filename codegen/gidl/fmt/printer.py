@@ -15,11 +15,11 @@ _CONTINUED = 4  # more for the rest of a declaration that goes on in the next li
 
 @dataclass(slots=True)
 class Laid:
-    """An item in lines, before the comment behind its last line is placed."""
+    """An item in lines, before the comment after its last line is placed."""
 
     item: Item
     lines: list[str]
-    comments: str = ""  # behind the last line
+    comments: str = ""  # after the last line
     section: int = 0  # what stands in columns with it
 
 
@@ -158,7 +158,7 @@ def leading(item: Item) -> int:
 
 
 def _annotation_end(parts: list[Piece | Body], at: int) -> int:
-    """Index behind the annotation whose name begins at `at`."""
+    """Index after the annotation whose name begins at `at`."""
     at += 1
     while (
         at + 1 < len(parts)
@@ -184,7 +184,7 @@ def _annotation_end(parts: list[Piece | Body], at: int) -> int:
 @dataclass(slots=True)
 class _Writer:
     indent: int
-    breaks_kept: bool  # those behind annotations
+    breaks_kept: bool  # those after annotations
     split: bool  # a break between the annotations and the declaration
     lines: list[str] = field(default_factory=list)
     now: str = ""

@@ -14,7 +14,7 @@ class Item:
     """A declaration, a member, an enumerator or a parameter, with what closes it."""
 
     parts: list[Piece | Body] = field(default_factory=list)
-    trailing: list[Piece] = field(default_factory=list)  # comments behind it on its line
+    trailing: list[Piece] = field(default_factory=list)  # comments after it on its line
     continued: list[Piece] = field(default_factory=list)  # `//` below that comment, in its column
 
     @property
@@ -39,7 +39,7 @@ class Body:
     keyword: str  # "struct", "interface", ...; "(" for parameters
     elements: list[Item | Piece] = field(default_factory=list)  # pieces: comments, directives
     closing: Piece | None = None
-    after_opening: list[Piece] = field(default_factory=list)  # comments behind `{` on its line
+    after_opening: list[Piece] = field(default_factory=list)  # comments after `{` on its line
     broken: bool = False  # the author did not write it on one line, or it cannot stand on one
 
     @property
@@ -79,7 +79,7 @@ class _Reader:
                 self._item(body)
 
     def _same_line(self, body: Body, piece: Piece) -> None:
-        """A comment behind a preprocessor line belongs to its line."""
+        """A comment after a preprocessor line belongs to its line."""
         comments = self._comments_behind(piece)
         if comments:
             body.elements[-1] = Item([piece], comments)
@@ -193,7 +193,7 @@ class _Reader:
 
 
 def _continues(comment: Piece, above: Piece) -> bool:
-    """Whether a comment alone on its line goes on with the one behind the code above."""
+    """Whether a comment alone on its line goes on with the one after the code above."""
     return (
         comment.is_line_comment
         and comment.first_on_line

@@ -44,7 +44,7 @@ ALL: tuple[Rule, ...] = (
 
 
 def lint(model: Model) -> list[Finding]:
-    """What all rules say about the files that were asked for."""
+    """The findings of all rules about the files that were asked for."""
     findings = Findings()
     for rule in ALL:
         rule(model, findings)

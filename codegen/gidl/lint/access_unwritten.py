@@ -1,4 +1,4 @@
-"""Who may call is written, not left to the rule for what is unwritten."""
+"""An operation states who may call it instead of relying on the default."""
 
 from __future__ import annotations
 
@@ -16,7 +16,8 @@ def check(model: Model, findings: Findings) -> None:
             "G0902",
             member.facts.location,
             f"{what} '{member.name}' does not say who may use it",
-            f"write @{applies}, which applies now, or what is meant: @sensor, @actor or @master",
+            f"write @{applies}, the present default, or the intended one of @sensor, @actor "
+            "and @master",
         )
 
 

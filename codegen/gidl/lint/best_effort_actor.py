@@ -1,4 +1,4 @@
-"""What moves a robot is not sent on a line that may lose it."""
+"""A command that moves a robot is not sent over a connection that may lose it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is deprecated is not used by what is not."""
+"""A declaration that is not deprecated uses no deprecated one."""
 
 from __future__ import annotations
 

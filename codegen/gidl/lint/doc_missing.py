@@ -1,4 +1,4 @@
-"""Who calls reads what will happen: interfaces, operations and events have a comment."""
+"""Interfaces, operations and events have a comment for the caller."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ def check(model: Model, findings: Findings) -> None:
                 "G0907",
                 interface.facts.location,
                 f"interface '{interface.simple_name}' has no comment",
-                "write /** ... */ before it: what it stands for",
+                "write /** ... */ before it: its meaning",
             )
         for operation in (*interface.operations, *interface.events):
             if not operation.facts.doc:
@@ -22,5 +22,5 @@ def check(model: Model, findings: Findings) -> None:
                     "G0907",
                     operation.facts.location,
                     f"{what} '{operation.name}' has no comment",
-                    "write /** ... */ before it: what happens, and when it is refused",
+                    "write /** ... */ before it: its effect, and when it is refused",
                 )

@@ -20,5 +20,5 @@ def check(model: Model, findings: Findings) -> None:
                 "G0911",
                 enum.facts.location,
                 f"enum '{enum.simple_name}' can never get another literal",
-                "write @default_literal before what an unknown one becomes",
+                "write @default_literal before the enumerator for unknown values",
             )

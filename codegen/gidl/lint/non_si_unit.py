@@ -1,4 +1,4 @@
-"""Numbers on the wire are SI; what is not is converted at the edge, where it comes from."""
+"""Numbers on the wire are SI; a value in another unit is converted where it comes from."""
 
 from __future__ import annotations
 

@@ -28,10 +28,10 @@ from gidl.model import (
 
 @dataclass(frozen=True, slots=True)
 class Use:
-    name: str  # scoped, of what is used
-    what: str  # that uses it: "member 'pose'"
-    facts: Facts  # of that
-    by_deprecated: bool  # what uses it is deprecated itself
+    name: str  # scoped name of the declaration that is used
+    what: str  # the user, in words: "member 'pose'"
+    facts: Facts  # facts of the user
+    by_deprecated: bool  # the user is deprecated itself
 
 
 def uses(model: Model, file: File) -> Iterator[Use]:

@@ -1,4 +1,4 @@
-"""Who streams commands may fall silent: the watchdog says when the server acts on that."""
+"""A stream of commands has a watchdog: it limits how long the sender may be silent."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""CORBA IDL as omniidl takes it: annotations go, what would lose its meaning is refused."""
+"""CORBA IDL for omniidl: annotations are dropped; a construct without a counterpart is refused."""
 
 from __future__ import annotations
 
@@ -142,7 +142,7 @@ class CorbaWriter(OmgWriter):
         self._aliases: dict[Type, str] = {}
         self._taken = {
             part.lower()
-            for i in self._model.lineage(interface)
+            for i in self._model.with_bases(interface)
             for part in (*(m.name for m in i.members), *(n.rpartition("::")[2] for n in i.nested))
         }
         for member in interface.members:

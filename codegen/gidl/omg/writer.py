@@ -1,4 +1,4 @@
-"""What both dialects share: the order of things, modules, forward declarations, names, values.
+"""Common parts of both dialects: order, modules, forward declarations, names, values.
 
 Names are written in full, with `::` in front: nothing a type name could clash with. A declaration
 that is used before it is declared is declared forward where it is first needed.
@@ -39,7 +39,7 @@ from gidl.model import (
     Value,
 )
 
-_KEYWORDS = frozenset((*USED_BY_LOWER, *UNUSED_BY_LOWER))  # of any tool: all are escaped
+_KEYWORDS = frozenset((*USED_BY_LOWER, *UNUSED_BY_LOWER))  # keywords of any tool: all are escaped
 _FORWARD = {Struct: "struct", Union: "union", Interface: "interface"}
 
 
@@ -47,15 +47,17 @@ class OmgWriter(ABC):
     """Writes a model in one dialect of OMG IDL. @pre the model has no errors."""
 
     dialect: str  # as people call it
-    primitives: dict[str, str]  # by our names; what is missing cannot be expressed
+    primitives: dict[str, str]  # by names of `.gidl`; a missing one cannot be expressed
 
     def __init__(self, model: Model, findings: Findings) -> None:
         self._model = model
         self._findings = findings
         self._lines: list[str] = []
-        self._modules: tuple[str, ...] = ()  # open ones
-        self._declared: set[str] = set()  # so far, also forward
-        self._at = Location("", 1, 1)  # of what is being written
+        self._modules: tuple[str, ...] = ()  # the open modules
+        self._declared: set[str] = (
+            set()
+        )  # names that were declared so far, forward declarations too
+        self._at = Location("", 1, 1)  # location of the declaration that is being written
 
     def text(self, whole: bool) -> str:
         printed = [f for f in self._model.files if whole or f.asked_for]
@@ -147,7 +149,7 @@ class OmgWriter(ABC):
     # -- forward declarations ------------------------------------------------------------------
 
     def _missing(self, unit: tuple[AnyDeclaration, ...]) -> list[str]:
-        """What `unit` uses before it is declared, in order."""
+        """The types that `unit` uses before their declarations, in order."""
         own = {d.name for d in unit}
         used = (name for d in unit for name in self._used_by(d))
         return list(dict.fromkeys(n for n in used if n not in self._declared and n not in own))
@@ -171,7 +173,7 @@ class OmgWriter(ABC):
         return "::" + "::".join(self._name(part) for part in scoped.split("::"))
 
     def _type(self, used: Type) -> str:
-        """Without the dimensions of an array: those stand behind the name."""
+        """The type without the dimensions of an array, which follow the name."""
         match used:
             case PrimitiveType(kind):
                 written = self.primitives.get(kind.value)
@@ -269,5 +271,5 @@ _PLAIN = re.compile(rb"[ !#-&(-\[\]-~]")
 
 
 def _escaped(text: bytes) -> str:
-    """Three octal digits for whatever is not plain: no digit behind can be taken for more."""
+    """Three octal digits for a special character, so that no following digit extends the escape."""
     return "".join(chr(byte) if _PLAIN.match(bytes([byte])) else f"\\{byte:03o}" for byte in text)

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 
 from gidl.diagnostics import Findings, Note
-from gidl.model import Attribute, Interface, Model, Operation
+from gidl.model import BUILT_IN, Attribute, Interface, Model, Operation
 from gidl.rules.walk import meet_first
 
-RESERVED_INTERFACE = "gecos::GecosObject"
 LAST_RESERVED = 255
 
 Member = Operation | Attribute
@@ -28,7 +27,7 @@ def _reserved(
     interface: Interface, code: int, name: str, member: Member, findings: Findings
 ) -> None:
     inside = code <= LAST_RESERVED
-    if interface.name == RESERVED_INTERFACE:
+    if interface.name == BUILT_IN:
         if not 1 <= code <= LAST_RESERVED:
             findings.error(
                 "G0602",
@@ -55,7 +54,7 @@ def _unique(
     findings: Findings,
 ) -> None:
     seen: dict[int, tuple[str, Member]] = {}
-    for part in model.lineage(interface):
+    for part in model.with_bases(interface):
         for code, name, member in own[part.name]:
             first = seen.setdefault(code, (name, member))
             if first[0] == name or not meet_first(

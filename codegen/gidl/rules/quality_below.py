@@ -30,7 +30,7 @@ def _compare(
 ) -> None:
     if not facts.has("qos"):
         return
-    if stream is not None:  # these three speak of its samples; an open one is bare LCM anyway
+    if stream is not None:  # these terms apply to samples; an open stream is plain LCM
         own = replace(own, reliability=None, depth=None, lifespan_ns=None)
         own = replace(own, quality_class=None) if stream.is_open else own
     for said in _weaker(own, above.qos):
@@ -44,7 +44,7 @@ def _compare(
 
 
 def _weaker(own: Qos, above: Qos) -> Iterator[str]:
-    """What `own` promises less of, in words."""
+    """The promises of `own` that are weaker than those above, in words."""
     for term in ("quality_class", "reliability", "liveliness"):
         mine, theirs = getattr(own, term), getattr(above, term)
         if mine is not None and theirs is not None and mine < theirs:

@@ -1,4 +1,4 @@
-"""What a stream may be: its direction, its watchdog, and what may be open to anyone."""
+"""Rules of streams: direction, watchdog, and the conditions of an open stream."""
 
 from __future__ import annotations
 

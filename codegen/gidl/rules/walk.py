@@ -87,8 +87,8 @@ def members(model: Model) -> Iterator[Operation | Attribute]:
 def meet_first(model: Model, interface: Interface, one: str, other: str) -> bool:
     """Whether `interface` is the first to have both of two interfaces in its line."""
     for base in interface.all_bases:
-        lineage = {i.name for i in model.lineage(model.interface(base))}
-        if one in lineage and other in lineage:
+        line = {i.name for i in model.with_bases(model.interface(base))}
+        if one in line and other in line:
             return False
     return True
 

@@ -1,4 +1,4 @@
-"""What calls carry: parameters, results and streams, the same for every language."""
+"""Contents of calls: parameters, results and streams, the same for every language."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from gidl.model import (
+    BUILT_IN,
     AnyDeclaration,
     Attribute,
     Extensibility,
@@ -70,26 +71,27 @@ def first_missing(values: Sequence[CallValue]) -> int:
     return index
 
 
-def result_structs(layout: Layout, file: File) -> tuple[Struct, ...]:
-    """Structs for operations that give several values: `Gripper_measure_result`."""
-    operations = [o for d in file.declarations if isinstance(d, Interface) for o in d.operations]
-    found = (result_struct(layout, operation) for operation in operations)
-    return tuple(struct for struct in found if struct is not None)
+def arguments_struct(operation: Operation) -> Struct:
+    """What an operation takes, as a struct: `Gripper_open_arguments`. It grows like any request."""
+    values = [parameter_value(p) for p in operation.inputs]
+    return _struct_of(operation, "arguments", f"What `{operation.name}` takes.", values)
 
 
-def result_struct(layout: Layout, operation: Operation) -> Struct | None:
-    """None for an operation that gives one value or nothing. It grows like any reply."""
+def result_struct(layout: Layout, operation: Operation) -> Struct:
+    """What an operation gives: `Gripper_measure_result`. It grows like any reply."""
     values = reply_values(operation, layout.call(operation.scoped_name))
-    if len(values) < 2:
-        return None
+    return _struct_of(operation, "result", f"What `{operation.name}` gives.", values)
+
+
+def _struct_of(operation: Operation, part: str, doc: str, values: Sequence[CallValue]) -> Struct:
     bare = Facts(operation.facts.location)
     members = tuple(
         Member(v.name, v.type, bare, v.unit, v.range, v.default, v.optional, secret=v.secret)
         for v in values
     )
     return Struct(
-        f"{operation.interface}_{operation.name}_result",
-        Facts(operation.facts.location, f"What `{operation.name}` gives."),
+        f"{operation.interface}_{operation.name}_{part}",
+        Facts(operation.facts.location, doc),
         members,
         extensibility=Extensibility.APPENDABLE,
     )
@@ -137,6 +139,12 @@ def _used_types(declaration: AnyDeclaration) -> Iterator[Type]:
 
 def refuse_unsupported(interface: Interface) -> None:
     """Raises UnsupportedError for what has a place in the model and none yet in our output."""
+    if BUILT_IN in interface.all_bases:
+        raise UnsupportedError(
+            interface.facts.location,
+            f"{interface.name}: every object answers the operations of {BUILT_IN}, so an interface"
+            " does not inherit them; leave it out of the bases",
+        )
     for member in interface.members:
         if isinstance(member, Operation) and member.is_event:
             raise UnsupportedError(

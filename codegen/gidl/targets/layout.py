@@ -16,7 +16,7 @@ def _spaced(lines: list[str], python: bool) -> list[str]:
     """Two empty lines around what stands at the left edge of Python, else one at most."""
     result: list[str] = []
     empty, block = 0, False  # block: inside a class or function at the left edge
-    decorated = False  # behind a decorator of it
+    decorated = False  # after a decorator of it
     for line in lines:
         if not line.strip():
             empty += 1

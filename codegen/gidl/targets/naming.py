@@ -92,7 +92,7 @@ def range_words(limits: Range) -> str:
 
 
 def range_text(limits: Range) -> str:
-    """As it stands in messages: "[0.01, 1.0]"."""
+    """The range as messages show it: "[0.01, 1.0]"."""
     lower = "-inf" if limits.minimum is None else str(limits.minimum)
     upper = "inf" if limits.maximum is None else str(limits.maximum)
     return f"[{lower}, {upper}]"

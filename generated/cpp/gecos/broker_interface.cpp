@@ -2,6 +2,9 @@
 // Change the interface and run `gidl gen`.
 #include "gecos/broker_interface.hpp"
 
+#include "gecos/wire/check.hpp"
+#include "gecos/wire/fields.hpp"
+
 namespace gecos {
 
 constinit const gecos::OperationDescription BrokerInterface::operations[] = {
@@ -21,5 +24,128 @@ constinit const gecos::InterfaceDescription BrokerInterface::description{
     .hash = 0x7af96f6f9acb0b67U,
     .operations = operations,
 };
+
+std::size_t Broker_enlist_arguments::encoded_size() const { return 12 + what.encoded_size(); }
+
+void Broker_enlist_arguments::encode(gecos::wire::Encoder& to) const {
+  to.put_count(what.encoded_size());
+  what.encode(to);
+  to.put(served_for);
+}
+
+bool Broker_enlist_arguments::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  served_for = 0.0;
+  return gecos::wire::get_block(from, what, "enlist.what") &&
+         (from.at_end() ||
+          from.get(served_for, "enlist.served_for")) &&
+         gecos::wire::skip_rest(from);
+}
+
+std::string gecos_violation(const Broker_enlist_arguments& value) {
+  if (auto why = ::gecos::gecos_violation(value.what); !why.empty()) return why;
+  return {};
+}
+
+std::size_t Broker_enlist_result::encoded_size() const {
+  std::size_t size = 1;
+  if (settles_in) {
+    size += 8;
+  }
+  return size;
+}
+
+void Broker_enlist_result::encode(gecos::wire::Encoder& to) const {
+  to.put(settles_in.has_value());
+  if (settles_in) {
+    to.put(*settles_in);
+  }
+}
+
+bool Broker_enlist_result::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  settles_in = std::nullopt;
+  return (from.at_end() ||
+          gecos::wire::get_optional(from, settles_in, "enlist.settles_in",
+              [&](auto& value) {
+                return from.get(value, "enlist.settles_in");
+              })) &&
+         gecos::wire::skip_rest(from);
+}
+
+std::size_t Broker_withdraw_arguments::encoded_size() const { return 5 + name.size(); }
+
+void Broker_withdraw_arguments::encode(gecos::wire::Encoder& to) const { to.put_string(name); }
+
+bool Broker_withdraw_arguments::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  return from.get_string(name, gecos::wire::npos, "withdraw.name") &&
+         gecos::wire::skip_rest(from);
+}
+
+std::string gecos_violation(const Broker_withdraw_arguments& value) {
+  if (!gecos::wire::valid_text(value.name)) return gecos::wire::bad_text("withdraw.name");
+  return {};
+}
+
+std::size_t Broker_lookup_arguments::encoded_size() const { return 5 + name.size(); }
+
+void Broker_lookup_arguments::encode(gecos::wire::Encoder& to) const { to.put_string(name); }
+
+bool Broker_lookup_arguments::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  return from.get_string(name, gecos::wire::npos, "lookup.name") &&
+         gecos::wire::skip_rest(from);
+}
+
+std::string gecos_violation(const Broker_lookup_arguments& value) {
+  if (!gecos::wire::valid_text(value.name)) return gecos::wire::bad_text("lookup.name");
+  return {};
+}
+
+std::size_t Broker_lookup_result::encoded_size() const { return 4 + result.encoded_size(); }
+
+void Broker_lookup_result::encode(gecos::wire::Encoder& to) const {
+  to.put_count(result.encoded_size());
+  result.encode(to);
+}
+
+bool Broker_lookup_result::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  return gecos::wire::get_block(from, result, "lookup.result") &&
+         gecos::wire::skip_rest(from);
+}
+
+std::string gecos_violation(const Broker_lookup_result& value) {
+  if (auto why = ::gecos::gecos_violation(value.result); !why.empty()) return why;
+  return {};
+}
+
+std::size_t Broker_list_result::encoded_size() const {
+  std::size_t size = 4;
+  size += 4 * result.size();
+  for (const auto& item : result) {
+    size += item.encoded_size();
+  }
+  return size;
+}
+
+void Broker_list_result::encode(gecos::wire::Encoder& to) const {
+  to.put_count(result.size());
+  for (const auto& item : result) {
+    to.put_count(item.encoded_size());
+    item.encode(to);
+  }
+}
+
+bool Broker_list_result::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  return gecos::wire::get_sequence(from, result, 4, gecos::wire::npos, "list.result",
+             [&](auto& item) {
+               return gecos::wire::get_block(from, item, "list.result");
+             }) &&
+         gecos::wire::skip_rest(from);
+}
+
+std::string gecos_violation(const Broker_list_result& value) {
+  for (const auto& item : value.result) {
+    if (auto why = ::gecos::gecos_violation(item); !why.empty()) return why;
+  }
+  return {};
+}
 
 }  // namespace gecos

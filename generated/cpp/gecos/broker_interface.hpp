@@ -2,7 +2,15 @@
 // Change the interface and run `gidl gen`.
 #pragma once
 
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
 #include "gecos/description.hpp"
+#include "gecos/wire/contents.hpp"
+#include "gecos/broker_types.hpp"
 
 namespace gecos {
 
@@ -16,5 +24,78 @@ struct BrokerInterface {
   static constexpr const gecos::OperationDescription& list = operations[2];
   static constexpr const gecos::OperationDescription& withdraw = operations[3];
 };
+
+/// What `enlist` takes.
+struct Broker_enlist_arguments {
+  ::gecos::Entry what{};
+  /// [s]
+  double served_for = 0.0;
+
+  static constexpr std::string_view type_name() { return "gecos::Broker_enlist_arguments"; }
+  std::size_t encoded_size() const;
+  void encode(gecos::wire::Encoder& to) const;
+  [[nodiscard]] bool decode(gecos::wire::Decoder& from);
+};
+/// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
+std::string gecos_violation(const Broker_enlist_arguments& value);
+
+/// What `enlist` gives.
+struct Broker_enlist_result {
+  /// [s, optional]
+  std::optional<double> settles_in{};
+
+  static constexpr std::string_view type_name() { return "gecos::Broker_enlist_result"; }
+  std::size_t encoded_size() const;
+  void encode(gecos::wire::Encoder& to) const;
+  [[nodiscard]] bool decode(gecos::wire::Decoder& from);
+};
+
+/// What `withdraw` takes.
+struct Broker_withdraw_arguments {
+  std::string name{};
+
+  static constexpr std::string_view type_name() { return "gecos::Broker_withdraw_arguments"; }
+  std::size_t encoded_size() const;
+  void encode(gecos::wire::Encoder& to) const;
+  [[nodiscard]] bool decode(gecos::wire::Decoder& from);
+};
+/// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
+std::string gecos_violation(const Broker_withdraw_arguments& value);
+
+/// What `lookup` takes.
+struct Broker_lookup_arguments {
+  std::string name{};
+
+  static constexpr std::string_view type_name() { return "gecos::Broker_lookup_arguments"; }
+  std::size_t encoded_size() const;
+  void encode(gecos::wire::Encoder& to) const;
+  [[nodiscard]] bool decode(gecos::wire::Decoder& from);
+};
+/// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
+std::string gecos_violation(const Broker_lookup_arguments& value);
+
+/// What `lookup` gives.
+struct Broker_lookup_result {
+  ::gecos::Entry result{};
+
+  static constexpr std::string_view type_name() { return "gecos::Broker_lookup_result"; }
+  std::size_t encoded_size() const;
+  void encode(gecos::wire::Encoder& to) const;
+  [[nodiscard]] bool decode(gecos::wire::Decoder& from);
+};
+/// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
+std::string gecos_violation(const Broker_lookup_result& value);
+
+/// What `list` gives.
+struct Broker_list_result {
+  std::vector<::gecos::Entry> result{};
+
+  static constexpr std::string_view type_name() { return "gecos::Broker_list_result"; }
+  std::size_t encoded_size() const;
+  void encode(gecos::wire::Encoder& to) const;
+  [[nodiscard]] bool decode(gecos::wire::Decoder& from);
+};
+/// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
+std::string gecos_violation(const Broker_list_result& value);
 
 }  // namespace gecos

@@ -2,6 +2,9 @@
 // Change the interface and run `gidl gen`.
 #include "gecos/object_interface.hpp"
 
+#include "gecos/wire/check.hpp"
+#include "gecos/wire/fields.hpp"
+
 namespace gecos {
 
 constinit const gecos::OperationDescription GecosObjectInterface::operations[] = {
@@ -28,8 +31,176 @@ constinit const gecos::OperationDescription GecosObjectInterface::operations[] =
 constinit const gecos::InterfaceDescription GecosObjectInterface::description{
     .name = "gecos::GecosObject",
     .version = "1.0",
-    .hash = 0x80a2bdb69dcdcc1eU,
+    .hash = 0x742c209177b34086U,
     .operations = operations,
 };
+
+std::size_t GecosObject_holders_result::encoded_size() const {
+  std::size_t size = 4;
+  size += 4 * result.size();
+  for (const auto& item : result) {
+    size += item.encoded_size();
+  }
+  return size;
+}
+
+void GecosObject_holders_result::encode(gecos::wire::Encoder& to) const {
+  to.put_count(result.size());
+  for (const auto& item : result) {
+    to.put_count(item.encoded_size());
+    item.encode(to);
+  }
+}
+
+bool GecosObject_holders_result::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  return gecos::wire::get_sequence(from, result, 4, gecos::wire::npos, "holders.result",
+             [&](auto& item) {
+               return gecos::wire::get_block(from, item, "holders.result");
+             }) &&
+         gecos::wire::skip_rest(from);
+}
+
+std::string gecos_violation(const GecosObject_holders_result& value) {
+  for (const auto& item : value.result) {
+    if (auto why = ::gecos::gecos_violation(item); !why.empty()) return why;
+  }
+  return {};
+}
+
+std::size_t GecosObject_describe_result::encoded_size() const {
+  return 4 + result.encoded_size();
+}
+
+void GecosObject_describe_result::encode(gecos::wire::Encoder& to) const {
+  to.put_count(result.encoded_size());
+  result.encode(to);
+}
+
+bool GecosObject_describe_result::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  return gecos::wire::get_block(from, result, "describe.result") &&
+         gecos::wire::skip_rest(from);
+}
+
+std::string gecos_violation(const GecosObject_describe_result& value) {
+  if (auto why = ::gecos::gecos_violation(value.result); !why.empty()) return why;
+  return {};
+}
+
+std::size_t GecosObject_acquire_arguments::encoded_size() const {
+  std::size_t size = 5;
+  if (password) {
+    size += 5;
+    size += password->size();
+  }
+  return size;
+}
+
+void GecosObject_acquire_arguments::encode(gecos::wire::Encoder& to) const {
+  to.put(static_cast<std::int32_t>(wanted), password.has_value());
+  if (password) {
+    to.put_string(*password);
+  }
+}
+
+bool GecosObject_acquire_arguments::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  password = std::nullopt;
+  return ::gecos::decode_enum(from, wanted, "acquire.wanted") &&
+         (from.at_end() ||
+          gecos::wire::get_optional(from, password, "acquire.password", [&](auto& value) {
+            return from.get_string(value, 1024, "acquire.password");
+          })) &&
+         gecos::wire::skip_rest(from);
+}
+
+std::string gecos_violation(const GecosObject_acquire_arguments& value) {
+  if (value.password) {
+    if (value.password->size() > 1024) {
+      return gecos::wire::over_bound("acquire.password", value.password->size(), 1024, "bytes");
+    }
+    if (!gecos::wire::valid_text(*value.password)) {
+      return gecos::wire::bad_text("acquire.password");
+    }
+  }
+  return {};
+}
+
+std::size_t GecosObject_acquire_result::encoded_size() const { return 4 + result.encoded_size(); }
+
+void GecosObject_acquire_result::encode(gecos::wire::Encoder& to) const {
+  to.put_count(result.encoded_size());
+  result.encode(to);
+}
+
+bool GecosObject_acquire_result::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  return gecos::wire::get_block(from, result, "acquire.result") &&
+         gecos::wire::skip_rest(from);
+}
+
+std::size_t GecosObject_release_arguments::encoded_size() const { return 9; }
+
+void GecosObject_release_arguments::encode(gecos::wire::Encoder& to) const { to.put(epoch, now); }
+
+bool GecosObject_release_arguments::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  return from.get(epoch, "release.epoch") &&
+         from.get(now, "release.now") &&
+         gecos::wire::skip_rest(from);
+}
+
+std::size_t GecosObject_subscribe_arguments::encoded_size() const { return 4; }
+
+void GecosObject_subscribe_arguments::encode(gecos::wire::Encoder& to) const { to.put(code); }
+
+bool GecosObject_subscribe_arguments::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  return from.get(code, "subscribe.code") &&
+         gecos::wire::skip_rest(from);
+}
+
+std::size_t GecosObject_subscribe_result::encoded_size() const { return 4; }
+
+void GecosObject_subscribe_result::encode(gecos::wire::Encoder& to) const { to.put(result); }
+
+bool GecosObject_subscribe_result::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  return from.get(result, "subscribe.result") &&
+         gecos::wire::skip_rest(from);
+}
+
+std::size_t GecosObject_unsubscribe_arguments::encoded_size() const { return 4; }
+
+void GecosObject_unsubscribe_arguments::encode(gecos::wire::Encoder& to) const { to.put(code); }
+
+bool GecosObject_unsubscribe_arguments::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  return from.get(code, "unsubscribe.code") &&
+         gecos::wire::skip_rest(from);
+}
+
+std::size_t GecosObject_outcome_arguments::encoded_size() const { return 24; }
+
+void GecosObject_outcome_arguments::encode(gecos::wire::Encoder& to) const {
+  to.put(boot, session, counter);
+}
+
+bool GecosObject_outcome_arguments::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  return from.get(boot, "outcome.boot") &&
+         from.get(session, "outcome.session") &&
+         from.get(counter, "outcome.counter") &&
+         gecos::wire::skip_rest(from);
+}
+
+std::size_t GecosObject_outcome_result::encoded_size() const { return 4 + result.encoded_size(); }
+
+void GecosObject_outcome_result::encode(gecos::wire::Encoder& to) const {
+  to.put_count(result.encoded_size());
+  result.encode(to);
+}
+
+bool GecosObject_outcome_result::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  return gecos::wire::get_block(from, result, "outcome.result") &&
+         gecos::wire::skip_rest(from);
+}
+
+std::string gecos_violation(const GecosObject_outcome_result& value) {
+  if (auto why = ::gecos::gecos_violation(value.result); !why.empty()) return why;
+  return {};
+}
 
 }  // namespace gecos

@@ -2,7 +2,16 @@
 // Change the interface and run `gidl gen`.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
 #include "gecos/description.hpp"
+#include "gecos/wire/contents.hpp"
+#include "gecos/object_types.hpp"
 
 namespace gecos {
 
@@ -21,5 +30,118 @@ struct GecosObjectInterface {
   static constexpr const gecos::OperationDescription& unsubscribe = operations[7];
   static constexpr const gecos::OperationDescription& outcome = operations[8];
 };
+
+/// What `holders` gives.
+struct GecosObject_holders_result {
+  std::vector<::gecos::Holder> result{};
+
+  static constexpr std::string_view type_name() { return "gecos::GecosObject_holders_result"; }
+  std::size_t encoded_size() const;
+  void encode(gecos::wire::Encoder& to) const;
+  [[nodiscard]] bool decode(gecos::wire::Decoder& from);
+};
+/// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
+std::string gecos_violation(const GecosObject_holders_result& value);
+
+/// What `describe` gives.
+struct GecosObject_describe_result {
+  ::gecos::Description result{};
+
+  static constexpr std::string_view type_name() { return "gecos::GecosObject_describe_result"; }
+  std::size_t encoded_size() const;
+  void encode(gecos::wire::Encoder& to) const;
+  [[nodiscard]] bool decode(gecos::wire::Decoder& from);
+};
+/// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
+std::string gecos_violation(const GecosObject_describe_result& value);
+
+/// What `acquire` takes.
+struct GecosObject_acquire_arguments {
+  ::gecos::Status wanted = ::gecos::Status::SENSOR;
+  /// [at most 1024, optional]
+  std::optional<std::string> password{};
+
+  static constexpr std::string_view type_name() { return "gecos::GecosObject_acquire_arguments"; }
+  std::size_t encoded_size() const;
+  void encode(gecos::wire::Encoder& to) const;
+  [[nodiscard]] bool decode(gecos::wire::Decoder& from);
+};
+/// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
+std::string gecos_violation(const GecosObject_acquire_arguments& value);
+
+/// What `acquire` gives.
+struct GecosObject_acquire_result {
+  ::gecos::Grant result{};
+
+  static constexpr std::string_view type_name() { return "gecos::GecosObject_acquire_result"; }
+  std::size_t encoded_size() const;
+  void encode(gecos::wire::Encoder& to) const;
+  [[nodiscard]] bool decode(gecos::wire::Decoder& from);
+};
+
+/// What `release` takes.
+struct GecosObject_release_arguments {
+  std::uint64_t epoch = 0;
+  bool now = false;
+
+  static constexpr std::string_view type_name() { return "gecos::GecosObject_release_arguments"; }
+  std::size_t encoded_size() const;
+  void encode(gecos::wire::Encoder& to) const;
+  [[nodiscard]] bool decode(gecos::wire::Decoder& from);
+};
+
+/// What `subscribe` takes.
+struct GecosObject_subscribe_arguments {
+  std::uint32_t code = 0;
+
+  static constexpr std::string_view type_name() { return "gecos::GecosObject_subscribe_arguments"; }
+  std::size_t encoded_size() const;
+  void encode(gecos::wire::Encoder& to) const;
+  [[nodiscard]] bool decode(gecos::wire::Decoder& from);
+};
+
+/// What `subscribe` gives.
+struct GecosObject_subscribe_result {
+  std::uint32_t result = 0;
+
+  static constexpr std::string_view type_name() { return "gecos::GecosObject_subscribe_result"; }
+  std::size_t encoded_size() const;
+  void encode(gecos::wire::Encoder& to) const;
+  [[nodiscard]] bool decode(gecos::wire::Decoder& from);
+};
+
+/// What `unsubscribe` takes.
+struct GecosObject_unsubscribe_arguments {
+  std::uint32_t code = 0;
+
+  static constexpr std::string_view type_name() { return "gecos::GecosObject_unsubscribe_arguments"; }
+  std::size_t encoded_size() const;
+  void encode(gecos::wire::Encoder& to) const;
+  [[nodiscard]] bool decode(gecos::wire::Decoder& from);
+};
+
+/// What `outcome` takes.
+struct GecosObject_outcome_arguments {
+  std::uint64_t boot = 0;
+  std::uint64_t session = 0;
+  std::uint64_t counter = 0;
+
+  static constexpr std::string_view type_name() { return "gecos::GecosObject_outcome_arguments"; }
+  std::size_t encoded_size() const;
+  void encode(gecos::wire::Encoder& to) const;
+  [[nodiscard]] bool decode(gecos::wire::Decoder& from);
+};
+
+/// What `outcome` gives.
+struct GecosObject_outcome_result {
+  ::gecos::OutcomeRecord result{};
+
+  static constexpr std::string_view type_name() { return "gecos::GecosObject_outcome_result"; }
+  std::size_t encoded_size() const;
+  void encode(gecos::wire::Encoder& to) const;
+  [[nodiscard]] bool decode(gecos::wire::Decoder& from);
+};
+/// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
+std::string gecos_violation(const GecosObject_outcome_result& value);
 
 }  // namespace gecos

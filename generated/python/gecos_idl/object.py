@@ -85,7 +85,7 @@ _GECOS_OBJECT_ACQUIRE: _Method[Grant, None] = _method(
     takes=_values(
         "wanted password",
         Status,
-        _layout.secret(_layout.optional(_layout.text())),
+        _layout.secret(_layout.optional(_layout.text(1024))),
         defaults=(None,),
     ),
     gives=Grant,
@@ -119,7 +119,7 @@ _GECOS_OBJECT_OUTCOME: _Method[OutcomeRecord, None] = _method(
 _GECOS_OBJECT = _interface(
     "gecos::GecosObject",
     "1.0",
-    0x80A2BDB69DCDCC1E,
+    0x742C209177B34086,
     (),
     (
         _GECOS_OBJECT_HOLDERS,

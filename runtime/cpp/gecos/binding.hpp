@@ -12,7 +12,7 @@
 namespace gecos::session {
 
 /// This life of this process: drawn at random at first use. A forked child has one of its own.
-BootId process_boot();
+IncarnationId process_incarnation();
 
 /// The lab's session with its broker, opened when there is none; else what was tried. `lab` holds
 /// a core.
@@ -21,7 +21,7 @@ tl::expected<std::shared_ptr<ClientSession>, std::string> broker_session(const L
 
 struct BrokerPlace {
   std::string address;
-  BootId boot{};  ///< of the process that answers there
+  IncarnationId incarnation{};  ///< of the process that answers there
 };
 /// The brokers that answer at the places where programs of this host may look for one. Waits at
 /// most `patience` at each. `lab` holds a core.

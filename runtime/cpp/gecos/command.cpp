@@ -53,7 +53,7 @@ std::optional<Detail> detail_from(std::uint8_t number) {
 
 std::string to_string(const CommandId& id) {
   std::ostringstream text;
-  text << std::hex << id.boot << '-' << id.session << '-' << id.counter;
+  text << std::hex << id.incarnation << '-' << id.session << '-' << id.counter;
   return text.str();
 }
 
@@ -61,7 +61,7 @@ std::optional<CommandId> command_id_from(std::string_view text) {
   CommandId id;
   const char* at = text.data();
   const char* const end = at + text.size();
-  for (std::uint64_t* part : {&id.boot, &id.session, &id.counter}) {
+  for (std::uint64_t* part : {&id.incarnation, &id.session, &id.counter}) {
     const auto [next, problem] = std::from_chars(at, end, *part, 16);
     const bool last = part == &id.counter;
     if (problem != std::errc() || (last ? next != end : next == end || *next != '-')) {

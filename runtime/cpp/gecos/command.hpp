@@ -86,9 +86,9 @@ std::ostream& operator<<(std::ostream& out, const Failure& failure);
 /// Which command it is, to ask for its outcome later, also from another program. All zero: it was
 /// never sent.
 struct CommandId {
-  std::uint64_t boot = 0;     ///< the server's process
-  std::uint64_t session = 0;  ///< random: who knows it may ask
-  std::uint64_t counter = 0;  ///< in that session
+  std::uint64_t incarnation = 0;  ///< the server's process
+  std::uint64_t session = 0;      ///< random: who knows it may ask
+  std::uint64_t counter = 0;      ///< in that session
 
   friend bool operator==(const CommandId&, const CommandId&) = default;
 };
@@ -126,14 +126,14 @@ class CommandCore {
   /// Descriptor that becomes readable when the command is terminal; the core owns it.
   virtual int descriptor() = 0;
   /// Runs `then` once the command is terminal: at once when it is, else on the lab's thread of
-  /// callbacks; also when the command was dropped. What `then` throws is logged and goes no
+  /// callbacks, even when the command was dropped. An exception of `then` is logged and goes no
   /// further.
   virtual void when_ended(std::function<void()> then) = 0;
-  /// What was called, "RX90.move". Valid while it runs, and once it has failed where nobody had
+  /// The called operation, "RX90.move". Valid while it runs, and after a failure that no caller had
   /// asked before.
   virtual std::string about() const { return {}; }
 
-  /// Its caller has asked how it goes, or says that nobody will: that it fails is not logged.
+  /// Marks its outcome as observed, or as of no interest: its failure is not logged.
   void observe() { observed_.store(true, std::memory_order_relaxed); }
   bool observed() const { return observed_.load(std::memory_order_relaxed); }
 
@@ -159,7 +159,7 @@ class CommandAwaiter {
   Command command_;
 };
 
-/// What every command has, whatever its result.
+/// The part of a command that does not depend on its result type.
 template <class Feedback>
 class AnyCommand {
  public:
@@ -191,7 +191,7 @@ class AnyCommand {
     core_->observe();
     core_->cancel();
   }
-  /// Says that nobody will ask: that it fails is not logged.
+  /// Declares that its outcome is of no interest: its failure is not logged.
   void detach() const { core_->observe(); }
 
   /// Readable once the command is terminal, for poll and its like. The command owns it.
@@ -229,7 +229,7 @@ class AnyCommand {
 /// A call that was issued. T is its result, Feedback what it reports while it runs.
 ///
 /// The call is on its way when you have this; nothing waits until you ask. Dropping it lets it run;
-/// one that fails although nobody has ever asked how it goes is logged, once for each operation of
+/// the failure of a command whose outcome no caller observed is logged, once for each operation of
 /// an object and way to fail. `while (robot.move(x).state() == State::Running)` does not compile:
 /// each turn would issue a new command. Keep the command: `auto move = robot.move(x); while
 /// (move.state() == State::Running)`.

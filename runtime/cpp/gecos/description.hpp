@@ -10,7 +10,7 @@
 #include "gecos/base/ids.hpp"
 #include "gecos/qos/quality.hpp"
 
-/// What the session needs to know of an interface: constant tables that gidl generates.
+/// The interface description that the session uses: constant tables that gidl generates.
 namespace gecos {
 
 enum class OperationKind : std::uint8_t { Operation, Getter, Setter };
@@ -73,8 +73,9 @@ struct InterfaceDescription {
   std::span<const std::string_view> bases{};  ///< every interface it also is
   /// Direct bases, whose operations and streams it has too.
   std::span<const InterfaceDescription* const> inherits{};
-  std::span<const OperationDescription> operations{};  ///< those not inherited, sorted by code
-  std::span<const StreamDescription> streams{};        ///< likewise
+  std::span<const OperationDescription>
+      operations{};  ///< operations that are not inherited, sorted by code
+  std::span<const StreamDescription> streams{};  ///< likewise
   qos::Quality quality{};
 
   /// Its own or an inherited one; null when it has none of this code.

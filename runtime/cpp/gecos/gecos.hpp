@@ -1,7 +1,8 @@
 #pragma once
 
-/// Everything a program needs that uses or serves objects; the interfaces come from generated
-/// headers.
+/// All that a program needs to use or to serve objects; the interfaces come from generated headers.
 #include "gecos/lab.hpp"
+#include "gecos/reconnecting.hpp"
 #include "gecos/reserved.hpp"
+#include "gecos/serve.hpp"
 #include "gecos/server.hpp"

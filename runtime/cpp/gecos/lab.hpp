@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "gecos/base/checked_result.hpp"
+#include "gecos/media/kinds.hpp"
 #include "gecos/media/medium.hpp"
 #include "gecos/object.hpp"
 
@@ -21,23 +22,23 @@ namespace gecos {
 struct LabOptions {
   /// Address of the broker, "shm:…" or "lcm:…". Empty: `GECOS_BROKER`, else this host's broker.
   std::string broker{};
-  /// What others are told this program is called. Empty: the name of its executable.
+  /// The name of this program that others see. Empty: the name of its executable.
   std::string program{};
   Duration grace = std::chrono::seconds(1);  ///< how long a lost peer may stay UNREACHABLE
   Duration lease_ttl = std::chrono::milliseconds(500);  ///< silence that ends a session
   Duration heartbeat = std::chrono::milliseconds(100);
   /// What is used in place of a medium when it is opened; null: the medium itself. A double that
-  /// loses packets (gecos/media/faulty.hpp), say.
+  /// loses packets (gecos/media/testing/faulty.hpp), say.
   std::function<std::unique_ptr<media::Medium>(std::unique_ptr<media::Medium>)> wrap_medium{};
 };
 
 struct CreateOptions {
   /// The medium to use; `create` fails when this one is impossible although others exist.
   std::optional<media::Kind> medium{};
-  /// How long to wait for the broker and the server to answer.
+  /// Longest wait for an answer of the broker and of the server.
   Duration patience = std::chrono::seconds(2);
   /// Life of the server process that is meant, as in an ObjectRef; 0: whichever it has now.
-  std::uint64_t boot = 0;
+  std::uint64_t incarnation = 0;
 };
 
 /// Why `create` gave nothing: a reason per name that was tried.
@@ -121,7 +122,7 @@ class Lab {
   /// one that was started since may have another state. A nil reference is refused.
   template <class Proxy>
   Checked<Proxy, CreateError> create(const ObjectRef& reference, CreateOptions options = {}) {
-    if (reference.boot != 0) options.boot = reference.boot;
+    if (reference.boot != 0) options.incarnation = reference.boot;
     return create<Proxy>(std::vector<std::string>{reference.name}, std::move(options));
   }
 

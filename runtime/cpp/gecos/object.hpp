@@ -19,9 +19,9 @@ namespace gecos {
 
 /// How calls through one copy of a proxy are made.
 struct CallOptions {
-  /// Time from sending to completion; the server is told, and gives up when it is over. Nothing:
-  /// the operation's own `@qos(deadline=…)`, or none. Zero or less, as `end - now` is when time is
-  /// over: the call is not sent and ends EXPIRED.
+  /// Time from sending to completion. The server knows it and ends the call when it is over.
+  /// Nothing: the operation's own `@qos(deadline=…)`, or none. Zero or less, as `end - now` is when
+  /// time is over: the call is not sent and ends EXPIRED.
   std::optional<Duration> deadline{};
 };
 
@@ -43,7 +43,7 @@ class ClientSession {
   virtual const std::string& interface_name() const = 0;
   virtual const std::string& object_name() const = 0;
   virtual const media::Offer& offer() const = 0;
-  /// What others find the object by; nil for a proxy that was never created.
+  /// The reference by which others find the object; nil for a proxy that was never created.
   virtual ObjectRef reference() const = 0;
   /// A lease was acquired: commands are issued under its epoch from now on. Gives what
   /// `lease_released` wants.
@@ -82,9 +82,9 @@ class Refused {
 
 }  // namespace session
 
-/// What every generated proxy is: a copyable handle to a session with an object. Copies share the
-/// session. It has no public member of its own, so an interface may use any name; what every object
-/// answers is reached by the free functions of `gecos/reserved.hpp`.
+/// The base of every generated proxy: a copyable handle to a session with an object. Copies share
+/// the session. It has no public member of its own, so an interface may use any name; what every
+/// object answers is reached by the free functions of `gecos/reserved.hpp`.
 class Object {
  protected:
   Object() : gecos_session_(session::nil_session()) {}

@@ -3,18 +3,18 @@
 /// Proxies and streams of programs that outlive the servers they use.
 #include <chrono>
 #include <functional>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <type_traits>
 #include <utility>
 
+#include "gecos/base/mutex.hpp"
 #include "gecos/lab.hpp"
 
 namespace gecos {
 
 struct ReconnectOptions {
-  CreateOptions create{};                                   ///< of each try
+  CreateOptions create{};                                   ///< options of each attempt
   Duration between_tries = std::chrono::milliseconds(500);  ///< from the end of one that failed
   /// A stream that has given nothing for so long is opened again, through a new proxy.
   Duration silence = std::chrono::seconds(1);
@@ -33,7 +33,7 @@ class Reconnecting {
   /// The proxy. Where there is none it is created, which takes `create.patience` at most; for
   /// `between_tries` after that failed its reason is given at once. Other threads wait meanwhile.
   tl::expected<Proxy, std::string> get() {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (proxy_) return *proxy_;
     if (std::chrono::steady_clock::now() < next_try_) return tl::unexpected(problem_);
     auto created = lab_.create<Proxy>(name_, options_.create);
@@ -55,7 +55,7 @@ class Reconnecting {
 
   /// The next `get` creates a new proxy, unless that was done since `lost` was given.
   void drop(const Proxy& lost) {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (proxy_ && session_of(*proxy_) == session_of(lost)) proxy_.reset();
   }
 
@@ -76,14 +76,14 @@ class Reconnecting {
   Lab& lab_;
   const std::string name_;
   const ReconnectOptions options_;
-  std::mutex mutex_;  // guards what follows; held while connecting
-  std::optional<Proxy> proxy_;
-  std::string problem_;
-  TimePoint next_try_{};
+  Mutex mutex_;  // held while connecting
+  std::optional<Proxy> proxy_ GECOS_GUARDED_BY(mutex_);
+  std::string problem_ GECOS_GUARDED_BY(mutex_);
+  TimePoint next_try_ GECOS_GUARDED_BY(mutex_){};
 };
 
-/// A stream that is opened again, through a new proxy, when it is lost or silent. One thread tends
-/// it; any thread reads. `lab` must outlive it.
+/// A stream that is opened again, through a new proxy, when it is lost or silent. One thread calls
+/// `tick`; any thread reads. `lab` must outlive it.
 template <class Proxy, class T>
 class ReconnectingStream {
  public:
@@ -101,9 +101,9 @@ class ReconnectingStream {
 
   /// Opens it, or opens it again, where that is needed. Call it now and then: it returns at once
   /// while samples come, else within `create.patience` and the second that a stream may take.
-  void tend() {
+  void tick() {
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       if (std::chrono::steady_clock::now() < next_try_ || alive()) return;
       if (stream_) problem_ = "'" + name_ + "' is silent";
       stream_.reset();
@@ -111,7 +111,7 @@ class ReconnectingStream {
     }
     auto created = lab_.create<Proxy>(name_, options_.create);
     auto fresh = opened(created);
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     since_ = std::chrono::steady_clock::now();
     next_try_ = since_ + options_.between_tries;
     if (!fresh) {
@@ -124,7 +124,7 @@ class ReconnectingStream {
 
   /// The newest sample; why there is none, where the newest is older than `silence`. Never waits.
   tl::expected<Sample<T>, std::string> latest() {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (!stream_) return tl::unexpected(problem_);
     auto sample = stream_->latest();
     if (sample && sample->age <= options_.silence) return *std::move(sample);
@@ -134,7 +134,7 @@ class ReconnectingStream {
 
   /// The proxy that the stream was opened through; nothing while there is no stream.
   std::optional<Proxy> proxy() const {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     return proxy_;
   }
 
@@ -145,7 +145,7 @@ class ReconnectingStream {
     if (!opened) return tl::unexpected(opened.error().text);
     return *std::move(opened);
   }
-  bool alive() {
+  bool alive() GECOS_REQUIRES(mutex_) {
     if (!stream_) return false;
     if (const auto sample = stream_->latest()) return sample->age <= options_.silence;
     return !stream_->lost() && std::chrono::steady_clock::now() - since_ < options_.silence;
@@ -155,12 +155,12 @@ class ReconnectingStream {
   const std::string name_;
   const Open open_;
   const ReconnectOptions options_;
-  mutable std::mutex mutex_;  // guards what follows; never held while connecting
-  std::optional<Stream<T>> stream_;
-  std::optional<Proxy> proxy_;
-  std::string problem_;
-  TimePoint next_try_{};
-  TimePoint since_{};  // when the stream was opened
+  mutable Mutex mutex_;  // never held while connecting
+  std::optional<Stream<T>> stream_ GECOS_GUARDED_BY(mutex_);
+  std::optional<Proxy> proxy_ GECOS_GUARDED_BY(mutex_);
+  std::string problem_ GECOS_GUARDED_BY(mutex_);
+  TimePoint next_try_ GECOS_GUARDED_BY(mutex_){};
+  TimePoint since_ GECOS_GUARDED_BY(mutex_){};  // when the stream was opened
 };
 
 }  // namespace gecos

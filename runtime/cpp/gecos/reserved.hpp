@@ -8,7 +8,7 @@
 #include "gecos/object.hpp"
 #include "gecos/object_types.hpp"  // generated from idl/gecos/object.gidl
 
-/// What every object answers, whatever its interface: free functions, so nothing can clash.
+/// Built-in operations of every object. They are free functions, so their names cannot clash.
 namespace gecos {
 
 /// Status of one object that this session holds. Ends when it is destroyed, which is `release()`,
@@ -47,7 +47,7 @@ class [[nodiscard("keep the lease: the status is given back when it is destroyed
 /// Why status was not given.
 struct LeaseRefusal {
   Failure failure;
-  std::vector<Holder> holders;  ///< who has it, since when, until when
+  std::vector<Holder> holders;  ///< each holder, since when and until when
 };
 std::ostream& operator<<(std::ostream& out, const LeaseRefusal& refusal);
 
@@ -60,13 +60,13 @@ actor(const Object& object, std::string password = {});
     "keep the lease: the status is given back when it is destroyed")]] Checked<Lease, LeaseRefusal>
 master(const Object& object, std::string password = {});
 
-/// Stops the device, whoever moves it: ends every lease, drops the queue, interrupts what runs.
+/// Stops the device for every holder: ends every lease, drops the queue, interrupts commands.
 Command<void> stop(const Object& object);
 Command<void> ping(const Object& object);
 Command<Description> describe(const Object& object);
 Command<std::vector<Holder>> holders(const Object& object);
 
-/// What became of a command, or where it stands.
+/// The outcome of a command, or its present state.
 struct Outcome {
   Detail detail = Detail::OutcomeUnknown;
   std::string text;  ///< why, when it is not Done

@@ -18,13 +18,13 @@
 
 namespace gecos {
 
-/// Who issued a call.
+/// The client that issued a call.
 struct Caller {
   std::string user;
   std::string host;
   std::string program;
   std::int32_t pid = 0;
-  std::uint64_t boot = 0;  ///< of this life of the program, as it says itself
+  std::uint64_t incarnation = 0;  ///< incarnation of the client's process, as the client reports it
   std::uint64_t session = 0;
 };
 
@@ -78,7 +78,7 @@ class Fault {
   Failure failure_;
 };
 
-/// What a handler returns.
+/// The return type of a handler.
 template <class T>
 using Result = tl::expected<T, Fault>;
 
@@ -182,7 +182,7 @@ class IncomingCall {
   std::shared_ptr<session::CallCore> core_;
 };
 
-/// What a cancelable handler has beside its arguments. Lives as long as the handler runs.
+/// The execution of a cancelable handler. Valid while the handler runs.
 template <class Feedback = void>
 class Execution {
  public:

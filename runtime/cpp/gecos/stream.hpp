@@ -56,7 +56,7 @@ class StreamCore {
 }  // namespace session
 
 /// A subscription to an outward stream. One thread reads at a time. Ends with its last copy.
-/// A slow reader loses old samples and is told how many; it never slows the writer. A sample that
+/// A slow reader loses old samples and gets their number; it never slows the writer. A sample that
 /// does not decode is passed over: it counts as lost (once one was read), and as `unreadable`.
 template <class T>
 class Stream {

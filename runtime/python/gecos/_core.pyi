@@ -13,7 +13,7 @@ class Lab:
         names: Sequence[str],
         medium: str | None,
         patience: float,
-        boot: int,
+        incarnation: int,
     ) -> Session | list[tuple[str, int, str]]:
         """A session, or name, detail and reason of each attempt."""
     def broker(self, interface: Interface, patience: float) -> Session | str:
@@ -29,9 +29,9 @@ class Session:
     def medium(self) -> str: ...
     def reference(self) -> tuple[str, int, int, str]:
         """The members of an ObjectRef."""
-    def call(self, code: int, arguments: bytes, deadline: float | None) -> Command: ...
+    def call(self, code: int, arguments: bytes, deadline: float | None) -> Command:
+        """An operation of the object's interface, or one that every object answers."""
     def subscribe(self, code: int) -> Stream | tuple[int, str]: ...
-    def reserved(self, code: int) -> Command: ...
     def outcome(self, command: str) -> Command: ...
     def acquire(self, status: int, password: str) -> Lease | tuple[int, str, str, bytes]: ...
     def close(self) -> None: ...
@@ -39,9 +39,9 @@ class Session:
 class Command:
     def id(self) -> str: ...
     def about(self) -> str:
-        """What was called, "RX90.move", once it has failed and nobody had asked."""
+        """The called operation, "RX90.move", after a failure that no caller had asked for."""
     def observe(self) -> None:
-        """Somebody asks how it goes, or says that nobody will: its failure is not logged."""
+        """Marks its outcome as observed, or as of no interest: its failure is not logged."""
     def peek(self) -> tuple[int, int, float]:
         """As progress(), but does not count as asking."""
     def progress(self) -> tuple[int, int, float]: ...
@@ -95,7 +95,7 @@ class Server:
     def await_broker(self, patience: float) -> str | None:
         """None once a broker answers; where it was looked for when none did for `patience`."""
     def prepare(self, interface: Interface) -> PulledServant:
-        """Who may be served."""
+        """The users whose clients may be served."""
     def add(
         self, prepared: PulledServant, name: str, simulated: bool, media: Sequence[str]
     ) -> str | None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from types import TracebackType
 from typing import Self
 
-from gecos import _core, farewell
+from gecos import _core, shutdown
 from gecos.errors import ServeError
 from gecos.lab import Lab
 
@@ -18,7 +18,7 @@ class Broker:
             self._core = _core.Broker(lab._core)
         except RuntimeError as error:
             raise ServeError(str(error)) from None
-        farewell.at_exit(self, farewell.Turn.BROKERS)
+        shutdown.at_exit(self, shutdown.Turn.BROKERS)
 
     def close(self) -> None:
         self._core.close()

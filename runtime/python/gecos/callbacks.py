@@ -1,4 +1,4 @@
-"""Being told of a command's end: callbacks run one by one on a Python thread of their own."""
+"""Callbacks at the end of a command: they run one by one on a Python thread of their own."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from collections.abc import Callable
 from typing import NamedTuple, Protocol
 
 from gecos import log
-from gecos.farewell import begin_thread
+from gecos.shutdown import begin_thread
 
 
 class Ending(Protocol):
-    """What becomes readable when it is over."""
+    """The descriptor that becomes readable when the command is terminal."""
 
     def fileno(self) -> int: ...
 
@@ -44,13 +44,13 @@ class _Watch:
 
     def add(self, ending: Ending, callback: Callable[[], object]) -> None:
         self._new.append(_Awaited(ending, os.dup(ending.fileno()), callback))
-        with contextlib.suppress(BlockingIOError):  # it has been told often enough
+        with contextlib.suppress(BlockingIOError):  # the thread has wake-ups pending
             self._there.send(b"!")
         if not self._runs:
             begin_thread("gecos-callbacks", self._begin)
 
     def _begin(self) -> None:
-        """Of several that are started at once one stays."""
+        """Runs the callbacks, unless another thread that was started at the same time does."""
         self._runs = True
         if self._taken.acquire(blocking=False):
             self._run()
@@ -75,14 +75,14 @@ class _Watch:
             selector.register(awaited.descriptor, selectors.EVENT_READ, awaited)
 
     def close(self) -> None:
-        """Of one that was never used."""
+        """Closes an instance that was never used."""
         self._here.close()
         self._there.close()
 
 
 def call(callback: Callable[[], object]) -> None:
-    """A callback has no caller that could be told. Nor does sys.exit() in one end more than it:
-    the thread goes on with the callbacks of others."""
+    """Runs a callback and logs its exception. sys.exit() in a callback ends only this callback:
+    the thread continues with the next one."""
     try:
         callback()
     except BaseException:

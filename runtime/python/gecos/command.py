@@ -129,7 +129,7 @@ class Command(Generic[T, F]):
         self._core.cancel()
 
     def detach(self) -> None:
-        """Says that nobody will look: it runs on, and neither dropping it nor its failure warns."""
+        """Detaches the command: it runs on, and neither dropping it nor its failure warns."""
         self._observe()
         self._core.observe()
 
@@ -142,7 +142,7 @@ class Command(Generic[T, F]):
         return self._core.descriptor()
 
     def add_done_callback(self, callback: Callable[[Self], object]) -> None:
-        """Calls `callback(command)` once it is terminal, also when nobody else keeps the command.
+        """Calls `callback(command)` once it is terminal, even when the command was dropped.
 
         Callbacks run one after another on a thread of their own, or at once on this one when the
         command has ended already. They may block and issue commands; what they raise is logged.
@@ -181,7 +181,7 @@ class Command(Generic[T, F]):
         return f"<Command {self._name}: {Detail(detail).name}{more}>"
 
     def _observe(self) -> None:
-        """Somebody looks at it, or says that nobody will."""
+        """Marks the outcome as observed, or as of no interest."""
 
 
 class _Unobserved(Command[T, F]):

@@ -1,4 +1,4 @@
-"""What can go wrong, as exceptions that derive from the natural builtin, with their evidence.
+"""Exceptions, which derive from the natural builtin and carry their evidence.
 
 Generated exceptions derive from `DeclaredError`; generated types import this module and the codec.
 """
@@ -214,7 +214,7 @@ class ServeError(RuntimeError):
 
 
 class UnobservedCommandWarning(RuntimeWarning):
-    """A command was dropped while it ran or after it had failed, and nobody had looked at it."""
+    """A command was dropped while it ran or after it failed, and its outcome was not observed."""
 
 
 class DroppedLeaseWarning(RuntimeWarning):

@@ -1,4 +1,4 @@
-"""What a handler has beside its arguments: who calls, whether to end, how to tell how far it is."""
+"""The execution of a handler: its caller, its cancellation, its progress."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ F = TypeVar("F")
 
 @dataclass(frozen=True, slots=True)
 class Caller:
-    """Who issued a call."""
+    """The client that issued a call."""
 
     user: str
     host: str

@@ -27,7 +27,7 @@ class Lane(threading.Thread):
         self, server: Server, name: str, servant: Servant, core: _core.PulledServant, lane: int
     ) -> None:
         super().__init__(name=f"gecos-{LANES[lane]}-{name}", daemon=True)
-        self._server = server  # which serves as long as its threads run, whoever lets go of it
+        self._server = server  # kept alive by its threads
         self.servant = servant
         self.core = core
         self._object_name = name
@@ -44,7 +44,7 @@ class Lane(threading.Thread):
             self._running = None
 
     def tell_running(self) -> None:
-        """Says on stderr for which handler whoever closes the server waits."""
+        """Reports on stderr the handler that `close()` of the server waits for."""
         running = self._running
         if running is None:
             return
@@ -68,7 +68,7 @@ class Lane(threading.Thread):
 
 
 def _answer(servant: Servant, call: _core.IncomingCall, name: str) -> None:
-    """Whatever the handler raises ends its call, not the thread of its lane."""
+    """An exception of the handler ends its call, not the thread of its lane."""
     handler = servant._gecos_handlers.get(call.code)
     if handler is None:
         call.fail(Detail.UNKNOWN_OPERATION, f"no operation has the code {call.code:#x}", "", b"")
@@ -78,7 +78,7 @@ def _answer(servant: Servant, call: _core.IncomingCall, name: str) -> None:
     except DecodeError as error:
         call.fail(Detail.BAD_PARAMETER, f"{handler.operation.name}: {error}", "", b"")
         return
-    except BaseException as error:  # of a value type that a user wrote
+    except BaseException as error:  # raised by a value type that a user wrote
         what = f"the arguments of '{handler.operation.name}' cannot be read: "
         _fault(call, name, what + _named(error), error)
         return
@@ -142,12 +142,12 @@ def _text(error: BaseException) -> str:
 def _trace(error: BaseException) -> str:
     try:
         return "".join(traceback.format_exception(error))
-    except BaseException as unspeakable:  # of its notes or its causes
+    except BaseException as unspeakable:  # raised by its notes or its causes
         return f"its trace cannot be had: {type(unspeakable).__name__}"
 
 
 def _sendable(text: str) -> str:
-    """Half of a surrogate pair and NUL cannot be sent; a text of megabytes helps nobody."""
+    """Replaces half surrogate pairs and NUL, which cannot be sent, and cuts texts of megabytes."""
     text = text.encode(errors="backslashreplace").decode().replace("\0", "\\0")
     return text if len(text) <= _LONGEST_TEXT else f"{text[:_LONGEST_TEXT]} …"
 

@@ -1,4 +1,4 @@
-"""What the session needs to know of an interface: constant tables that gidl generates.
+"""The interface description that the session uses: constant tables that gidl generates.
 
 An operation says once what it carries, by steps of `gecos.wire.layout`; how a proxy and a servant
 write and read that follows. The twin of `gecos/description.hpp`; `_core` reads these
@@ -71,7 +71,7 @@ ANY_MEDIUM = Media(0)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Quality:
-    """What a line is asked to be. A duration of zero means: not asked."""
+    """The quality that a connection must have. A duration of zero demands nothing."""
 
     line: QualityClass = QualityClass.TIME_INDEPENDENT
     best_effort: bool = False
@@ -177,7 +177,7 @@ class Handler:
     """How a servant answers an operation: which of its methods, with which bytes in and out."""
 
     operation: Operation
-    method: str  # of the servant; it takes `run` last when the operation is cancelable
+    method: str  # method of the servant; its last parameter is `run` when it is cancelable
     arguments: Callable[[Decoder], tuple[Any, ...]]
     result: Callable[[Any], Parts]
     raises: tuple[type[DeclaredError], ...] | None = None  # None: whatever the servant raises

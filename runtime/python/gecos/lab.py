@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from types import TracebackType
 from typing import TYPE_CHECKING, Self, TypeVar
 
-from gecos import _core, farewell
+from gecos import _core, shutdown
 from gecos.errors import Attempt, CreateError, Detail
 from gecos.interface import Interface
 from gecos.program import check_environment, program_name
@@ -26,7 +26,7 @@ class Lab:
     def __init__(self, broker: str | None = None) -> None:
         check_environment()
         self._core = _core.Lab(broker or "", program_name())
-        farewell.at_exit(self, farewell.Turn.LABS)
+        shutdown.at_exit(self, shutdown.Turn.LABS)
 
     def create(
         self,
@@ -46,14 +46,14 @@ class Lab:
         is good as long as the process that it speaks of serves the object: one that was started
         since may have another state. A nil one is refused.
         """
-        table, boot = _table_of(interface), 0
+        table, incarnation = _table_of(interface), 0
         if isinstance(names, str):
             wanted = [names]
         elif isinstance(names, Sequence):
             wanted = list(names)
         else:
-            wanted, boot = [names.name], names.boot
-        created = self._core.create(table, wanted, medium, patience, boot)
+            wanted, incarnation = [names.name], names.boot
+        created = self._core.create(table, wanted, medium, patience, incarnation)
         if isinstance(created, list):
             raise CreateError([Attempt(name, Detail(d), reason) for name, d, reason in created])
         return interface(created)
@@ -69,7 +69,7 @@ class Lab:
         return interface(opened)
 
     def close(self) -> None:
-        """Says goodbye to every object, whoever still has proxies, leases or streams of it.
+        """Says goodbye to every object, even when proxies, leases or streams of it remain.
 
         Leases are given back, and what has arrived under them still finishes; who waits for it is
         told OUTCOME_UNKNOWN. Readers of streams raise StreamLost. Proxies made by it are dead

@@ -6,7 +6,7 @@ import warnings
 from types import TracebackType
 from typing import Self
 
-from gecos import _core, farewell
+from gecos import _core, shutdown
 from gecos.errors import ConnectionFailed, Detail, DroppedLeaseWarning, LeaseRefused, State
 from gecos.interface import Access
 from gecos.proxy import Object
@@ -24,7 +24,7 @@ class Lease:
         self._core = core
         self._object_name = object_name
         self.__class__ = _Untouched
-        farewell.at_exit(self, farewell.Turn.LEASES)
+        shutdown.at_exit(self, shutdown.Turn.LEASES)
 
     @property
     def epoch(self) -> int:

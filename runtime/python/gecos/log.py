@@ -1,4 +1,4 @@
-"""What has no caller that could be told goes to stderr, in the lines of the C++ side."""
+"""Errors without a caller to report to go to stderr, in the format of the C++ log."""
 
 from __future__ import annotations
 

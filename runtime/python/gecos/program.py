@@ -1,4 +1,4 @@
-"""What this program is called, for those who ask who holds a robot, and what it was started in."""
+"""The name of this program, which other users see when it holds a robot."""
 
 from __future__ import annotations
 

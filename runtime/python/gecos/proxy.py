@@ -1,4 +1,4 @@
-"""What every generated proxy is: a handle to a session with an object.
+"""The base of every generated proxy: a handle to a session with an object.
 
 A generated proxy has exactly the members of its interface; what every object answers is reached by
 functions (`gecos.stop(robot)`). What this module brings begins with `_gecos`. What gidl generates:

@@ -10,21 +10,21 @@ from collections.abc import AsyncIterator
 from queue import SimpleQueue
 from typing import TYPE_CHECKING, Generic, TypeVar
 
-from gecos.farewell import begin_thread
+from gecos.shutdown import begin_thread
 
 if TYPE_CHECKING:
     from gecos.stream import Sample, Stream
 
 T = TypeVar("T")
-_LONGEST = 0.1  # s that the thread does not see that nobody waits any more
+_LONGEST = 0.1  # s until the thread notices that no reader waits any more
 
 
 class Turn(Generic[T]):
     """One wait for one sample."""
 
     def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
-        self.over = False  # nobody waits any more
-        self.taken: deque[Sample[T]] = deque()  # at most one; whoever pops it has it
+        self.over = False  # no reader waits any more
+        self.taken: deque[Sample[T]] = deque()  # at most one; the thread that pops it owns it
         self._loop = loop
         self._ended = loop.create_future()
         self._error: BaseException | None = None
@@ -86,7 +86,7 @@ def _serve(
     asked: SimpleQueue[Turn[T] | weakref.ref[SampleReader[T]]],
     end: weakref.ref[SampleReader[T]],
 ) -> None:
-    """Keeps `end`, as a weak reference that is gone itself tells nobody."""
+    """Keeps `end`, because a weak reference that is destroyed itself calls nothing."""
     while isinstance(turn := asked.get(), Turn):
         turn.serve(stream)
         del turn  # and with it the loop

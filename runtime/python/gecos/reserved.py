@@ -1,4 +1,4 @@
-"""What every object answers, whatever its interface: functions, so that nothing can clash."""
+"""Built-in operations of every object. They are functions, so their names cannot clash."""
 
 from __future__ import annotations
 
@@ -7,45 +7,38 @@ from typing import TYPE_CHECKING, Any
 
 from gecos.command import Command
 from gecos.errors import Detail, State
-from gecos.interface import Access, Method, Operation, method, nothing
+from gecos.interface import Method
 from gecos.proxy import Object
-from gecos.wire import Decoder, layout
+from gecos.wire import Decoder
 
 if TYPE_CHECKING:
+    from gecos_idl.object import GecosObject
     from gecos_idl.object_types import Description, Holder
-
-_STOP = Method[None, None](Operation(2, "stop", Access.SENSOR), nothing)
-_PING = Method[None, None](Operation(3, "ping", Access.SENSOR), nothing)
 
 
 def stop(robot: Object) -> Command[None]:
     """Stops the device, whoever moves it: ends leases, drops the queue, interrupts what runs."""
-    return _call(robot, _STOP)
+    return _answers_of(robot).stop()
 
 
 def ping(robot: Object) -> Command[None]:
     """Finishes when the object's session has answered."""
-    return _call(robot, _PING)
+    return _answers_of(robot).ping()
 
 
 def describe(robot: Object) -> Command[Description]:
     """What the object is and what state it is in."""
-    from gecos_idl.object_types import Description
-
-    return _call(robot, method(Operation(4, "describe", Access.SENSOR), gives=Description))
+    return _answers_of(robot).describe()
 
 
 def holders(robot: Object) -> Command[list[Holder]]:
     """Who holds actor or master status."""
-    from gecos_idl.object_types import Holder
-
-    listed = layout.items(Holder)
-    return _call(robot, method(Operation(1, "holders", Access.SENSOR), gives=listed))
+    return _answers_of(robot).holders()
 
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What became of a command, or where it stands."""
+    """The outcome of a command, or its present state."""
 
     detail: Detail
     text: str  # why, when it is not DONE
@@ -56,7 +49,7 @@ class Outcome:
 
 
 def outcome(robot: Object, command: str) -> Command[Outcome]:
-    """What became of the actor command with this id, whose own outcome is OUTCOME_UNKNOWN.
+    """The outcome of the actor command with this id that ended as OUTCOME_UNKNOWN here.
 
     Asked through a new proxy; the state of the command itself never changes. NOT_STARTED is a
     promise: what has not arrived by now never starts. SENT: it has not arrived and may still start;
@@ -64,9 +57,9 @@ def outcome(robot: Object, command: str) -> Command[Outcome]:
     since, or keeps it no more (it keeps the last 1024 of each object). Raises ValueError for what
     is no id.
     """
-    from gecos_idl.object_types import OutcomeRecord
+    from gecos_idl.object import _GECOS_OBJECT_OUTCOME
 
-    asked = method(Operation(9, "outcome", Access.SENSOR), gives=OutcomeRecord)
+    asked: Method[Any, None] = _GECOS_OBJECT_OUTCOME
     core = robot._gecos_session.outcome(command)
 
     def told(source: Decoder) -> Outcome:
@@ -76,5 +69,8 @@ def outcome(robot: Object, command: str) -> Command[Outcome]:
     return Command(core, replace(asked, result=told))
 
 
-def _call(robot: Object, method: Method[Any, Any]) -> Command[Any]:
-    return Command(robot._gecos_session.reserved(method.operation.code), method)
+def _answers_of(robot: Object) -> GecosObject:
+    """The object as every object is."""
+    from gecos_idl.object import GecosObject
+
+    return GecosObject(robot._gecos_session)

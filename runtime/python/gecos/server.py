@@ -8,16 +8,16 @@ from collections.abc import Iterable, Mapping
 from types import TracebackType
 from typing import Self
 
-from gecos import _core, farewell
-from gecos.ending import EndingSignals
+from gecos import _core, shutdown
 from gecos.errors import ServeError
 from gecos.handlers import LANES, Lane
 from gecos.lab import Lab
 from gecos.servant import Servant
+from gecos.termination_signals import TerminationSignals
 
 BROKER_PATIENCE = 10.0
 """How long a server waits for a broker that is starting, in seconds."""
-_claiming = threading.Lock()  # who a servant belongs to
+_claiming = threading.Lock()  # guards the server of each servant
 _PATIENCE_WITH_HANDLERS = 1.0  # s, until close() names the one that it waits for
 
 
@@ -35,7 +35,7 @@ class Server:
         self._core = _core.Server(lab._core)
         self._lanes: list[Lane] = []
         self._adding = threading.Lock()
-        farewell.at_exit(self, farewell.Turn.SERVERS)
+        shutdown.at_exit(self, shutdown.Turn.SERVERS)
 
     def await_broker(self, patience: float = BROKER_PATIENCE) -> None:
         """Waits at most `patience` seconds for a broker that is starting; `add` does this too.
@@ -148,7 +148,7 @@ def serve(
             "`with gecos.Server(lab) as server: server.add(…)`"
         )
     # Signals last: while the server is closed the next ends the program, also if a handler hangs.
-    with Server(lab or Lab()) as server, EndingSignals() as signals:
+    with Server(lab or Lab()) as server, TerminationSignals() as signals:
         if not _broker_found(server, signals):
             return
         for name, servant in servants.items():
@@ -157,7 +157,7 @@ def serve(
         signals.wait()
 
 
-def _broker_found(server: Server, signals: EndingSignals) -> bool:
+def _broker_found(server: Server, signals: TerminationSignals) -> bool:
     """Waits for it, but not after the user has had enough."""
     give_up = time.monotonic() + BROKER_PATIENCE
     while not signals.came():

@@ -51,13 +51,13 @@ class Stream(Generic[T]):
         self._decode = decode
         self._name = name
         self._reading = threading.Lock()
-        self._waits = False  # who reads does so until a sample comes
-        self._turn: Turn[T] | None = None  # of whom that is done, in an `async for`
+        self._waits = False  # whether a reader waits for a sample
+        self._turn: Turn[T] | None = None  # the awaiting reader in an `async for`
         self._closed = False
         self._read = 0
-        self._measured_ns = 0  # when what was read last was measured
-        self._returned: deque[Sample[T]] = deque()  # their readers had gone
-        self._unread: Sample[T] | None = None  # what was taken last, when it was returned
+        self._measured_ns = 0  # time stamp of the last sample that was read
+        self._returned: deque[Sample[T]] = deque()  # samples whose readers were cancelled
+        self._unread: Sample[T] | None = None  # the last sample, when it was returned
         self._missed = 0  # returned when others had read beyond them
         self._last_unreadable = 0
         self._unreadable = 0
@@ -155,12 +155,12 @@ class Stream(Generic[T]):
         return self._waits and not (turn is not None and turn.over)
 
     def _take_back(self, turn: Turn[T]) -> None:
-        """What it was given and did not take. From any thread."""
+        """Takes back a sample that the reader received and did not return. From any thread."""
         with contextlib.suppress(IndexError):
             self._returned.append(turn.taken.pop())
 
     def _look_back(self) -> None:
-        """By who reads: what became of those that were returned."""
+        """Called by the reader: takes the samples that were returned."""
         while self._returned:
             sample = self._returned.popleft()
             if sample.sequence == self._read:

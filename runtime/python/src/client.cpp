@@ -8,6 +8,7 @@
 #include "bytes.hpp"
 #include "dynamic_description.hpp"
 #include "gecos/binding.hpp"
+#include "gecos/object_interface.hpp"  // generated from idl/gecos/object.gidl
 #include "handles.hpp"
 #include "waiting.hpp"
 
@@ -30,9 +31,10 @@ nb::tuple as_tuple(const Failure& failure) {
 // Lab --------------------------------------------------------------------------------------------
 
 nb::object create(LabHandle& self, nb::handle interface, const std::vector<std::string>& names,
-                  const std::optional<std::string>& medium, double patience, std::uint64_t boot) {
+                  const std::optional<std::string>& medium, double patience,
+                  std::uint64_t incarnation) {
   CreateOptions options;
-  options.boot = boot;
+  options.incarnation = incarnation;
   options.patience = patience_of(patience);
   if (medium) {
     options.medium = media::kind_from(*medium);
@@ -76,7 +78,8 @@ std::optional<Duration> deadline_of(std::optional<double> seconds) {
 
 CommandHandle call(SessionHandle& self, std::uint32_t code, nb::bytes arguments,
                    std::optional<double> deadline) {
-  const OperationDescription* const operation = self.table().find(FunctionCode{code});
+  const OperationDescription* operation = self.table().find(FunctionCode{code});
+  if (operation == nullptr) operation = GecosObjectInterface::description.find(FunctionCode{code});
   if (operation == nullptr) {
     throw nb::key_error(
         ("no operation of " + std::string(self.table().name) + " has this code").c_str());
@@ -90,22 +93,6 @@ CommandHandle call(SessionHandle& self, std::uint32_t code, nb::bytes arguments,
 nb::tuple reference(const SessionHandle& self) {
   const ObjectRef about = self.about().reference();
   return nb::make_tuple(about.name, about.interface_hash, about.boot, about.where);
-}
-
-CommandHandle reserved(SessionHandle& self, int code) {
-  const AnyObject object(self.get());
-  switch (code) {
-    case 1:
-      return CommandHandle(holders(object).core());
-    case 2:
-      return CommandHandle(stop(object).core());
-    case 3:
-      return CommandHandle(ping(object).core());
-    case 4:
-      return CommandHandle(describe(object).core());
-    default:
-      throw nb::key_error("no reserved operation without parameters has this code");
-  }
 }
 
 CommandHandle outcome(SessionHandle& self, const std::string& command) {
@@ -214,7 +201,7 @@ void bind_client(nb::module_& module) {
           },
           nb::arg("broker"), nb::arg("program"))
       .def("create", &create, nb::arg("interface"), nb::arg("names"), nb::arg("medium").none(),
-           nb::arg("patience"), nb::arg("boot"))
+           nb::arg("patience"), nb::arg("incarnation"))
       .def("broker", &broker, nb::arg("interface"), nb::arg("patience"))
       .def("close", &LabHandle::close);
 
@@ -223,13 +210,10 @@ void bind_client(nb::module_& module) {
       .def_prop_ro("interface_name",
                    [](const SessionHandle& s) { return s.about().interface_name(); })
       .def_prop_ro("medium",
-                   [](const SessionHandle& s) {
-                     return std::string(media::to_string(s.about().offer().kind));
-                   })
+                   [](const SessionHandle& s) { return std::string(s.about().offer().name); })
       .def("reference", &reference)
       .def("call", &call, nb::arg("code"), nb::arg("arguments"), nb::arg("deadline").none())
       .def("subscribe", &subscribe, nb::arg("code"))
-      .def("reserved", &reserved, nb::arg("code"))
       .def("outcome", &outcome, nb::arg("command"))
       .def("acquire", &acquire, nb::arg("status"), nb::arg("password"))
       .def("close", &SessionHandle::close);

@@ -10,9 +10,9 @@ namespace gecos::python {
 ///
 /// A daemon thread that wants the GIL back while the interpreter ends does not get it: up to
 /// CPython 3.13 the interpreter ends the thread instead, and unwinds its stack to do so. That must
-/// not reach whoever waits here: frames that let no exception through would end the process by
-/// std::terminate, and others would let go of Python's objects without the GIL. So the thread stays
-/// here until the process has ended, as CPython from 3.14 on lets it do itself.
+/// not reach the thread that waits here: frames that let no exception through would end the process
+/// by std::terminate, and others would let go of Python's objects without the GIL. So the thread
+/// stays here until the process has ended, as CPython from 3.14 on lets it do itself.
 class WithoutGil {
  public:
   WithoutGil() : state_(PyEval_SaveThread()) {}

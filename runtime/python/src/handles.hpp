@@ -9,12 +9,12 @@
 #include <utility>
 #include <vector>
 
+#include "fork_generation.hpp"
 #include "gecos/lab.hpp"
 #include "gecos/reserved.hpp"
-#include "lineage.hpp"
 #include "waiting.hpp"
 
-/// What Python holds of the session. The GIL guards them; letting go of one may say goodbye to a
+/// Python's handles to the session. The GIL guards them; dropping one may say goodbye to a
 /// server, which is done without it.
 namespace gecos::python {
 
@@ -23,7 +23,7 @@ namespace gecos::python {
 /// waited for.
 class Owner {
  public:
-  bool inherited() const { return process_ != forks(); }
+  bool inherited() const { return fork_generation_ != fork_generation(); }
   /// Throws in a forked child; `what` is for example "this Lab".
   void demand(const char* what) const {
     if (!inherited()) return;
@@ -33,13 +33,13 @@ class Owner {
   }
 
  private:
-  std::uint64_t process_ = forks();
+  std::uint64_t fork_generation_ = fork_generation();
 };
 
-/// Lets go of a pointer without the GIL. Only where the GIL is held. A forked child leaves what it
-/// inherited as it is.
+/// Resets `pointer` without the GIL; the caller must hold the GIL. A forked child leaks an
+/// inherited object instead, because its threads do not exist in the child.
 template <class T>
-void let_go(std::shared_ptr<T>& pointer, const Owner& owner) {
+void drop(std::shared_ptr<T>& pointer, const Owner& owner) {
   if (pointer == nullptr) return;
   if (owner.inherited()) {
     static_cast<void>(new std::shared_ptr<T>(std::exchange(pointer, nullptr)));
@@ -54,7 +54,7 @@ class SessionHandle {
       : session_(std::move(session)), table_(table) {}
   SessionHandle(const SessionHandle&) = delete;
   SessionHandle& operator=(const SessionHandle&) = delete;
-  ~SessionHandle() { let_go(session_, owner_); }
+  ~SessionHandle() { drop(session_, owner_); }
 
   /// Never null: after `close` whatever is asked of it says that its Lab is closed.
   /// Throws in a forked child.
@@ -67,7 +67,7 @@ class SessionHandle {
   void close() {
     if (owner_.inherited()) return;
     auto open = std::exchange(session_, session::closed_session(*session_));
-    let_go(open, owner_);
+    drop(open, owner_);
   }
 
  private:
@@ -88,7 +88,7 @@ class LabHandle {
   }
   LabHandle(const LabHandle&) = delete;
   LabHandle& operator=(const LabHandle&) = delete;
-  ~LabHandle() { let_go(lab_, owner_); }
+  ~LabHandle() { drop(lab_, owner_); }
 
   /// Throws once it is closed, and in a forked child.
   std::shared_ptr<Lab> get() const {
@@ -102,7 +102,7 @@ class LabHandle {
     sessions_.push_back(session);
     return session;
   }
-  /// Ends every session, whoever keeps it.
+  /// Ends every session, even when a proxy still refers to it.
   void close() {
     if (lab_ != nullptr && !owner_.inherited()) {
       without_gil([lab = lab_] { lab->close(); });
@@ -110,7 +110,7 @@ class LabHandle {
     for (const auto& known : std::exchange(sessions_, {})) {
       if (const auto session = known.lock()) session->close();
     }
-    let_go(lab_, owner_);
+    drop(lab_, owner_);
   }
 
  private:
@@ -126,7 +126,7 @@ class CommandHandle {
   /// With the GIL: a command that has not ended is kept by its session as well, and one that has
   /// ended keeps nothing that must be taken leave of.
   ~CommandHandle() {
-    if (core_ != nullptr && owner_.inherited()) let_go(core_, owner_);
+    if (core_ != nullptr && owner_.inherited()) drop(core_, owner_);
   }
 
   session::CommandCore& core() const { return *core_; }
@@ -145,7 +145,7 @@ class StreamHandle {
  public:
   explicit StreamHandle(std::shared_ptr<session::StreamCore> core) : core_(std::move(core)) {}
   StreamHandle(StreamHandle&&) = default;
-  ~StreamHandle() { let_go(core_, owner_); }
+  ~StreamHandle() { drop(core_, owner_); }
 
   /// Null once it is closed. Throws in a forked child.
   std::shared_ptr<session::StreamCore> get() const {
@@ -154,7 +154,7 @@ class StreamHandle {
   }
   /// Its memory is used again by each reading.
   session::RawSample& sample() { return sample_; }
-  void close() { let_go(core_, owner_); }
+  void close() { drop(core_, owner_); }
 
  private:
   Owner owner_;
@@ -177,7 +177,7 @@ class LeaseHandle {
   bool fresh() const { return lease_ != nullptr && !owner_.inherited() && lease_->fresh(); }
   /// Again does nothing.
   void release() {
-    if (owner_.inherited()) return let_go(lease_, owner_);
+    if (owner_.inherited()) return drop(lease_, owner_);
     if (lease_) without_gil([lease = std::exchange(lease_, nullptr)] { lease->release(); });
   }
   void release_now() {

@@ -5,8 +5,8 @@
 #include <system_error>
 
 #include "bind.hpp"
+#include "fork_generation.hpp"
 #include "gecos/command.hpp"
-#include "lineage.hpp"
 
 namespace {
 
@@ -31,7 +31,7 @@ NB_MODULE(_core, module) {
     const auto detail = gecos::detail_from(number);
     return std::string(detail ? gecos::to_string(*detail) : "");
   });
-  // Proxies and servers of a module's top level live until the very end; `gecos.farewell` has taken
+  // Proxies and servers of a module's top level live until the very end; `gecos.shutdown` has taken
   // leave of their sessions by then.
   nanobind::set_leak_warnings(false);
 }

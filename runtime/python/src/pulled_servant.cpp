@@ -26,7 +26,7 @@ Lane lane_of(const OperationDescription& operation) {
 
 void TaskQueue::push(Task task) {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (!closed_) {
       waiting_.push_back(std::move(task));
       arrived_.notify_one();
@@ -46,8 +46,8 @@ std::optional<Task> TaskQueue::next() {
 }
 
 std::optional<Task> TaskQueue::pull() {
-  std::unique_lock lock(mutex_);
-  arrived_.wait(lock, [&] { return closed_ || !waiting_.empty(); });
+  MutexLock lock(mutex_);
+  while (!closed_ && waiting_.empty()) arrived_.wait(lock);
   if (closed_) return std::nullopt;
   Task task = std::move(waiting_.front());
   waiting_.pop_front();
@@ -57,7 +57,7 @@ std::optional<Task> TaskQueue::pull() {
 void TaskQueue::close() {
   std::deque<Task> unhandled;  // answered after the lock is gone
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     closed_ = true;
     std::swap(unhandled, waiting_);
   }

@@ -1,14 +1,13 @@
 #pragma once
 
 #include <array>
-#include <condition_variable>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
-#include <mutex>
 #include <optional>
 #include <variant>
 
+#include "gecos/base/mutex.hpp"
 #include "gecos/servant.hpp"
 
 /// Servants whose handlers are elsewhere: what arrives is queued, and somebody pulls it.
@@ -26,22 +25,22 @@ enum class Lane : std::uint8_t {
 struct Stopped {};
 using Task = std::variant<IncomingCall, Stopped>;
 
-/// What waits for the handlers of one lane. Thread-safe.
+/// The calls that wait for the handlers of one lane. Thread-safe.
 class TaskQueue {
  public:
   void push(Task task);
   /// Waits for the next task that may begin; nothing once it is closed. A call counts as started.
   std::optional<Task> next();
-  /// Nothing is given out any more; what still waits is answered as not handled.
+  /// Hands out no more calls; waiting calls are answered as not handled.
   void close();
 
  private:
   std::optional<Task> pull();
 
-  std::mutex mutex_;
-  std::condition_variable arrived_;
-  std::deque<Task> waiting_;
-  bool closed_ = false;
+  Mutex mutex_;
+  ConditionVariable arrived_;
+  std::deque<Task> waiting_ GECOS_GUARDED_BY(mutex_);
+  bool closed_ GECOS_GUARDED_BY(mutex_) = false;
 };
 
 /// Queues its calls, by their lanes.

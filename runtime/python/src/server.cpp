@@ -24,7 +24,7 @@ namespace {
 
 namespace nb = nanobind;
 
-/// A call that Python answers. Answering moves it out; whoever is late is ignored, and so is a
+/// A call that Python answers. Answering moves it out; a late answer is ignored, and so is a
 /// child that the handler forked: its parent answers.
 class CallHandle {
  public:
@@ -88,7 +88,7 @@ class ServerHandle {
   ServerHandle& operator=(const ServerHandle&) = delete;
   ~ServerHandle() { close(); }
 
-  /// Who may be served.
+  /// The users whose clients may be served.
   ServantHandle prepare(nb::handle interface) {
     owner_.demand("this Server");
     auto servant = std::make_shared<PulledServant>(description_of(interface));
@@ -161,17 +161,17 @@ class ServerHandle {
     if (owner_.inherited()) {
       static_cast<void>(new auto(std::exchange(server_, nullptr)));
       static_cast<void>(new auto(std::move(servants_)));
-      let_go(lab_, owner_);
+      drop(lab_, owner_);
       return;
     }
     without_gil([this, servants = servants_, server = std::exchange(server_, nullptr)]() mutable {
       for (const auto& servant : servants) servant->close();
       const std::lock_guard lock(serving_);  // another thread may be adding
       server.reset();
-      // Who keeps this object keeps the servants, which must not keep the lab and its thread.
+      // This object keeps the servants alive; servants must not keep the lab and its thread alive.
       for (const auto& servant : servants) servant->gecos_attach(nullptr);
     });
-    let_go(lab_, owner_);
+    drop(lab_, owner_);
   }
 
  private:
@@ -196,8 +196,8 @@ class BrokerHandle {
   ~BrokerHandle() { close(); }
 
   void close() {
-    let_go(serving_, owner_);
-    let_go(lab_, owner_);
+    drop(serving_, owner_);
+    drop(lab_, owner_);
   }
 
  private:

@@ -29,7 +29,7 @@ class LeaseTableTest : public ::testing::Test {
   }
 
   TimePoint now{10s};
-  LeaseTable table{BootId{0x1234'5678'9abc'def0U}, 500ms};
+  LeaseTable table{IncarnationId{0x1234'5678'9abc'def0U}, 500ms};
 };
 
 TEST_F(LeaseTableTest, EverybodyMayReadWithoutALease) {
@@ -351,7 +351,7 @@ TEST_F(LeaseTableTest, StopOfAFreeObjectStillFencesWhatWasIssuedBefore) {
 }
 
 TEST_F(LeaseTableTest, EpochsOfTwoServerLivesDiffer) {
-  const LeaseTable restarted{BootId{0x0fed'cba9'8765'4321U}, 500ms};
+  const LeaseTable restarted{IncarnationId{0x0fed'cba9'8765'4321U}, 500ms};
   EXPECT_NE(restarted.epoch(), table.epoch());
   EXPECT_NE(table.epoch(), Epoch{});
 }

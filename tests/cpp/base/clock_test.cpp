@@ -56,7 +56,7 @@ TEST(Ids, ShowTheNumberBehindThem) {
   EXPECT_EQ(number(FunctionCode{0xFFFFFFFFu}), 0xFFFFFFFFu);
   EXPECT_EQ(number(SessionId{7}), 7u);
   static_assert(!std::is_convertible_v<std::uint64_t, Epoch>);
-  static_assert(!std::is_same_v<Epoch, BootId>);
+  static_assert(!std::is_same_v<Epoch, IncarnationId>);
 }
 
 }  // namespace

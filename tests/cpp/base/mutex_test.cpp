@@ -10,10 +10,10 @@
 namespace gecos {
 namespace {
 
-TEST(Mutex, OneAtATimeIsInside) {
+TEST(FutexMutex, OneAtATimeIsInside) {
   constexpr int threads = 4;
   constexpr int times = 20'000;
-  Mutex mutex;
+  FutexMutex mutex;
   int count = 0;
   std::latch all(threads);
   std::vector<std::thread> counting;
@@ -30,8 +30,8 @@ TEST(Mutex, OneAtATimeIsInside) {
   EXPECT_EQ(count, threads * times);
 }
 
-TEST(Mutex, WhoSleepsIsWoken) {
-  Mutex mutex;
+TEST(FutexMutex, WhoSleepsIsWoken) {
+  FutexMutex mutex;
   std::unique_lock held(mutex);
   std::vector<std::thread> waiting;
   for (int i = 0; i < 3; ++i) waiting.emplace_back([&] { const std::lock_guard lock(mutex); });
@@ -39,8 +39,8 @@ TEST(Mutex, WhoSleepsIsWoken) {
   for (auto& thread : waiting) thread.join();
 }
 
-TEST(Mutex, TryLockDoesNotWait) {
-  Mutex mutex;
+TEST(FutexMutex, TryLockDoesNotWait) {
+  FutexMutex mutex;
   ASSERT_TRUE(mutex.try_lock());
   EXPECT_FALSE(mutex.try_lock());
   mutex.unlock();

@@ -16,8 +16,9 @@ constexpr TimePoint started{std::chrono::hours(1)};
 class OldDirectory : public Directory {
  public:
   OldDirectory() : Directory(started) {}
-  auto enlist(std::uint64_t session, std::uint64_t boot, const Entry& entry) {
-    return Directory::enlist({session, boot, Duration::zero()}, entry, started + seconds(60));
+  auto enlist(std::uint64_t session, std::uint64_t incarnation, const Entry& entry) {
+    return Directory::enlist({session, incarnation, Duration::zero()}, entry,
+                             started + seconds(60));
   }
 };
 
@@ -109,11 +110,11 @@ TEST(Directory, DropsWhatASessionEnlistedWhenItEnds) {
 class YoungDirectory : public ::testing::Test {
  protected:
   /// What the server of that life is told which has served RX90 for so long, `after` its start.
-  tl::expected<Duration, NameTaken> enlist(std::uint64_t boot, Duration served_for,
+  tl::expected<Duration, NameTaken> enlist(std::uint64_t incarnation, Duration served_for,
                                            Duration after) {
     Entry entry = named("RX90");
-    entry.boot = boot;
-    return directory_.enlist({boot, boot, served_for}, entry, started + after);
+    entry.boot = incarnation;
+    return directory_.enlist({incarnation, incarnation, served_for}, entry, started + after);
   }
   std::uint64_t holder() const { return directory_.look_up("RX90")->boot; }
 

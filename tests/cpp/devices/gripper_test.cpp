@@ -29,7 +29,7 @@ class GripperTest : public Laboratory {
     return [this] {
       servant_.step(0.005);
       servant_.publish();
-      watch_.tend();
+      watch_.tick();
     };
   }
   std::string holder_of_block() { return in_world_.find("block").get().value().held_by; }

@@ -14,7 +14,7 @@ class MountingTest : public Rx90Laboratory {
     auto frame = carrier.frame();
     for (; !frame; frame = carrier.frame()) {
       cycle()();
-      carrier.tend();
+      carrier.tick();
     }
     return *frame;
   }

@@ -212,8 +212,6 @@ struct BoundedCalls : testing::Test {
   }
 };
 
-}  // namespace
-
 TEST_F(BoundedCalls, RefuseArgumentsBeforeTheyAreSent) {
   EXPECT_EQ(refusal(robot.go({0, 0, 4}, {})), "go.to: 4 is outside [-3.0, 3.0]");
   EXPECT_EQ(refusal(robot.go({}, {{10, 0}})), "go.by_level: 10 is outside [1, 9]");
@@ -290,3 +288,5 @@ TEST(GeneratedSecrets, AreNotInTextsOfErrors) {
   EXPECT_EQ(gecos_violation(login).find("much"), std::string::npos);
   EXPECT_EQ(gecos_violation(Arm::make_password("much too long")).find("much"), std::string::npos);
 }
+
+}  // namespace

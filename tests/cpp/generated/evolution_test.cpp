@@ -112,8 +112,6 @@ class Evolution : public ::testing::TestWithParam<gecos::media::Kind> {
   gecos::Lab lab_;
 };
 
-}  // namespace
-
 TEST_P(Evolution, OldClientUsesNewServer) {
   const auto cart = connect<cart_v1::Cart>(new_);
   const auto gone = cart.go({cart_v1::Gear::DRIVE, {{1}, {2}}}, 1).get();
@@ -175,3 +173,5 @@ TEST_P(Evolution, WhatIsNotTheSameToBothIsRefusedByNameBeforeAnythingIsSent) {
 INSTANTIATE_TEST_SUITE_P(Over, Evolution,
                          ::testing::Values(gecos::media::Kind::Inproc, gecos::media::Kind::Shm),
                          gecos::media::name_of);
+
+}  // namespace

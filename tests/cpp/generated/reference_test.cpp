@@ -100,8 +100,6 @@ class References : public ::testing::TestWithParam<gecos::media::Kind> {
   workshop::Changer changer_proxy_;
 };
 
-}  // namespace
-
 TEST_P(References, AProxyGoesThroughACallAndIsAProxyAgain) {
   const auto lease = gecos::actor(changer_proxy_);
   ASSERT_TRUE(lease) << lease.error();
@@ -136,7 +134,7 @@ TEST_P(References, OneSaysWhichObjectItIs) {
   const ObjectRef reference = gecos::reference(changer_proxy_);
   EXPECT_EQ(reference.name, "CHANGER");
   EXPECT_EQ(reference.interface_hash, workshop::Changer::gecos_description().hash);
-  EXPECT_EQ(reference.boot, gecos::number(gecos::session::process_boot()));
+  EXPECT_EQ(reference.boot, gecos::number(gecos::session::process_incarnation()));
   EXPECT_EQ(reference.where.rfind(gecos::media::name_of({GetParam(), 0}) + ": ", 0), 0U)
       << reference.where;
 }
@@ -193,3 +191,5 @@ TEST(Reference, IsPrintedAndIsJson) {
   ASSERT_TRUE(back) << text;
   EXPECT_EQ(*back, place);
 }
+
+}  // namespace

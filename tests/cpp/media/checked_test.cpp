@@ -1,9 +1,9 @@
-#include "gecos/media/checked.hpp"
+#include "gecos/media/layers/checked.hpp"
 
 #include <gtest/gtest.h>
 
-#include "gecos/media/faulty.hpp"
-#include "gecos/media/inproc.hpp"
+#include "gecos/media/inproc/inproc.hpp"
+#include "gecos/media/testing/faulty.hpp"
 #include "media_under_test.hpp"
 
 namespace gecos::media {

@@ -7,12 +7,13 @@
 #include <algorithm>
 #include <thread>
 
-#include "gecos/media/checked.hpp"
-#include "gecos/media/inproc.hpp"
-#include "gecos/media/lcm.hpp"
+#include "gecos/media/inproc/inproc.hpp"
+#include "gecos/media/layers/checked.hpp"
+#include "gecos/media/lcm/lcm.hpp"
 #include "gecos/media/quiet.hpp"
 #include "gecos/media/shm/shm.hpp"
 #include "media_under_test.hpp"
+#include "pair_medium.hpp"
 
 namespace gecos::media {
 namespace {
@@ -118,9 +119,10 @@ TEST_P(Conformance, RefusesWhatNeverFits) {
 
 TEST_P(Conformance, LargeAndSmallPacketsKeepTheirOrder) {
   if (!medium_->offer().ordered) GTEST_SKIP() << "small ones overtake";
+  const std::size_t large = std::min(std::size_t{1'000'000}, medium_->offer().largest_packet - 30);
   std::vector<std::string> sent;
   for (int i = 0; i < 30; ++i) {
-    const std::size_t size = i % 3 == 0 ? 1'000'000 + static_cast<std::size_t>(i) : 100;
+    const std::size_t size = i % 3 == 0 ? large + static_cast<std::size_t>(i) : 100;
     sent.emplace_back(size, static_cast<char>('a' + i % 26));
   }
   for (int round = 0; round < 5; ++round) {
@@ -179,7 +181,7 @@ TEST_P(Conformance, AnOrderlyCloseIsSeenAfterTheLastPacket) {
   EXPECT_EQ(client_.wait_for_loss(), Loss::Closed);
   EXPECT_FALSE(client_.link->loss_text().empty());
   EXPECT_EQ(client_.send("too late").error(), SendProblem::Lost);
-  EXPECT_FALSE(client_.link->arm()) << "nothing will come: do not sleep";
+  EXPECT_FALSE(client_.link->prepare_to_sleep()) << "nothing will come: do not sleep";
 }
 
 TEST_P(Conformance, TheServerSeesItsClientClose) {
@@ -198,9 +200,7 @@ TEST_P(Conformance, ACloseWakesASleeper) {
 
 TEST_P(Conformance, LinksOutliveTheirAcceptor) {
   server_ = End(std::move(server_.link));
-  if (medium_->offer().kind != Kind::Lcm) {
-    door_.reset();
-  }
+  if (!medium_->offer().connectionless) door_.reset();
   ASSERT_TRUE(server_.send("still here"));
   EXPECT_EQ(client_.receive(), "still here");
   EXPECT_EQ(client_.link->loss(), Loss::None);
@@ -247,13 +247,13 @@ TEST_P(Conformance, AnEndSaysWhereItLooksWhetherItSleepsAndWhenItRang) {
   EXPECT_EQ(client_.link->peer_whereabouts().core, pinned.core());
   EXPECT_FALSE(client_.link->peer_whereabouts().asleep);
 
-  ASSERT_TRUE(server_.link->arm());
+  ASSERT_TRUE(server_.link->prepare_to_sleep());
   EXPECT_TRUE(client_.link->peer_whereabouts().asleep);
   const TimePoint before = std::chrono::steady_clock::now();
   ASSERT_TRUE(client_.send("wake up"));
   EXPECT_GE(server_.link->peer_whereabouts().rang_at, before);
   EXPECT_LE(server_.link->peer_whereabouts().rang_at, std::chrono::steady_clock::now());
-  server_.link->disarm();
+  server_.link->woke();
   EXPECT_FALSE(client_.link->peer_whereabouts().asleep);
 
   const TimePoint rang_at = server_.link->peer_whereabouts().rang_at;
@@ -269,8 +269,8 @@ TEST_P(Conformance, QuietPacketsAreReadBeforeThePacketThatWakes) {
 
   const bool quiet = dynamic_cast<QuietSender*>(server_.link.get()) != nullptr;
   EXPECT_EQ(quiet, GetParam().name == "inproc" || GetParam().name == "shm");
-  client_.link->disarm();
-  ASSERT_TRUE(client_.link->arm());
+  client_.link->woke();
+  ASSERT_TRUE(client_.link->prepare_to_sleep());
   ASSERT_TRUE(send_quietly(*server_.link, bytes_of("news"), bytes_of(" 1")));
   if (quiet) {
     EXPECT_EQ(sleep_on(client_.link->descriptors(), TimePoint{}), Wake::TimedOut);
@@ -278,14 +278,14 @@ TEST_P(Conformance, QuietPacketsAreReadBeforeThePacketThatWakes) {
     ASSERT_TRUE(read_in_its_sleep);
     EXPECT_TRUE(std::ranges::equal(*read_in_its_sleep, bytes_of("news 1")));
   } else {
-    client_.link->disarm();
+    client_.link->woke();
     EXPECT_EQ(client_.receive(), "news 1");
-    ASSERT_TRUE(client_.link->arm());
+    ASSERT_TRUE(client_.link->prepare_to_sleep());
   }
   ASSERT_TRUE(send_quietly(*server_.link, bytes_of("news"), bytes_of(" 2")));
   ASSERT_TRUE(server_.send("the end"));
   EXPECT_NE(sleep_on(client_.link->descriptors(), too_late()), Wake::TimedOut);
-  client_.link->disarm();
+  client_.link->woke();
   EXPECT_EQ(client_.receive(), "news 2");
   EXPECT_EQ(client_.receive(), "the end");
 }
@@ -302,45 +302,45 @@ TEST_P(Conformance, QuietPacketsWakeThePeerBeforeTheyTakeTheRoomOfOthers) {
   const auto woken = [&] {
     return sleep_on(client_.link->descriptors(), TimePoint{}) == Wake::Ready;
   };
-  client_.link->disarm();
-  ASSERT_TRUE(client_.link->arm());
+  client_.link->woke();
+  ASSERT_TRUE(client_.link->prepare_to_sleep());
   std::size_t sent = 0;
   for (; !woken(); ++sent) ASSERT_TRUE(send_quietly(*server_.link, bytes_of("news"), {}));
   EXPECT_GT(sent, 100u);
   for (std::size_t i = 0; i < sent / 2; ++i) ASSERT_TRUE(server_.send("there is room")) << i;
-  client_.link->disarm();
+  client_.link->woke();
   while (client_.link->receive()) {
   }
 
-  ASSERT_TRUE(client_.link->arm());
+  ASSERT_TRUE(client_.link->prepare_to_sleep());
   const std::string large(100'000, 'x');
   ASSERT_TRUE(send_quietly(*server_.link, bytes_of(large), {}));
   EXPECT_TRUE(woken()) << "it lies beside the ring, where room is scarce";
-  client_.link->disarm();
+  client_.link->woke();
   EXPECT_EQ(client_.receive(), large);
 }
 
-TEST_P(Conformance, ArmFindsAQuietPacket) {
+TEST_P(Conformance, PrepareToSleepFindsAQuietPacket) {
   ASSERT_TRUE(client_.send("both ends know each other"));
   ASSERT_EQ(server_.receive(), "both ends know each other");
   ASSERT_TRUE(send_quietly(*server_.link, bytes_of("news"), {}));
-  ASSERT_TRUE(
-      client_.wait([&] { return !client_.link->arm() || (client_.link->disarm(), false); }));
+  ASSERT_TRUE(client_.wait(
+      [&] { return !client_.link->prepare_to_sleep() || (client_.link->woke(), false); }));
   EXPECT_EQ(client_.receive(), "news");
 }
 
-TEST_P(Conformance, ArmFindsWhatIsThereAlready) {
+TEST_P(Conformance, PrepareToSleepFindsWhatIsThereAlready) {
   ASSERT_TRUE(client_.send("first"));
-  ASSERT_TRUE(
-      server_.wait([&] { return !server_.link->arm() || (server_.link->disarm(), false); }));
+  ASSERT_TRUE(server_.wait(
+      [&] { return !server_.link->prepare_to_sleep() || (server_.link->woke(), false); }));
   EXPECT_EQ(server_.receive(), "first");
 }
 
-TEST_P(Conformance, DescriptorsAreQuietAfterDisarm) {
-  ASSERT_TRUE(server_.link->arm());
+TEST_P(Conformance, DescriptorsAreQuietAfterWoke) {
+  ASSERT_TRUE(server_.link->prepare_to_sleep());
   ASSERT_TRUE(client_.send("wake up"));
   EXPECT_EQ(server_.receive(), "wake up");
-  server_.link->disarm();
+  server_.link->woke();
   EXPECT_EQ(sleep_on(server_.link->descriptors(), TimePoint{}), Wake::TimedOut);
 }
 
@@ -360,14 +360,14 @@ TEST_P(Conformance, NoWakeUpIsLost) {
 }
 
 TEST_P(Conformance, WhoAsksForALossTakesNoWakeUpFromASleeper) {
-  ASSERT_TRUE(server_.link->arm());
+  ASSERT_TRUE(server_.link->prepare_to_sleep());
   ASSERT_TRUE(client_.send("before it has heard of the server"));
   EXPECT_EQ(server_.link->loss(), Loss::None)
       << "as housekeeping asks, beside the thread that sleeps";
   std::vector<int> all(server_.link->descriptors().begin(), server_.link->descriptors().end());
   all.insert(all.end(), door_->descriptors().begin(), door_->descriptors().end());
   EXPECT_EQ(sleep_on(all, too_late()), Wake::Ready);
-  server_.link->disarm();
+  server_.link->woke();
   EXPECT_EQ(server_.receive(), "before it has heard of the server");
 }
 
@@ -439,7 +439,9 @@ TEST_P(Conformance, AStreamIsReadNewestFirstOrOneByOne) {
 }
 
 TEST_P(Conformance, AStreamForWhichThisProcessHasNoDescriptorSaysSoAndCanBeSharedAgain) {
-  if (medium_->offer().kind == Kind::Inproc) GTEST_SKIP() << "it needs none";
+  if (medium_->offer().reach == Reach::Process && !medium_->offer().connectionless) {
+    GTEST_SKIP() << "its samples lie in memory that both ends have: it needs none";
+  }
   const auto writer = door_->make_stream(100, 4);
   ASSERT_EQ(client_.link->loss(), Loss::None) << "it has heard the server's answer";
   ASSERT_TRUE(server_.link->share(7, *writer));
@@ -565,8 +567,131 @@ TEST_P(Conformance, ALinkMayGoWhileAStreamIsPublished) {
   publishing.join();
 }
 
+TEST_P(Conformance, SamplesOfAClientGoInward) {
+  const auto writer = client_.link->make_stream(100, 4);
+  ASSERT_TRUE(client_.link->share(7, *writer));
+  std::unique_ptr<StreamReader> reader;
+  ASSERT_TRUE(wait_tended(server_, client_, [&] {
+    server_.link->receive();
+    reader = server_.link->open_stream(7);
+    return reader != nullptr;
+  }));
+  EXPECT_EQ(server_.link->open_stream(8), nullptr) << "nothing was shared under this number";
+  StreamSample sample;
+  EXPECT_FALSE(reader->latest(0, sample)) << "nothing was published";
+
+  for (std::uint64_t i = 1; i <= 100; ++i) {
+    ASSERT_TRUE(writer->publish(bytes_of(std::to_string(i)), static_cast<std::int64_t>(1000 + i)));
+    ASSERT_TRUE(server_.wait([&] {
+      server_.link->receive();
+      return reader->next(i - 1, sample);
+    }));
+    EXPECT_EQ(sample.sequence, i);
+    EXPECT_EQ(sample.stamp_ns, static_cast<std::int64_t>(1000 + i));
+    EXPECT_EQ(text_of(sample.bytes), std::to_string(i));
+  }
+  ASSERT_TRUE(client_.send("a packet beside the samples"));
+  EXPECT_EQ(server_.receive(), "a packet beside the samples");
+}
+
+TEST_P(Conformance, BothEndsShareStreamsUnderTheSameNumber) {
+  const auto outward = door_->make_stream(16, 4);
+  const auto inward = client_.link->make_stream(16, 4);
+  ASSERT_TRUE(server_.link->share(1, *outward));
+  ASSERT_TRUE(client_.link->share(1, *inward));
+  const auto at_client = client_.wait_for_stream(1);
+  std::unique_ptr<StreamReader> at_server;
+  ASSERT_TRUE(wait_tended(server_, client_, [&] {
+    server_.link->receive();
+    at_server = server_.link->open_stream(1);
+    return at_server != nullptr;
+  }));
+  ASSERT_NE(at_client, nullptr);
+  ASSERT_TRUE(outward->publish(bytes_of("measured"), 1));
+  ASSERT_TRUE(inward->publish(bytes_of("commanded"), 2));
+  StreamSample sample;
+  ASSERT_TRUE(client_.wait([&] { return at_client->latest(0, sample); }));
+  EXPECT_EQ(text_of(sample.bytes), "measured");
+  ASSERT_TRUE(server_.wait([&] {
+    server_.link->receive();
+    return at_server->latest(0, sample);
+  }));
+  EXPECT_EQ(text_of(sample.bytes), "commanded");
+
+  client_.link->unshare(1);
+  EXPECT_TRUE(wait_tended(server_, client_, [&] {
+    server_.link->receive();
+    return server_.link->open_stream(1) == nullptr;
+  }));
+  EXPECT_TRUE(client_.link->open_stream(1) != nullptr) << "the server's stream goes on";
+}
+
+TEST_P(Conformance, ASampleIsWrittenIntoLentMemoryAndReadInPlace) {
+  const auto writer = door_->make_stream(64, 4);
+  ASSERT_TRUE(server_.link->share(1, *writer));
+  const auto reader = client_.wait_for_stream(1);
+  ASSERT_NE(reader, nullptr);
+  EXPECT_FALSE(reader->lend_latest(0));
+  EXPECT_EQ(writer->lend(65).error(), SendProblem::TooLarge);
+
+  const auto abandoned = writer->lend(64);
+  ASSERT_TRUE(abandoned);
+  std::ranges::fill(*abandoned, std::byte{0xee});
+  for (const std::string_view text : {"the first", "another"}) {
+    const auto lent = writer->lend(text.size());
+    ASSERT_TRUE(lent);
+    ASSERT_EQ(lent->size(), text.size());
+    std::ranges::copy(bytes_of(text), lent->begin());
+    writer->publish_lent(5);
+  }
+  std::optional<LentSample> sample;
+  ASSERT_TRUE(client_.wait([&] {
+    client_.link->receive();
+    sample = reader->lend_latest(1);
+    return sample.has_value();
+  }));
+  EXPECT_EQ(sample->sequence, 2u) << "an abandoned loan is no sample";
+  EXPECT_EQ(sample->stamp_ns, 5);
+  EXPECT_TRUE(std::ranges::equal(sample->bytes, bytes_of("another")));
+  EXPECT_TRUE(reader->intact(*sample));
+  EXPECT_FALSE(reader->lend_latest(2));
+
+  ASSERT_TRUE(writer->publish(bytes_of("a copy"), 6));
+  ASSERT_TRUE(client_.wait([&] {
+    client_.link->receive();
+    sample = reader->lend_latest(2);
+    return sample.has_value();
+  }));
+  EXPECT_TRUE(std::ranges::equal(sample->bytes, bytes_of("a copy")));
+}
+
+TEST_P(Conformance, AWriterNeverWaitsForAReaderThatHoldsASample) {
+  const auto writer = door_->make_stream(16, 2);
+  ASSERT_TRUE(server_.link->share(1, *writer));
+  const auto reader = client_.wait_for_stream(1);
+  ASSERT_NE(reader, nullptr);
+  ASSERT_TRUE(writer->publish(bytes_of("0"), 0));
+  std::optional<LentSample> held;
+  ASSERT_TRUE(client_.wait([&] {
+    client_.link->receive();
+    held = reader->lend_latest(0);
+    return held.has_value();
+  }));
+  for (int i = 1; i <= 10; ++i) ASSERT_TRUE(writer->publish(bytes_of(std::to_string(i)), i));
+  if (medium_->offer().shared_words) {
+    EXPECT_FALSE(reader->intact(*held)) << "its slot is another's by now";
+  }
+  EXPECT_TRUE(!reader->intact(*held) || std::ranges::equal(held->bytes, bytes_of("0")));
+  StreamSample sample;
+  ASSERT_TRUE(client_.wait([&] {
+    client_.link->receive();
+    return reader->latest(10, sample);
+  }));
+  EXPECT_EQ(text_of(sample.bytes), "10");
+}
+
 TEST_P(Conformance, NobodyIsAtAnUnknownAddress) {
-  if (medium_->offer().kind == Kind::Lcm) GTEST_SKIP() << "silence is all that a datagram gets";
+  if (medium_->offer().connectionless) GTEST_SKIP() << "silence is all that a datagram gets";
   EXPECT_FALSE(medium_->connect(medium_->well_known_address("NOBODY")));
   EXPECT_FALSE(medium_->connect("nonsense"));
   const std::string address = door_->address();
@@ -575,7 +700,7 @@ TEST_P(Conformance, NobodyIsAtAnUnknownAddress) {
 }
 
 TEST_P(Conformance, AClientThatWaitsAtADoorThatClosesIsTold) {
-  if (medium_->offer().kind == Kind::Lcm) GTEST_SKIP() << "silence is all that a datagram gets";
+  if (medium_->offer().connectionless) GTEST_SKIP() << "silence is all that a datagram gets";
   End late = connect();
   ASSERT_TRUE(late.send("is anybody there?"));
   door_.reset();
@@ -640,8 +765,8 @@ TEST_P(Conformance, AForkedChildFindsItsLinksDead) {
     if (client_.link->receive().has_value()) wrong |= 64;
     if (server_.link->loss() != Loss::Broken) wrong |= 4;
     if (client_.link->loss_text().find("fork") == std::string::npos) wrong |= 8;
-    if (client_.link->arm()) wrong |= 16;
-    client_.link->disarm();
+    if (client_.link->prepare_to_sleep()) wrong |= 16;
+    client_.link->woke();
     client_.link.reset();  // must not say goodbye in the parent's name
     server_.link.reset();
     door_.reset();
@@ -666,6 +791,10 @@ INSTANTIATE_TEST_SUITE_P(
         Candidate{"checked", [](const std::string&) { return make_checked(make_inproc()); }},
         Candidate{"shm",
                   [](const std::string& directory) { return make_shm({.directory = directory}); }},
+        Candidate{"pair", [](const std::string&) { return make_pair_medium(); }},
+        Candidate{
+            "sealed_pair",
+            [](const std::string& directory) { return make_sealed_pair(directory + "/keys"); }},
         Candidate{"lcm",
                   [](const std::string& directory) {
                     // A well-known place of this process: a broker may run on this host.

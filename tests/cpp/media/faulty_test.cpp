@@ -1,4 +1,4 @@
-#include "gecos/media/faulty.hpp"
+#include "gecos/media/testing/faulty.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <bit>
 #include <map>
 
-#include "gecos/media/inproc.hpp"
+#include "gecos/media/inproc/inproc.hpp"
 #include "media_under_test.hpp"
 
 namespace gecos::media {
@@ -112,12 +112,12 @@ TEST(Faulty, DelaysLikeASatelliteAndWakesNobodyBefore) {
   Line line({.delay = 250ms});
   ASSERT_TRUE(line.client.send("move"));
   EXPECT_TRUE(line.arrived().empty());
-  ASSERT_TRUE(line.server.link->arm()) << "nothing is due";
-  line.server.link->disarm();
+  ASSERT_TRUE(line.server.link->prepare_to_sleep()) << "nothing is due";
+  line.server.link->woke();
   line.clock.advance(249ms);
   EXPECT_TRUE(line.arrived().empty());
   line.clock.advance(1ms);
-  EXPECT_FALSE(line.server.link->arm()) << "now it is";
+  EXPECT_FALSE(line.server.link->prepare_to_sleep()) << "now it is";
   EXPECT_EQ(line.arrived(), std::vector<std::string>{"move"});
 }
 

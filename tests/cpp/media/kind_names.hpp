@@ -6,7 +6,7 @@
 #include <ostream>
 #include <string>
 
-#include "gecos/media/medium.hpp"
+#include "gecos/media/kinds.hpp"
 
 namespace gecos::media {
 

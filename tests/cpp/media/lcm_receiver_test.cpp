@@ -6,7 +6,7 @@
 #include <fstream>
 
 #include "gecos/media/lcm/port.hpp"
-#include "gecos/media/lcm/stream.hpp"
+#include "gecos/media/sealed/stream.hpp"
 #include "media_under_test.hpp"
 
 namespace gecos::media {
@@ -52,7 +52,7 @@ class LcmPortBesideLcm : public testing::Test {
     });
     if (!heard) throw std::runtime_error(heard.error().text);
   }
-  const std::vector<std::string>& all_up_to(const std::string& last) {
+  const std::vector<std::string>& received_up_to(const std::string& last) {
     while (all_.empty() || all_.back() != last) {
       if (port_->pump()) continue;
       if (!all_.empty() && all_.back() == last) break;
@@ -78,14 +78,14 @@ TEST_F(LcmPortBesideLcm, HearsItsMessagesOnTheChannelThatWasAskedFor) {
   lcm_.send("OURS", "first");
   lcm_.send("OURS", std::string(60'000, 'x'));
   lcm_.send("OURS", "last");
-  EXPECT_EQ(all_up_to("last"),
+  EXPECT_EQ(received_up_to("last"),
             (std::vector<std::string>{"", "first", std::string(60'000, 'x'), "last"}));
 }
 
 TEST_F(LcmPortBesideLcm, HearsNothingOfMessagesThatLcmCuts) {
   lcm_.send("OURS", std::string(200'000, 'x'));
   lcm_.send("OURS", "last");
-  EXPECT_EQ(all_up_to("last"), std::vector<std::string>{"last"});
+  EXPECT_EQ(received_up_to("last"), std::vector<std::string>{"last"});
 }
 
 TEST_F(LcmPortBesideLcm, IsHeardByIt) {

@@ -1,9 +1,9 @@
 // What hears and says anything on lcm, and settings with keys of a test's own.
 #pragma once
 
-#include "gecos/media/lcm.hpp"
-#include "gecos/media/lcm/datagram.hpp"
+#include "gecos/media/lcm/lcm.hpp"
 #include "gecos/media/lcm/port.hpp"
+#include "gecos/media/sealed/datagram.hpp"
 #include "media_under_test.hpp"
 
 namespace gecos::media {

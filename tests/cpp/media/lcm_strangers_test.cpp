@@ -4,9 +4,9 @@
 #include <random>
 
 #include "gecos/crypto/opening.hpp"
-#include "gecos/media/lcm/keys.hpp"
-#include "gecos/media/lcm/outlet.hpp"
-#include "gecos/media/lcm/stream.hpp"
+#include "gecos/media/sealed/keys.hpp"
+#include "gecos/media/sealed/sender.hpp"
+#include "gecos/media/sealed/stream.hpp"
 #include "lcm_recorder.hpp"
 
 namespace gecos::media {
@@ -21,7 +21,7 @@ class LcmStrangers : public testing::Test {
           return options;
         }())),
         door_(medium_->listen("RX90", false).value()),
-        where_(LcmAddress::parse(door_->address()).value()),
+        where_(SealedAddress::parse(door_->address()).value()),
         stranger_(where_.port, where_.channel),
         client_(std::move(*medium_->connect(door_->address()))),
         server_(wait_for_client(*door_, *client_.link), door_.get()) {}
@@ -37,7 +37,7 @@ class LcmStrangers : public testing::Test {
   const ScratchDirectory directory_;
   const std::unique_ptr<Medium> medium_;
   const std::unique_ptr<Acceptor> door_;
-  const LcmAddress where_;
+  const SealedAddress where_;
   Recorder stranger_;
   End client_;
   End server_;
@@ -119,7 +119,7 @@ TEST_F(LcmStrangers, AFirstMessagePlayedBackMakesNoLink) {
 }
 
 TEST_F(LcmStrangers, FirstMessagesAloneHoldNoDescriptor) {
-  const auto keys = LcmKeys::open(with_keys(directory_).key_directory).value();
+  const auto keys = SealedKeys::open(with_keys(directory_).key_directory).value();
   ASSERT_NE(keys, nullptr);
   const std::size_t before = open_descriptors();
   for (std::uint64_t i = 1; i <= 400; ++i) {
@@ -137,16 +137,16 @@ TEST_F(LcmStrangers, FirstMessagesAloneHoldNoDescriptor) {
 }
 
 TEST_F(LcmStrangers, AClientWhoseAnswerWasLostGetsTheSameOneAgain) {
-  const auto keys = LcmKeys::open(with_keys(directory_).key_directory).value();
+  const auto keys = SealedKeys::open(with_keys(directory_).key_directory).value();
   const std::uint64_t number = draw_number();
   const std::uint16_t reply_port = draw_port();
-  Recorder client(reply_port, lcm_channel("GC", number));
-  LcmOutlet outlet(LcmPort::open({}, where_.port).value(), where_.channel, number, reply_port);
+  Recorder client(reply_port, channel_name("GC", number));
+  SealedSender sender(LcmPort::open({}, where_.port).value(), where_.channel, number, reply_port);
   const auto opening = crypto::Opening::begin(
-      keys->own, *where_.key, handshake_context(where_, outlet.header(DatagramKind::First)), {});
+      keys->own, *where_.key, handshake_context(where_, sender.header(DatagramKind::First)), {});
   ASSERT_TRUE(opening);
   for (std::size_t i = 1; i <= 3; ++i) {
-    ASSERT_TRUE(outlet.send_bare(DatagramKind::First, opening->first()));
+    ASSERT_TRUE(sender.send_bare(DatagramKind::First, opening->first()));
     const TimePoint end = too_late();
     while (client.all().size() < i && std::chrono::steady_clock::now() < end) {
       EXPECT_EQ(door_->accept(), nullptr) << "it has shown nothing yet";
@@ -159,9 +159,9 @@ TEST_F(LcmStrangers, AClientWhoseAnswerWasLostGetsTheSameOneAgain) {
   EXPECT_EQ(answers[0], answers[2]);
   auto opened = opening->finish(ByteView(answers[2]).subspan(DatagramHeader::bytes), TimePoint{});
   ASSERT_TRUE(opened);
-  outlet.open(std::move(opened->channel.out));
+  sender.open(std::move(opened->channel.out));
   Bytes memory;
-  ASSERT_TRUE(outlet.send({InnerKind::Packet, 1}, bytes_of("met"), {}, memory));
+  ASSERT_TRUE(sender.send({InnerKind::Packet, 1}, bytes_of("met"), {}, memory));
   End met(wait_for_client(*door_), door_.get());
   ASSERT_NE(met.link, nullptr);
   EXPECT_EQ(met.receive(), "met");
@@ -203,7 +203,7 @@ TEST_F(LcmStrangers, AReaderCannotForgeASampleToTheOthers) {
   ASSERT_TRUE(server_.link->share(1, *writer));
   const auto reader = client_.wait_for_stream(1);
   ASSERT_NE(reader, nullptr);
-  const SharedStream& where = dynamic_cast<LcmStreamWriter&>(*writer).stream()->where();
+  const SharedStream& where = dynamic_cast<SealedStreamWriter&>(*writer).stream()->where();
   const auto forger = LcmPort::open({}, where.port).value();
   // It has the stream's key, as every reader, and not what the writer signs with.
   Bytes forged(DatagramHeader::bytes + crypto::StreamSealer::overhead + 8 + 3);
@@ -213,7 +213,7 @@ TEST_F(LcmStrangers, AReaderCannotForgeASampleToTheOthers) {
   const std::size_t text = frame.size() - crypto::Sealer::overhead;
   crypto::aead_seal(where.key.key, 0, ByteView(forged).first(DatagramHeader::bytes),
                     frame.subspan(crypto::Sealer::text_at, text), frame.last<crypto::tag_bytes>());
-  forger->publish(lcm_channel("GS", where.channel), forged);
+  forger->publish(channel_name("GS", where.channel), forged);
   ASSERT_TRUE(writer->publish(bytes_of("true"), 1));
   StreamSample sample;
   ASSERT_TRUE(client_.wait([&] { return reader->next(0, sample); }));

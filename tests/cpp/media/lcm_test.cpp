@@ -1,5 +1,5 @@
 // What is lcm's own: its bytes, its addresses, its clocks and bounds.
-#include "gecos/media/lcm.hpp"
+#include "gecos/media/lcm/lcm.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -7,10 +7,10 @@
 #include <random>
 
 #include "gecos/crypto/opening.hpp"
-#include "gecos/media/lcm/datagram.hpp"
-#include "gecos/media/lcm/inbox.hpp"
 #include "gecos/media/lcm/port.hpp"
-#include "gecos/media/lcm/stream.hpp"
+#include "gecos/media/sealed/datagram.hpp"
+#include "gecos/media/sealed/receive_queue.hpp"
+#include "gecos/media/sealed/stream.hpp"
 #include "media_under_test.hpp"
 
 namespace gecos::media {
@@ -42,10 +42,31 @@ TEST(LcmDatagram, WhatIsSealedSaysWhatItIs) {
   EXPECT_EQ(read->number, 258u);
   EXPECT_EQ(read->sent_ns, 0x0102);
   EXPECT_FALSE(InnerHeader::read(ByteView(bytes).first(InnerHeader::bytes - 1)));
-  for (const std::byte wrong : {std::byte{0}, std::byte{7}, std::byte{0xff}}) {
+  for (const std::byte wrong : {std::byte{0}, std::byte{9}, std::byte{0xff}}) {
     bytes[0] = wrong;
     EXPECT_FALSE(InnerHeader::read(bytes));
   }
+}
+
+TEST(LcmDatagram, AnInwardStreamComesBackAndIsChecked) {
+  std::array<std::byte, InwardShare::bytes> bytes;
+  InwardShare{.id = 7, .largest = 300, .depth = 4}.write(bytes);
+  const auto read = InwardShare::read(bytes);
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->id, 7u);
+  EXPECT_EQ(read->largest, 300u);
+  EXPECT_EQ(read->depth, 4u);
+  EXPECT_FALSE(InwardShare::read(ByteView(bytes).first(InwardShare::bytes - 1)));
+  InwardShare{.id = 7, .largest = 300, .depth = 0}.write(bytes);
+  EXPECT_FALSE(InwardShare::read(bytes)) << "a stream that keeps nothing";
+
+  std::array<std::byte, InwardSampleHead::bytes> head;
+  InwardSampleHead{.id = 7, .stamp_ns = -5}.write(head);
+  const auto sample = InwardSampleHead::read(head);
+  ASSERT_TRUE(sample);
+  EXPECT_EQ(sample->id, 7u);
+  EXPECT_EQ(sample->stamp_ns, -5);
+  EXPECT_FALSE(InwardSampleHead::read(ByteView(head).first(InwardSampleHead::bytes - 1)));
 }
 
 TEST(LcmDatagram, StrangersBytesAreNoDatagram) {
@@ -80,30 +101,31 @@ TEST(LcmDatagram, ASharedStreamComesBackAndIsChecked) {
   EXPECT_FALSE(SharedStream::read(bytes)) << "a stream that keeps nothing";
 }
 
-TEST(LcmAddress, ReadsWhatItWrites) {
-  LcmAddress address{"239.255.76.67", 20017, "GO0123456789abcdef", std::nullopt};
+TEST(SealedAddress, ReadsWhatItWrites) {
+  SealedAddress address{"lcm", "239.255.76.67", 20017, "GO0123456789abcdef", std::nullopt};
   EXPECT_EQ(address.to_string(), "lcm:239.255.76.67:20017/GO0123456789abcdef");
-  EXPECT_FALSE(LcmAddress::parse(address.to_string()).value().key);
+  EXPECT_FALSE(SealedAddress::parse(address.to_string()).value().key);
   address.key = crypto::KeyPair::draw().public_key;
   EXPECT_EQ(address.place(), "lcm:239.255.76.67:20017/GO0123456789abcdef");
   EXPECT_EQ(address.to_string(), address.place() + "#" + address.key->to_string());
-  const auto read = LcmAddress::parse(address.to_string());
+  const auto read = SealedAddress::parse(address.to_string());
   ASSERT_TRUE(read);
-  EXPECT_EQ(read->group, address.group);
+  EXPECT_EQ(read->medium, address.medium);
+  EXPECT_EQ(read->network, address.network);
   EXPECT_EQ(read->port, address.port);
   EXPECT_EQ(read->channel, address.channel);
   EXPECT_EQ(read->key, address.key);
 }
 
-TEST(LcmAddress, RefusesWhatIsNone) {
+TEST(SealedAddress, RefusesWhatIsNone) {
   for (const char* wrong :
        {"", "lcm:", "lcm:239.255.76.67", "lcm:239.255.76.67:1", "lcm:239.255.76.67:1/",
         "lcm:239.255.76.67:0/X", "lcm:239.255.76.67:70000/X", "lcm:239.255.76.67:1x/X", "lcm::1/X",
         "lcm:239.255.76.67?ttl=255&x:1/X", "lcm:239.255.76.67:1/X#", "lcm:239.255.76.67:1/X#12ab",
-        "shm:/run/x.sock"}) {
-    EXPECT_FALSE(LcmAddress::parse(wrong)) << wrong;
+        "a medium:here:1/X", ":here:1/X", "shm:/run/x.sock"}) {
+    EXPECT_FALSE(SealedAddress::parse(wrong)) << wrong;
   }
-  EXPECT_FALSE(LcmAddress::parse("lcm:239.255.76.67:1/" + std::string(64, 'X')));
+  EXPECT_FALSE(SealedAddress::parse("lcm:239.255.76.67:1/" + std::string(64, 'X')));
 }
 
 TEST(SendersClock, TellsHowLongPacketsWaited) {
@@ -158,24 +180,24 @@ TEST(SendersClock, IsNotUpsetByAnyNumber) {
   }
 }
 
-TEST(LcmInbox, BoundsItsMemoryAndCountsWhatItDropped) {
-  LcmInbox inbox;
+TEST(ReceiveQueue, BoundsItsMemoryAndCountsWhatItDropped) {
+  ReceiveQueue queue;
   const auto frame_of = [](std::size_t size) {
     Bytes frame(crypto::Sealer::overhead + InnerHeader::bytes + size);
     InnerHeader{InnerKind::Packet, 1}.write(
         std::span(frame).subspan<crypto::Sealer::text_at, InnerHeader::bytes>());
     return frame;
   };
-  const std::size_t fits = LcmInbox::most_bytes / frame_of(1024).size();
-  for (std::size_t i = 0; i < fits + 10; ++i) inbox.put(frame_of(1024), TimePoint{});
-  EXPECT_EQ(inbox.dropped(), 10u);
-  LcmInbox::Packet packet;
-  ASSERT_TRUE(inbox.pop(packet));
-  EXPECT_EQ(LcmInbox::packet_in(packet.frame).size(), 1024u);
-  inbox.put(frame_of(1024), TimePoint{});
-  EXPECT_EQ(inbox.dropped(), 10u);
-  for (std::size_t i = 0; i < LcmInbox::most_packets; ++i) inbox.put(frame_of(0), TimePoint{});
-  EXPECT_GT(inbox.dropped(), 10u) << "empty packets take memory too";
+  const std::size_t fits = ReceiveQueue::most_bytes / frame_of(1024).size();
+  for (std::size_t i = 0; i < fits + 10; ++i) queue.put(frame_of(1024), TimePoint{});
+  EXPECT_EQ(queue.dropped(), 10u);
+  ReceiveQueue::Packet packet;
+  ASSERT_TRUE(queue.pop(packet));
+  EXPECT_EQ(ReceiveQueue::packet_in(packet.frame).size(), 1024u);
+  queue.put(frame_of(1024), TimePoint{});
+  EXPECT_EQ(queue.dropped(), 10u);
+  for (std::size_t i = 0; i < ReceiveQueue::most_packets; ++i) queue.put(frame_of(0), TimePoint{});
+  EXPECT_GT(queue.dropped(), 10u) << "empty packets take memory too";
 }
 
 TEST(LcmPort, RunsOutOfDescriptorsWithAWord) {

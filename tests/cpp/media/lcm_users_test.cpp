@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "gecos/media/lcm/keys.hpp"
+#include "gecos/media/sealed/keys.hpp"
 #include "lcm_recorder.hpp"
 
 namespace gecos::media {
@@ -14,8 +14,8 @@ namespace {
 class LcmUsers : public testing::Test {
  protected:
   void admit(const std::string& whom, const std::string& by) {
-    const auto key = LcmKeys::open(options(whom).key_directory).value()->own.public_key();
-    ASSERT_NE(LcmKeys::open(options(by).key_directory).value(), nullptr);
+    const auto key = SealedKeys::open(options(whom).key_directory).value()->own.public_key();
+    ASSERT_NE(SealedKeys::open(options(by).key_directory).value(), nullptr);
     const std::string file = "/" + key.to_string() + ".public";
     std::filesystem::copy(options(whom).key_directory + file, options(by).key_directory + file);
   }
@@ -41,7 +41,7 @@ TEST_F(LcmUsers, AServerWhoseKeyIsNotAdmittedIsRefusedAtOnce) {
   const auto door = ada_->listen("RX90", false).value();
   const auto refused = bob_->connect(door->address());
   ASSERT_FALSE(refused);
-  const auto key = LcmAddress::parse(door->address())->key.value();
+  const auto key = SealedAddress::parse(door->address())->key.value();
   EXPECT_NE(refused.error().text.find("its key " + key.short_name() + " is not admitted here"),
             std::string::npos)
       << refused.error().text;
@@ -63,7 +63,7 @@ TEST_F(LcmUsers, AClientWhoseKeyIsNotAdmittedIsNotMetAndToldWhatToDo) {
 TEST_F(LcmUsers, AKeyFileThatIsDamagedIsNamedToWhoAdmitsByIt) {
   admit("ada", "bob");
   const auto door = ada_->listen("RX90", false).value();
-  const auto key = LcmAddress::parse(door->address())->key.value();
+  const auto key = SealedAddress::parse(door->address())->key.value();
   const std::string file = options("bob").key_directory + "/" + key.to_string() + ".public";
   std::filesystem::resize_file(file, 40);
   const auto refused = bob_->connect(door->address());
@@ -113,7 +113,7 @@ TEST_F(LcmUsers, EachOfTwoUsersWhoAdmitEachOtherProvesItsKey) {
   End client(std::move(*bob_->connect(door->address())));
   End server(wait_for_client(*door, *client.link), door.get());
   ASSERT_NE(server.link, nullptr);
-  const auto bob = LcmKeys::open(options("bob").key_directory).value()->own.public_key();
+  const auto bob = SealedKeys::open(options("bob").key_directory).value()->own.public_key();
   EXPECT_TRUE(server.link->peer().description.starts_with("key " + bob.short_name()));
   ASSERT_TRUE(client.send("hello"));
   EXPECT_EQ(server.receive(), "hello");
@@ -141,7 +141,7 @@ TEST_F(LcmUsers, BothSidesMayBeginAgain) {
 
 TEST_F(LcmUsers, ARecordingPlayedToTheNextLifeOfAServerMakesNoLink) {
   std::vector<Bytes> recorded;
-  const LcmAddress place = LcmAddress::parse(ada_->well_known_address("BROKER")).value();
+  const SealedAddress place = SealedAddress::parse(ada_->well_known_address("BROKER")).value();
   Recorder stranger(place.port, place.channel);
   {
     const auto door = ada_->listen("BROKER", true).value();

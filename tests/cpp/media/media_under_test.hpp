@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "gecos/media/medium.hpp"
-#include "gecos/media/waiting.hpp"
+#include "gecos/media/parts/waiting.hpp"
 #include "scratch_directory.hpp"
 
 namespace gecos::media {
@@ -63,13 +63,13 @@ class End {
     for (;;) {
       if (done()) return true;
       bool in_time = true;
-      if (link->arm()) {
+      if (link->prepare_to_sleep()) {
         std::vector<int> all(link->descriptors().begin(), link->descriptors().end());
         if (door_ != nullptr) {
           all.insert(all.end(), door_->descriptors().begin(), door_->descriptors().end());
         }
         in_time = sleep_on(all, too_late()) != Wake::TimedOut;
-        link->disarm();
+        link->woke();
       }
       if (door_ != nullptr) {
         while (auto another = door_->accept()) others.push_back(std::move(another));

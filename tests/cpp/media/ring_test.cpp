@@ -1,4 +1,4 @@
-#include "gecos/media/ring.hpp"
+#include "gecos/media/parts/ring.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <thread>
 
 #include "gecos/base/suspension.hpp"
-#include "gecos/media/mapping.hpp"
-#include "gecos/media/stream_ring.hpp"
+#include "gecos/media/parts/mapping.hpp"
+#include "gecos/media/parts/stream_ring.hpp"
 
 namespace gecos::media {
 namespace {
@@ -34,7 +34,7 @@ Bytes packet(std::size_t size, std::uint64_t seed) {
   return bytes;
 }
 
-/// Of a machine that has been suspended for `suspended` longer than this one.
+/// The moment on a machine that has been suspended for `suspended` longer than this one.
 class AfterSuspension final : public Clock {
  public:
   explicit AfterSuspension(Duration suspended) : suspended_(suspended) {}

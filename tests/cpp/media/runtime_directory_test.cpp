@@ -9,7 +9,7 @@
 #include <fstream>
 
 #include "child_process.hpp"
-#include "gecos/media/open.hpp"
+#include "gecos/media/kinds.hpp"
 #include "gecos/media/shm/shm.hpp"
 #include "media_under_test.hpp"
 

@@ -11,13 +11,13 @@
 #include <random>
 #include <thread>
 
-#include "gecos/media/bell.hpp"
-#include "gecos/media/bulk.hpp"
-#include "gecos/media/ring.hpp"
+#include "gecos/media/parts/bulk.hpp"
+#include "gecos/media/parts/event_fd.hpp"
+#include "gecos/media/parts/ring.hpp"
+#include "gecos/media/parts/stream_ring.hpp"
 #include "gecos/media/shm/control.hpp"
 #include "gecos/media/shm/memory.hpp"
 #include "gecos/media/shm/shm.hpp"
-#include "gecos/media/stream_ring.hpp"
 #include "media_under_test.hpp"
 
 namespace gecos::media {
@@ -64,9 +64,9 @@ class ShmHostile : public testing::Test {
     ASSERT_TRUE(client.send("an honest call"));
     EXPECT_EQ(server.receive(), "an honest call");
   }
-  void expect_hello_refused(int memfd, int bell) {
+  void expect_hello_refused(int memfd, int event) {
     const Descriptor socket = connect_raw(door_->address());
-    const std::array given{memfd, bell};
+    const std::array given{memfd, event};
     ASSERT_TRUE(shm::send_control(socket.get(), {.type = ControlType::Hello}, given));
     expect_refused();
   }
@@ -87,13 +87,13 @@ struct Scribbler {
   explicit Scribbler(const std::string& address) : socket(connect_raw(address)) {
     memory = shm::make_sealed("scribbler", ring_bytes).value();
     ring = RingMemory::at(memory.mapping.data(), usual_slot_count);
-    const std::array given{memory.memfd.get(), bell.descriptor()};
+    const std::array given{memory.memfd.get(), event.descriptor()};
     EXPECT_TRUE(shm::send_control(socket.get(), {.type = ControlType::Hello}, given));
   }
   Descriptor socket;
   shm::SealedMemory memory;
   RingMemory ring;
-  Bell bell;
+  EventFd event;
 };
 
 TEST_F(ShmHostile, GarbageOnTheSocketIsNoHello) {
@@ -114,26 +114,26 @@ TEST_F(ShmHostile, AHelloWithoutMemoryIsRefused) {
 }
 
 TEST_F(ShmHostile, UnsealedMemoryIsRefused) {
-  const Bell bell;
-  expect_hello_refused(memfd_of(ring_bytes, 0).get(), bell.descriptor());
+  const EventFd event;
+  expect_hello_refused(memfd_of(ring_bytes, 0).get(), event.descriptor());
   expect_hello_refused(memfd_of(ring_bytes, F_SEAL_GROW | F_SEAL_FUTURE_WRITE).get(),
-                       bell.descriptor());
+                       event.descriptor());
 }
 
 TEST_F(ShmHostile, MemoryOfAnotherSizeIsRefused) {
-  const Bell bell;
+  const EventFd event;
   constexpr int all = F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_FUTURE_WRITE | F_SEAL_SEAL;
-  expect_hello_refused(memfd_of(std::size_t{1} << 40, all).get(), bell.descriptor());
-  expect_hello_refused(memfd_of(ring_bytes - 1, all).get(), bell.descriptor());
-  expect_hello_refused(memfd_of(0, all).get(), bell.descriptor());
+  expect_hello_refused(memfd_of(std::size_t{1} << 40, all).get(), event.descriptor());
+  expect_hello_refused(memfd_of(ring_bytes - 1, all).get(), event.descriptor());
+  expect_hello_refused(memfd_of(0, all).get(), event.descriptor());
 }
 
 TEST_F(ShmHostile, AFileIsNoMemory) {
-  const Bell bell;
+  const EventFd event;
   const Descriptor file(::open("/dev/zero", O_RDWR | O_CLOEXEC));
-  expect_hello_refused(file.get(), bell.descriptor());
-  const Descriptor bell_twice(::dup(bell.descriptor()));
-  expect_hello_refused(bell_twice.get(), bell.descriptor());
+  expect_hello_refused(file.get(), event.descriptor());
+  const Descriptor event_twice(::dup(event.descriptor()));
+  expect_hello_refused(event_twice.get(), event.descriptor());
 }
 
 TEST_F(ShmHostile, ABellThatIsNoneIsNeverRung) {
@@ -205,7 +205,7 @@ TEST_F(ShmHostile, ALinkThatSendsGarbageLaterIsBroken) {
     ASSERT_TRUE(shm::send_control(scribbler.socket.get(), {.type = type}));
     EXPECT_EQ(link->loss(), Loss::Broken);
     EXPECT_FALSE(link->loss_text().empty());
-    EXPECT_FALSE(link->arm());
+    EXPECT_FALSE(link->prepare_to_sleep());
   }
 }
 
@@ -216,8 +216,8 @@ TEST_F(ShmHostile, AFloodOfPokesDelaysButNeverHolds) {
   for (int round = 0; round < 100; ++round) {
     while (shm::send_control(scribbler.socket.get(), {.type = ControlType::Poke})) {
     }
-    link->arm();
-    link->disarm();
+    link->prepare_to_sleep();
+    link->woke();
     ASSERT_EQ(link->loss(), Loss::None);
   }
 }
@@ -242,7 +242,7 @@ TEST_F(ShmHostile, AScribbledRingGivesPacketsOrBreaksButHurtsNobody) {
       [[maybe_unused]] const auto sent = link->send(bytes_of("x"), {});
       ASSERT_LE(link->taken_by_peer(), 2000u);
       link->beats_seen();
-      if (link->arm()) link->disarm();
+      if (link->prepare_to_sleep()) link->woke();
     }
   }
   expect_served();
@@ -301,7 +301,7 @@ TEST_F(ShmHostile, AnAreaThatCouldHurtLaterBreaksTheLink) {
     scribbler.writer.announce({1, 0, 100});
     EXPECT_FALSE(link->receive());
     EXPECT_EQ(link->loss(), Loss::Broken) << size << " " << seals;
-    EXPECT_FALSE(link->arm());
+    EXPECT_FALSE(link->prepare_to_sleep());
   }
 }
 
@@ -432,9 +432,9 @@ TEST_F(ShmHostile, AClientRefusesAServersUnsealedMemory) {
   const HostileServer server(directory_.path());
   End client(std::move(*medium_->connect(server.address())));
   const Descriptor socket = server.accept();
-  const Bell bell;
+  const EventFd event;
   const Descriptor memfd = memfd_of(ring_bytes, 0);
-  const std::array given{memfd.get(), bell.descriptor()};
+  const std::array given{memfd.get(), event.descriptor()};
   ASSERT_TRUE(shm::send_control(socket.get(), {.type = ControlType::Welcome}, given));
   EXPECT_EQ(client.wait_for_loss(), Loss::Broken);
   EXPECT_EQ(client.link->loss_text(), "it sent memory that is not sealed");

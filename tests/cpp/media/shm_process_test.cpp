@@ -12,7 +12,7 @@
 #include <thread>
 
 #include "child_process.hpp"
-#include "gecos/media/bulk.hpp"
+#include "gecos/media/parts/bulk.hpp"
 #include "gecos/media/shm/acceptor.hpp"
 #include "gecos/media/shm/shm.hpp"
 #include "media_under_test.hpp"
@@ -75,14 +75,14 @@ TEST_F(ShmProcess, AKilledServerIsSeenByASleeperAtOnce) {
   });
   ASSERT_TRUE(server.wait_ready());
   End client = connect();
-  ASSERT_TRUE(client.link->arm());
+  ASSERT_TRUE(client.link->prepare_to_sleep());
   std::thread killing([&] { server.kill(); });
   // The promise: the kernel reports it; 100 ms is five times what a loaded host takes for that.
   const TimePoint deadline = std::chrono::steady_clock::now() + 100ms;
   killing.join();
   while (client.link->loss() == Loss::None) {
     ASSERT_NE(sleep_on(client.link->descriptors(), deadline), Wake::TimedOut);
-    client.link->disarm();
+    client.link->woke();
   }
   EXPECT_EQ(client.link->loss(), Loss::Died);
   EXPECT_NE(client.link->loss_text().find(std::to_string(*client.link->peer().pid)),
@@ -369,7 +369,7 @@ TEST_F(ShmProcess, AClientIsTurnedAwayWhenNoDescriptorIsLeft) {
 
 TEST_F(ShmProcess, AClientHearsThatTheDescriptorsOfTheServerEndedWhileItWasLetIn) {
   const auto door = listen();
-  // For its socket, for what tells its death, its memory and its bell, our memory, our bell.
+  // For its socket, for what tells its death, its memory and its eventfd, our memory, our eventfd.
   for (const rlim_t left : {0, 1, 2, 3, 4}) {
     End client = connect();
     rlimit before{};

@@ -1,4 +1,4 @@
-#include "gecos/media/waiting.hpp"
+#include "gecos/media/parts/waiting.hpp"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "gecos/media/bell.hpp"
+#include "gecos/media/parts/event_fd.hpp"
 
 namespace gecos::media {
 namespace {
@@ -362,15 +362,15 @@ TEST(RunningCore, IsTheOneThatThisThreadWasMovedTo) {
 }
 
 TEST(SleepOn, AReadableDescriptorWakes) {
-  Bell quiet;
-  Bell rung;
-  ring_bell(rung.descriptor());
+  EventFd quiet;
+  EventFd rung;
+  rung.notify();
   const std::array descriptors{quiet.descriptor(), -1, rung.descriptor()};
   EXPECT_EQ(sleep_on(descriptors, TimePoint::max()), Wake::Ready);
 }
 
 TEST(SleepOn, ReturnsAtItsDeadline) {
-  Bell quiet;
+  EventFd quiet;
   const std::array descriptors{quiet.descriptor()};
   const TimePoint deadline = std::chrono::steady_clock::now() + 5ms;
   EXPECT_EQ(sleep_on(descriptors, deadline), Wake::TimedOut);
@@ -379,11 +379,11 @@ TEST(SleepOn, ReturnsAtItsDeadline) {
 }
 
 TEST(SleepOn, WatchesMoreDescriptorsThanUsual) {
-  std::vector<Bell> bells(40);
+  std::vector<EventFd> events(40);
   std::vector<int> descriptors;
-  for (const Bell& bell : bells) descriptors.push_back(bell.descriptor());
+  for (const EventFd& event : events) descriptors.push_back(event.descriptor());
   EXPECT_EQ(sleep_on(descriptors, TimePoint{}), Wake::TimedOut);
-  ring_bell(descriptors.back());
+  notify_event_fd(descriptors.back());
   EXPECT_EQ(sleep_on(descriptors, TimePoint::max()), Wake::Ready);
 }
 
@@ -395,7 +395,7 @@ TEST(SleepOn, ASignalIsReported) {
   ASSERT_EQ(::sigaction(SIGALRM, &act, &before), 0);
   const itimerval every_5_ms{{0, 5000}, {0, 5000}};
   ASSERT_EQ(::setitimer(ITIMER_REAL, &every_5_ms, nullptr), 0);
-  Bell quiet;
+  EventFd quiet;
   const std::array descriptors{quiet.descriptor()};
   EXPECT_EQ(sleep_on(descriptors, TimePoint::max()), Wake::Interrupted);
   const itimerval off{};
@@ -403,14 +403,14 @@ TEST(SleepOn, ASignalIsReported) {
   ::sigaction(SIGALRM, &before, nullptr);
 }
 
-TEST(Bell, QuietNeverBlocksWhateverThePeerDidToIt) {
-  Bell bell;
-  ASSERT_EQ(::fcntl(bell.descriptor(), F_SETFL, 0), 0);  // what a hostile peer may do
-  EXPECT_FALSE(bell.quiet());
-  ring_bell(bell.descriptor());
-  ring_bell(bell.descriptor());
-  EXPECT_TRUE(bell.quiet());
-  EXPECT_FALSE(bell.quiet());
+TEST(EventFd, QuietNeverBlocksWhateverThePeerDidToIt) {
+  EventFd event;
+  ASSERT_EQ(::fcntl(event.descriptor(), F_SETFL, 0), 0);  // what a hostile peer may do
+  EXPECT_FALSE(event.drain());
+  event.notify();
+  event.notify();
+  EXPECT_TRUE(event.drain());
+  EXPECT_FALSE(event.drain());
 }
 
 }  // namespace

@@ -41,7 +41,7 @@ class AdmissionTest : public ::testing::Test {
     return refusal_to_start({operation, ada, epoch}, object(), caller, expired);
   }
 
-  access::LeaseTable leases{BootId{1}, 500ms};
+  access::LeaseTable leases{IncarnationId{1}, 500ms};
   const Epoch epoch;
   NameClaim claim;
   ObjectQueue queue{LaneThreads::One};

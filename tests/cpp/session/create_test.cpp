@@ -67,7 +67,7 @@ TEST_F(Create, SaysThatTheServerIsOffline) {
     gecos::Entry dead;
     dead.name = "DEAD";
     dead.interface_name = "probe::Probe";
-    dead.boot = gecos::number(gecos::session::process_boot());
+    dead.boot = gecos::number(gecos::session::process_incarnation());
     dead.addresses = {"inproc:nowhere"};
     return dead;
   }();
@@ -158,19 +158,19 @@ TEST_F(Create, TakesOnlyMediaThatTheInterfaceNames) {
     wanted.quality.media = media;
     return gecos::session::create(lab_.core(), wanted, {"PROBE"}, {});
   };
-  const auto kind = [](const auto& created) { return created->session->offer().kind; };
+  const auto medium = [](const auto& created) { return created->session->offer().name; };
 
   auto lcm = over(Media::Lcm);
   ASSERT_TRUE(lcm) << lcm.error();
-  EXPECT_EQ(kind(lcm), Kind::Lcm);
+  EXPECT_EQ(medium(lcm), "lcm");
   auto either = over(Media::Lcm | Media::Shm);  // inproc is shared memory, and better
   ASSERT_TRUE(either) << either.error();
-  EXPECT_EQ(kind(either), Kind::Inproc);
+  EXPECT_EQ(medium(either), "inproc");
   const auto none = over(Media::Tcp | Media::Can);
   ASSERT_FALSE(none);
   EXPECT_EQ(none.error().attempts[0].detail, Detail::QosUnavailable);
-  for (const char* medium : {"inproc", "shm", "lcm"}) {
-    const std::string term = std::string("media=tcp|can: ") + medium + " is not among them";
+  for (const char* offered : {"inproc", "shm", "lcm"}) {
+    const std::string term = std::string("media=tcp|can: ") + offered + " is not among them";
     EXPECT_NE(none.error().to_string().find(term), std::string::npos) << none.error();
   }
 }
@@ -181,13 +181,13 @@ TEST_F(Create, PrefersTheMediumThatPromisesMost) {
   ASSERT_TRUE(server_->add("PROBE", servant_, everything));
   auto created = lab_.create<probe::Probe>("PROBE");
   ASSERT_TRUE(created) << created.error();
-  EXPECT_EQ(created->session()->offer().kind, Kind::Inproc);
+  EXPECT_EQ(created->session()->offer().name, "inproc");
   for (const Kind kind : {Kind::Inproc, Kind::Shm, Kind::Lcm}) {
     gecos::CreateOptions options;
     options.medium = kind;
     auto asked = lab_.create<probe::Probe>("PROBE", options);
     ASSERT_TRUE(asked) << asked.error();
-    EXPECT_EQ(asked->session()->offer().kind, kind);
+    EXPECT_EQ(asked->session()->offer().name, to_string(kind));
     EXPECT_EQ(asked->read().get().value(), 7);
   }
 }

@@ -72,8 +72,8 @@ INSTANTIATE_TEST_SUITE_P(Over, Failover, ::testing::Values(Kind::Shm, Kind::Lcm)
                          gecos::media::name_of);
 
 /// Where it is known at once that a server is gone.
-using RenewalOnOneHost = Failover;
-INSTANTIATE_TEST_SUITE_P(Over, RenewalOnOneHost, ::testing::Values(Kind::Shm),
+using FailoverOnOneHost = Failover;
+INSTANTIATE_TEST_SUITE_P(Over, FailoverOnOneHost, ::testing::Values(Kind::Shm),
                          gecos::media::name_of);
 
 TEST_P(Failover, SendsReadingsAgainThatMayBeAndNothingElse) {
@@ -120,7 +120,7 @@ TEST_P(Failover, ShowsThatNobodyHasItAndEndsWithGraceWhenNobodyComes) {
       << why;
 }
 
-TEST_P(RenewalOnOneHost, EndsWithTheDeadlineWhenThatIsEarlier) {
+TEST_P(FailoverOnOneHost, EndsWithTheDeadlineWhenThatIsEarlier) {
   const auto look = gecos::with(robot_, {.deadline = 300ms}).look(1);
   ASSERT_EQ(first_.line().hear(), "look 1");
   const auto killed = Clock::now();
@@ -154,6 +154,31 @@ TEST_P(Failover, CarriesReadingsThatAreIssuedLaterAndLeavesTheRestToANewProxy) {
   const auto read = robot_.read().get();
   ASSERT_FALSE(read);
   EXPECT_EQ(read.error().detail, Detail::NoServer) << read.error();
+}
+
+/// `object.gidl` says that they may be: nothing else does.
+TEST_P(Failover, SendsAgainWhatEveryObjectAnswersWhereItsInterfaceAllowsThat) {
+  const auto never = robot_.read().id();
+  first_.signal(SIGSTOP);
+  const auto ping = gecos::ping(robot_);
+  const auto described = gecos::describe(robot_);
+  const auto holders = gecos::holders(robot_);
+  const auto outcome = gecos::outcome(robot_, never);
+  const auto stop = gecos::stop(robot_);
+  first_.kill_at_once();
+  go(second_);
+  EXPECT_EQ(ping.wait(), State::Finished) << ping.get().error();
+  const auto about = described.get();
+  ASSERT_TRUE(about) << about.error();
+  EXPECT_EQ(about->name, "PROBE");
+  const auto who = holders.get();
+  ASSERT_TRUE(who) << who.error();
+  EXPECT_TRUE(who->empty());
+  const auto what = outcome.get();
+  ASSERT_TRUE(what) << what.error();
+  EXPECT_EQ(what->detail, Detail::OutcomeUnknown) << "of another process";
+  EXPECT_NE(stop.wait(), State::Finished) << "it is not @idempotent";
+  EXPECT_EQ(gecos::ping(robot_).wait(), State::Finished) << "issued after the loss";
 }
 
 TEST_P(Failover, TakesNoOtherProcessThanTheReferenceSpeaksOf) {

@@ -3,7 +3,7 @@
 #include <random>
 
 #include "bench.hpp"
-#include "gecos/media/faulty.hpp"
+#include "gecos/media/testing/faulty.hpp"
 
 namespace {
 

@@ -13,10 +13,10 @@ class OutcomesOf : public OverALossyLine {
     connect();
     Bytes body(3 * 8);
     wire::Encoder to(body);
-    to.put(number(process_boot()));
+    to.put(number(process_incarnation()));
     to.put(number(session));
     to.put(counter);
-    call(1, FunctionCode{static_cast<std::uint32_t>(BuiltIn::Outcome)}, body);
+    call(1, GecosObjectInterface::outcome.code, body);
     const auto packet = wire::decode_packet(link_->sent.back());
     wire::Decoder from(packet->body);
     OutcomeRecord record;

@@ -1,4 +1,5 @@
 // Calls that a client sends again because it lost the session in which it had sent them.
+#include "gecos/wire/encodable.hpp"
 #include "object_host_bench.hpp"
 
 namespace gecos::session {
@@ -85,6 +86,28 @@ TEST_P(SentAgain, WhatDoesNotSayOfWhichItIsRefused) {
   packet(wire::PacketKind::Call, 1, probe::look_code, Bytes(sent_before_size - 1), {}, sent_again);
   EXPECT_EQ(reply_to(1), Detail::BadParameter);
   EXPECT_EQ(servant_.calls, 0);
+}
+
+TEST_P(SentAgain, WhatEveryObjectAnswersIsAnsweredToItsArguments) {
+  const SessionId lost = lose();
+  again(1, lost, 1, GecosObjectInterface::describe.code);
+  EXPECT_EQ(reply_to(1), Detail::Done);
+  const auto about = wire::decoded<GecosObject_describe_result>(last_body());
+  ASSERT_TRUE(about) << about.error().message();
+  EXPECT_EQ(about->result.name, "PROBE");
+
+  Bytes body(sent_before_size);
+  wire::Encoder to(body);
+  to.put(number(lost));
+  to.put(std::uint64_t{2});
+  const GecosObject_outcome_arguments asked{number(process_incarnation()) + 1, number(lost), 1};
+  const Bytes arguments = wire::encoded(asked);
+  body.insert(body.end(), arguments.begin(), arguments.end());
+  packet(wire::PacketKind::Call, 2, GecosObjectInterface::outcome.code, body, {}, sent_again);
+  EXPECT_EQ(reply_to(2), Detail::Done);
+  const auto record = wire::decoded<GecosObject_outcome_result>(last_body());
+  ASSERT_TRUE(record) << record.error().message();
+  EXPECT_NE(record->result.text.find("started anew"), std::string::npos) << record->result.text;
 }
 
 TEST_F(OverALossyLine, WhatEndedBeforeTheLossIsAnsweredAgain) {

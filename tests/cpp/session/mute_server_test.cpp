@@ -2,7 +2,7 @@
 #include <atomic>
 #include <limits>
 
-#include "gecos/media/layer.hpp"
+#include "gecos/media/layers/layer.hpp"
 #include "over_media.hpp"
 
 namespace {

@@ -6,10 +6,9 @@
 #include <atomic>
 #include <vector>
 
-#include "gecos/session/protocol/builtin_codec.hpp"
-#include "gecos/session/protocol/function_code.hpp"
 #include "gecos/session/protocol/packets.hpp"
 #include "gecos/session/server/object_host.hpp"
+#include "gecos/wire/fields.hpp"
 #include "probe.hpp"
 
 namespace gecos::session {
@@ -29,13 +28,16 @@ class TestLink final : public media::Link {
   }
   std::optional<ByteView> receive() override { return std::nullopt; }
   std::optional<std::uint64_t> taken_by_peer() override { return std::nullopt; }
-  bool arm() override { return true; }
-  void disarm() override {}
+  bool prepare_to_sleep() override { return true; }
+  void woke() override {}
   std::span<const int> descriptors() const override { return {}; }
   void beat() override {}
   std::uint64_t beats_seen() override { return silent ? beats_ : ++beats_; }
   media::Loss loss() override { return media::Loss::None; }
   std::string loss_text() const override { return {}; }
+  std::unique_ptr<media::StreamWriter> make_stream(std::size_t, std::size_t) override {
+    return nullptr;
+  }
   tl::expected<void, media::SendProblem> share(std::uint32_t, media::StreamWriter&) override {
     return {};
   }
@@ -156,14 +158,14 @@ class ServedObjects : public ::testing::Test {
     wire::Encoder to(body);
     to.put(static_cast<std::int32_t>(Status::ACTOR));
     to.put(false);
-    call(counter, FunctionCode{static_cast<std::uint32_t>(BuiltIn::Acquire)}, body);
+    call(counter, GecosObjectInterface::acquire.code, body);
   }
   void release(std::uint64_t counter, Epoch epoch) {
     Bytes body(8 + 1);
     wire::Encoder to(body);
     to.put(number(epoch));
     to.put(false);
-    call(counter, FunctionCode{static_cast<std::uint32_t>(BuiltIn::Release)}, body);
+    call(counter, GecosObjectInterface::release.code, body);
   }
   /// Detail of the newest reply to `counter`; nothing while there was none.
   std::optional<Detail> reply_to(std::uint64_t counter) const {

@@ -87,13 +87,13 @@ TEST_F(ServedObjects, StopsWhatAnswersLaterToo) {
   servant_.keep = true;
   call(2, probe::set_code, {}, epoch);
   ASSERT_EQ(servant_.kept.size(), 1u);
-  call(3, FunctionCode{static_cast<std::uint32_t>(BuiltIn::Stop)});
+  call(3, GecosObjectInterface::stop.code);
   EXPECT_EQ(reply_to(2), Detail::Stopped);
   EXPECT_TRUE(servant_.kept[0].interrupted());
 }
 
 TEST_F(ServedObjects, TakeAStatusBackUnderTheEpochItWasGivenHoweverOftenItsHolderStoppedSince) {
-  const auto stop = FunctionCode{static_cast<std::uint32_t>(BuiltIn::Stop)};
+  const auto stop = GecosObjectInterface::stop.code;
   acquire(1);
   const Epoch given = granted();
   for (std::uint64_t counter = 2; counter < 5; ++counter) call(counter, stop);
@@ -137,7 +137,7 @@ TEST_F(ServedObjects, PartsFromAClientThatAsksAndNeverListens) {
   link_->full = true;
   bool parted = false;
   for (std::uint64_t counter = 1; counter < 100'000 && !parted; ++counter) {
-    call(counter, FunctionCode{static_cast<std::uint32_t>(BuiltIn::Ping)});
+    call(counter, GecosObjectInterface::ping.code);
     parted = session_->overrun();
   }
   EXPECT_TRUE(parted);
@@ -174,10 +174,10 @@ TEST_F(ServedObjects, PacketsThatCountNoCallAreIgnored) {
 TEST_F(ServedObjects, AnswersThatTheOutcomeOfNoCallIsNotKnown) {
   Bytes body(3 * 8);
   wire::Encoder to(body);
-  to.put(number(process_boot()));
+  to.put(number(process_incarnation()));
   to.put(number(session_->id()));
   to.put(std::uint64_t{0});
-  call(1, FunctionCode{static_cast<std::uint32_t>(BuiltIn::Outcome)}, body);
+  call(1, GecosObjectInterface::outcome.code, body);
   ASSERT_EQ(reply_to(1), Detail::Done);
   OutcomeRecord record;
   const auto packet = wire::decode_packet(link_->sent.back());
@@ -341,7 +341,7 @@ TEST_F(OverALossyLine, WhatWasOnItsWayWhenTheDeviceWasStoppedIsStopped) {
   call(3, probe::set_code, {}, epoch);  // before the one that was issued before it
   const auto mover = connect();
   TestLink& line = static_cast<TestLink&>(mover->link());
-  call(1, FunctionCode{static_cast<std::uint32_t>(BuiltIn::Stop)});
+  call(1, GecosObjectInterface::stop.code);
   ASSERT_EQ(reply_to(1), Detail::Done);
   session_ = mover, link_ = &line;
   call(2, probe::set_code, {}, epoch);
@@ -371,7 +371,7 @@ TEST_F(OverALossyLine, ACommandThatCameTooEarlyGoesWithItsSession) {
   call(3, probe::set_code, {}, granted());
   object_->depart(session_, ObjectHost::Departure::Lost);
   EXPECT_EQ(reply_to(3), Detail::Rejected) << "should anybody still hear it";
-  EXPECT_TRUE(session_->early.empty());
+  EXPECT_EQ(session_->intake.aside(), 0U);
   EXPECT_EQ(servant_.sessions_ended, 1);
 }
 

@@ -69,7 +69,7 @@ TEST_P(Outcomes, OutliveTheSession) {
     const auto move = robot.move(1);
     ASSERT_EQ(move.wait(), State::Finished);
     done = move.id();
-    never = {done.boot, done.session, done.counter + 100};
+    never = {done.incarnation, done.session, done.counter + 100};
   }
   EXPECT_EQ(ask(done).detail, Detail::Done);
   // Its goodbye may still be under way.
@@ -85,7 +85,7 @@ TEST_P(OutcomesOverLossyMedia, ThatSayNotStartedAreKept) {
   ASSERT_TRUE(lease) << lease.error();
   const auto first = robot.set(1);
   ASSERT_EQ(first.wait(), State::Finished);
-  const CommandId next{first.id().boot, first.id().session, first.id().counter + 1};
+  const CommandId next{first.id().incarnation, first.id().session, first.id().counter + 1};
   ASSERT_EQ(ask(next).detail, Detail::NotStarted);
   const auto late = robot.set(2);
   ASSERT_EQ(late.id(), next);

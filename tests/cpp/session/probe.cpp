@@ -139,7 +139,9 @@ void ProbeServant::move(gecos::IncomingCall call, std::int32_t goal) {
 }
 
 void ProbeServant::publish(std::int32_t value, std::int64_t stamp_ns) {
-  gecos_publisher_->publish(description().streams[0], bytes_of(value), stamp_ns);
+  gecos_publish(
+      description().streams[0], sizeof value, [value](gecos::wire::Encoder& to) { to.put(value); },
+      stamp_ns);
 }
 
 void ProbeServant::publish_damaged() {

@@ -9,18 +9,27 @@
 #include <vector>
 
 #include "gecos/gecos.hpp"
-#include "gecos/session/protocol/function_code.hpp"
+#include "gecos/object_interface.hpp"
 
 namespace probe {
 
-inline constexpr auto read_code = gecos::session::function_code("probe::Probe::read");
-inline constexpr auto move_code = gecos::session::function_code("probe::Probe::move");
-inline constexpr auto set_code = gecos::session::function_code("probe::Probe::set");
-inline constexpr auto level_code = gecos::session::function_code("probe::Probe::level");
-inline constexpr auto urgent_code = gecos::session::function_code("probe::Probe::urgent");
-inline constexpr auto finish_code = gecos::session::function_code("probe::Probe::finish");
-inline constexpr auto look_code = gecos::session::function_code("probe::Probe::look");
-inline constexpr auto missing_code = gecos::session::function_code("probe::Probe::missing");
+/// As gidl gives them: FNV-1a of the scoped name.
+constexpr gecos::FunctionCode function_code(std::string_view scoped_name) {
+  std::uint32_t value = 0x811c9dc5;
+  for (const char letter : scoped_name) {
+    value = (value ^ static_cast<unsigned char>(letter)) * 0x01000193;
+  }
+  return gecos::FunctionCode{value};
+}
+
+inline constexpr auto read_code = function_code("probe::Probe::read");
+inline constexpr auto move_code = function_code("probe::Probe::move");
+inline constexpr auto set_code = function_code("probe::Probe::set");
+inline constexpr auto level_code = function_code("probe::Probe::level");
+inline constexpr auto urgent_code = function_code("probe::Probe::urgent");
+inline constexpr auto finish_code = function_code("probe::Probe::finish");
+inline constexpr auto look_code = function_code("probe::Probe::look");
+inline constexpr auto missing_code = function_code("probe::Probe::missing");
 
 const gecos::InterfaceDescription& description();
 /// The same operations under another name, and as a type that is not a Probe.

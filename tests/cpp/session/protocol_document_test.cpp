@@ -6,12 +6,14 @@
 #include <map>
 #include <sstream>
 
+#include "gecos/broker_interface.hpp"
 #include "gecos/crypto/ik.hpp"
 #include "gecos/crypto/transport.hpp"
-#include "gecos/media/lcm/datagram.hpp"
-#include "gecos/session/protocol/builtin_codec.hpp"
+#include "gecos/media/sealed/datagram.hpp"
+#include "gecos/object_interface.hpp"
 #include "gecos/session/protocol/handshake.hpp"
 #include "gecos/session/protocol/packets.hpp"
+#include "gecos/wire/encodable.hpp"
 
 namespace gecos::session {
 namespace {
@@ -91,7 +93,8 @@ TEST_F(ProtocolDocument, ShowsTheChannelAsItIsOpened) {
   expect("ask", joined({std::as_bytes(std::span("LC02\0\0\0\7GWBROKER\0"sv)),
                         header(DatagramKind::Ask, 20001)}));
 
-  const media::LcmAddress place{"239.255.76.67", 20017, "GO0123456789abcdef", std::nullopt};
+  const media::SealedAddress place{"lcm", "239.255.76.67", 20017, "GO0123456789abcdef",
+                                   std::nullopt};
   const auto first_header = header(DatagramKind::First, 20001);
   const Bytes context = media::handshake_context(place, first_header);
   crypto::IkInitiator initiator(client, server.public_key(), context,
@@ -124,13 +127,8 @@ TEST_F(ProtocolDocument, ShowsPacketsAsTheyAreWritten) {
   Hello hello{"eva", "lab", "demo", 42, 5, "gecos::Broker", 0, std::chrono::milliseconds(750)};
   expect_packet("hello", {.kind = wire::PacketKind::Hello}, wire::to_bytes(hello));
 
-  const Welcome welcome{"BROKER",
-                        "gecos::Broker",
-                        {},
-                        0x1234,
-                        6,
-                        256,
-                        {{function_code("gecos::Broker::list"), 0x77}}};
+  const Welcome welcome{
+      "BROKER", "gecos::Broker", {}, 0x1234, 6, 256, {{BrokerInterface::list.code, 0x77}}};
   expect_packet("welcome", {.kind = wire::PacketKind::Welcome, .session = session},
                 wire::to_bytes(welcome));
 
@@ -140,16 +138,14 @@ TEST_F(ProtocolDocument, ShowsPacketsAsTheyAreWritten) {
       {.kind = wire::PacketKind::Refused, .flags = static_cast<std::int8_t>(Detail::Refused)},
       wire::to_bytes(refused));
 
-  Bytes name(wire::string_size("RX90"));
-  wire::Encoder(name).put_string("RX90");
   expect_packet("call",
                 {.kind = wire::PacketKind::Call,
-                 .code = function_code("gecos::Broker::lookup"),
+                 .code = BrokerInterface::lookup.code,
                  .session = session,
                  .counter = 3,
                  .acknowledged = 2,
                  .deadline = std::chrono::seconds(2)},
-                name);
+                wire::encoded(Broker_lookup_arguments{"RX90"}));
 
   UnknownName unknown;
   unknown.name = "RX90";
@@ -171,24 +167,20 @@ TEST_F(ProtocolDocument, ShowsPacketsAsTheyAreWritten) {
 }
 
 TEST_F(ProtocolDocument, ShowsHowAStatusIsAcquired) {
-  Bytes wanted(4 + 1 + wire::string_size("two hands"));
-  wire::Encoder to(wanted);
-  to.put(static_cast<std::int32_t>(gecos::Status::ACTOR));
-  to.put(std::int8_t{1});
-  to.put_string("two hands");
+  const GecosObject_acquire_arguments wanted{gecos::Status::ACTOR, "two hands"};
   expect_packet("acquire",
                 {.kind = wire::PacketKind::Call,
-                 .code = FunctionCode{static_cast<std::uint32_t>(BuiltIn::Acquire)},
+                 .code = GecosObjectInterface::acquire.code,
                  .session = SessionId{9},
                  .counter = 4,
                  .acknowledged = 3},
-                wanted);
+                wire::encoded(wanted));
   expect_packet("granted",
                 {.kind = wire::PacketKind::Reply,
                  .flags = static_cast<std::int8_t>(Detail::Done),
                  .session = SessionId{9},
                  .counter = 4},
-                block_bytes(Grant{gecos::Status::ACTOR, 11}));
+                wire::encoded(GecosObject_acquire_result{{gecos::Status::ACTOR, 11}}));
 }
 
 }  // namespace

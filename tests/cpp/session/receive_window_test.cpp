@@ -19,7 +19,7 @@ TEST(ReceiveWindow, TakesEveryCounterOnce) {
     EXPECT_EQ(window.arrived(counter), Verdict::New);
     EXPECT_EQ(window.arrived(counter), Verdict::Seen);
   }
-  EXPECT_EQ(window.all_up_to(), 5000u);
+  EXPECT_EQ(window.cumulative_ack(), 5000u);
 }
 
 TEST(ReceiveWindow, TakesEveryCounterOnceInAnyOrderOfArrival) {
@@ -32,7 +32,7 @@ TEST(ReceiveWindow, TakesEveryCounterOnceInAnyOrderOfArrival) {
     for (const auto counter : counters) EXPECT_EQ(window.arrived(counter), Verdict::New);
     for (const auto counter : counters) EXPECT_EQ(window.arrived(counter), Verdict::Seen);
   }
-  EXPECT_EQ(window.all_up_to(), 10000u);
+  EXPECT_EQ(window.cumulative_ack(), 10000u);
 }
 
 TEST(ReceiveWindow, DoesNotTakeWhatItCouldNotRemember) {
@@ -46,14 +46,14 @@ TEST(ReceiveWindow, DoesNotTakeWhatItCouldNotRemember) {
 TEST(ReceiveWindow, WaitsNoMoreForWhatWasGivenUp) {
   ReceiveWindow window;
   for (const std::uint64_t counter : {1, 4, 5, 7}) EXPECT_EQ(window.arrived(counter), Verdict::New);
-  window.given_up(3);
-  EXPECT_EQ(window.all_up_to(), 5u) << "those after it are there";
+  window.abandoned(3);
+  EXPECT_EQ(window.cumulative_ack(), 5u) << "those after it are there";
   EXPECT_EQ(window.arrived(2), Verdict::Seen);
-  window.given_up(2);
-  EXPECT_EQ(window.all_up_to(), 5u);
+  window.abandoned(2);
+  EXPECT_EQ(window.cumulative_ack(), 5u);
   EXPECT_EQ(window.arrived(6), Verdict::New);
-  EXPECT_EQ(window.all_up_to(), 7u);
-  window.given_up(5000);
+  EXPECT_EQ(window.cumulative_ack(), 7u);
+  window.abandoned(5000);
   EXPECT_EQ(window.arrived(5000), Verdict::Seen);
   EXPECT_EQ(window.arrived(5001), Verdict::New);
 }
@@ -62,11 +62,11 @@ TEST(ReceiveWindow, HoldsForAnyNumber) {
   constexpr std::uint64_t last = std::numeric_limits<std::uint64_t>::max();
   ReceiveWindow window;
   EXPECT_EQ(window.arrived(last), Verdict::Beyond);
-  window.given_up(last - 2);
+  window.abandoned(last - 2);
   EXPECT_EQ(window.arrived(last), Verdict::New);
   EXPECT_TRUE(window.seen(last));
   EXPECT_FALSE(window.seen(last - 1));
-  window.given_up(last);
+  window.abandoned(last);
   EXPECT_EQ(window.arrived(last), Verdict::Seen);
 }
 

@@ -111,13 +111,13 @@ TEST_F(ReconnectingTest, AStreamIsOpenedAgainAfterItsServerWasLost) {
   const auto open = [](const probe::Probe& there) { return there.level(stream); };
   ReconnectingStream<probe::Probe, std::int32_t> level(lab_, "PROBE", open, at_once());
   EXPECT_EQ(level.latest().error(), "'PROBE' was not heard yet");
-  level.tend();
+  level.tick();
   EXPECT_NE(level.latest().error().find("no object is called PROBE"), std::string::npos);
   EXPECT_FALSE(level.proxy());
   const auto heard = [&](std::int32_t value) {
     for (;;) {
       servant_.publish(value);
-      level.tend();
+      level.tick();
       const auto sample = level.latest();
       if (sample && sample->value == value) return true;
       std::this_thread::yield();

@@ -6,15 +6,15 @@
 
 namespace {
 
-using gecos::session::process_boot;
+using gecos::session::process_incarnation;
 
-TEST(ProcessBoot, IsOneForAProcessAndAnotherForEachOfItsForkedChildren) {
-  const auto parents = process_boot();
+TEST(ProcessIncarnation, IsOneForAProcessAndAnotherForEachOfItsForkedChildren) {
+  const auto parents = process_incarnation();
   EXPECT_NE(gecos::number(parents), 0u);
   const auto tell = [](probe::Child::Line& line) {
     line.hear();
-    line.say(std::to_string(gecos::number(process_boot())));
-    line.say(std::to_string(gecos::number(process_boot())));
+    line.say(std::to_string(gecos::number(process_incarnation())));
+    line.say(std::to_string(gecos::number(process_incarnation())));
   };
   probe::Child one(tell);
   probe::Child other(tell);
@@ -27,7 +27,7 @@ TEST(ProcessBoot, IsOneForAProcessAndAnotherForEachOfItsForkedChildren) {
   EXPECT_NE(heard[0], heard[1]);
   EXPECT_NE(heard[0], std::to_string(gecos::number(parents)));
   EXPECT_NE(heard[1], std::to_string(gecos::number(parents)));
-  EXPECT_EQ(process_boot(), parents);
+  EXPECT_EQ(process_incarnation(), parents);
 }
 
 }  // namespace

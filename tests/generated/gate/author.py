@@ -52,9 +52,9 @@ class Known:
     is_scalar: bool = False
     is_string: bool = False
     is_key: bool = False
-    members: frozenset[str] | None = None  # of a final struct, which may be a base
-    literals: tuple[str, ...] = ()  # of an enum
-    bits: int = 0  # of a bitset, which may be a base
+    members: frozenset[str] | None = None  # members of a final struct, which may be a base
+    literals: tuple[str, ...] = ()  # enumerators of an enum
+    bits: int = 0  # width of a bitset, which may be a base
     fields: frozenset[str] = frozenset()
 
 

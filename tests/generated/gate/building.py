@@ -7,6 +7,7 @@ import os
 import shutil
 import subprocess
 import sys
+from concurrent.futures import Future
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -140,8 +141,8 @@ class Compiler:
         ]  # fmt: skip
         self._environment = {**os.environ, "CCACHE_SLOPPINESS": "pch_defines,time_macros"}
 
-    def support(self) -> None:
-        """What every program includes first, and what it is linked with."""
+    def first(self) -> None:
+        """What every program includes first."""
         common = (
             "driver.hpp",
             "gecos/wire/json.hpp",
@@ -154,24 +155,15 @@ class Compiler:
         self._run(
             [self._command, *self._flags, *stamp, "-x", "c++-header", FIRST, "-o", f"{FIRST}.gch"]
         )
-        for source in SUPPORT:
-            self._run(
-                [
-                    *self._cache,
-                    self._command,
-                    *self._flags,
-                    "-c",
-                    str(source),
-                    "-o",
-                    self._object(source),
-                ]
-            )
 
-    @staticmethod
-    def _object(source: Path) -> str:
-        return f"{source.parent.name}_{source.stem}.o"
+    def support(self) -> None:
+        """What every program is linked with, as one source: the headers are read once."""
+        text = "".join(f'#include "{source}"\n' for source in SUPPORT)
+        (self.folder / "support.cpp").write_text(text, encoding="utf-8")
+        compiled = [self._command, *self._flags, "-c", "support.cpp", "-o", "support.o"]
+        self._run([*self._cache, *compiled])
 
-    def program(self, made: Generated) -> tuple[Program, Path]:
+    def program(self, made: Generated, supported: Future[None]) -> tuple[Program, Path]:
         """Raises Rejected with what the compiler says."""
         program = Program(made.model, made.layout, self.folder / "cpp", made.stems)
         name = made.set.name
@@ -181,8 +173,8 @@ class Compiler:
             self._run([*self._cache, self._command, *rest])
         except CompilerCrashed:  # clang 14 does on some valid programs
             self._run([*self._cache, "c++", *rest])
-        objects = [self._object(source) for source in SUPPORT]
-        self._run([self._linker, *SANITIZERS, f"{name}.o", *objects, "-o", name])
+        supported.result()
+        self._run([self._linker, *SANITIZERS, f"{name}.o", "support.o", "-o", name])
         return program, self.folder / name
 
     def _run(self, command: list[str]) -> None:

@@ -187,7 +187,7 @@ class Program:
         yield " public:"
         yield "  Handler gate_handler;"
         methods: dict[int, str] = {}
-        for each in self._model.lineage(interface):
+        for each in self._model.with_bases(interface):
             layout = self._layout.interfaces[each.name]
             found = self._handlers(each)
             assert len(found) == len(layout.calls), f"{each.name}: {found}"
@@ -207,7 +207,7 @@ class Program:
             lambda_ = "[](gecos::ByteView a, gecos::ByteView b) { return "
             self._question("ask", key, f"{lambda_}ask<{proxy}>({method}, a, b); }}")
             self._question("serve", key, f"{lambda_}serve<{probe}>({call.code}U, a, b); }}")
-        for each in self._model.lineage(interface):
+        for each in self._model.with_bases(interface):
             streams = sorted(self._layout.interfaces[each.name].streams, key=lambda s: s.code)
             for stream, name in zip(streams, self._publishers.get(each.name, []), strict=True):
                 owner = spelled.cpp_servant(self._layout, each.name)

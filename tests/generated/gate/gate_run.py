@@ -9,7 +9,7 @@ import sys
 import tempfile
 import traceback
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import dataclass, field
 from multiprocessing import get_context
 from pathlib import Path
@@ -18,9 +18,9 @@ from random import Random
 import files
 from building import TREE, Compiler, Generated, Rejected, Set, generate, type_checked
 from comparing import Comparison
-from cpp_side import answer
+from cpp_side import Program, answer
 
-AT_A_TIME = 40  # sets that mypy sees together
+AT_A_TIME = 120  # sets that mypy sees together
 
 
 @dataclass
@@ -29,6 +29,18 @@ class Outcome:
     accepted: int = 0
     refused: int = 0
     differences: list[str] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class Compiling:
+    """The compiler, and the threads that wait for it."""
+
+    compiler: Compiler
+    supported: Future[None]
+    threads: ThreadPoolExecutor
+
+    def start(self, made: Generated) -> Future[tuple[Program, Path]]:
+        return self.threads.submit(self.compiler.program, made, self.supported)
 
 
 def main(words: Sequence[str]) -> int:
@@ -54,16 +66,21 @@ def main(words: Sequence[str]) -> int:
         sets.append(random_set(folder, seed))
 
     failed = accepted = refused = 0
-    for start in range(0, len(sets), AT_A_TIME):
-        part = sets[start : start + AT_A_TIME]
-        for outcome in run(folder, part, asked.values, asked.jobs, not asked.no_mypy):
-            accepted += outcome.accepted
-            refused += outcome.refused
-            if outcome.differences:
-                failed += 1
-                print(f"──── {outcome.name}: {len(outcome.differences)} differences")
-                for text in outcome.differences[: asked.shown]:
-                    print(text)
+    compiler = Compiler(folder)
+    compiler.first()
+    with ThreadPoolExecutor(asked.jobs) as threads:
+        supported = threads.submit(compiler.support)  # first: the programs wait for it
+        for start in range(0, len(sets), AT_A_TIME):
+            part = sets[start : start + AT_A_TIME]
+            compiling = Compiling(compiler, supported, threads)
+            for outcome in run(compiling, part, asked.values, asked.jobs, not asked.no_mypy):
+                accepted += outcome.accepted
+                refused += outcome.refused
+                if outcome.differences:
+                    failed += 1
+                    print(f"──── {outcome.name}: {len(outcome.differences)} differences")
+                    for text in outcome.differences[: asked.shown]:
+                        print(text)
     print(
         f"gate: {len(sets)} sets, {accepted} values accepted and {refused} refused by all,"
         f" {failed} sets differ"
@@ -100,7 +117,8 @@ def random_set(folder: Path, seed: int) -> Set:
     return Set(f"s{seed}", tuple(files.write(source, f"s{seed}", seed)), (source,))
 
 
-def run(folder: Path, sets: list[Set], values: int, jobs: int, mypy: bool) -> list[Outcome]:
+def run(compiling: Compiling, sets: list[Set], values: int, jobs: int, mypy: bool) -> list[Outcome]:
+    folder, threads = compiling.compiler.folder, compiling.threads
     outcomes = {each.name: Outcome(each.name) for each in sets}
     made: list[Generated] = []
     for each in sets:
@@ -110,13 +128,10 @@ def run(folder: Path, sets: list[Set], values: int, jobs: int, mypy: bool) -> li
             outcomes[each.name].differences.append(f"not generated: {why}")
         except Exception:
             outcomes[each.name].differences.append(f"gidl failed: {traceback.format_exc()}")
-    compiler = Compiler(folder)
-    compiler.support()
     said = Outcome("mypy")
-    processes_of_their_own = ProcessPoolExecutor(jobs, get_context("spawn"))  # threads run beside
-    with ThreadPoolExecutor(jobs) as threads, processes_of_their_own as processes:
+    with ProcessPoolExecutor(jobs, get_context("spawn")) as processes:  # threads run beside
         checked = threads.submit(type_checked, folder) if mypy and made else None
-        compiled = [(each, threads.submit(compiler.program, each)) for each in made]
+        compiled = [(each, compiling.start(each)) for each in made]
         compared = []
         for one, future in compiled:
             try:

@@ -19,14 +19,14 @@ class Made:
     bases: list[Made] = field(default_factory=list)
     own: dict[str, str] = field(default_factory=dict)
 
-    def lineage(self) -> list[Made]:
+    def with_bases(self) -> list[Made]:
         found: list[Made] = []
         for base in self.bases:
-            found += [each for each in base.lineage() if each not in found]
+            found += [each for each in base.with_bases() if each not in found]
         return [*found, self]
 
     def names(self) -> dict[str, str]:
-        return {low: name for each in self.lineage() for low, name in each.own.items()}
+        return {low: name for each in self.with_bases() for low, name in each.own.items()}
 
 
 class Interfaces(Declarations):
@@ -60,10 +60,12 @@ class Interfaces(Declarations):
         """None, one, or several that share no name but by a common base."""
         bases: list[Made] = []
         for candidate in self.dice.sample(self.made, min(len(self.made), self.dice.randint(0, 3))):
-            lines = [made for base in bases for made in base.lineage()]
-            other = {low for made in lines if made not in candidate.lineage() for low in made.own}
-            fresh = [made for made in candidate.lineage() if made not in lines]
-            if candidate in lines or any(base in candidate.lineage() for base in bases):
+            lines = [made for base in bases for made in base.with_bases()]
+            other = {
+                low for made in lines if made not in candidate.with_bases() for low in made.own
+            }
+            fresh = [made for made in candidate.with_bases() if made not in lines]
+            if candidate in lines or any(base in candidate.with_bases() for base in bases):
                 continue
             if not any(low in other for made in fresh for low in made.own):
                 bases.append(candidate)

@@ -128,7 +128,7 @@ def number_of(model: Model, union: Union, label: Any) -> int:
 
 
 def entries(value: list[Any]) -> list[tuple[Any, Any]]:
-    """Of a map, each key once, in ascending order: numbers by size, texts by their bytes."""
+    """Entries of a map, each key once, in ascending order: numbers by size, texts by bytes."""
     return sorted(dict(value).items(), key=lambda entry: entry[0])
 
 

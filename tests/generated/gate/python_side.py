@@ -152,7 +152,7 @@ class Types:
                 return self._named(name, value)
 
     def _dtype(self, slot: Slot) -> str | None:
-        """Of an array that holds such elements; None where they stand in a list."""
+        """The numpy type of an array of such elements; None for elements in a list."""
         used = slot.type
         if isinstance(used, ArrayType):
             used = used.element

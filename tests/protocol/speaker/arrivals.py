@@ -41,7 +41,7 @@ class Arrivals:
 
 
 class Replies:
-    """Those that the client has not acknowledged; when they are too many, the newest of them."""
+    """Replies that the client has not acknowledged; when there are too many, the newest."""
 
     def __init__(self) -> None:
         self.acknowledged = 0

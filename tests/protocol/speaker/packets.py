@@ -186,7 +186,7 @@ class Packet:
 
     @staticmethod
     def of(raw: bytes) -> Packet:
-        """Of any version: a server refuses a Hello of another one, all else is dropped."""
+        """Reads a packet of any version; a server answers only a Hello of another version."""
         reader = Reader(raw)
         head = _HEAD.unpack(reader.take(_HEAD.size))
         fingerprint, version, kind, detail, _, code = head[:6]

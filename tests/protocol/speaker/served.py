@@ -212,10 +212,10 @@ class Session:
         self.replies.keep(reply)
         self.send(reply)
 
-    def heir_to(self, task: Task, call: Packet) -> None:
+    def resume_in(self, task: Task, call: Packet) -> None:
         """It still runs for another session, and is answered here too."""
         self.tasks[call.counter] = task
-        task.heirs.append((self, call))
+        task.resumed_in.append((self, call))
 
     def task_of(self, operation: Operation, call: Packet, age_ns: float) -> Task:
         task = self.tasks[call.counter] = Task(self, operation, call, age_ns)

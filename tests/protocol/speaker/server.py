@@ -106,7 +106,7 @@ class Served:
         if reply is not None:
             session.answer(call, reply)
         elif task is not None and not task.over:
-            session.heir_to(task, call)
+            session.resume_in(task, call)
         elif not before.arrivals.has(counter) and not before.arrivals.beyond(counter):
             before.arrivals.take(counter)
         return reply is not None or (task is not None and not task.over)

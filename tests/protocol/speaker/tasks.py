@@ -43,7 +43,7 @@ class Task:
         self.over = False
         self.before: Callable[[Task], int] = lambda task: 0
         """How many stand before it in the queue."""
-        self.heirs: list[tuple[Session, Packet]] = []
+        self.resumed_in: list[tuple[Session, Packet]] = []
         """Who asked for it again in another session, and how."""
         self.on_end: Callable[[Task], None] = lambda task: None
         left = (call.deadline_ns - age_ns) * 1e-9
@@ -98,7 +98,7 @@ class Task:
         reply = replace(reply, counter=self.call.counter)
         self.session.replies.keep(reply)
         self.session.send(reply)
-        for session, call in self.heirs:
+        for session, call in self.resumed_in:
             session.answer(call, reply)
         self.on_end(self)
 

@@ -9,7 +9,7 @@ import gecos
 from record import Record, settings
 from stress.workbench import WorkbenchServant
 
-let_go = False
+released = False
 
 
 class Workbench(WorkbenchServant):
@@ -20,7 +20,7 @@ class Workbench(WorkbenchServant):
     def _run(self, command: int, salt: int) -> int:
         self._record.note(f"start {command}")
         print("started", command, flush=True)
-        while salt == 0 and not let_go:
+        while salt == 0 and not released:
             pass
         self._record.note(f"finish {command}")
         return salt
@@ -42,8 +42,8 @@ class Workbench(WorkbenchServant):
 
 
 def release(_number: int, _frame: object) -> None:
-    global let_go
-    let_go = True
+    global released
+    released = True
 
 
 def main() -> None:

@@ -1,4 +1,4 @@
-"""The author's comments, as lines behind `///`."""
+"""The author's comments, as lines after `///`."""
 
 from __future__ import annotations
 
@@ -13,6 +13,6 @@ def doc_lines(facts: Facts, note: str = "") -> tuple[str, ...]:
 
 
 def comment(lines: Iterable[str]) -> tuple[str, ...]:
-    """None of them goes on in the line of code behind it, as one does that ends in a backslash, or
+    """None of them goes on in the line of code after it, as one does that ends in a backslash, or
     in the trigraph for it."""
     return tuple(f"{line} ." if line.endswith(("\\", "??/")) else line for line in lines)

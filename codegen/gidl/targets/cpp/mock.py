@@ -1,4 +1,4 @@
-"""What the template of a mock server in C++ prints."""
+"""Builds the view of a mock server in C++."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ class MocksView:
 
 @dataclass(frozen=True, slots=True)
 class OwnNames:
-    """What the class of a mock has besides methods. They give way to methods and parameters."""
+    """Own names of a mock's class. A method or a parameter of the same name takes precedence."""
 
     mock: str
     streams: str
@@ -116,7 +116,7 @@ def mocks_view(lowering: Lowering, path: str, interfaces: Sequence[Interface]) -
 
 
 OWN_TYPE = TypeName(("gecos",), "")
-"""What is named besides the types of the interfaces."""
+"""Names that are used besides the types of the interfaces."""
 
 
 def _words(lowering: Lowering, interface: Interface) -> set[str]:
@@ -140,7 +140,7 @@ def _mock(
         {a.name: free.fresh(f"held_{a.name}_") for a in attributes},
     )
     held, methods, streams = [], [], []
-    for base in model.lineage(interface):
+    for base in model.with_bases(interface):
         facts = _Facts(lowering, base, own)
         for call in lowering.layout.interfaces[base.name].calls:
             member = facts._member(call)
@@ -251,7 +251,7 @@ def _free(wanted: str, taken: Collection[str]) -> str:
 
 
 def sample(lowering: Lowering, value: CallValue, taken: Collection[str] = ()) -> list[str]:
-    """An initial value, as the lines behind a member's name."""
+    """An initial value, as the lines after a member's name."""
     if value.optional:
         return ["{}"]
     local = _free("mock_value", taken)

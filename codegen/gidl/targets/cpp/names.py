@@ -12,7 +12,7 @@ from gidl.type_names import TypeName, escaped
 from gidl.wire_layout import Layout
 
 OBJECT_REF = "::gecos::ObjectRef"
-"""What a value of an interface's type is, and where that is declared."""
+"""The type of a value whose declared type is an interface, and the header of that type."""
 OBJECT_REF_STEM = "gecos/object_ref"
 
 

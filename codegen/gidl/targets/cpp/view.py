@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from gidl.file_names import source_stem
 from gidl.model import Model
-from gidl.targets.cpp.calls.file import interfaces_view
+from gidl.targets.cpp.calls.file import has_stubs, interfaces_view
 from gidl.targets.cpp.lower import Lowering
 from gidl.targets.cpp.values.file import types_view
 from gidl.targets.cpp.values.json import json_view
@@ -30,7 +30,7 @@ def files(model: Model, layout: Layout) -> Iterator[OutputFile]:
         if not file.has_interface:
             continue
         interfaces = interfaces_view(lowering, file)
-        for part in ("interface", "client", "server"):
+        for part in ("interface", "client", "server") if has_stubs(file) else ("interface",):
             for suffix in ("hpp", "cpp"):
                 path = f"cpp/{stem}_{part}.{suffix}"
                 yield OutputFile(path, "cpp", f"{part}.{suffix}.j2", interfaces)

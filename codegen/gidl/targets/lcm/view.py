@@ -53,7 +53,7 @@ def files(model: Model, layout: Layout) -> Iterator[OutputFile]:
 
 
 def _packages(model: Model, structs: tuple[LcmStruct, ...]) -> tuple[PackageView, ...]:
-    """One package after the other; what is in none comes first, where no `package` has been."""
+    """One package after the other; structs without a package come first."""
     names = sorted({struct.package for struct in structs})
     return tuple(
         PackageView(name, tuple(_struct(model, s) for s in structs if s.package == name))
@@ -72,7 +72,7 @@ def _struct(model: Model, struct: LcmStruct) -> StructView:
 
 
 def _facts(model: Model, struct: LcmStruct) -> dict[str, Facts]:
-    """What the author says of the struct ("") and of its members."""
+    """The author's comments on the struct ("") and on its members."""
     if struct.source is None:
         return {}
     declaration = model.find(struct.source)

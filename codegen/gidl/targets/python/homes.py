@@ -1,4 +1,4 @@
-"""What a module calls the classes that it names, and which of them it imports."""
+"""A module's names for classes, and the classes that it imports."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Homes:
         self._names = layout.python_names
 
     def value(self, scoped_name: str) -> Home:
-        """Of values of a type. Where the type is an interface, they are references to objects."""
+        """The home of a type. The values of an interface type are references to objects."""
         if scoped_name != OBJECT_REF and isinstance(self._model.find(scoped_name), Interface):
             scoped_name = OBJECT_REF
         if scoped_name == OBJECT_REF and not self._model.has(OBJECT_REF):
@@ -45,7 +45,7 @@ class Homes:
         return Home(self._module(interface), self._names.servants[interface].name)
 
     def result(self, operation: Operation) -> Home:
-        """Of what an operation gives that gives several values."""
+        """The home of the results of an operation with several results."""
         name = self._names.results[operation.scoped_name].name
         return Home(self._types_module(operation.interface), name)
 
@@ -76,7 +76,7 @@ class Homes:
 
 
 class ModuleNames:
-    """What one module calls classes: its own as the table says, those of other modules as they are
+    """One module's names for classes: its own from the table, those of other modules as they are
     called there. Where that is taken an alias is imported, which no declaration can be called."""
 
     def __init__(
@@ -116,7 +116,7 @@ class ModuleNames:
         return self._called(self.homes.result(operation))
 
     def imports(self) -> dict[str, set[str]]:
-        """What to import from each module: "Frame", "Frame as _Frame__lab_types"."""
+        """The imports from each module: "Frame", "Frame as _Frame__lab_types"."""
         modules: dict[str, set[str]] = {}
         for home, called in self._imported.items():
             text = home.name if called == home.name else f"{home.name} as {called}"
@@ -128,7 +128,7 @@ class ModuleNames:
 
 
 class NamesAsUsed(ModuleNames):
-    """Of a module that imports each class when it is named for the first time."""
+    """Names for a module that imports each class when it is named for the first time."""
 
     def __init__(self, homes: Homes, taken: Iterable[str]) -> None:
         super().__init__(homes)
@@ -141,7 +141,7 @@ class NamesAsUsed(ModuleNames):
 
 
 class AllNames(ModuleNames):
-    """Of no module: each class is called as in its own."""
+    """Names outside any module: each class has the name of its own module."""
 
     def _called(self, home: Home) -> str:
         return home.name

@@ -1,4 +1,4 @@
-"""What the template of a mock server in Python prints."""
+"""Builds the view of a mock server in Python."""
 
 from __future__ import annotations
 
@@ -143,7 +143,7 @@ class _Mock(MockValues):
     def view(self, served: LocalNames) -> MockView:
         """`served` are the names of those before it."""
         held, methods, streams = [], [], []
-        for interface in self._model.lineage(self.interface):
+        for interface in self._model.with_bases(self.interface):
             facts = _Facts(self._lowering, interface, self._own)
             facts.hidden_by(self._methods)
             for layout in self._layout.interfaces[interface.name].calls:

@@ -1,4 +1,4 @@
-"""What a mock in Python calls things, and the values that it answers with."""
+"""Names in a mock in Python, and the values of its replies."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from gidl.wire_nodes import (
 
 
 class OwnNames:
-    """What a mock calls what it needs itself. They give way to parameters and methods; types give
+    """Own names of a mock. A parameter or a method of the same name takes precedence; types give
     way to them."""
 
     def __init__(self, taken: Iterable[str]) -> None:

@@ -11,7 +11,7 @@ from gidl.model import Attribute, Operation, Struct
 from gidl.targets.naming import LocalNames, snake_case, wrapped
 from gidl.type_names import escaped
 
-# What a name cannot be in Python gets an underscore behind. All that generated code needs of the
+# What a name cannot be in Python gets an underscore after. All that generated code needs of the
 # runtime and the standard library has one in front, as no name of an interface has; what is left
 # are the words of gidl.languages and those below.
 METHOD_WORDS = PYTHON_WORDS | {"property", "gecos_on_stop"}
@@ -33,7 +33,7 @@ def mapped(struct: Struct) -> tuple[str, str] | None:
 
 
 def member_name(name: str, words: frozenset[str] = STRUCT_WORDS) -> str:
-    """`name`, with underscores behind it where it is one of `words`. Two names stay two: of names
+    """`name`, with underscores after it where it is one of `words`. Two names stay two: of names
     that differ in underscores alone, each gets as many more as keep the first from all `words`."""
     plain = name.rstrip("_")
     taken = (len(word) - len(plain) for word in words if word.rstrip("_") == plain)
@@ -41,7 +41,7 @@ def member_name(name: str, words: frozenset[str] = STRUCT_WORDS) -> str:
 
 
 class Constants:
-    """What a module calls its own constants: ("Manipulator", "tool_offset") is
+    """A module's names for its own constants: ("Manipulator", "tool_offset") is
     `_MANIPULATOR_TOOL_OFFSET`. Each has a name of its own, also where capitals make two alike."""
 
     def __init__(self) -> None:
@@ -59,7 +59,7 @@ def method_name(name: str) -> str:
     return escaped(name, METHOD_WORDS)
 
 
-# No other member of an object is called like these two: the rules see to that.
+# The rules of the compiler exclude members with the names of these two methods.
 def setter(attribute: str) -> str:
     return f"set_{attribute}"
 

@@ -36,10 +36,12 @@ std::string describe(const Holder& holder, TimePoint now) {
   return text;
 }
 
-LeaseTable::LeaseTable(BootId boot, Duration ttl) : boot_(boot), ttl_(ttl) {}
+LeaseTable::LeaseTable(IncarnationId incarnation, Duration ttl)
+    : incarnation_(incarnation), ttl_(ttl) {}
 
 Epoch LeaseTable::epoch() const {
-  const std::uint64_t life = (number(boot_) * 0x9e37'79b9'7f4a'7c15U) & 0xffff'ffff'0000'0000U;
+  const std::uint64_t life =
+      (number(incarnation_) * 0x9e37'79b9'7f4a'7c15U) & 0xffff'ffff'0000'0000U;
   return Epoch{life | changes_};
 }
 

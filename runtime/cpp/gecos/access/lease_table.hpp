@@ -14,7 +14,7 @@
 
 namespace gecos::access {
 
-/// Who a session speaks for, as refusals and rosters show it.
+/// The client of a session, as refusals and rosters show it.
 struct Client {
   std::string user;
   std::string host;
@@ -70,7 +70,7 @@ struct Denial {
 /// leaves. Epochs of two server lives differ; 0 is never one.
 class LeaseTable {
  public:
-  LeaseTable(BootId boot, Duration ttl);
+  LeaseTable(IncarnationId incarnation, Duration ttl);
 
   /// Gives `session` actor or master status. A session that has it already keeps it, raised to
   /// `wanted`, and has to release it once more. Others join with the password of the first holder.
@@ -83,8 +83,8 @@ class LeaseTable {
 
   enum class Commands : std::uint8_t { None, Pending };
   /// Gives back what was acquired under `epoch`; a stale epoch changes nothing. With commands still
-  /// pending it is RELEASING: they start and finish, nobody else gets in, until `drained`.
-  /// True when the session holds nothing any more.
+  /// pending it is RELEASING: they start and finish, and no other client gets a lease, until
+  /// `drained`. True when the session holds nothing any more.
   bool release(SessionId session, Epoch epoch, Commands commands);
   /// The last command of a releasing session has ended.
   void drained(SessionId session);
@@ -107,9 +107,9 @@ class LeaseTable {
   tl::expected<void, Denial> may_start(SessionId session, Epoch epoch, Status needed,
                                        TimePoint now) const;
 
-  std::vector<Holder> roster() const;  ///< who has been there longest first
+  std::vector<Holder> roster() const;  ///< holders, the longest first
   Epoch epoch() const;
-  /// What the session holds; Sensor when nothing more.
+  /// The status that the session holds; at least Sensor.
   Status status_of(SessionId session) const;
   bool releasing(SessionId session) const;
 
@@ -131,7 +131,7 @@ class LeaseTable {
   tl::expected<void, Denial> authorise(const Member* member, SessionId session, Epoch epoch,
                                        Status needed, TimePoint now) const;
 
-  const BootId boot_;
+  const IncarnationId incarnation_;
   const Duration ttl_;
   std::uint32_t changes_ = 1;
   Members members_;  ///< all of one status

@@ -13,7 +13,7 @@ namespace gecos::access {
 /// and wiped from memory at the end.
 class Proof {
  public:
-  Proof() = default;  ///< of no password
+  Proof() = default;  ///< the proof of a client without a password
   explicit Proof(Bytes bytes) : bytes_(std::move(bytes)) {}
   Proof(const Proof&) = default;
   Proof(Proof&&) noexcept = default;
@@ -29,8 +29,8 @@ class Proof {
   Bytes bytes_;
 };
 
-/// The proof that the password itself is. What arrives in a session's authenticated channel may be
-/// compared so; whoever derives a key from it first passes that to Proof instead.
+/// The password itself as a proof. Proofs that arrive over a session's authenticated channel may be
+/// compared so; a caller that derives a key from it first passes the key to Proof instead.
 Proof plain_proof(std::string_view password);
 
 }  // namespace gecos::access

@@ -5,7 +5,7 @@
 
 namespace gecos::access {
 
-/// What a client may do with an object; each includes the ones before it.
+/// The rights of a client at an object; each status includes the ones before it.
 enum class Status : std::uint8_t {
   Sensor,  ///< read; every client has it
   Actor,   ///< move and change; one client at a time unless shared by password

@@ -9,7 +9,7 @@ namespace gecos {
 
 using Bytes = std::vector<std::byte>;
 
-/// Borrows: whoever keeps one must know that the bytes outlive it.
+/// Borrowed: the bytes must outlive the view.
 using ByteView = std::span<const std::byte>;
 
 }  // namespace gecos

@@ -1,4 +1,4 @@
-// What an operation gives, or why it gives nothing; used unchecked it says why.
+// The result of an operation or its failure; unchecked use of a failure throws the reason.
 #pragma once
 
 #include <sstream>

@@ -1,4 +1,4 @@
-// Time is passed in. What has to read it asks a Clock, so that tests need no sleep.
+// Time is passed in. Code that must read it asks a Clock, so that tests need no sleep.
 #pragma once
 
 #include <atomic>
@@ -39,7 +39,7 @@ class SystemClock final : public Clock {
 /// When `patience` from now is over, by the system's clock. Duration::max() is for ever.
 TimePoint deadline_after(Duration patience);
 
-/// Stands still until told to move. `unix_seconds` moves with it.
+/// A clock for tests: it advances only by `advance`. `unix_seconds` advances with it.
 class FakeClock final : public Clock {
  public:
   explicit FakeClock(TimePoint start = TimePoint{std::chrono::hours{1}}, double unix_start = 1.7e9);

@@ -13,7 +13,7 @@ enum class SessionId : std::uint64_t {};
 enum class FunctionCode : std::uint32_t {};
 
 /// One life of a server process. A restarted server has another one.
-enum class BootId : std::uint64_t {};
+enum class IncarnationId : std::uint64_t {};
 
 /// Fencing token of a status: commands of an older epoch do not start.
 enum class Epoch : std::uint64_t {};

@@ -8,17 +8,18 @@
 #include <array>
 #include <cstddef>
 #include <cstdlib>
-#include <mutex>
 #include <string>
 #include <utility>
+
+#include "gecos/base/mutex.hpp"
 
 namespace gecos {
 namespace {
 
 constexpr std::array<std::string_view, 4> level_names{"error", "warning", "info", "debug"};
 
-/// Lines of several threads never mix, and nobody waits for a stderr that nobody reads: a pipe that
-/// is full loses lines, and says how many once it is read again.
+/// Lines of several threads never mix, and no thread waits for a stderr that is not read: a pipe
+/// that is full loses lines, and says how many once it is read again.
 class Stderr {
  public:
   static Stderr& instance() {
@@ -27,7 +28,7 @@ class Stderr {
   }
 
   void write_line(std::string line) {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     const bool told = lost_ == 0 || write("gecos warning log: " + std::to_string(lost_) +
                                           " lines are lost: stderr was not read\n");
     if (told) lost_ = 0;
@@ -35,15 +36,18 @@ class Stderr {
   }
 
  private:
-  /// What a pipe takes as one piece whenever poll() says that it takes anything.
+  /// The size that a pipe accepts in one piece whenever poll() reports it as writable.
   static constexpr std::size_t longest = PIPE_BUF;
 
   Stderr() {  // a forked child must find it unlocked
-    ::pthread_atfork([] { instance().mutex_.lock(); }, [] { instance().mutex_.unlock(); },
-                     [] { instance().mutex_.unlock(); });
+    ::pthread_atfork(before_fork, after_fork, after_fork);
   }
 
-  /// Without its middle: a trace says the most at its two ends.
+  // The lock is held over a fork, from one function to another.
+  static void before_fork() GECOS_NOT_ANALYSED { instance().mutex_.lock(); }
+  static void after_fork() GECOS_NOT_ANALYSED { instance().mutex_.unlock(); }
+
+  /// The text without its middle, because the ends of a trace are the most informative.
   static std::string shortened(std::string line) {
     constexpr std::string_view gap = " … ";
     if (line.size() > longest) {
@@ -58,8 +62,8 @@ class Stderr {
     return ::write(STDERR_FILENO, line.data(), line.size()) >= 0;
   }
 
-  std::mutex mutex_;
-  std::size_t lost_ = 0;
+  Mutex mutex_;
+  std::size_t lost_ GECOS_GUARDED_BY(mutex_) = 0;
 };
 
 void write_line(LogLevel level, std::string_view component, std::string_view message) {
@@ -72,7 +76,7 @@ void write_line(LogLevel level, std::string_view component, std::string_view mes
   Stderr::instance().write_line(std::move(line));
 }
 
-/// What GECOS_LOG said when it was read.
+/// The level of GECOS_LOG when it was read.
 struct Asked {
   LogLevel level = LogLevel::Warning;
   std::optional<std::string> problem;

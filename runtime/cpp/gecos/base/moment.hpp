@@ -4,7 +4,7 @@
 
 namespace gecos {
 
-/// What the kernel's two coarse clocks say: about the tick of the kernel (1 to 10 ms) in which a
+/// Readings of the kernel's two coarse clocks: about the tick of the kernel (1 to 10 ms) in which a
 /// thread runs, for half of what a precise clock costs. Never at first.
 struct Moment {
   std::int64_t monotonic_ns = 0;  ///< goes on while a process is stopped

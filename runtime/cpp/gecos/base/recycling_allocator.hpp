@@ -30,7 +30,7 @@ class RecyclingAllocator {
   bool operator==(const RecyclingAllocator&) const { return true; }
 
  private:
-  /// Without a destructor: what outlives its thread's end may still be given back there.
+  /// It has no destructor, so a block may be released after the end of its thread.
   struct Kept {
     std::array<void*, 64> blocks;
     std::size_t count;

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-// What <sys/rseq.h> of glibc 2.35 declares. Weak: an older glibc has neither.
+// Declarations of <sys/rseq.h> of glibc 2.35. Weak symbols: an older glibc has neither.
 extern "C" {
 extern const std::ptrdiff_t __rseq_offset [[gnu::weak]];
 extern const unsigned int __rseq_size [[gnu::weak]];

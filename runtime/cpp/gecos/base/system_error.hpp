@@ -1,4 +1,4 @@
-// What the kernel says when a call to it fails, for people.
+// Readable text for a failed system call.
 #pragma once
 
 #include <string>

@@ -7,7 +7,7 @@
 namespace gecos::broker {
 namespace {
 
-/// Of what a server says, which need be no sensible number.
+/// Converts the age that a server reports; the number may be nonsense.
 Duration duration_of(double seconds) {
   constexpr double century = 3.2e9;
   if (!(seconds > 0)) return Duration::zero();
@@ -22,21 +22,24 @@ tl::expected<void, ServeError> Broker::serve(Server& server, std::vector<media::
   options.simulated = true;  // there is nothing that could hurt anybody
   options.well_known = true;
   // Nobody but this process was ever here, and it starts now.
-  const bool alone = media == std::vector{media::Kind::Inproc};
-  directory_ =
-      Directory(SystemClock().since_boot(), alone ? Duration::zero() : Directory::first_second);
+  const bool alone = media::within_process(media);
+  {
+    const MutexLock lock(mutex_);
+    directory_ =
+        Directory(SystemClock().since_boot(), alone ? Duration::zero() : Directory::first_second);
+  }
   options.media = std::move(media);
   return server.add("BROKER", *this, std::move(options));
 }
 
 void Broker::gecos_dispatch(IncomingCall call) {
-  calling_ = {call.caller().session, call.caller().boot};
+  calling_ = {call.caller().session, call.caller().incarnation};
   BrokerServant::gecos_dispatch(std::move(call));
 }
 
 Result<std::optional<double>> Broker::enlist(const Entry& what, double served_for) {
-  const std::lock_guard lock(mutex_);
-  const Claim claim{calling_.session, calling_.boot, duration_of(served_for)};
+  const MutexLock lock(mutex_);
+  const Claim claim{calling_.session, calling_.incarnation, duration_of(served_for)};
   const auto before = directory_.look_up(what.name);
   const auto provisional = directory_.enlist(claim, what, SystemClock().since_boot());
   if (!provisional) return tl::unexpected(Fault(provisional.error()));
@@ -52,7 +55,7 @@ Result<std::optional<double>> Broker::enlist(const Entry& what, double served_fo
 }
 
 Result<void> Broker::withdraw(const std::string& name) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (auto gone = directory_.withdraw(calling_.session, name); !gone) {
     return tl::unexpected(Fault(gone.error()));
   }
@@ -61,19 +64,19 @@ Result<void> Broker::withdraw(const std::string& name) {
 }
 
 Result<Entry> Broker::lookup(const std::string& name) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   auto found = directory_.look_up(name);
   if (!found) return tl::unexpected(Fault(found.error()));
   return *std::move(found);
 }
 
 Result<std::vector<Entry>> Broker::list() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return directory_.list();
 }
 
 void Broker::gecos_session_ended(std::uint64_t session) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   for (const auto& name : directory_.end_session(session)) {
     log_info("broker", name + " is gone with its server");
   }

@@ -1,11 +1,11 @@
 #pragma once
 
 #include <cstdint>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "gecos/base/mutex.hpp"
 #include "gecos/broker/directory.hpp"
 #include "gecos/broker_server.hpp"
 #include "gecos/server.hpp"
@@ -32,10 +32,10 @@ class Broker final : public BrokerServant {
  private:
   struct {
     std::uint64_t session = 0;
-    std::uint64_t boot = 0;
-  } calling_;         ///< whose call is being answered: handlers run one at a time
-  std::mutex mutex_;  ///< sessions end on other threads than calls run on
-  Directory directory_{SystemClock().since_boot()};
+    std::uint64_t incarnation = 0;
+  } calling_;    ///< whose call is being answered: handlers run one at a time
+  Mutex mutex_;  ///< sessions end on other threads than calls run on
+  Directory directory_ GECOS_GUARDED_BY(mutex_){SystemClock().since_boot()};
 };
 
 }  // namespace gecos::broker

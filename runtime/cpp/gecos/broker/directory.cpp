@@ -15,7 +15,7 @@ tl::expected<Duration, NameTaken> Directory::enlist(const Claim& claim, const En
     return provisional;
   }
   Place& place = found->second;
-  if (place.entry == entry && (place.session == claim.session || entry.boot == claim.boot)) {
+  if (place.entry == entry && (place.session == claim.session || entry.boot == claim.incarnation)) {
     place.session = claim.session;
     place.since = std::min(place.since, since);  // nearer to the truth the less it was under way
     return provisional;

@@ -14,8 +14,8 @@ namespace gecos::broker {
 /// The claim of a server to the name of an object.
 struct Claim {
   std::uint64_t session = 0;
-  std::uint64_t boot = 0;  ///< life of the server process, as its session says
-  Duration served_for{};   ///< how long the object has been served
+  std::uint64_t incarnation = 0;  ///< life of the server process, as its session says
+  Duration served_for{};          ///< how long the object has been served
 };
 
 /// Which objects there are, and which session enlisted each of them. Pure; not thread-safe.
@@ -32,9 +32,9 @@ class Directory {
   explicit Directory(TimePoint started, Duration young = first_second)
       : started_(started), settled_(started + young) {}
 
-  /// Adds it, as the session's. The server of that life (`boot`) may say the same again, in a new
-  /// session perhaps before the end of its last one is known. Whatever else has that name, it is
-  /// taken. Gives how long the answer is provisional: 0 when the name is the session's.
+  /// Adds it, as the session's. The server of that life (`incarnation`) may say the same again, in
+  /// a new session perhaps before the end of its last one is known. Whatever else has that name, it
+  /// is taken. Gives how long the answer is provisional: 0 when the name is the session's.
   tl::expected<Duration, NameTaken> enlist(const Claim& claim, const Entry& entry, TimePoint now);
   /// Only who enlisted an object takes it off.
   tl::expected<void, UnknownName> withdraw(std::uint64_t session, const std::string& name);

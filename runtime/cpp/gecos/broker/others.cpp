@@ -13,7 +13,8 @@ std::vector<std::string> other_brokers(Duration patience) {
   Lab lab;
   if (!lab.core()) throw std::runtime_error(lab.core().error().text);
   for (auto& found : session::find_brokers(lab.core(), patience)) {
-    if (found.boot != session::process_boot()) places.push_back(std::move(found.address));
+    if (found.incarnation != session::process_incarnation())
+      places.push_back(std::move(found.address));
   }
   return places;
 }

@@ -5,7 +5,7 @@
 
 namespace gecos::crypto {
 
-/// What a handshake gives: both directions, and who is at the other end. The two halves may be used
+/// Result of a handshake: both directions and the peer's key. The two halves may be used
 /// by one thread each.
 struct Channel {
   PublicKey peer;

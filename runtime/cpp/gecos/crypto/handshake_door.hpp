@@ -26,7 +26,7 @@ struct HandshakeRule {
 };
 
 enum class Refusal : std::uint8_t {
-  Busy,         ///< too many at a time; whoever means it says it again
+  Busy,         ///< too many at a time; an honest client repeats its message
   Malformed,    ///< no first message, not for this key and context, or altered
   NotAdmitted,  ///< proved who it is, and is not let in
   Replayed,     ///< answered long ago
@@ -38,7 +38,7 @@ std::string_view to_string(Refusal refusal);
 ///
 /// A recorded first message that comes again after `remembered` others, or to the server's next
 /// life, does make a channel, of which the player has no key: until Channel::in.opened_any()
-/// whoever holds the channel must not let it displace another, must not act on its payload, and has
+/// the holder of the channel must not let it displace another, must not act on its payload, and has
 /// to drop it when nothing was opened within `answers_kept`.
 ///
 /// Reads no clock; one thread at a time.
@@ -79,10 +79,10 @@ class HandshakeDoor {
   const Admission is_admitted_;
   const HandshakeRule rule_;
   const RekeyRule rekey_;
-  double budget_;  // of first messages to be looked at
+  double budget_;  // number of first messages that may still be checked
   std::optional<TimePoint> budgeted_;
   std::map<Digest, Known> known_;
-  std::deque<Digest> order_;   // of known_, oldest first
+  std::deque<Digest> order_;   // the keys of known_, oldest first
   std::size_t forgotten_ = 0;  // so many of order_ have no answer any more
 };
 

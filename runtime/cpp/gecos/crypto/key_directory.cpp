@@ -43,7 +43,8 @@ class File {
   const int descriptor_;
 };
 
-/// Why `found` is not ours alone; nothing when it is. `bits`: what nobody else may.
+/// Why other users have access to `found`; nothing when they have none. `bits`: their forbidden
+/// rights.
 std::optional<std::string> not_ours(const struct stat& found, ::mode_t bits, const char* mend) {
   if (found.st_uid != ::geteuid()) {
     return "belongs to uid " + std::to_string(found.st_uid) + ", and this program runs as uid " +

@@ -8,7 +8,7 @@
 #include "gecos/base/result.hpp"
 #include "gecos/crypto/keys.hpp"
 
-/// What is in a file of a key: one line of a word, 64 hex digits and a check of eight more.
+/// Contents of a key file: one line of a word, 64 hex digits and a check of eight more.
 namespace gecos::crypto {
 
 inline constexpr std::size_t key_file_bytes = 15 + 64 + 1 + 8 + 1;

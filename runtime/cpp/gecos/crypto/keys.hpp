@@ -55,7 +55,8 @@ class Identity {
   PublicKey public_key_;
 };
 
-/// What only the two owners can compute. Nothing for a public key made to give everybody the same.
+/// The shared secret of two keys. Nothing for a weak public key, with which every secret is the
+/// same.
 std::optional<Key> shared_secret(std::span<const std::byte, key_bytes> secret,
                                  const PublicKey& peer);
 

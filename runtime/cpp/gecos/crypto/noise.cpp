@@ -12,7 +12,7 @@ namespace {
 
 static_assert(sizeof(Hash) == crypto_hash_sha256_BYTES);
 
-/// HMAC-SHA256 of `first` and `second`, one behind the other.
+/// HMAC-SHA256 of `first` followed by `second`.
 Key hmac(const Key& key, ByteView first, ByteView second) {
   crypto_auth_hmacsha256_state state;
   ::crypto_auth_hmacsha256_init(&state, raw(key.bytes().data()), key.bytes().size());

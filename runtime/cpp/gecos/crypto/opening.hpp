@@ -28,7 +28,7 @@ class Opening {
     Channel channel;
     Bytes payload;  ///< the server's, encrypted and proved
   };
-  /// What is forged changes nothing; the right answer may still come.
+  /// A forged answer changes nothing; the right answer may still arrive.
   tl::expected<Opened, HandshakeProblem> finish(ByteView second, TimePoint now,
                                                 RekeyRule rule = {}) const;
 

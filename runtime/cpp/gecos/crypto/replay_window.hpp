@@ -19,7 +19,7 @@ class ReplayWindow {
   bool fresh(std::uint64_t number) const {
     return !too_old(number) && (number >= next_ || (word(number) & bit(number)) == 0);
   }
-  /// @pre fresh(number), and whoever sent it is proved.
+  /// @pre fresh(number), and the sender is authenticated.
   void mark(std::uint64_t number) {
     if (number >= next_) {
       const std::uint64_t from =

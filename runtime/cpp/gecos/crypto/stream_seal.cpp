@@ -19,7 +19,7 @@ static_assert(crypto_sign_SECRETKEYBYTES == 64 && crypto_sign_PUBLICKEYBYTES == 
 
 using Digest = std::array<unsigned char, crypto_generichash_BYTES_MAX>;
 
-/// What is signed: its purpose, its place in the stream, what it is about, and the sample.
+/// The signed bytes: purpose, place in the stream, context, and the sample.
 Digest digest_of(std::span<const std::byte, Sealer::text_at> counter, ByteView associated,
                  ByteView sample) {
   constexpr std::string_view purpose = "gecos stream 1";

@@ -10,15 +10,15 @@
 #include "gecos/base/result.hpp"
 #include "gecos/crypto/transport.hpp"
 
-/// What one sends to many: encrypted under a key that all admitted readers have, and signed by the
-/// writer inside of that, so that no reader can forge a sample to the others.
+/// Seals samples for many readers: encrypted under a key that all admitted readers have, signed by
+/// the writer inside of that, so that no reader can forge a sample to the others.
 ///
 /// A frame is a counter (8 bytes, big-endian), the sample and a signature (64 bytes), both
 /// encrypted, and a tag (16 bytes). Who is no longer to read: make a new StreamSealer and tell the
 /// others its key.
 namespace gecos::crypto {
 
-/// What a reader must have, given to it within its own channel.
+/// The keys of a reader, which it receives over its own channel.
 struct StreamKey {
   static constexpr std::size_t bytes = 64;
 

@@ -50,7 +50,7 @@ class Sealer {
   /// not sent; the opener must name the same. @pre `frame` has at least `overhead` bytes.
   void seal(ByteView associated, std::span<std::byte> frame);
 
-  /// To be called every now and then, a tenth of RekeyRule::after or more often.
+  /// Must be called regularly, at least every tenth of RekeyRule::after.
   void tend(TimePoint now);
 
   std::uint32_t generation() const { return generation_; }
@@ -62,7 +62,7 @@ class Sealer {
   Key key_;
   TimePoint since_;
   std::uint32_t generation_ = 0;
-  std::uint32_t number_ = 0;  // of the next packet
+  std::uint32_t number_ = 0;  // number of the next packet
 };
 
 enum class OpenProblem : std::uint8_t {
@@ -78,7 +78,7 @@ class Opener {
  public:
   /// How many generations may have been lost as a whole. Bounds what a forged frame can cost.
   static constexpr std::uint32_t most_lost_generations = 8;
-  /// How long packets that were overtaken by the next key are still opened.
+  /// How long packets under the previous key are still opened after the key changed.
   static constexpr Duration previous_kept = std::chrono::seconds{1};
 
   explicit Opener(const Key& key);

@@ -19,30 +19,40 @@
 /// Nothing above this file knows how a medium works; nothing below it knows what a packet means.
 /// One conformance suite (tests/cpp/media) runs on every medium.
 ///
-/// Threads: of one link receive(), arm() and disarm() belong to one thread at a time, and send(),
-/// share() and unshare() to one at a time (the two may differ); its user sees to that. All the rest
-/// of a link any thread may call at any time, beat() of housekeeping also beside send(). An
-/// acceptor belongs to one thread at a time; its links need not be used by the same one.
+/// Threads: of one link receive(), prepare_to_sleep() and woke() belong to one thread at a time,
+/// and send(), make_stream(), share() and unshare() to one at a time (the two may differ); its user
+/// sees to that. All the rest of a link any thread may call at any time, beat() of housekeeping
+/// also beside send(). An acceptor belongs to one thread at a time; its links need not be used by
+/// the same one.
 ///
 /// A forked child sees links and acceptors of its parent as dead (Broken); it makes its own.
 namespace gecos::media {
 
-enum class Kind : std::uint8_t { Inproc, Shm, Lcm };
-std::string_view to_string(Kind kind);
-std::optional<Kind> kind_from(std::string_view name);
+/// How far a medium leads.
+enum class Reach : std::uint8_t {
+  Process,  ///< within one process
+  Host,     ///< between programs that share a runtime directory of one host
+  Network,  ///< between hosts
+};
 
-/// What a medium can promise of a line, before anything is measured.
+/// What a medium can promise of a line, before anything is measured. Nothing asks for a medium by
+/// name what it can ask here.
 struct Offer {
-  Kind kind = Kind::Inproc;
-  bool same_host_only = true;
+  std::string_view name = "inproc";  ///< begins its addresses; of static storage
+  Reach reach = Reach::Process;
   bool ordered = true;
   bool reliable = true;            ///< nothing is lost or repeated while both ends live
   bool intact = true;              ///< what arrives is what was sent; else wrap it (checked.hpp)
   bool real_time = true;           ///< no shared queue, no loss: fit for HARD_REALTIME
   bool reports_death = true;       ///< the kernel says when the peer has died
   bool authenticated = true;       ///< the peer's user is proved
+  bool overheard = false;          ///< others receive what is sent: it must be sealed
+  bool connectionless = false;     ///< a server that is not there shows by its silence alone, and
+                                   ///< the acceptor receives for its links
   bool shared_words = false;       ///< write_word() and peer_word() work
   std::size_t largest_packet = 0;  ///< bytes
+  std::size_t piece = 0;  ///< bytes that a packet in pieces has in each; 0: largest_packet, less
+                          ///< the header of a piece
 };
 
 /// Who is at the other end, as far as the medium itself knows.
@@ -73,25 +83,44 @@ struct StreamSample {
   Bytes bytes;
 };
 
-/// Writes one outward stream; every admitted reader sees it. One thread writes at a time.
-/// Never waits for a reader: who is slow loses old samples.
+/// A sample that is read where it lies.
+struct LentSample {
+  std::uint64_t sequence = 0;
+  std::int64_t stamp_ns = 0;
+  ByteView bytes;
+};
+
+/// Writes one stream; every reader that it is shared with sees every sample. One thread writes at a
+/// time. Never waits for a reader: a slow reader loses old samples.
 class StreamWriter {
  public:
   virtual ~StreamWriter() = default;
-  /// Publishes and wakes those readers that sleep. Fails with TooLarge only.
+  /// Publishes a copy and wakes the readers that sleep. Fails with TooLarge only.
   virtual tl::expected<void, SendProblem> publish(ByteView sample, std::int64_t stamp_ns) = 0;
+  /// Lends memory for the next sample, of which `size` bytes count; their values are undefined. The
+  /// sample is written in place: nothing is copied where the memory is shared. A loan that is not
+  /// published ends with the next call of lend() or publish(). Fails with TooLarge only.
+  virtual tl::expected<std::span<std::byte>, SendProblem> lend(std::size_t size) = 0;
+  /// Publishes what was written into the loan, and wakes the readers that sleep. @pre a loan
+  virtual void publish_lent(std::int64_t stamp_ns) = 0;
 };
 
-/// Reads one outward stream. One thread at a time.
+/// Reads one stream. One thread at a time.
 class StreamReader {
  public:
   virtual ~StreamReader() = default;
   /// The newest sample, when there is one that is newer than `after`. Reuses `into`'s memory.
   virtual bool latest(std::uint64_t after, StreamSample& into) = 0;
   /// The oldest sample kept that is newer than `after`; the gap in sequence says how many were
-  /// lost. It begins with what was the newest when the stream was opened: nobody gets what went
-  /// before.
+  /// lost. The first sample is the one that was the newest when the stream was opened.
   virtual bool next(std::uint64_t after, StreamSample& into) = 0;
+  /// As latest(), without a copy. The bytes stay readable while the reader lives and until its next
+  /// call of lend_latest(). In shared memory the writer never waits, and writes over them after as
+  /// many samples as the stream keeps: what was read counts only if intact() says so afterwards.
+  /// The peer may be hostile: check what was computed, never read a length twice.
+  virtual std::optional<LentSample> lend_latest(std::uint64_t after) = 0;
+  /// Whether the bytes of `sample` are still those that were lent.
+  virtual bool intact(const LentSample& sample) const = 0;
 };
 
 inline constexpr std::size_t shared_word_count = 4;
@@ -109,7 +138,8 @@ class Link {
   virtual tl::expected<std::uint64_t, SendProblem> send(ByteView head, ByteView body) = 0;
 
   /// The next packet, when one is there. The bytes are a private copy and stay valid until the next
-  /// call, or arm(). Never blocks, costs no system call on shm and inproc when nothing is there.
+  /// call, or prepare_to_sleep(). Never blocks, costs no system call on shm and inproc when nothing
+  /// is there.
   virtual std::optional<ByteView> receive() = 0;
 
   /// How long ago the packet was sent that receive() gave last, also where this process was stopped
@@ -125,15 +155,15 @@ class Link {
   virtual std::optional<std::uint64_t> taken_by_peer() = 0;
 
   /// Announces that this end is about to sleep on `descriptors()`. False: something is there
-  /// already, do not sleep. After waking call `disarm()`.
-  virtual bool arm() = 0;
-  virtual void disarm() = 0;
+  /// already, or the link is lost: do not sleep. After waking call `woke()`.
+  virtual bool prepare_to_sleep() = 0;
+  virtual void woke() = 0;
   /// Readable when a packet or sample may be there or the link was lost. Valid for the link's life;
-  /// may be watched level- or edge-triggered; disarm() makes them quiet again. Who watches for
-  /// edges asks loss() when one comes while the link is not armed: it may be all that tells of it.
-  /// A lost link may stay readable: arm() says false then. Of links that an acceptor made on lcm
-  /// the packets come through the acceptor's descriptors: watch those as well, and call accept()
-  /// when they are readable.
+  /// may be polled level- or edge-triggered; woke() makes them unreadable again. With
+  /// edge-triggered polling, call loss() on every event received while not prepared to sleep; no
+  /// second event may follow. A lost link may stay readable. Where the medium is connectionless,
+  /// packets of links that an acceptor made come through the acceptor's descriptors: poll those as
+  /// well, and call accept() when they are readable.
   virtual std::span<const int> descriptors() const = 0;
 
   /// Words that this end writes and the peer reads in place, zero at first. No packet carries them
@@ -159,14 +189,19 @@ class Link {
   virtual Loss loss() = 0;
   virtual std::string loss_text() const = 0;  ///< for people; on lcm also why nobody was met yet
 
-  /// Server: lets the peer read `stream` under `id` (chosen by the session).
+  /// A stream to this peer alone: how the samples of a client go inward. A stream for many readers
+  /// is made by the acceptor. `largest` in bytes, `depth` samples kept. Throws std::exception when
+  /// no memory or no descriptor is left.
+  virtual std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth) = 0;
+  /// Lets the peer read `stream` under `id`, which the session chooses; each end numbers the
+  /// streams that it shares. `stream` was made by this link or by its acceptor.
   virtual tl::expected<void, SendProblem> share(std::uint32_t id, StreamWriter& stream) = 0;
-  /// Server: the peer's reading of `id` ends.
+  /// The peer's reading of `id` ends.
   virtual void unshare(std::uint32_t id) = 0;
-  /// Client: the stream that the server shared under `id`; null while it has not arrived.
+  /// The stream that the peer shared under `id`; null while it has not arrived.
   virtual std::unique_ptr<StreamReader> open_stream(std::uint32_t id) = 0;
-  /// Client: why a stream cannot be opened here although the server shared it under `id`; empty
-  /// while it may still arrive.
+  /// Why a stream cannot be opened here although the peer shared it under `id`; empty while it may
+  /// still arrive.
   virtual std::string why_no_stream(std::uint32_t id);
 };
 

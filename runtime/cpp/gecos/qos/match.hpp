@@ -12,9 +12,9 @@
 /// Whether a line is as good as what is asked, and which of several is best. Pure.
 namespace gecos::qos {
 
-/// What one line can promise, and what was measured of it.
+/// Promises of one medium, and measurements of it.
 struct LineOffer {
-  std::string name;            ///< of its medium, for texts: "shm"
+  std::string name;            ///< name of its medium, for messages: "shm"
   bool between_hosts = false;  ///< packets leave the host, or could
   bool reliable = true;        ///< nothing is lost, by the medium or because the session repeats it
   bool real_time = true;       ///< no loss and no shared queue below the session

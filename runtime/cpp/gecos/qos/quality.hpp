@@ -6,7 +6,7 @@
 
 #include "gecos/base/clock.hpp"
 
-/// What a line is asked to be: the values of `@qos`, inherited and narrowed by the compiler.
+/// Demanded quality: the values of `@qos`, inherited and narrowed by the compiler.
 namespace gecos::qos {
 
 enum class Class : std::uint8_t { TimeIndependent, SoftRealtime, HardRealtime };

@@ -5,7 +5,7 @@
 
 namespace gecos::wire {
 
-/// From `low` to `high`, both inside. NaN is outside.
+/// The range from `low` to `high`, both included. NaN is outside.
 template <class T>
 struct Bounds {
   static constexpr bool is_float = std::numeric_limits<T>::has_infinity;

@@ -1,4 +1,4 @@
-// What must not be sent, in words. An empty text means: nothing is wrong.
+// Checks of values before they are sent. The result is the error text; empty when valid.
 #pragma once
 
 #include <cstddef>

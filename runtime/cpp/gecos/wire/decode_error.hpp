@@ -30,7 +30,8 @@ const char* describe(DecodeProblem problem);
 
 struct DecodeError {
   DecodeProblem problem{};
-  std::size_t offset = 0;  ///< of the refused value, from the first byte given to the decoder
+  std::size_t offset =
+      0;  ///< position of the refused value, counted from the first byte given to the decoder
   const char* field = "";  ///< static text; empty where the reader gave no name
 
   /// "field 'speed' at byte 12: outside its declared range"

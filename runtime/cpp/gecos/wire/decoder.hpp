@@ -1,4 +1,4 @@
-// Reads values in the LCM type encoding out of bytes that nobody vouches for.
+// Reads values in the LCM type encoding from untrusted bytes.
 #pragma once
 
 #include <cstddef>

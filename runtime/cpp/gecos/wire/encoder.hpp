@@ -57,7 +57,7 @@ class Encoder {
     put(std::uint8_t{0});
   }
 
-  /// As they are, without a count.
+  /// Appends raw bytes, without a count.
   void put_bytes(ByteView bytes) {
     assert(bytes.size() <= room());
     if (!bytes.empty()) std::memcpy(cursor_, bytes.data(), bytes.size());

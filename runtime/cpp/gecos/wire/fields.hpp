@@ -13,7 +13,7 @@
 
 namespace gecos::wire {
 
-/// An appendable value in its block. What a newer writer put at its end is skipped.
+/// An appendable value in its block. Members that a newer writer put at its end are skipped.
 template <class T>
 [[nodiscard]] bool get_block(Decoder& from, T& value, const char* field) {
   Decoder block;
@@ -107,8 +107,8 @@ template <class Numbers>
                               Bounds<typename Numbers::value_type> bounds, const char* field) {
   const auto* const outlier = first_outside(numbers, bounds);
   if (outlier == nullptr) return true;
-  const auto behind = static_cast<std::size_t>(numbers.data() + numbers.size() - outlier);
-  return in_range(from, false, behind * sizeof *outlier, field);
+  const auto after = static_cast<std::size_t>(numbers.data() + numbers.size() - outlier);
+  return in_range(from, false, after * sizeof *outlier, field);
 }
 
 /// A union's tag, which travels as `Wire`. A number that the tag's type lacks is refused.

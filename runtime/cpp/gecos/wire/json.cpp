@@ -124,6 +124,9 @@ JsonWriter JsonWriter::item() const {
   return JsonWriter(place_->back());
 }
 
+void JsonWriter::member(std::string_view name, const void* value, const JsonKind& kind) const {
+  kind.write(at(name), value);
+}
 void JsonWriter::hidden_member(std::string_view name) const { at(name).put(hidden); }
 
 // ---------------------------------------------------------------------------------------------
@@ -296,9 +299,55 @@ std::optional<JsonReader> JsonReader::find(std::string_view name) const {
   return JsonReader(*there, *this, name, no_item);
 }
 
+bool JsonReader::member(std::string_view name, void* value, const JsonKind& kind) const {
+  const auto there = find(name);
+  return !there || kind.read(*there, value);
+}
+
+bool JsonReader::hidden_member(std::string_view name, void* value, const JsonKind& kind) const {
+  const auto there = find(name);
+  return !there || (there->is_shown() && kind.read(*there, value));
+}
+
 bool JsonReader::is_shown() const {
   return !(data_->is_string() && text_of(*data_) == hidden) ||
          fail("it was hidden when this was written; say it, or leave it out");
+}
+
+// ---------------------------------------------------------------------------------------------
+// Structs
+
+bool JsonMembers::member(std::string_view name, void* value, const JsonKind& kind) {
+  if (from_ != nullptr) return from_->member(name, value, kind);
+  if (to_ != nullptr) {
+    to_->member(name, value, kind);
+  } else {
+    names_.push_back(name);
+  }
+  return true;
+}
+
+bool JsonMembers::hidden_member(std::string_view name, void* value, const JsonKind& kind) {
+  if (from_ != nullptr) return from_->hidden_member(name, value, kind);
+  if (to_ != nullptr) {
+    to_->hidden_member(name);
+  } else {
+    names_.push_back(name);
+  }
+  return true;
+}
+
+void write_json_members(JsonWriter to, JsonVisit visit, void* value) {
+  to.open_object();
+  JsonMembers writing(to);
+  static_cast<void>(visit(writing, value));
+}
+
+bool read_json_members(const JsonReader& from, JsonVisit visit, void* value) {
+  JsonMembers naming;
+  static_cast<void>(visit(naming, value));
+  JsonMembers reading(from);
+  return from.expect_object(naming.names()) && visit(reading, value);
 }
 
 // ---------------------------------------------------------------------------------------------

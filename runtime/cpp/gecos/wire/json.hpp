@@ -51,7 +51,7 @@ nlohmann::json to_json(const T& value) {
 }
 
 /// Members in the order of the interface, on one line; over lines with an `indent` of 0 or more.
-/// What is not UTF-8 in a string becomes U+FFFD.
+/// Invalid UTF-8 in a string becomes U+FFFD.
 template <class T>
 std::string to_json_text(const T& value, int indent = -1) {
   nlohmann::ordered_json draft;

@@ -38,9 +38,25 @@ struct JsonName {
 using JsonNames = std::span<const JsonName>;
 using MemberNames = std::span<const std::string_view>;
 
+class JsonWriter;
+class JsonReader;
+
 /// How a T is written and read: `write(JsonWriter, const T&)`, `bool read(const JsonReader&, T&)`.
 template <class T>
 struct JsonShape;
+
+/// The same for code that does not know the type: what has members is compiled once, not once for
+/// each struct.
+struct JsonKind {
+  void (*write)(JsonWriter to, const void* value);
+  bool (*read)(const JsonReader& from, void* value);
+};
+template <class T>
+void write_json_of(JsonWriter to, const void* value);
+template <class T>
+bool read_json_of(const JsonReader& from, void* value);
+template <class T>
+inline constexpr JsonKind json_kind{&write_json_of<T>, &read_json_of<T>};
 
 /// A place in JSON that becomes one value.
 class JsonWriter {
@@ -59,22 +75,23 @@ class JsonWriter {
 
   void open_object() const;
   void open_list() const;
-  /// Of an object that is open; good until the next one.
+  /// The key of the current member of an open object; valid until the next member.
   JsonWriter at(std::string_view name) const;
-  /// Behind the others of a list that is open; good until the next one.
+  /// The next element of an open list; valid until the one after it.
   JsonWriter item() const;
 
   template <class T>
   void member(std::string_view name, const T& value) const {
-    JsonShape<T>::write(at(name), value);
+    member(name, &value, json_kind<T>);
   }
+  void member(std::string_view name, const void* value, const JsonKind& kind) const;
   void hidden_member(std::string_view name) const;
 
  private:
   nlohmann::ordered_json* place_;
 };
 
-/// A value in JSON, and where it stands. Whoever reads it stops at the first `false`: the error is
+/// A value in JSON and its path. A reader must stop at the first `false`: the error is
 /// told. Borrows the value, the places around it and the error.
 class JsonReader {
  public:
@@ -108,15 +125,15 @@ class JsonReader {
   /// True also where it is left out: `value` stays what it is.
   template <class T>
   bool member(std::string_view name, T& value) const {
-    const auto there = find(name);
-    return !there || JsonShape<T>::read(*there, value);
+    return member(name, &value, json_kind<T>);
   }
+  bool member(std::string_view name, void* value, const JsonKind& kind) const;
   /// The same, and "***" is no value.
   template <class T>
   bool hidden_member(std::string_view name, T& value) const {
-    const auto there = find(name);
-    return !there || (there->is_shown() && JsonShape<T>::read(*there, value));
+    return hidden_member(name, &value, json_kind<T>);
   }
+  bool hidden_member(std::string_view name, void* value, const JsonKind& kind) const;
 
   bool fail(std::string why) const;
   JsonError& error() const { return *error_; }
@@ -137,7 +154,7 @@ class JsonReader {
   std::size_t index_ = no_item;
 };
 
-/// What is done with each member of a struct in turn: it is named, written or read.
+/// The action on each member of a struct in turn: name, write or read.
 class JsonMembers {
  public:
   JsonMembers() = default;  ///< names them
@@ -146,25 +163,15 @@ class JsonMembers {
 
   template <class T>
   bool member(std::string_view name, T& value) {
-    if (from_ != nullptr) return from_->member(name, value);
-    if (to_ != nullptr) {
-      to_->member(name, value);
-    } else {
-      names_.push_back(name);
-    }
-    return true;
+    return member(name, &value, json_kind<T>);
   }
+  bool member(std::string_view name, void* value, const JsonKind& kind);
   /// A secret: it is never shown.
   template <class T>
   bool hidden_member(std::string_view name, T& value) {
-    if (from_ != nullptr) return from_->hidden_member(name, value);
-    if (to_ != nullptr) {
-      to_->hidden_member(name);
-    } else {
-      names_.push_back(name);
-    }
-    return true;
+    return hidden_member(name, &value, json_kind<T>);
   }
+  bool hidden_member(std::string_view name, void* value, const JsonKind& kind);
   MemberNames names() const { return names_; }
 
  private:
@@ -173,25 +180,37 @@ class JsonMembers {
   std::vector<std::string_view> names_;
 };
 
+/// Calls JsonMembers for each member of the struct at `value` in turn.
+using JsonVisit = bool (*)(JsonMembers& each, void* value);
+void write_json_members(JsonWriter to, JsonVisit visit, void* value);
+bool read_json_members(const JsonReader& from, JsonVisit visit, void* value);
+
 /// The shape of a struct. Its `<file>_json.cpp` says which members it has.
 template <class T>
 struct JsonStruct {
   static void write(JsonWriter to, const T& value) {
-    to.open_object();
-    JsonMembers writing(to);
-    static_cast<void>(visit(writing, const_cast<T&>(value)));  // which only reads it
+    write_json_members(to, &visit_any, const_cast<T*>(&value));  // which only reads it
   }
   static bool read(const JsonReader& from, T& value) {
-    JsonMembers naming;
-    static_cast<void>(visit(naming, value));
-    JsonMembers reading(from);
-    return from.expect_object(naming.names()) && visit(reading, value);
+    return read_json_members(from, &visit_any, &value);
   }
 
  private:
+  static bool visit_any(JsonMembers& each, void* value) {
+    return visit(each, *static_cast<T*>(value));
+  }
   /// The members of T in turn, those of its bases first, as long as none is refused.
   static bool visit(JsonMembers& each, T& value);
 };
+
+template <class T>
+void write_json_of(JsonWriter to, const void* value) {
+  JsonShape<T>::write(to, *static_cast<const T*>(value));
+}
+template <class T>
+bool read_json_of(const JsonReader& from, void* value) {
+  return JsonShape<T>::read(from, *static_cast<T*>(value));
+}
 
 template <class T>
 requires(std::is_same_v<T, bool> || std::is_same_v<T, char> || std::is_same_v<T, std::string> ||

@@ -14,7 +14,7 @@
 
 namespace gecos::wire {
 
-/// What a packet is about. New kinds may be added at the end; a receiver ignores those it does not
+/// The purpose of a packet. New kinds may be added at the end; a receiver ignores those it does not
 /// know. 8, 9, 10 and 13 to 16 are reserved.
 enum class PacketKind : std::int8_t {
   Hello = 1,     ///< client asks for a session
@@ -52,7 +52,7 @@ struct PacketView {
   ByteView tag;  ///< authentication of everything before it; empty where the medium needs none
 };
 
-/// What an LCM reader checks first.
+/// The fingerprint, which an LCM reader checks first.
 inline constexpr std::int64_t packet_fingerprint = static_cast<std::int64_t>(0x90a18da222518b52u);
 
 inline constexpr std::size_t packet_head_size = 8 + 4 + 4 + 5 * 8 + 4;  ///< up to the body
@@ -64,7 +64,7 @@ constexpr std::size_t packet_size(std::size_t body_size, std::size_t tag_size = 
 }
 
 /// What stands before the body, so that a sender gathers {head, body, tail, tag} or encodes the
-/// body right behind the head, and copies it once.
+/// body right after the head, and copies it once.
 /// @pre body_size fits int32, deadline is not negative.
 void encode_packet_head(std::span<std::byte, packet_head_size> to, const PacketHeader& header,
                         std::size_t body_size);
@@ -73,10 +73,10 @@ void encode_packet_head(std::span<std::byte, packet_head_size> to, const PacketH
 /// @pre `packet` is an encoded one, `left` is not negative
 void write_deadline(std::span<std::byte> packet, Duration left);
 
-/// What stands between body and tag.
+/// The bytes between body and tag: the size of the tag.
 void encode_packet_tail(std::span<std::byte, packet_tail_size> to, std::size_t tag_size);
 
-/// A whole packet in one buffer; copies body and tag.
+/// A complete packet in one buffer; copies body and tag.
 Bytes encode_packet(const PacketHeader& header, ByteView body, ByteView tag = {});
 
 /// Versions and kinds are not judged here: a newer peer is to be answered, not dropped.

@@ -1,4 +1,4 @@
-// What may be a string on the wire.
+// Validity of strings on the wire.
 #pragma once
 
 #include <cstddef>

@@ -15,7 +15,7 @@ enum class Shoulder { Righty, Lefty };
 enum class Elbow { Above, Below };
 enum class Wrist { Noflip, Flip };
 
-/// What is asked for, or what is: an empty member means that any will do, or that none can be told.
+/// A demanded or a present configuration. An empty member: any value will do, or it is not defined.
 struct Configuration {
   std::optional<Shoulder> shoulder{};
   std::optional<Elbow> elbow{};

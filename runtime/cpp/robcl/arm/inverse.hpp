@@ -25,7 +25,8 @@ class InverseKinematics {
                                                    const JointValues& reference,
                                                    const Configuration& wanted = {}) = 0;
 
-  /// What the arm is in. Empty members at a singularity, or where the solver has no such notion.
+  /// The configuration of the arm. Empty members at a singularity, or where the solver has no such
+  /// notion.
   virtual Configuration configuration(const JointValues& joints) = 0;
 };
 

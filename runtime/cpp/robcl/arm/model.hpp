@@ -1,4 +1,4 @@
-// What an arm is: its chain of joints, from a URDF file, and what they can do.
+// Model of an arm: its chain of joints from a URDF file, and their limits.
 #pragma once
 
 #include <filesystem>
@@ -18,7 +18,7 @@ struct ModelError {
 /// A chain of revolute joints from a base link to a flange link. Immutable.
 ///
 /// KDL::Joint caches its last pose inside const methods, so a chain must not be shared between
-/// threads: whoever computes with it takes a copy (see Kinematics).
+/// threads: a computation takes a copy (see Kinematics).
 class ArmModel {
  public:
   /// URDF names no acceleration: each joint reaches its full speed in `seconds_to_full_speed`.

@@ -50,7 +50,7 @@ class SphericalWristInverse final : public InverseKinematics {
 
   ArmModel model_;
 
-  // Of the arm with all joints at zero, seen from the base. Axes are unit vectors.
+  // Geometry of the arm with all joints at zero, in the base frame. Axes are unit vectors.
   std::array<Eigen::Vector3d, 6> axes_;
   Eigen::Matrix3d zero_turn_;        // of the flange
   Eigen::Vector3d flange_to_wrist_;  // wrist centre, seen from the flange: never moves
@@ -59,7 +59,7 @@ class SphericalWristInverse final : public InverseKinematics {
 
   // In the arm's plane: lengths, m, and angles from axis 1 towards joint 1's direction, rad.
   double shoulder_ = 0;  // from axis 1 to axis 2
-  double lateral_ = 0;   // of the wrist centre, along axis 2
+  double lateral_ = 0;   // offset of the wrist centre along axis 2
   double upper_arm_ = 0, upper_arm_angle_ = 0;
   double forearm_ = 0, forearm_angle_ = 0;
   double third_sign_ = 1;  // -1 where axis 3 points against axis 2

@@ -80,7 +80,7 @@ class Frame {
   Eigen::Matrix4d matrix() const;
   Eigen::Matrix3d rotation() const { return orientation().toRotationMatrix(); }
 
-  /// What `right` describes, seen from where `left` is seen from.
+  /// The pose that `right` describes, in the frame in which `left` is given.
   friend Frame operator*(const Frame& left, const Frame& right);
   Frame inverse() const;
   /// A point of this coordinate system, seen from the other.
@@ -112,8 +112,8 @@ Frame rotate_z(double angle);
 
 /// Between the two origins, m.
 double distance(const Frame& left, const Frame& right);
-/// Of the single turn that brings one orientation to the other, rad in [0, pi]. Exact for small
-/// ones.
+/// Angle of the single turn that brings one orientation to the other, rad in [0, pi]. Exact for
+/// small ones.
 double angle(const Frame& left, const Frame& right);
 bool near(const Frame& left, const Frame& right, double position_tolerance, double angle_tolerance);
 

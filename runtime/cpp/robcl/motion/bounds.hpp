@@ -18,7 +18,7 @@ class PathBounds {
     bool empty() const { return lower > upper; }
   };
 
-  /// Of the joints, at `pace`.
+  /// Starts with the limits of the joints at `pace`.
   PathBounds(const Path& path, const arm::ArmModel& model, const Pace& pace);
 
   /// The tool passes `length` m and turns by `turn` rad, evenly over the whole path.
@@ -44,7 +44,7 @@ class PathBounds {
   void restrict_joints(Interval& interval, std::size_t knot, double x, double u_in_x) const;
 
   JointValues accelerations_;
-  double tool_acceleration_;  // of s, rad or m divided out
+  double tool_acceleration_;  // limit of d²s/dt² by the tool, with its m or rad divided out
   std::vector<double> caps_;  // (ds/dt)² per knot
   std::vector<JointValues> slopes_, curvatures_;
 };

@@ -7,7 +7,7 @@
 
 namespace robcl::motion {
 
-/// What the tool itself may do on a straight line, whatever the joints could.
+/// Limits of the tool itself on a straight line, besides those of the joints.
 struct ToolLimits {
   double speed = 1.0;                   ///< m/s
   double acceleration = 3.0;            ///< m/s²
@@ -23,7 +23,7 @@ struct Pace {
   std::optional<double> turn_speed{};  ///< rad/s, above 0
 };
 
-/// What is wrong with it, for whoever takes it from a user; nothing when it is fine.
+/// The reason why a pace of a user is invalid; nothing when it is valid.
 std::optional<std::string> problem_of(const Pace& pace);
 
 }  // namespace robcl::motion

@@ -15,7 +15,7 @@ using arm::OutOfReach;
 constexpr int joint_move_knots = 100;
 constexpr double no_move = 1e-9;  // rad: nothing to do
 
-/// By how much the law has to be slowed for the joints to keep their limits between the knots, too:
+/// The factor by which the law must be slowed to keep the joint limits between the knots, too:
 /// where a joint's way is steep (an arm that starts stretched) one interval may take many cycles.
 double excess(const Path& path, const TimeLaw& law, const arm::ArmModel& model, const Pace& pace) {
   constexpr double look = 0.001, span = 0.004;  // s

@@ -1,4 +1,4 @@
-// From where an arm stands and where its tool shall be to a checked plan.
+// Makes a checked plan from the position of an arm and the goal of its tool.
 #pragma once
 
 #include <memory>

@@ -21,7 +21,7 @@ class Playback {
   bool stopping() const { return stopping_; }
   /// Part of its time that is over, 0 to 1; it does not rise while stopping.
   double fraction() const;
-  /// Until it stands at the goal, s; 0 once it stopped.
+  /// Remaining time to the goal, s; 0 once it stopped.
   double remaining() const;
   const Plan& plan() const { return plan_; }
 
@@ -29,7 +29,7 @@ class Playback {
   void brake(double seconds);
 
   Plan plan_;
-  double time_ = 0;  // since the start, s, as long as nobody stopped it
+  double time_ = 0;  // s since the start, until it is stopped
   double s_ = 0;
   double speed_ = 0;  // ds/dt
   bool stopping_ = false;

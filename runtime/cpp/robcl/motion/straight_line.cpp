@@ -17,8 +17,8 @@ using arm::JointLimit;
 using arm::OutOfReach;
 using arm::Singular;
 
-constexpr double line_step = mm(1);     // of the tool between two knots, at most
-constexpr double turn_step = deg(0.2);  // of its orientation
+constexpr double line_step = mm(1);     // longest way of the tool between two knots
+constexpr double turn_step = deg(0.2);  // largest turn of the tool between two knots
 constexpr double joint_step = 0.03;     // rad between two knots, else the knots are set closer
 constexpr double joint_jump = 0.1;      // rad between the closest knots, beyond which it is refused
 constexpr std::size_t closer = 8;       // times, at most

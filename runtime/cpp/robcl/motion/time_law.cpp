@@ -17,7 +17,7 @@ Interval allowed(const PathBounds& bounds, std::size_t knot, double x, double ne
   return u;
 }
 
-/// Greatest x at a knot from which the next one can be met. What is allowed is convex and holds x =
+/// Greatest x at a knot from which the next one can be met. The allowed set is convex and holds x =
 /// 0, so bisection finds it.
 double fastest_at(const PathBounds& bounds, std::size_t knot, double next) {
   // No x leads below `next` that exceeds what the hardest braking loses; without a speed cap start

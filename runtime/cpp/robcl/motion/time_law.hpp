@@ -7,7 +7,7 @@
 
 namespace robcl::motion {
 
-/// From rest to rest, with constant d²s/dt² between knots.
+/// A time law from rest to rest, with constant d²s/dt² between knots.
 class TimeLaw {
  public:
   struct State {
@@ -22,7 +22,7 @@ class TimeLaw {
   /// Reachability Analysis", 2018). Where only speed and acceleration of the tool bind, it is the
   /// trapezoid.
   static TimeLaw fastest(const PathBounds& bounds);
-  /// For a path of no length.
+  /// The time law of a path without length.
   static TimeLaw standing();
 
   /// The same law, `factor` times slower throughout.

@@ -1,4 +1,4 @@
-"""The `gecos` command: what is online, what state it is in, who moves it, and stop."""
+"""The `gecos` command: lists objects, shows their states and holders, stops them."""
 
 from __future__ import annotations
 

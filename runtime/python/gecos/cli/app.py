@@ -1,4 +1,4 @@
-"""Commands and their options. What they print is in `report`."""
+"""Commands and their options. Their output is in `report`."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import gecos
 from gecos import _core
 from gecos.cli import report
 from gecos.cli.laboratory import entries, find
-from gecos.ending import EndingSignals
+from gecos.termination_signals import TerminationSignals
 
 T = TypeVar("T")
 Name = Annotated[str, typer.Argument(help="Name under which the object is served: RX90")]
@@ -53,7 +53,7 @@ def holders(name: Name, broker: BrokerAddress = None) -> None:
 
 @app.command()
 def stop(name: Name, broker: BrokerAddress = None) -> None:
-    """Stops a device, whoever moves it. Ends every lease and drops its queue."""
+    """Stops a device for every holder. Ends every lease and drops its queue."""
     with gecos.Lab(broker) as lab:
         gecos.stop(find(lab, name)).result()
         print(f"{name}: stopped")
@@ -62,7 +62,7 @@ def stop(name: Name, broker: BrokerAddress = None) -> None:
 @app.command("broker")
 def run_broker() -> None:
     """Runs this host's broker until Ctrl-C."""
-    with EndingSignals() as signals, gecos.Lab() as lab, gecos.Broker(lab):
+    with TerminationSignals() as signals, gecos.Lab() as lab, gecos.Broker(lab):
         print("broker: ready", flush=True)
         others = threading.Thread(target=_core.warn_of_other_brokers)
         others.start()

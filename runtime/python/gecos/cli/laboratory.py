@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def entries(lab: gecos.Lab) -> list[Entry]:
-    """What the broker knows, by name."""
+    """The entries of the broker by name."""
     return sorted(lab.broker(Broker).list().result(), key=lambda entry: entry.name)
 
 

@@ -1,4 +1,4 @@
-"""What the commands print: tables on a terminal, and the same words in a pipe."""
+"""Output of the commands: tables on a terminal, and the same words in a pipe."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def objects(entries: Sequence[Entry]) -> None:
 
 
 def _media(entry: Entry) -> str:
-    """Those by which other programs reach it."""
+    """The media by which other programs reach the object."""
     kinds = {address.partition(":")[0] for address in entry.addresses} - {"inproc"}
     return ", ".join(sorted(kinds)) or "its own process only"
 

@@ -15,7 +15,7 @@ def struct(
     encode: Any,
     decode: Any,
 ) -> tuple[Any, Any]:
-    """What stands in the place of `encode` and `decode`."""
+    """The compiled `encode` and `decode`."""
 
 def entry(name: str, python: _T) -> _T:
-    """What stands in the place of the function of `gecos.wire` with this name."""
+    """The compiled function of `gecos.wire` with this name."""

@@ -12,7 +12,7 @@ from gecos.wire.plans import accelerated
 
 
 class Encodes(Protocol):
-    """What can stand inside another value."""
+    """A type whose values may be members of another value."""
 
     def encode(self, out: Parts, /) -> None:
         """Appends the fields."""
@@ -27,7 +27,7 @@ class Contents(Encodes, Protocol):
 
     @staticmethod
     def fingerprint() -> int:
-        """What lcm-gen computes for the declared layout, as an unsigned number."""
+        """The fingerprint that lcm-gen computes for the declared layout, as an unsigned number."""
 
 
 _ContentsT = TypeVar("_ContentsT", bound=Contents)

@@ -1,4 +1,4 @@
-"""Reads values out of bytes that nobody vouches for."""
+"""Reads values from untrusted bytes."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _ValueT = TypeVar("_ValueT")
 
 
 class Decoder:
-    """Reads from bytes that nobody vouches for; the first fault raises DecodeError.
+    """Reads from untrusted bytes; the first fault raises DecodeError.
 
     No count is believed before the bytes that it promises are there.
     """
@@ -86,7 +86,7 @@ class Decoder:
         raise self._string_error(most, field)
 
     def _string_error(self, most: int, field: str) -> DecodeError:
-        """What is wrong with the string at `offset`, in the order in which C++ looks."""
+        """The error of the string at `offset`, checked in the same order as in C++."""
         size = self.remaining - 4
         length: int = _read_int32(self.data, self.offset)[0] if size >= 0 else 0
         raw = bytes(self.data[self.offset + 4 : self.offset + 4 + max(min(length, size), 0)])
@@ -150,7 +150,7 @@ class Decoder:
     def array(
         self, code: str, number: int, field: str = "", low: Any = None, high: Any = None
     ) -> Array:
-        """So many numbers, in an array of its own in the machine's byte order."""
+        """Reads `number` numbers into a new array in the machine's byte order."""
         kind, wire, native, size = arrays(code)
         offset = self.offset
         after = offset + number * size
@@ -176,7 +176,7 @@ class Decoder:
         self.refuse_range(field, (len(inside) - int((~inside).argmax())) * width)
 
     def octets(self, number: int, field: str = "") -> bytes:
-        """So many bytes as they are."""
+        """Reads `number` raw bytes."""
         offset = self.offset
         after = offset + number
         if after > self.end:
@@ -249,7 +249,7 @@ class Decoder:
         return inner
 
     def enter(self, field: str = "") -> None:
-        """Before a nested struct; `leave` after it."""
+        """Must be called before a nested struct, and `leave` after it."""
         if self.depth == MAX_DEPTH:
             self.refuse(DecodeProblem.TOO_DEEP, field)
         self.depth += 1

@@ -43,7 +43,7 @@ def _length(values: Any, field: str) -> int:
 
 
 def entries(values: Mapping[_KeyT, _ElementT], field: str = "") -> list[tuple[_KeyT, _ElementT]]:
-    """Those of a map in the order of its keys, which has one encoding."""
+    """The entries of a map in the order of its keys, so that a map has one encoding."""
     expect(values, Mapping, field)
     try:
         return sorted(values.items(), key=first)
@@ -205,7 +205,7 @@ def fixed_octets(raw: bytes, size: int, field: str = "") -> bytes:
 
 
 def _as_bytes(raw: Any, field: str) -> bytes:
-    """Of bytes, of numbers that are bytes, and of what lends its memory byte by byte."""
+    """The bytes of a bytes object, of numbers 0 to 255, or of a buffer of single bytes."""
     if type(raw) is bytes:
         return raw
     try:

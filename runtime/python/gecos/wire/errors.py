@@ -1,4 +1,4 @@
-"""What is wrong with bytes, or with a value that should become bytes."""
+"""Errors of decoding and of encoding."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from enum import Enum, IntEnum
 from typing import Any
 
 HIDDEN = "***"
-"""What is shown of a secret."""
+"""The text that replaces a secret."""
 
 
 class DecodeProblem(Enum):

@@ -7,6 +7,7 @@ what the extension `_plans` is told, or None where only Python knows the kind.
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from enum import IntEnum, IntFlag
 from typing import Any
@@ -41,8 +42,8 @@ def below(path: str, name: str) -> str:
     return f"{path}.{name}" if path else name
 
 
-class Kind:
-    """`label` is what messages call the value."""
+class Kind(ABC):
+    """Writes, reads and shows values of one kind. `label` names the value in error messages."""
 
     __slots__ = ()
 
@@ -51,24 +52,24 @@ class Kind:
     holds_array = False
     """Arrays of numpy compare element by element, so `==` needs help."""
 
-    def put(self, value: Any, out: Parts, label: str) -> None:
-        raise NotImplementedError
+    @abstractmethod
+    def put(self, value: Any, out: Parts, label: str) -> None: ...
 
-    def take(self, source: Decoder, label: str) -> Any:
-        raise NotImplementedError
+    @abstractmethod
+    def take(self, source: Decoder, label: str) -> Any: ...
 
-    def plain(self, value: Any) -> Any:
-        raise NotImplementedError
+    @abstractmethod
+    def plain(self, value: Any) -> Any: ...
 
-    def made(self, data: Any, path: str) -> Any:
-        raise NotImplementedError
+    @abstractmethod
+    def made(self, data: Any, path: str) -> Any: ...
 
     def step(self) -> Any:
         return None
 
 
 class Number(Kind):
-    """`code` is that of `wire.Fields`. What JSON has no number for is "nan", "inf" or "-inf"."""
+    """`code` is that of `wire.Fields`. In JSON, "nan", "inf" and "-inf" stand for those numbers."""
 
     __slots__ = ("code", "least")
 
@@ -120,13 +121,13 @@ class Number(Kind):
 
 
 def limits_of(code: str) -> tuple[int, int]:
-    """Of whole numbers."""
+    """Whether the code stands for whole numbers."""
     bits = 8 * READERS[code].size
     return (0, (1 << bits) - 1) if code.isupper() else (-(1 << bits - 1), (1 << bits - 1) - 1)
 
 
 class Limits:
-    """What @range allows of numbers of a code; None leaves a side open.
+    """The range that @range allows for numbers of a code; None leaves a side open.
 
     A float of Python has more digits than one of single precision: both a limit as it is written
     and the nearest single, as it was received, may be sent, and both are sent as that single.
@@ -143,8 +144,8 @@ class Limits:
             self.sent = (_outer(min, low), _outer(max, high))
         self.text = f"[{'-inf' if low is None else low}, {'inf' if high is None else high}]"
 
-    def planned(self, code: str) -> tuple[Any, Any]:
-        """Without the sides that no number of the code can pass."""
+    def effective(self, code: str) -> tuple[Any, Any]:
+        """The limits without those that no number of the code can exceed."""
         low, high = self.sent
         if code not in "fd":
             least, most = limits_of(code)
@@ -181,7 +182,7 @@ class Ranged(Number):
         return source.ranged(self.code, *self.limits.received, label)
 
     def step(self) -> Any:
-        low, high = self.limits.planned(self.code)
+        low, high = self.limits.effective(self.code)
         if low is None and high is None:
             return self.code
         return None if self.code == "Q" else ("ranged", self.code, low, high)
@@ -314,13 +315,14 @@ class Nested(Kind):
     """A value of a type with a layout of its own; in a block where it may grow."""
 
     __slots__ = ("kind", "layout", "put")
+    # A function instead of a method: it is one call less.
+    put: Callable[[Any, Parts, str], None]  # type: ignore[assignment]
 
     def __init__(self, kind: Any, layout: Any) -> None:
         self.kind = kind
         self.layout = layout
         write = put_block if layout.in_block else put
-        # A function instead of a method: it is one call less.
-        self.put = lambda value, out, label: write(value, kind, out, label)  # type: ignore[method-assign]
+        self.put = lambda value, out, label: write(value, kind, out, label)
 
     @property
     def least(self) -> int:  # type: ignore[override]
@@ -332,7 +334,7 @@ class Nested(Kind):
     def step(self) -> Any:
         return (
             ("block" if self.layout.in_block else "struct", self.kind)
-            if self.layout.planned
+            if self.layout.compiled
             else None
         )
 
@@ -344,7 +346,7 @@ class Nested(Kind):
 
 
 class Later(Kind):
-    """Of a type that Python does not know yet, which `known` gives."""
+    """A value of a type that is declared later; `known` returns the type."""
 
     __slots__ = ("_known",)
 
@@ -372,7 +374,7 @@ class Later(Kind):
 
 
 class Secret(Kind):
-    """What is nowhere shown."""
+    """A secret value, which is never shown."""
 
     __slots__ = ("inner",)
 
@@ -412,7 +414,7 @@ class Secret(Kind):
 
 
 def _inside(value: Any) -> set[str]:
-    """How errors show a value, or one that it holds."""
+    """The texts by which an error message could show the value or a value inside it."""
     shown = {repr(value), str(value)} - {""}
     if isinstance(value, dict):
         value = [*value.keys(), *value.values()]
@@ -425,7 +427,7 @@ class Twin:
     """The layout of a hand-written type, by way of the bytes that it shares with `struct`."""
 
     __slots__ = ("kind", "struct")
-    planned = False
+    compiled = False
 
     def __init__(self, kind: Any, struct: Any) -> None:
         self.kind = kind
@@ -451,7 +453,7 @@ class Twin:
 
 
 twins: dict[Any, Twin] = {}
-"""Hand-written types, told by the generated module of the interface that maps to them."""
+"""Hand-written types, registered by the generated module of the interface that maps to them."""
 
 _numbers = {code: Number(code) for code in READERS}
 

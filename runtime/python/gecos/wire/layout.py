@@ -1,4 +1,4 @@
-"""What generated types are made of: each says it once, and everything else follows from that.
+"""Layouts of generated types: each type states its layout once, and all else follows from it.
 
     @layout.struct(0xE3695E149ACAA4EA, "dd??", layout.text(), open=True)
     @dataclass(slots=True)
@@ -104,7 +104,7 @@ def arm(name: str, step: Step, *tags: Any) -> Arm:
 
 
 class Encoded:
-    """What generated values can do."""
+    """The methods of generated values."""
 
     __slots__ = ()
     _gecos_layout: ClassVar[Any]
@@ -269,7 +269,7 @@ def bits(
     label: str = "",
     names: Mapping[str, str] | None = None,
 ) -> Callable[[_KindT], _KindT]:
-    """Of a bitset in a number of this code: position, width and code of each of its members."""
+    """Layout of a bitset in a number of this code: position, width and code of each member."""
 
     def tell(kind: _KindT) -> _KindT:
         kind._gecos_layout = BitsLayout(kind, code, members, label, names or {})
@@ -281,7 +281,7 @@ def bits(
 def enumeration(
     code: str, otherwise: str | None = None, names: Mapping[str, str] | None = None
 ) -> Callable[[_EnumT], _EnumT]:
-    """Of an enum; the enumerator `otherwise` stands for numbers that are none."""
+    """Layout of an enum; the enumerator `otherwise` stands for unknown numbers."""
 
     def tell(kind: _EnumT) -> _EnumT:
         unknown = None if otherwise is None else kind[otherwise]
@@ -294,7 +294,7 @@ def enumeration(
 def flags(
     code: str, count: int, names: Mapping[str, str] | None = None
 ) -> Callable[[_FlagsT], _FlagsT]:
-    """Of a bitmask, whose lowest `count` bits may be set."""
+    """Layout of a bitmask whose lowest `count` bits may be set."""
 
     def tell(kind: _FlagsT) -> _FlagsT:
         kind._gecos_layout = Flags(kind, code, count, names or {})  # type: ignore[attr-defined]

@@ -88,14 +88,14 @@ class Members:
         return values
 
     def plain(self, values: Sequence[Any]) -> dict[str, Any]:
-        """What the module json can dump."""
+        """The value in the types that the module json can dump."""
         return {
             name: kind.plain(value)
             for name, kind, value in zip(self.names, self.kinds, values, strict=True)
         }
 
     def made(self, data: Any, path: str) -> list[tuple[int, Any]]:
-        """The inverse: those that are given, each with its place. What nobody knows is an error."""
+        """The inverse: the given members, each with its path. An unknown member is an error."""
         expect_json(dict, data, path, "an object")
         for name in sorted(data.keys() - set(self.names)):
             why = f"there is no such member; there are {', '.join(self.names)}"
@@ -122,11 +122,11 @@ class StructLayout(Members):
         "_deep",
         "_values",
         "attributes",
+        "compiled",
         "fingerprint",
         "in_block",
         "kind",
         "open",
-        "planned",
     )
 
     def __init__(
@@ -149,7 +149,7 @@ class StructLayout(Members):
         self.fingerprint = fingerprint
         self.open = open
         self.in_block = open
-        self.planned = False
+        self.compiled = False
         self._deep = deep
         self._values: Callable[[Any], Sequence[Any]] = _getter(self.attributes)
 
@@ -177,7 +177,7 @@ class StructLayout(Members):
         return super().plain(self._values(value))
 
     def made(self, data: Any, path: str) -> Any:
-        """What is left out has its default."""
+        """Members that are left out have their defaults."""
         return self.kind(**{self.attributes[i]: each for i, each in super().made(data, path)})
 
     @property
@@ -214,7 +214,7 @@ def _getter(attributes: Sequence[str]) -> Callable[[Any], Sequence[Any]]:
 
 
 class Arguments(Members):
-    """What a call carries."""
+    """The arguments of a call."""
 
     __slots__ = ()
 

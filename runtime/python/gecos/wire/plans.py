@@ -35,7 +35,7 @@ def compile_struct(layout: StructLayout, fingerprint: int) -> None:
     kind.encode, kind.decode = _plans.struct(
         kind, fingerprint, members, layout.defaults, layout.open, kind.encode, kind.decode
     )
-    layout.planned = True
+    layout.compiled = True
 
 
 def accelerated(function: _FunctionT) -> _FunctionT:

@@ -157,8 +157,8 @@ class Numbers(Kind):
         return source.numbers(self.code, self.most, label, *self.limits.sent)
 
     def step(self) -> Any:
-        planned = self.limits.sent == (None, None) or self.code == "d"
-        return ("numbers", self.code, self.most, *self.limits.sent) if planned else None
+        supported = self.limits.sent == (None, None) or self.code == "d"
+        return ("numbers", self.code, self.most, *self.limits.sent) if supported else None
 
     def _list(self) -> Kind:
         return Items(Number(self.code))
@@ -198,8 +198,8 @@ class Array(Numbers):
         return read.reshape(self.shape) if len(self.shape) > 1 else read
 
     def step(self) -> Any:
-        planned = self.limits.sent == (None, None) or self.code == "d"
-        return ("array", self.code, self.shape, *self.limits.sent) if planned else None
+        supported = self.limits.sent == (None, None) or self.code == "d"
+        return ("array", self.code, self.shape, *self.limits.sent) if supported else None
 
     def _list(self) -> Kind:
         whole: Kind = Number(self.code)

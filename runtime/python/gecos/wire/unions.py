@@ -57,7 +57,7 @@ class UnionLayout:
         "_deep", "_otherwise", "_selected", "_tag", "arms", "fingerprint", "in_block", "kind",
         "label", "open", "tag",
     )  # fmt: skip
-    planned = False
+    compiled = False
 
     def __init__(
         self,

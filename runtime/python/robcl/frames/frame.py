@@ -181,7 +181,7 @@ class Frame:
         return matrix
 
     def __mul__(self, right: Frame) -> Frame:
-        """What `right` describes, seen from where `self` is seen from."""
+        """The pose that `right` describes, in the frame in which `self` is given."""
         if not isinstance(right, Frame):
             return NotImplemented
         x, y, z = self._moved(*right._numbers[:3])
@@ -287,7 +287,7 @@ def distance(left: Frame, right: Frame) -> float:
 
 
 def angle(left: Frame, right: Frame) -> float:
-    """Of the single turn that brings one orientation to the other, rad in [0, pi]."""
+    """Angle of the single turn that brings one orientation to the other, rad in [0, pi]."""
     w, i, j, k = left.quaternion()
     between = _product((w, -i, -j, -k), right.quaternion())
     return 2 * atan2(hypot(*between[1:]), abs(between[0]))

@@ -20,7 +20,7 @@ bool numpy_there() {
   return there;
 }
 
-/// As long as nobody has imported numpy there is no array of it.
+/// Before numpy is imported there are no arrays of it.
 bool numpy_used() {
   static bool used = false;
   if (!used) {

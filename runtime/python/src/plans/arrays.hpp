@@ -27,7 +27,7 @@ class Owned {
   PyObject* object_ = nullptr;
 };
 
-/// What is in an array, in C order and the machine's byte order. Borrowed.
+/// The elements of an array, in C order and the machine's byte order. Borrowed.
 struct Numbers {
   const std::byte* data = nullptr;
   Py_ssize_t count = 0;

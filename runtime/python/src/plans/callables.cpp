@@ -91,7 +91,7 @@ PyObject* call_encode(PyObject* self, PyObject* const* given, std::size_t count,
   return in_python(self, given, count, names);
 }
 
-/// What `source` stands before, which then stands behind it; null when it must be left to Python.
+/// Reads the next value of `source` and advances; null when it must be left to Python.
 PyObject* decoded_from(const Plan& plan, PyObject* source) {
   PyObject* const data = slot(source, decoder.data);
   PyObject* const offset = slot(source, decoder.offset);
@@ -105,9 +105,9 @@ PyObject* decoded_from(const Plan& plan, PyObject* source) {
   if (!bytes.open(data) || !bytes.has(first, last)) return nullptr;
   Input from{bytes.all().at + first, bytes.all().at + last};
   Owned value(decoded(plan, from));
-  Owned behind(value ? PyLong_FromSsize_t(from.at - bytes.all().at) : nullptr);
-  if (!behind) return nullptr;
-  const Owned before(std::exchange(slot(source, decoder.offset), behind.release()));
+  Owned after(value ? PyLong_FromSsize_t(from.at - bytes.all().at) : nullptr);
+  if (!after) return nullptr;
+  const Owned before(std::exchange(slot(source, decoder.offset), after.release()));
   return value.release();
 }
 

@@ -177,7 +177,7 @@ const Plan& describe(nb::handle kind, std::uint64_t fingerprint, const nb::seque
   for (const nb::handle each : defaults) plan->defaults.push_back(nb::borrow(each).release().ptr());
   if (plan->defaults.size() > plan->steps.size())
     throw nb::type_error("more defaults than members");
-  nb::borrow(kind).release();  // a plan outlives whoever asks for it
+  nb::borrow(kind).release();  // a plan outlives its users
   return *plans().insert_or_assign(plan->kind, std::move(plan)).first->second;
 }
 

@@ -18,7 +18,7 @@ namespace gecos::python::plans {
 
 struct Plan;
 
-/// What a number must lie between, seen as each of the three kinds of number.
+/// Limits of a number, as each of the three kinds of number.
 struct Limits {
   double low = -std::numeric_limits<double>::infinity();
   double high = std::numeric_limits<double>::infinity();
@@ -117,8 +117,8 @@ constexpr Py_ssize_t size_of(char code) {
 
 enum class Frame : std::uint8_t {
   Bare,     ///< the fields alone
-  Message,  ///< behind the fingerprint
-  Block,    ///< behind their size
+  Message,  ///< a value after its fingerprint
+  Block,    ///< a value after its size
 };
 
 /// `value`, exactly of the plan's kind, as bytes; null when it must be left to Python, with no

@@ -59,7 +59,8 @@ PyObject* taken_enumerator(Input& from, const Step& step) {
   return found;
 }
 
-/// How many elements follow, whose bytes are there; -1 when Python must say what is wrong.
+/// Number of elements that follow, after a check of their bytes; -1 when Python must report the
+/// error.
 Py_ssize_t taken_count(Input& from, const Step& step) {
   std::int32_t count = 0;
   if (step.size >= 0) {

@@ -21,6 +21,11 @@ bool says_not_started(Detail detail) {
          detail == Detail::Expired || detail == Detail::Denied || detail == Detail::Rejected;
 }
 
+/// At most one such handler of an object runs at a time.
+bool runs_alone(const OperationDescription& operation) {
+  return operation.status != access::Status::Sensor && !operation.parallel;
+}
+
 }  // namespace
 
 std::size_t Judge::issued(const OperationDescription& operation, TimePoint now, Duration deadline) {
@@ -66,7 +71,7 @@ void Judge::began(std::size_t number, TimePoint marked, TimePoint now, int freez
   }
   if (!nobody_answered(entry.end)) return alarm(number, "began after its end");
   ++begun_in_vain_;
-  if (++vain_by_freeze_[freeze] > 1)
+  if (runs_alone(*entry.operation) && ++vain_by_freeze_[freeze] > 1)
     alarm(number, "is the second that began in vain after one freeze");
 }
 

@@ -43,9 +43,7 @@ class LineEnd final : public media::Link {
   LineEnd(Line& line, Side side) : line_(line), side_(side) {
     offer_.reliable = offer_.ordered = offer_.shared_words = line.way_ != Way::Radio;
     offer_.reports_death = offer_.reliable;
-    offer_.kind = line.way_ == Way::Radio    ? media::Kind::Lcm
-                  : line.way_ == Way::Memory ? media::Kind::Shm
-                                             : media::Kind::Inproc;
+    offer_.name = line.way_ == Way::Radio ? "lcm" : line.way_ == Way::Memory ? "shm" : "inproc";
     offer_.largest_packet = 64 * 1024;
   }
   ~LineEnd() override {
@@ -86,8 +84,8 @@ class LineEnd final : public media::Link {
     if (line_.way_ == Way::Radio) return std::nullopt;
     return them().taken;
   }
-  bool arm() override { return false; }  // nobody sleeps here
-  void disarm() override {}
+  bool prepare_to_sleep() override { return false; }  // nobody sleeps here
+  void woke() override {}
   std::span<const int> descriptors() const override { return {}; }
 
   void write_word(std::size_t index, std::uint64_t value) override {
@@ -123,6 +121,9 @@ class LineEnd final : public media::Link {
     return me().other_closed ? media::Loss::Closed : media::Loss::None;
   }
   std::string loss_text() const override { return {}; }
+  std::unique_ptr<media::StreamWriter> make_stream(std::size_t, std::size_t) override {
+    return nullptr;
+  }
   tl::expected<void, media::SendProblem> share(std::uint32_t, media::StreamWriter&) override {
     return {};
   }

@@ -4,9 +4,12 @@
 #include <array>
 #include <utility>
 
-#include "gecos/session/protocol/builtin_codec.hpp"
+#include "gecos/object_interface.hpp"
+#include "gecos/object_types.hpp"
+#include "gecos/session/client/own_call.hpp"
 #include "gecos/session/protocol/packets.hpp"
 #include "gecos/session/server/executor.hpp"
+#include "gecos/wire/fields.hpp"
 
 namespace gecos::session {
 namespace {
@@ -210,7 +213,7 @@ void Schedule::open() {
   welcome.object = "BENCH";
   welcome.interface_name = bench().name;
   welcome.interface_hash = bench().hash;
-  welcome.boot = number(process_boot());
+  welcome.incarnation = number(process_incarnation());
   welcome.credits = ObjectQueue::most_of_object;
   session_ = std::make_shared<ClientConnection>(runtime_, line_.link(Side::Client), served_->id(),
                                                 std::move(welcome), std::vector<FunctionCode>{});
@@ -218,17 +221,13 @@ void Schedule::open() {
 }
 
 void Schedule::take_status() {
-  const auto command = session_->call(builtin_operation(BuiltIn::Acquire), 4 + 1,
-                                      [](wire::Encoder& to) {
-                                        to.put(static_cast<std::int32_t>(gecos::Status::ACTOR));
-                                        to.put(false);
-                                      },
-                                      {});
+  const auto command = own_call(*session_, GecosObjectInterface::acquire,
+                                GecosObject_acquire_arguments{gecos::Status::ACTOR, {}});
   const TimePoint give_up = clock_.now() + 10s;
   while (project(command->progress().detail) == State::Running && clock_.now() < give_up) {
     pass(5ms);
     server_step();
-    client_tends();
+    client_ticks();
   }
   Grant grant;
   wire::Decoder from(command->result());
@@ -251,7 +250,7 @@ void Schedule::step(Side side) {
 }
 
 void Schedule::client_step() {
-  client_tends();
+  client_ticks();
   if (!session_) return;
   switch (dice_.below(16)) {
     case 0:
@@ -273,7 +272,7 @@ void Schedule::client_step() {
   }
 }
 
-void Schedule::client_tends() {
+void Schedule::client_ticks() {
   if (!session_ || !runs(Side::Client) || clock_.now() < client_due_) return;
   static_cast<void>(session_->on_tick(clock_.now()));
   client_due_ = clock_.now() + Maintenance::tick;
@@ -476,7 +475,7 @@ void Schedule::settle() {
       for (int turn = 0; turn < 4; ++turn) server_step();
       server_finishes();
     }
-    client_tends();
+    client_ticks();
     look();
   }
 }

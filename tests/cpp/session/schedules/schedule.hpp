@@ -49,7 +49,7 @@ class Schedule {
   // Steps.
   void step(Side side);
   void client_step();
-  void client_tends();
+  void client_ticks();
   void issue();
   void server_step();
   void server_polls();

@@ -1,1 +1,1 @@
-"""What the templates of `<file>_client.{hpp,cpp}` and `<file>_server.{hpp,cpp}` print."""
+"""Views for the templates of `<file>_client.{hpp,cpp}` and `<file>_server.{hpp,cpp}`."""

@@ -1,4 +1,4 @@
-"""What client and server must agree on: names, parameters and results of each call."""
+"""Facts that client and server share: names, parameters and results of each call."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class CallFacts:
         return self._members[call.name.removesuffix("=")]
 
     def _named_constants(self) -> tuple[dict[str, str], dict[str, str]]:
-        """What own operations and streams are called in the class of the interface."""
+        """Names of the interface's own operations and streams in its class."""
         described = self._layout.cpp_names.descriptions[self._interface.name].name
         local = LocalNames({described, *_DESCRIPTION})
         calls = {c.name: local.fresh(_constant_name(c)) for c in self._calls}
@@ -61,7 +61,7 @@ class CallFacts:
         return sorted(members, key=lambda a: self._layout.stream(a.scoped_name).code)
 
     def _constant(self, name: str) -> str:
-        """Of the class of the interface, as its clients and servers name it."""
+        """The constant `name` of the interface's class, as its clients and servers write it."""
         return f"{self._layout.cpp_names.descriptions[self._interface.name].name}::{name}"
 
     def _operation_doc(self, operation: Operation) -> tuple[str, ...]:

@@ -1,12 +1,13 @@
-"""What the templates of clients and servers print of one file."""
+"""Builds the views of one file for the templates of clients and servers."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 from gidl.file_names import source_stem
 from gidl.model import (
+    BUILT_IN,
     Attribute,
     File,
     Interface,
@@ -31,13 +32,15 @@ from gidl.targets.cpp.calls.views import (
 from gidl.targets.cpp.comments import doc_lines
 from gidl.targets.cpp.includes import system_headers
 from gidl.targets.cpp.lower import Lowering
+from gidl.targets.cpp.values.structs import Structs
 from gidl.wire_layout import CallKind
 
 
 def interfaces_view(lowering: Lowering, file: File) -> InterfacesView:
     model = lowering.model
     stem = source_stem(file.path)
-    others = [path for path in file.includes if _has_interface(model, path)]
+    others = [path for path in file.includes if _has(model, path, lambda each: each.has_interface)]
+    stubs = [path for path in others if _has(model, path, has_stubs)]
     spaces: list[InterfacesNamespace] = []
     for declaration in file.declarations:
         if not isinstance(declaration, Interface):
@@ -49,24 +52,39 @@ def interfaces_view(lowering: Lowering, file: File) -> InterfacesView:
         else:
             spaces.append(InterfacesNamespace(scope, (view,)))
     views = [view for space in spaces for view in space.interfaces]
+    structs = any(view.structs for view in views)
     return InterfacesView(
         file.path,
         f"{stem}_types.hpp",
         f"{stem}_interface.hpp",
         f"{stem}_client.hpp",
         f"{stem}_server.hpp",
-        ("string_view",) if any(view.description.bases for view in views) else (),
+        tuple(sorted(set().union(*(_interface_headers(view) for view in views)))),
         tuple(sorted({"memory"} | system_headers(t for v in views for t in _client_text(v)))),
         tuple(sorted({"cstdint"} | system_headers(t for v in views for t in _server_text(v)))),
+        structs,
         tuple(sorted(f"{source_stem(path)}_interface.hpp" for path in others)),
-        tuple(sorted(f"{source_stem(path)}_client.hpp" for path in others)),
-        tuple(sorted(f"{source_stem(path)}_server.hpp" for path in others)),
+        tuple(sorted(f"{source_stem(path)}_client.hpp" for path in stubs)),
+        tuple(sorted(f"{source_stem(path)}_server.hpp" for path in stubs)),
         tuple(spaces),
     )
 
 
-def _has_interface(model: Model, path: str) -> bool:
-    return any(file.path == path and file.has_interface for file in model.files)
+def has_stubs(file: File) -> bool:
+    """Whether proxies and skeletons are printed. Of what every object answers there are none: the
+    session calls and answers it, with the structs of its arguments and results."""
+    interfaces = [each.name for each in file.declarations if isinstance(each, Interface)]
+    return any(name != BUILT_IN for name in interfaces)
+
+
+def _has(model: Model, path: str, what: Callable[[File], bool]) -> bool:
+    return any(file.path == path and what(file) for file in model.files)
+
+
+def _interface_headers(view: InterfaceView) -> set[str]:
+    members = [f"{m.type} {m.initial}" for struct in view.structs for m in struct.fields]
+    always = {"cstddef", "string", "string_view"} if view.structs else set()
+    return always | system_headers(members) | ({"string_view"} if view.description.bases else set())
 
 
 def _client_text(view: InterfaceView) -> Iterator[str]:
@@ -108,6 +126,7 @@ class _Interface(Tables, Client, ServerSide):
             interface.facts.version or "",
             hex64(self._layout.interfaces[interface.name].hash),
             self._description(),
+            tuple(Structs(self._lowering).of_calls(interface)),
             ", ".join(f"public virtual {base}" for base in bases or ["gecos::Object"]),
             ", ".join(f"public virtual {base}" for base in servants or ["gecos::Servant"]),
             servants,

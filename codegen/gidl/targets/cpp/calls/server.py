@@ -98,7 +98,7 @@ class ServerSide(CallFacts):
 
     @cached_property
     def _request(self) -> str:
-        """What the skeleton calls the incoming call: parameters have their own names."""
+        """The variable of the incoming call in the skeleton, distinct from all parameters."""
         slots = [s for call in self._calls for s in self._slots(call.request, "")]
         return LocalNames(slot.expression for slot in slots).fresh("call")
 

@@ -108,7 +108,7 @@ def quality(qos: Qos) -> list[str]:
 
 
 def filled(terms: list[str]) -> tuple[str, ...]:
-    """As many on a line as fit."""
+    """Lines that each contain as many entries as fit."""
     lines: list[str] = []
     for term in terms:
         if lines and len(lines[-1]) + len(term) < WIDTH - 12:

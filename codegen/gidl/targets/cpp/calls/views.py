@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from gidl.targets.cpp.values.views import StructView
+
 Written = Literal["plain", "block", "here"]
 """How a value is written: by the library, appendable ones in a block, or by statements here."""
 
@@ -93,7 +95,7 @@ class ResultView:
 
 @dataclass(frozen=True, slots=True)
 class HandlerView:
-    """What the implementer of a server writes, and how it is called."""
+    """A handler that the implementer of a server writes, and the call of it."""
 
     doc: tuple[str, ...]
     returns: str
@@ -134,6 +136,7 @@ class InterfaceView:
     version: str
     hash: str
     description: DescriptionView
+    structs: tuple[StructView, ...]  # of arguments and results that the session knows
     client_bases: str
     server_bases: str
     servant_bases: tuple[str, ...]  # absolute names
@@ -165,6 +168,7 @@ class InterfacesView:
     interface_system: tuple[str, ...]
     client_system: tuple[str, ...]
     server_system: tuple[str, ...]
+    has_structs: bool
     interface_includes: tuple[str, ...]
     client_includes: tuple[str, ...]
     server_includes: tuple[str, ...]

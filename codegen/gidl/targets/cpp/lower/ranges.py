@@ -1,4 +1,4 @@
-"""What a range allows, as C++ tests it. NaN is never inside."""
+"""Conditions of ranges in C++. NaN is never inside."""
 
 from __future__ import annotations
 

@@ -27,7 +27,7 @@ def loop(item: str, over: str, lines: list[str], kind: str = "const auto&") -> l
 
 
 def with_lambda(head: str, name: str, body: list[str]) -> list[str]:
-    """`head` with a lambda behind it whose body is the expression `body`."""
+    """`head` with a lambda after it whose body is the expression `body`."""
     lines = returning(body)
     if len(lines) == 1 and len(flat(head + lines[0])) < 70:
         return [f"{head}[&](auto& {name}) {{ {lines[0]} }})"]

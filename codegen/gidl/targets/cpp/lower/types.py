@@ -1,4 +1,4 @@
-"""What a type and a value are called in C++."""
+"""Names of types and values in C++."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class Types:
         return names.type_name(self.model, self.layout, scoped_name)
 
     def function(self, scoped_name: str, function: str) -> str:
-        """What stands beside that type: `::robcl::decode_enum`."""
+        """A name in the namespace of that type: `::robcl::decode_enum`."""
         return names.function_name(self.model, self.layout, scoped_name, function)
 
     def type(self, used: Type, optional: bool = False) -> str:
@@ -86,7 +86,7 @@ class Types:
                 return self.named(name)
 
     def parameter(self, used: Type, optional: bool = False) -> str:
-        """How a function takes it: small ones as they are."""
+        """The parameter type of a function: small values are passed by value."""
         text = self.type(used, optional)
         target = self.model.target(used)
         small = isinstance(target, PrimitiveType)
@@ -118,7 +118,7 @@ class Types:
         return number_text(value, kind)
 
     def initial(self, member: Member) -> str:
-        """What stands behind a member's name: " = 1.0" or "{}".
+        """The initialiser after a member's name: " = 1.0" or "{}".
 
         Never nothing: only so may a program name some members of a struct and leave the others out
         (`Trajectory{.speed = 0.5}`) under -Wextra.

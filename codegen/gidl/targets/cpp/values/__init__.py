@@ -1,1 +1,1 @@
-"""What the templates of `<file>_types.{hpp,cpp}` print."""
+"""Views for the templates of `<file>_types.{hpp,cpp}`."""

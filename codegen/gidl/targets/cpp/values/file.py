@@ -1,4 +1,4 @@
-"""What the templates of `<file>_types.{hpp,cpp}` print of one file."""
+"""Builds the views of one file for the templates of `<file>_types.{hpp,cpp}`."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from gidl.model import (
     Typedef,
     Union,
 )
-from gidl.targets.calls import passes_objects, result_structs
+from gidl.targets.calls import passes_objects
 from gidl.targets.cpp import names
 from gidl.targets.cpp.comments import doc_lines
 from gidl.targets.cpp.includes import system_headers
@@ -33,6 +33,7 @@ from gidl.targets.cpp.values.views import (
     ConstantView,
     MappedView,
     NamespaceView,
+    StructView,
     TypesView,
     TypeView,
 )
@@ -65,30 +66,32 @@ def types_view(lowering: Lowering, file: File) -> TypesView:
         by_hand = names.hand_written(declaration)
         if by_hand is not None:
             includes.add(by_hand[1])
+    spaces = tuple(_Types(lowering).namespaces(declarations))
     return TypesView(
         file.path,
         f"{stem}_types.hpp",
-        _system_includes(lowering, (*declarations, *result_structs(lowering.layout, file))),
+        _system_includes((*_declared(lowering, declarations), *_members(spaces))),
         tuple(sorted(includes)),
-        tuple(_Types(lowering).namespaces(declarations)),
+        spaces,
     )
 
 
-def _system_includes(
-    lowering: Lowering, declarations: tuple[AnyDeclaration, ...]
-) -> tuple[str, ...]:
+def _system_includes(declared: tuple[str, ...]) -> tuple[str, ...]:
     always = {"cstddef", "cstdint", "iosfwd", "string", "string_view"}
-    return tuple(sorted(always | system_headers(_declared(lowering, declarations))))
+    return tuple(sorted(always | system_headers(declared)))
+
+
+def _members(spaces: tuple[NamespaceView, ...]) -> Iterator[str]:
+    """Types and initial values of all structs as they are written."""
+    for view in (view for space in spaces for view in space.types):
+        if isinstance(view, StructView):
+            yield from (f"{member.type} {member.initial}" for member in view.fields)
 
 
 def _declared(lowering: Lowering, declarations: tuple[AnyDeclaration, ...]) -> Iterator[str]:
     """Types and initial values as they are written."""
     for declaration in declarations:
         match declaration:
-            case Struct():
-                for member in declaration.members:
-                    yield lowering.type(member.type, member.optional)
-                    yield lowering.initial(member)
             case Union():
                 yield "std::variant"
                 yield from (lowering.type(case.member.type) for case in declaration.cases)
@@ -109,10 +112,7 @@ class _Types(Enums, Structs, Unions):
         parts = [_forward(self._place(name)) for name in early]
         parts += [_whole(self._place(each.declaration.name), self._type(each)) for each in ordered]
         for interface in (d for d in declarations if isinstance(d, Interface)):
-            for operation in interface.operations:
-                place = self._layout.cpp_names.results.get(operation.scoped_name)
-                if place is not None:
-                    parts.append(_whole(place, self._result(operation)))
+            parts += [_whole(place, view) for place, view in self.results_of(interface)]
         for scope, run in groupby(parts, key=lambda part: part.name):
             views = list(run)
             forward = tuple(name for view in views for name in view.forward)

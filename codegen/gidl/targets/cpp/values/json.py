@@ -1,4 +1,4 @@
-"""What the templates of `<file>_json.{hpp,cpp}` print of one file."""
+"""Builds the views of one file for the templates of `<file>_json.{hpp,cpp}`."""
 
 from __future__ import annotations
 

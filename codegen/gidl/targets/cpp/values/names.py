@@ -1,4 +1,4 @@
-"""What the builders of views share."""
+"""Names that all builders of views share."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
-"""In which order the types of a file are defined.
+"""The order in which the types of a file are defined.
 
 C++ wants a type complete where a default value of what holds it is made, IDL only declared. So a
-type stands behind all that it holds, whatever the order in the file. Of types that hold each other
-in sequences one comes first; a type that holds another one otherwise always comes behind it.
+type stands after all that it holds, whatever the order in the file. Of types that hold each other
+in sequences one comes first; a type that holds another one otherwise always comes after it.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from gidl.targets.cpp import names
 @dataclass(frozen=True, slots=True)
 class Placed:
     declaration: AnyDeclaration
-    incomplete: frozenset[str]  # structs and unions that it holds and that come behind it
+    incomplete: frozenset[str]  # structs and unions that it holds and that come after it
 
 
 def in_order(model: Model, declarations: list[AnyDeclaration]) -> list[Placed]:
@@ -39,7 +39,7 @@ def in_order(model: Model, declarations: list[AnyDeclaration]) -> list[Placed]:
 
 
 def held(model: Model, used: Type, sequences: bool = True) -> set[str]:
-    """Declarations that stand in a type, also behind the names of other types; without `sequences`
+    """Declarations that stand in a type, also after the names of other types; without `sequences`
     only those that must be complete."""
     match used:
         case SequenceType() if not sequences:
@@ -50,8 +50,8 @@ def held(model: Model, used: Type, sequences: bool = True) -> set[str]:
             return held(model, key, sequences) | held(model, value, sequences)
         case NamedType(name):
             target = model.find(name)
-            behind = held(model, target.type, sequences) if isinstance(target, Typedef) else set()
-            return {name} | behind
+            after = held(model, target.type, sequences) if isinstance(target, Typedef) else set()
+            return {name} | after
         case _:
             return set()
 
@@ -79,7 +79,7 @@ class _Ordering:
         self._complete.add(declaration.name)
 
     def _needed(self, declaration: AnyDeclaration) -> set[str]:
-        """What must be complete before this one is: all that it holds outside sequences."""
+        """The types that must be complete before this one: its members outside sequences."""
         needed, open_names = set[str](), {declaration.name}
         while open_names:
             name = open_names.pop()

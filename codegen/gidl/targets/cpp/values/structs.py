@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from gidl.model import (
     ExceptionStruct,
+    Interface,
     Member,
     Operation,
     Struct,
 )
-from gidl.targets.calls import result_struct
+from gidl.targets.calls import arguments_struct, result_struct
 from gidl.targets.cpp import names
 from gidl.targets.cpp.comments import doc_lines
 from gidl.targets.cpp.lower import Lowering, Slot
@@ -31,12 +33,13 @@ from gidl.targets.naming import (
     value_note,
 )
 from gidl.targets.reach import type_reaches
+from gidl.type_names import TypeName
 from gidl.wire_layout import FieldLayout
 
 
 @dataclass(frozen=True, slots=True)
 class Content:
-    """What a codec is made of: members, with their places on the wire."""
+    """The members of a codec with their places on the wire."""
 
     owner: str  # what messages call the whole
     members: tuple[Member, ...]  # those of the bases first
@@ -70,22 +73,49 @@ class Structs(ValueNames):
             printed(self._name(struct), [self._print(m) for m in content.members]),
         )
 
-    def _result(self, operation: Operation) -> StructView:
-        """What an operation gives that gives several values. It grows like any reply."""
+    def results_of(self, interface: Interface) -> Iterator[tuple[TypeName, StructView]]:
+        """What operations give that give several values: their callers see it."""
+        for operation in interface.operations:
+            if len(self._layout.call(operation.scoped_name).reply) > 1:
+                yield self._result(operation, shown=True)
+
+    def of_calls(self, interface: Interface) -> Iterator[StructView]:
+        """What the operations take and give, where the session has to know that."""
+        for operation in interface.operations:
+            call = self._layout.call(operation.scoped_name)
+            takes = self._layout.cpp_names.arguments.get(operation.scoped_name)
+            if takes is not None:
+                struct = arguments_struct(operation)
+                yield self._of_call(takes, struct, operation, call.request, shown=False)
+            gives = operation.scoped_name in self._layout.cpp_names.results
+            if gives and len(call.reply) == 1:
+                yield self._result(operation, shown=False)[1]
+
+    def _result(self, operation: Operation, shown: bool) -> tuple[TypeName, StructView]:
+        place = self._layout.cpp_names.results[operation.scoped_name]
         struct = result_struct(self._layout, operation)
-        assert struct is not None
         reply = self._layout.call(operation.scoped_name).reply
-        name = self._layout.cpp_names.results[operation.scoped_name].name
+        return place, self._of_call(place, struct, operation, reply, shown)
+
+    def _of_call(
+        self,
+        place: TypeName,
+        struct: Struct,
+        operation: Operation,
+        fields: tuple[FieldLayout, ...],
+        shown: bool,
+    ) -> StructView:
+        """`shown`: it is printed and compared, because callers see it and not the session alone."""
         return StructView(
             "struct",
-            name,
+            place.name,
             struct.name,
             doc_lines(struct.facts),
             "",
             tuple(self._field(m) for m in struct.members),
             "",
-            self._struct_codec(Content(operation.name, struct.members, reply, True, False)),
-            printed(name, [self._print(m) for m in struct.members]),
+            self._struct_codec(Content(operation.name, struct.members, fields, True, False)),
+            printed(place.name, [self._print(m) for m in struct.members]) if shown else (),
         )
 
     def _field(self, member: Member, incomplete: frozenset[str] = frozenset()) -> FieldView:
@@ -174,7 +204,7 @@ def _may_be_missing(member: Member) -> bool:
 
 
 def missing_value(lowering: Lowering, member: Member) -> str:
-    """What an older writer's absent member becomes."""
+    """The value of a member that an older writer does not send."""
     if member.optional:
         return "std::nullopt"
     assert member.default is not None

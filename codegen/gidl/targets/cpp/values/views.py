@@ -91,7 +91,8 @@ class StructView:
     fields: tuple[FieldView, ...]
     fingerprint: str  # "" for what is no declared type
     codec: CodecView
-    printed: tuple[str, ...]  # arguments of gecos::wire::print_all, over lines
+    # Arguments of gecos::wire::print_all, over lines; empty: it is neither printed nor compared.
+    printed: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,1 +1,1 @@
-"""What the template of `<file>.py` prints: client proxies and servants."""
+"""Views for the template of `<file>.py`: client proxies and servants."""

@@ -28,7 +28,7 @@ def _depth(model: Model, name: str) -> int:
 
 
 def _merged(lists: list[list[str]]) -> list[str]:
-    """As Python merges them (C3); shorter where it would refuse."""
+    """The bases in Python's order (C3); shorter where Python would refuse them."""
     found: list[str] = []
     while lists := [each for each in lists if each]:
         heads = (each[0] for each in lists)

@@ -1,4 +1,4 @@
-"""What client and server must agree on: names, parameters and results of each call."""
+"""Facts that client and server share: names, parameters and results of each call."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class CallFacts:
         self, lowering: Lowering, interface: Interface, constants: names.Constants
     ) -> None:
         self.interface = interface
-        self.constants = constants  # of all interfaces of the file
+        self.constants = constants  # constants of all interfaces in the file
         self._lowering = lowering
         self._model = lowering.model
         self._layout = lowering.layout
@@ -78,13 +78,13 @@ class CallFacts:
         return Passed(attribute_value(attribute), sample.node)
 
     def _parameter_names(self, call: CallLayout) -> list[str]:
-        """Of the inputs, in order: none hides a type in the hints of another."""
+        """Names of the inputs, in order: no name hides a type in the hints of another input."""
         inputs = self._inputs(call)
         words = self._lowering.words_beside([each.node for each in inputs], PYTHON_WORDS)
         return [names.member_name(each.value.name, words) for each in inputs]
 
     def _missing(self, each: Passed) -> str:
-        """What stands for a value that an older caller leaves out."""
+        """The default of a value that an older caller leaves out."""
         if each.value.optional or each.value.default is None:
             return "None"
         return self._lowering.literal(each.value.default, each.node)

@@ -1,4 +1,4 @@
-"""What the template of `<file>.py` prints of one file."""
+"""Builds the view of one file for the template of `<file>.py`."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def interfaces_view(lowering: Lowering, file: File, types: tuple[str, ...]) -> I
 
 
 def _in_module(lowering: Lowering, file: File, interfaces: list[Interface]) -> Lowering:
-    """What prints for the interfaces of a file, whose module also gives the types of the file."""
+    """The text for the interfaces of a file, whose module also exports the types of the file."""
     homes = lowering.module.homes
     used = {home for interface in interfaces for home in classes_of(lowering, interface)}
     own = python_module(file.path)
@@ -74,7 +74,7 @@ def _in_module(lowering: Lowering, file: File, interfaces: list[Interface]) -> L
 
 
 def _texts(view: InterfaceView) -> Iterator[str]:
-    """What the views say of the runtime, for finding out which names of it are used."""
+    """The texts of the views that may use names of the runtime."""
     yield from (*view.client_bases, *view.server_bases, view.quality)
     for method in view.methods:
         yield from (method.result, method.feedback, method.operation, *method.terms)

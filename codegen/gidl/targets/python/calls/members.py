@@ -39,7 +39,7 @@ class Members(Tables):
         return names.docstring((*lines, *([""] if lines and notes else []), *notes))
 
     def _parameters(self, layout: CallLayout, calling: bool) -> tuple[ParameterView, ...]:
-        """Of a proxy, or of a handler, which gets every one."""
+        """The parameters of a proxy's method (`calling`), or of a handler, which gets every one."""
         values = self._inputs(layout)
         missing = first_missing([each.value for each in values])
         return tuple(
@@ -73,7 +73,7 @@ class Members(Tables):
         )
 
     def _run(self, layout: CallLayout) -> str:
-        """What a handler calls its execution."""
+        """The name of a handler's execution parameter."""
         return LocalNames(self._parameter_names(layout)).fresh("run")
 
     def _handler(self, layout: CallLayout) -> HandlerView:
@@ -91,7 +91,7 @@ class Members(Tables):
         )
 
     def _execution(self) -> str:
-        """What the module calls gecos.Execution."""
+        """The module's name for gecos.Execution."""
         return "_Execution"
 
     def _publisher(self, attribute: Attribute, getter: CallLayout) -> PublisherView:

@@ -29,7 +29,7 @@ class Tables(CallFacts):
     def _carried(
         self, layout: CallLayout, member: Operation | Attribute, feedback: str
     ) -> list[str]:
-        """What the call takes and gives, as far as it does."""
+        """The parameters and the results of the call, where it has any."""
         terms = []
         if inputs := self._inputs(layout):
             terms.append(f"takes={self._values(inputs)}")

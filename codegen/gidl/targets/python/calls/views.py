@@ -61,11 +61,11 @@ class InterfaceView:
     version: str
     hash: str
     doc: tuple[str, ...]
-    client_bases: tuple[str, ...]  # of its classes
+    client_bases: tuple[str, ...]  # base classes of the proxy
     server_bases: tuple[str, ...]
     base_proxies: tuple[str, ...]  # classes whose operations it inherits
     quality: str  # "" where nothing is asked
-    hidden: tuple[str, ...]  # by members; hints in its classes say `_list_`
+    hidden: tuple[str, ...]  # types that a member hides; hints in its classes use `_list_`
     methods: tuple[MethodTableView, ...]
     members: tuple[ProxyMemberView, ...]
     handlers: tuple[HandlerView, ...]

@@ -32,7 +32,7 @@ class Lowering(Types):
         """Declarations of the module that are not printed yet, so Python does not know them."""
 
     def steps(self, values: Iterable[tuple[Node, bool]]) -> list[str]:
-        """Of nodes, each with whether it is secret; codes of numbers that follow each other are one
+        """Steps for nodes, each with its secrecy; codes of numbers that follow each other are one
         text."""
         found: list[str] = []
         for node, secret in values:

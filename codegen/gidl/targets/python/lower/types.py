@@ -1,4 +1,4 @@
-"""What a value is hinted as, and how values stand in Python."""
+"""Type hints of values, and literals of values in Python."""
 
 from __future__ import annotations
 
@@ -95,11 +95,11 @@ class Types:
         return text
 
     def fields(self, struct: Struct) -> tuple[FieldLayout, ...]:
-        """Those of the bases first, as `Model.all_members` has them."""
+        """All members, those of the bases first, in the order of `Model.all_members`."""
         return self.layout.structs[struct.name].fields
 
     def words(self, struct: Struct) -> frozenset[str]:
-        """What its members cannot be called."""
+        """Names that its members cannot have."""
         exception = isinstance(struct, ExceptionStruct)
         words = names.EXCEPTION_WORDS if exception else names.STRUCT_WORDS
         return self.words_beside([field.node for field in self.fields(struct)], words)
@@ -180,7 +180,7 @@ class Types:
         return f"lambda: {repeated(text, dimensions)}", True
 
     def type_names(self, nodes: Iterable[Node]) -> frozenset[str]:
-        """What the classes in the hints of values are called in their own modules."""
+        """Names in their own modules of the classes that the hints of values use."""
         return frozenset(home.name for node in nodes for home in self.named(node))
 
     def named(self, node: Node) -> set[Home]:

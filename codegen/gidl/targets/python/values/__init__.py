@@ -1,1 +1,1 @@
-"""What the template of `<file>_types.py` prints."""
+"""Views for the template of `<file>_types.py`."""

@@ -1,4 +1,4 @@
-"""What the template of `<file>_types.py` prints of one file."""
+"""Builds the view of one file for the template of `<file>_types.py`."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def types_view(lowering: Lowering, file: File) -> TypesView:
 
 
 def _in_module(lowering: Lowering, file: File) -> Lowering:
-    """What prints for the types of a file."""
+    """The text for the types of a file."""
     homes, layout = lowering.module.homes, lowering.layout
     nodes = [n for d in file.declarations for n in _nodes(lowering.model, layout, d)]
     for operation in homes.results_of(file):
@@ -77,7 +77,7 @@ def _in_module(lowering: Lowering, file: File) -> Lowering:
 
 
 def _nodes(model: Model, layout: Layout, declaration: AnyDeclaration) -> list[Node]:
-    """Of all values that the class of a declaration names the types of."""
+    """The nodes of all values whose types appear in the class of a declaration."""
     match declaration:
         case Struct(name):
             return [field.node for field in layout.structs[name].fields]
@@ -151,11 +151,11 @@ class _Types(Structs, Unions):
         return self._lowering.module
 
     def results(self, file: File) -> list[StructView]:
-        """What operations of the file give that give several values."""
+        """The classes of the file's operations with several results."""
         return [self._result(operation) for operation in self.module.homes.results_of(file)]
 
     def types(self, file: File) -> list[TypeView]:
-        """In the order of the file, but for typedefs of what is declared behind them."""
+        """Declarations in the file's order, except typedefs of types that are declared later."""
         views: list[TypeView] = []
         later: list[TypeView] = []
         missing = self.module.homes.names_of(file)

@@ -20,7 +20,7 @@ from gidl.wire_nodes import Node
 
 @dataclass(frozen=True, slots=True)
 class _Class:
-    """A struct, what its class is called, and its members as they lie on the wire."""
+    """A struct, the name of its class, and its members in the order of the wire."""
 
     struct: Struct
     name: str
@@ -43,7 +43,7 @@ class Structs(ValueNames):
         return self._view(printed, "struct", [number], self._missing(printed) + terms)
 
     def _twin(self, struct: Struct) -> StructView:
-        """What the declared members look like where a hand-written type has their bytes."""
+        """The declared members of a type for which a hand-written class stands."""
         called, members = self._name(struct), self._model.all_members(struct)
         fields = self._layout.structs[struct.name].fields
         label = f"_{struct.simple_name}Layout"
@@ -52,9 +52,8 @@ class Structs(ValueNames):
         return self._view(printed, "twin", [called], self._missing(printed) + terms)
 
     def _result(self, operation: Operation) -> StructView:
-        """What an operation gives that gives several values."""
+        """The class of the results of an operation with several results."""
         struct = result_struct(self._layout, operation)
-        assert struct is not None
         name = self._layout.python_names.results[operation.scoped_name].name
         fields = self._layout.call(operation.scoped_name).reply
         printed = _Class(struct, name, name, struct.members, fields)

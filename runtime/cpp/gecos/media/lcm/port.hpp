@@ -2,43 +2,35 @@
 
 #include <atomic>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "gecos/media/forked.hpp"
-#include "gecos/media/lcm.hpp"
+#include "gecos/media/lcm/lcm.hpp"
 #include "gecos/media/lcm/receiver.hpp"
+#include "gecos/media/parts/fork_watch.hpp"
+#include "gecos/media/sealed/network.hpp"
 
 struct _lcm_t;
 
 namespace gecos::media {
 
 /// One UDP port of a multicast group: sends through LCM, and hears what LCM sends. Defined in
-/// lcm.cpp, the only file that knows LCM.
-class LcmPort {
+/// port.cpp, the only file that knows LCM.
+class LcmPort final : public DatagramPort {
  public:
-  using Take = std::function<void(ByteView datagram)>;
-
   static tl::expected<std::unique_ptr<LcmPort>, MediumError> open(const LcmOptions& options,
                                                                   std::uint16_t port);
-  ~LcmPort();
+  ~LcmPort() override;
   LcmPort(const LcmPort&) = delete;
   LcmPort& operator=(const LcmPort&) = delete;
 
-  /// From now on datagrams of `channel` are given to `take`, by whoever calls pump(). Not beside
-  /// pump().
-  tl::expected<void, MediumError> subscribe(const std::string& channel, Take take);
-  /// Readable when pump() has something to do; -1 before the first subscription.
-  int descriptor() const { return receiver_ ? receiver_->descriptor() : -1; }
-  /// Takes what has arrived, at most so many datagrams, never blocks; True: there may be more. Any
-  /// thread; not from a `take`.
-  bool pump(int most = 1024);
-  /// Sends a datagram. False when the kernel refused it. Any thread.
-  bool publish(const std::string& channel, ByteView datagram);
+  tl::expected<void, MediumError> subscribe(const std::string& channel, Take take) override;
+  int descriptor() const override { return receiver_ ? receiver_->descriptor() : -1; }
+  bool pump(int most = 1024) override;
+  bool publish(const std::string& channel, ByteView datagram) override;
 
  private:
   struct Subscription {

@@ -6,8 +6,8 @@
 #include <string>
 #include <string_view>
 
-#include "gecos/media/descriptor.hpp"
-#include "gecos/media/lcm.hpp"
+#include "gecos/media/lcm/lcm.hpp"
+#include "gecos/media/parts/descriptor.hpp"
 
 namespace gecos::media {
 

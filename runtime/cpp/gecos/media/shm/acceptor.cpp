@@ -33,7 +33,7 @@ constexpr std::string_view no_descriptors = "the server has no descriptors left 
 
 bool none_left(int error) { return error == EMFILE || error == ENFILE; }
 
-tl::unexpected<MediumError> error(const std::string& text) {
+tl::unexpected<MediumError> listen_error(const std::string& text) {
   return tl::unexpected(MediumError{"shm: " + text});
 }
 
@@ -183,7 +183,7 @@ tl::expected<std::unique_ptr<Acceptor>, MediumError> ShmAcceptor::open(const Shm
     if (!listener && errno == EADDRINUSE) {
       if (server_is_dead(path)) ::unlink(path.c_str());
       listener = bind_and_listen(path, options.other_users);
-      if (!listener && errno == EADDRINUSE) return error(occupied(path));
+      if (!listener && errno == EADDRINUSE) return listen_error(occupied(path));
     }
   } else {
     static std::atomic<std::uint64_t> opened{0};  // makes addresses of this process differ
@@ -194,7 +194,7 @@ tl::expected<std::unique_ptr<Acceptor>, MediumError> ShmAcceptor::open(const Shm
     } while (!listener && errno == EADDRINUSE);
   }
   if (!listener) {
-    return error("cannot listen at " + path + ": " + system_text(errno));
+    return listen_error("cannot listen at " + path + ": " + system_text(errno));
   }
   try {
     return std::make_unique<ShmAcceptor>(path, std::move(listener), options.other_users);
@@ -228,7 +228,7 @@ ShmAcceptor::~ShmAcceptor() {
   for (const Guest& guest : guests_) say_goodbye(guest.socket.get(), "the server closed");
 }
 
-const Offer& ShmAcceptor::offer() const { return shm_offer(); }
+const Offer& ShmAcceptor::offer() const { return shm_offer; }
 
 std::unique_ptr<Link> ShmAcceptor::accept() {
   if (inherited_) return nullptr;
@@ -236,7 +236,7 @@ std::unique_ptr<Link> ShmAcceptor::accept() {
   std::array<epoll_event, 16> events;
   const int count = ::epoll_wait(epoll_.get(), events.data(), static_cast<int>(events.size()), 0);
   if (count <= 0) return nullptr;
-  more_.quiet();
+  more_.drain();
   for (std::size_t guest = guests_.size(); guest-- > 0;) {
     if (auto link = hear(guest)) return link;
   }
@@ -246,7 +246,7 @@ std::unique_ptr<Link> ShmAcceptor::accept() {
     if (guests_.empty()) continue;
     if (auto link = hear(guests_.size() - 1)) return link;
   }
-  ring_bell(more_.descriptor());  // who watches for edges would not come again
+  more_.notify();  // who watches for edges would not come again
   return nullptr;
 }
 
@@ -322,11 +322,7 @@ void ShmAcceptor::drop(std::size_t guest) {
 }
 
 std::unique_ptr<StreamWriter> ShmAcceptor::make_stream(std::size_t largest, std::size_t depth) {
-  auto sealed = make_sealed("gecos stream", StreamMemory::bytes(largest, depth));
-  if (!sealed) throw std::runtime_error(sealed.error().text);
-  auto held = std::make_shared<SealedMemory>(std::move(*sealed));
-  const StreamMemory memory{held->mapping.data(), largest, depth};
-  return std::make_unique<SharedStreamWriter>(memory, std::move(held));
+  return make_shared_stream(largest, depth);
 }
 
 void ShmAcceptor::abandon() noexcept {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "gecos/media/bell.hpp"
-#include "gecos/media/forked.hpp"
+#include "gecos/media/parts/event_fd.hpp"
+#include "gecos/media/parts/fork_watch.hpp"
 #include "gecos/media/shm/control.hpp"
 #include "gecos/media/shm/shm.hpp"
 
@@ -48,7 +48,7 @@ class ShmAcceptor final : public Acceptor {
   const bool other_users_;
   Descriptor listener_;
   Descriptor epoll_;
-  Bell more_;         // rung by us: more may wait than are let in at once
+  EventFd more_;      // rung by us: more may wait than are let in at once
   Descriptor spare_;  // given up for a moment to turn a client away when no other is left
   bool short_of_descriptors_ = false;
   std::vector<Guest> guests_;

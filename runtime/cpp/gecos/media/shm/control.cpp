@@ -133,7 +133,7 @@ tl::expected<Descriptor, std::string> death_of_peer(int socket, std::int32_t pid
   return Descriptor(fd);
 }
 
-bool is_bell(int descriptor) {
+bool is_event_fd(int descriptor) {
   const std::string link = "/proc/self/fd/" + std::to_string(descriptor);
   std::array<char, 64> target{};
   const ssize_t length = ::readlink(link.c_str(), target.data(), target.size());

@@ -6,17 +6,17 @@
 #include <string>
 #include <string_view>
 
-#include "gecos/media/descriptor.hpp"
 #include "gecos/media/medium.hpp"
+#include "gecos/media/parts/descriptor.hpp"
 
 /// What goes over the socket of a connection: descriptors, and what is rare. Calls go through
 /// rings.
 namespace gecos::media::shm {
 
 enum class ControlType : std::uint32_t {
-  Hello = 1,  ///< client: here are my memory and my bell
+  Hello = 1,  ///< client: here are my memory and my eventfd
   Welcome,    ///< server: and here are mine
-  Poke,       ///< look at the ring: instead of the bell, while it is unknown or not trusted
+  Poke,       ///< look at the ring: instead of the eventfd, while it is unknown or not trusted
   Share,      ///< server: stream `id` of `depth` samples of at most `largest` bytes; its memory
   Unshare,    ///< server: stream `id` ends for you
   Bye,        ///< the link is closed in order; `text` says why when the peer was refused
@@ -65,6 +65,6 @@ tl::expected<Peer, std::string> peer_of(int socket);
 /// none where the kernel has no such.
 tl::expected<Descriptor, std::string> death_of_peer(int socket, std::int32_t pid);
 /// True for an eventfd, which cannot be anything whose writing runs code of the peer.
-bool is_bell(int descriptor);
+bool is_event_fd(int descriptor);
 
 }  // namespace gecos::media::shm

@@ -15,11 +15,15 @@ namespace gecos::media::shm {
 namespace {
 
 constexpr std::size_t ring_bytes = RingMemory::bytes(usual_slot_count);
-constexpr std::size_t most_streams = 1024;  // of one link; a peer that shares more means harm
+/// Streams that an end may share on one link; a peer that shares more means harm. Each takes a
+/// mapping of its reader, and a server has many clients.
+constexpr std::size_t most_streams_of(ShmLink::Role sharing) {
+  return sharing == ShmLink::Role::Server ? 1024 : 64;
+}
 constexpr std::size_t most_unsent = 256;
 constexpr int most_messages_at_once = 64;  // so that a flood on the socket delays, but never holds
 
-/// Fails, with the text of the system, when there is no descriptor left for its bell.
+/// Fails, with the text of the system, when there is no descriptor left for its eventfd.
 tl::expected<std::unique_ptr<ShmLink>, std::string> make_link(ShmLink::Role role,
                                                               std::shared_ptr<PeerEnd> other,
                                                               Peer peer, Descriptor death,
@@ -37,28 +41,15 @@ constexpr const char* inherited_text =
 
 }  // namespace
 
-const Offer& shm_offer() {
-  static constexpr Offer offer{.kind = Kind::Shm,
-                               .same_host_only = true,
-                               .ordered = true,
-                               .reliable = true,
-                               .real_time = true,
-                               .reports_death = true,
-                               .authenticated = true,
-                               .shared_words = true,
-                               .largest_packet = largest_bulk_packet};
-  return offer;
-}
-
-void PeerEnd::know(Mapping mapping, Descriptor bell) {
+void PeerEnd::know(Mapping mapping, Descriptor event) {
   mapping_ = std::move(mapping);
-  bell_ = std::move(bell);
+  event_ = std::move(event);
   known_.store(true, std::memory_order_release);
 }
 
 void PeerEnd::wake() {
-  if (known() && bell_) {
-    ring_bell(bell_.get());
+  if (known() && event_) {
+    notify_event_fd(event_.get());
   } else {
     // When the socket is full of these, the peer has enough to wake up for.
     send_control(socket_.get(), ControlMessage{.type = ControlType::Poke});
@@ -73,7 +64,7 @@ void PeerEnd::hang_up() { ::shutdown(socket_.get(), SHUT_RDWR); }
 
 void PeerEnd::forget() {
   socket_.reset();
-  bell_.reset();
+  event_.reset();
   mapping_.forget();
 }
 
@@ -87,7 +78,7 @@ ShmLink::ShmLink(Role role, std::shared_ptr<PeerEnd> other, Peer peer, Descripto
       other_(std::move(other)),
       writer_(own_),
       bulk_(other_->socket(), writer_, [this] { read_control_to_the_end(); }),
-      descriptors_{bell_.descriptor(), other_->socket(), death_.get()},
+      descriptors_{event_.descriptor(), other_->socket(), death_.get()},
       fork_watch_(this, [](void* owner) noexcept { static_cast<ShmLink*>(owner)->abandon(); }) {}
 
 tl::expected<std::unique_ptr<Link>, MediumError> ShmLink::greet(Descriptor socket, Peer peer,
@@ -98,7 +89,7 @@ tl::expected<std::unique_ptr<Link>, MediumError> ShmLink::greet(Descriptor socke
                         std::move(death), std::move(*own));
   if (!made) return tl::unexpected(MediumError{"shm: " + made.error()});
   auto link = std::move(*made);
-  const std::array given{link->own_memory_.memfd.get(), link->bell_.descriptor()};
+  const std::array given{link->own_memory_.memfd.get(), link->event_.descriptor()};
   if (!send_control(link->other_->socket(), {.type = ControlType::Hello}, given)) {
     return tl::unexpected(MediumError{"shm: the server closed the connection at once"});
   }
@@ -123,7 +114,7 @@ tl::expected<std::unique_ptr<Link>, std::string> ShmLink::welcome(Descriptor soc
   auto link = std::move(*made);
   std::string problem;
   if (!link->know_peer(hello, problem)) return tl::unexpected(std::move(problem));
-  const std::array given{link->own_memory_.memfd.get(), link->bell_.descriptor()};
+  const std::array given{link->own_memory_.memfd.get(), link->event_.descriptor()};
   if (!send_control(link->other_->socket(), {.type = ControlType::Welcome}, given)) {
     return tl::unexpected<std::string>("it closed the connection at once");
   }
@@ -189,7 +180,7 @@ std::optional<std::uint64_t> ShmLink::taken_by_peer() {
   return writer_.taken();
 }
 
-bool ShmLink::arm() {
+bool ShmLink::prepare_to_sleep() {
   bulk_.in.rest();
   own_.control->asleep.store(1, std::memory_order_seq_cst);
   const bool packet = other_->known() && reader_->ready();
@@ -200,10 +191,10 @@ bool ShmLink::arm() {
   return false;
 }
 
-void ShmLink::disarm() {
+void ShmLink::woke() {
   own_.control->asleep.store(0, std::memory_order_relaxed);
-  // Not the bell: then it was the socket, or the peer's death, or nothing.
-  if (!bell_.quiet()) read_control();
+  // Not the eventfd: then it was the socket, or the peer's death, or nothing.
+  if (!event_.drain()) read_control();
 }
 
 void ShmLink::write_word(std::size_t index, std::uint64_t value) {
@@ -243,12 +234,19 @@ std::string ShmLink::loss_text() const {
   return loss_text_.empty() ? inherited_text : loss_text_;
 }
 
+std::unique_ptr<StreamWriter> ShmLink::make_stream(std::size_t largest, std::size_t depth) {
+  return make_shared_stream(largest, depth);
+}
+
 tl::expected<void, SendProblem> ShmLink::share(std::uint32_t id, StreamWriter& stream) {
   if (loss_.load(std::memory_order_relaxed) != Loss::None) {
     return tl::unexpected(SendProblem::Lost);
   }
   auto& writer = dynamic_cast<SharedStreamWriter&>(stream);
   const std::lock_guard lock(control_mutex_);
+  if (!shared_.contains(id) && shared_.size() >= most_streams_of(role_)) {
+    return tl::unexpected(SendProblem::Full);
+  }
   ControlMessage message{.type = ControlType::Share, .id = id};
   message.largest = writer.memory().largest;
   message.depth = writer.memory().depth;
@@ -285,9 +283,9 @@ std::string ShmLink::why_no_stream(std::uint32_t id) {
 }
 
 bool ShmLink::know_peer(ReceivedControl& from, std::string& problem) {
-  auto& [memfd, bell] = from.descriptors;
-  if (!memfd || !bell) {
-    problem = "it did not send its memory and its bell";
+  auto& [memfd, event] = from.descriptors;
+  if (!memfd || !event) {
+    problem = "it did not send its memory and its eventfd";
     return false;
   }
   auto mapping = map_received(memfd.get(), ring_bytes);
@@ -295,11 +293,11 @@ bool ShmLink::know_peer(ReceivedControl& from, std::string& problem) {
     problem = std::move(mapping.error());
     return false;
   }
-  const bool trusted = peer_.uid == ::geteuid() && is_bell(bell.get());
+  const bool trusted = peer_.uid == ::geteuid() && is_event_fd(event.get());
   const RingMemory ring = RingMemory::at(mapping->data(), usual_slot_count);
   reader_.emplace(*own_.control, ring, &bulk_.in);
   writer_.set_reader(ring.control);
-  other_->know(std::move(*mapping), trusted ? std::move(bell) : Descriptor());
+  other_->know(std::move(*mapping), trusted ? std::move(event) : Descriptor());
   return true;
 }
 
@@ -321,10 +319,10 @@ void ShmLink::read_control() {
     } else if (read == ControlRead::NoDescriptors) {
       const std::string why =
           "there is no descriptor here for what it sent: " + system_text(EMFILE);
-      if (role_ == Role::Client && control.message.type == ControlType::Share &&
-          not_opened_.size() < most_streams) {
+      if (control.message.type == ControlType::Share &&
+          not_opened_.size() < most_streams_of(peer_role())) {
         not_opened_[control.message.id] = why;
-        ring_bell(bell_.descriptor());  // who waits for this stream may sleep in another thread
+        event_.notify();  // who waits for this stream may sleep in another thread
       } else {
         note_loss(Loss::Broken, why);
       }
@@ -345,12 +343,11 @@ void ShmLink::read_control_to_the_end() {
 
 void ShmLink::take_control(ReceivedControl& control) {
   const ControlMessage& message = control.message;
-  const bool client = role_ == Role::Client;
   std::string problem;
   switch (message.type) {
     case ControlType::Poke:
       // Read here by who only asked for a loss, it is gone from the socket on which another sleeps.
-      if (own_.control->asleep.load(std::memory_order_seq_cst) != 0) ring_bell(bell_.descriptor());
+      if (own_.control->asleep.load(std::memory_order_seq_cst) != 0) event_.notify();
       return;
     case ControlType::Bye: {
       const std::string why = message.words();
@@ -358,19 +355,17 @@ void ShmLink::take_control(ReceivedControl& control) {
       return;
     }
     case ControlType::Welcome:
-      if (!client || other_->known()) break;
+      if (role_ != Role::Client || other_->known()) break;
       if (!know_peer(control, problem)) {
         note_loss(Loss::Broken, std::move(problem));
         return;
       }
-      ring_bell(bell_.descriptor());  // a thread may sleep that could not look at the ring before
+      event_.notify();  // a thread may sleep that could not look at the ring before
       return;
     case ControlType::Share:
-      if (!client) break;
       take_stream(control);
       return;
     case ControlType::Unshare:
-      if (!client) break;
       arrived_.erase(message.id);
       not_opened_.erase(message.id);
       return;
@@ -389,8 +384,8 @@ void ShmLink::take_control(ReceivedControl& control) {
 void ShmLink::take_stream(ReceivedControl& control) {
   const ControlMessage& message = control.message;
   constexpr std::size_t most = StreamMemory::most_bytes;
-  if (arrived_.size() >= most_streams || message.depth == 0 || message.depth > most ||
-      message.largest > most ||
+  if (arrived_.size() >= most_streams_of(peer_role()) || message.depth == 0 ||
+      message.depth > most || message.largest > most ||
       message.depth + 1 > most / StreamMemory::slot_bytes(message.largest)) {
     note_loss(Loss::Broken, "it shared a stream of an impossible size");
     return;
@@ -404,14 +399,14 @@ void ShmLink::take_stream(ReceivedControl& control) {
   auto held = std::make_shared<Mapping>(std::move(*mapping));
   not_opened_.erase(message.id);
   arrived_[message.id] = {{held->data(), message.largest, message.depth}, held};
-  ring_bell(bell_.descriptor());  // who waits for this stream may sleep in another thread
+  event_.notify();  // who waits for this stream may sleep in another thread
 }
 
 void ShmLink::note_loss(Loss loss, std::string text) {
   if (loss_.load(std::memory_order_relaxed) != Loss::None) return;
   loss_text_ = std::move(text);
   loss_.store(loss, std::memory_order_seq_cst);
-  ring_bell(bell_.descriptor());  // another thread may sleep and not be woken by what we have read
+  event_.notify();  // another thread may sleep and not be woken by what we have read
 }
 
 bool ShmLink::send_or_keep(Unsent unsent) {
@@ -434,7 +429,7 @@ void ShmLink::send_unsent() {
 
 void ShmLink::abandon() noexcept {
   loss_.store(Loss::Broken);
-  bell_.close();
+  event_.close();
   death_.reset();
   other_->forget();
   bulk_.out.forget();

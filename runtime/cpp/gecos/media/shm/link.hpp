@@ -9,19 +9,17 @@
 #include <optional>
 #include <string>
 
-#include "gecos/media/bell.hpp"
-#include "gecos/media/forked.hpp"
+#include "gecos/media/parts/event_fd.hpp"
+#include "gecos/media/parts/fork_watch.hpp"
+#include "gecos/media/parts/ring.hpp"
+#include "gecos/media/parts/stream_ring.hpp"
 #include "gecos/media/quiet.hpp"
-#include "gecos/media/ring.hpp"
 #include "gecos/media/shm/bulk.hpp"
 #include "gecos/media/shm/control.hpp"
 #include "gecos/media/shm/memory.hpp"
-#include "gecos/media/stream_ring.hpp"
+#include "gecos/media/shm/shm.hpp"
 
 namespace gecos::media::shm {
-
-/// What every line over shm is.
-const Offer& shm_offer();
 
 /// How the other end is woken. Outlives the link while a stream still wakes its reader.
 class PeerEnd final : public Sleeper {
@@ -29,8 +27,8 @@ class PeerEnd final : public Sleeper {
   explicit PeerEnd(Descriptor socket) : socket_(std::move(socket)) {}
 
   int socket() const { return socket_.get(); }
-  /// From here on the peer's memory is known. Without a bell the socket is used.
-  void know(Mapping mapping, Descriptor bell);
+  /// From here on the peer's memory is known. Without an eventfd the socket is used.
+  void know(Mapping mapping, Descriptor event);
   bool known() const { return known_.load(std::memory_order_acquire); }
   /// @pre known()
   RingMemory ring() const { return RingMemory::at(mapping_.data(), usual_slot_count); }
@@ -42,9 +40,9 @@ class PeerEnd final : public Sleeper {
 
  private:
   Descriptor socket_;
-  Descriptor bell_;
+  Descriptor event_;
   Mapping mapping_;
-  std::atomic<bool> known_{false};  // publishes mapping_ and bell_
+  std::atomic<bool> known_{false};  // publishes mapping_ and event_
 };
 
 /// One end of a connection; both ends are the same but for who says Hello and who Welcome.
@@ -61,15 +59,15 @@ class ShmLink final : public Link, public QuietSender {
                                                                   ReceivedControl& hello);
   ~ShmLink() override;
 
-  const Offer& offer() const override { return shm_offer(); }
+  const Offer& offer() const override { return shm_offer; }
   const Peer& peer() const override { return peer_; }
   tl::expected<std::uint64_t, SendProblem> send(ByteView head, ByteView body) override;
   tl::expected<std::uint64_t, SendProblem> send_quietly(ByteView head, ByteView body) override;
   std::optional<ByteView> receive() override;
   Duration age() override { return reader_ ? reader_->age() : Duration::zero(); }
   std::optional<std::uint64_t> taken_by_peer() override;
-  bool arm() override;
-  void disarm() override;
+  bool prepare_to_sleep() override;
+  void woke() override;
   std::span<const int> descriptors() const override { return descriptors_; }
   void write_word(std::size_t index, std::uint64_t value) override;
   std::uint64_t peer_word(std::size_t index) override;
@@ -78,6 +76,7 @@ class ShmLink final : public Link, public QuietSender {
   std::uint64_t beats_seen() override;
   Loss loss() override;
   std::string loss_text() const override;
+  std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth) override;
   tl::expected<void, SendProblem> share(std::uint32_t id, StreamWriter& stream) override;
   void unshare(std::uint32_t id) override;
   std::unique_ptr<StreamReader> open_stream(std::uint32_t id) override;
@@ -95,6 +94,7 @@ class ShmLink final : public Link, public QuietSender {
     std::shared_ptr<SealedMemory> memory;  // keeps the descriptor to be sent
   };
 
+  Role peer_role() const { return role_ == Role::Client ? Role::Server : Role::Client; }
   void wake_reader();
   bool know_peer(ReceivedControl& from, std::string& problem);
   void read_control();
@@ -110,7 +110,7 @@ class ShmLink final : public Link, public QuietSender {
   const Peer peer_;
   SealedMemory own_memory_;
   const RingMemory own_;
-  Bell bell_;
+  EventFd event_;
   Descriptor death_;
   const std::shared_ptr<PeerEnd> other_;
   RingWriter writer_;

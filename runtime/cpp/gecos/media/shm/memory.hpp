@@ -3,9 +3,9 @@
 #include <cstddef>
 #include <string>
 
-#include "gecos/media/descriptor.hpp"
-#include "gecos/media/mapping.hpp"
 #include "gecos/media/medium.hpp"
+#include "gecos/media/parts/descriptor.hpp"
+#include "gecos/media/parts/mapping.hpp"
 
 namespace gecos::media::shm {
 

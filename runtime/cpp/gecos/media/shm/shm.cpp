@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "gecos/base/system_error.hpp"
+#include "gecos/media/registration.hpp"
 #include "gecos/media/shm/acceptor.hpp"
 #include "gecos/media/shm/link.hpp"
 
@@ -18,7 +19,7 @@ class Shm final : public Medium {
  public:
   explicit Shm(ShmOptions options) : options_(std::move(options)) {}
 
-  const Offer& offer() const override { return shm::shm_offer(); }
+  const Offer& offer() const override { return shm_offer; }
 
   tl::expected<std::unique_ptr<Acceptor>, MediumError> listen(std::string_view name,
                                                               bool well_known) override {
@@ -68,5 +69,11 @@ class Shm final : public Medium {
 std::unique_ptr<Medium> make_shm(ShmOptions options) {
   return std::make_unique<Shm>(std::move(options));
 }
+
+const Registration shm_registration{
+    shm_offer, []() -> tl::expected<std::unique_ptr<Medium>, MediumError> {
+      const ShmOptions options;
+      return shm::prepare_directory(options.directory).map([&] { return make_shm(options); });
+    }};
 
 }  // namespace gecos::media

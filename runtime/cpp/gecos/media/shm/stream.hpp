@@ -2,8 +2,8 @@
 
 #include <memory>
 
+#include "gecos/media/parts/stream_ring.hpp"
 #include "gecos/media/shm/memory.hpp"
-#include "gecos/media/stream_ring.hpp"
 
 namespace gecos::media::shm {
 
@@ -17,5 +17,8 @@ class SharedStreamWriter final : public StreamRingWriter {
  private:
   const std::shared_ptr<SealedMemory> sealed_;
 };
+
+/// Throws std::runtime_error when no memory or no descriptor is left.
+std::unique_ptr<StreamWriter> make_shared_stream(std::size_t largest, std::size_t depth);
 
 }  // namespace gecos::media::shm

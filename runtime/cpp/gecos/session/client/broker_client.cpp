@@ -1,28 +1,13 @@
 #include "gecos/session/client/broker_client.hpp"
 
 #include <algorithm>
-#include <optional>
 
+#include "gecos/broker_interface.hpp"  // generated from idl/gecos/broker.gidl
 #include "gecos/session/client/client_connection.hpp"
-#include "gecos/session/protocol/builtin_codec.hpp"
-#include "gecos/session/protocol/function_code.hpp"
+#include "gecos/session/client/own_call.hpp"
 
 namespace gecos::session {
 namespace {
-
-OperationDescription broker_operation(std::string_view name) {
-  OperationDescription operation;
-  operation.code = function_code("gecos::Broker::" + std::string(name));
-  operation.name = name;
-  operation.status = access::Status::Sensor;
-  return operation;
-}
-
-std::shared_ptr<CommandCore> call_with_text(ClientConnection& broker, std::string_view operation,
-                                            const std::string& text) {
-  return broker.call(broker_operation(operation), wire::string_size(text),
-                     [&](wire::Encoder& to) { to.put_string(text); }, {});
-}
 
 std::string listed(const std::vector<std::string>& names) {
   std::string text;
@@ -38,26 +23,17 @@ Duration longest_provisional(double seconds) {
 
 }  // namespace
 
-const InterfaceDescription& broker_interface() {
-  static const InterfaceDescription description = [] {
-    InterfaceDescription broker;
-    broker.name = "gecos::Broker";
-    return broker;
-  }();
-  return description;
-}
-
 tl::expected<Entry, std::string> look_up(Context& lab, const std::string& name,
                                          TimePoint deadline) {
   const auto broker = lab.broker(deadline);
   if (!broker) return tl::unexpected(broker.error());
-  const auto command = call_with_text(**broker, "lookup", name);
+  const auto command = own_call(**broker, BrokerInterface::lookup, Broker_lookup_arguments{name});
   if (!command->wait_until(deadline))
     return tl::unexpected(std::string("the broker did not answer in time"));
   if (command->progress().detail == Detail::Done) {
     Entry entry;
     wire::Decoder from(command->result());
-    if (wire::get_block(from, entry, "entry")) return entry;
+    if (read_result<Broker_lookup_result>(from, entry)) return entry;
     return tl::unexpected("the broker's answer does not decode: " + from.error().message());
   }
   const Failure& failure = command->failure();
@@ -70,12 +46,7 @@ tl::expected<Entry, std::string> look_up(Context& lab, const std::string& name,
 std::shared_ptr<CommandCore> register_object(ClientConnection& broker, const Entry& entry,
                                              Duration served_for) {
   const double seconds = std::chrono::duration<double>(served_for).count();
-  return broker.call(broker_operation("enlist"), block_size(entry) + sizeof seconds,
-                     [&](wire::Encoder& to) {
-                       put_block(to, entry);
-                       to.put(seconds);
-                     },
-                     {});
+  return own_call(broker, BrokerInterface::enlist, Broker_enlist_arguments{entry, seconds});
 }
 
 tl::expected<Duration, NotRegistered> await_registered(CommandCore& asked, TimePoint deadline) {
@@ -83,12 +54,10 @@ tl::expected<Duration, NotRegistered> await_registered(CommandCore& asked, TimeP
     return tl::unexpected(NotRegistered{false, {}, false, "the broker did not answer in time"});
   }
   if (asked.progress().detail == Detail::Done) {
-    wire::Decoder from(asked.result());
-    std::optional<double> seconds;
-    const bool said = wire::get_optional(
-        from, seconds, "settles_in", [&](double& value) { return from.get(value, "settles_in"); });
-    if (!said || !seconds) return Duration::zero();  // or a broker that does not know of it
-    return longest_provisional(*seconds);
+    const auto reply = wire::decoded<Broker_enlist_result>(asked.result());
+    if (!reply || !reply->settles_in)
+      return Duration::zero();  // or a broker without provisional names
+    return longest_provisional(*reply->settles_in);
   }
   const Failure& failure = asked.failure();
   if (const auto taken = failure.as<NameTaken>()) {
@@ -104,7 +73,7 @@ tl::expected<Duration, NotRegistered> await_registered(CommandCore& asked, TimeP
 }
 
 void unregister_object(ClientConnection& broker, const std::string& name) {
-  const auto command = call_with_text(broker, "withdraw", name);
+  const auto command = own_call(broker, BrokerInterface::withdraw, Broker_withdraw_arguments{name});
   command->wait_until(deadline_after(std::chrono::milliseconds(500)));
 }
 

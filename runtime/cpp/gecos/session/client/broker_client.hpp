@@ -11,7 +11,6 @@
 namespace gecos::session {
 
 inline constexpr std::string_view broker_name = "BROKER";
-const InterfaceDescription& broker_interface();
 
 /// Where `name` is, or why that is not known: "no object is called RX91; known are LASER, RX90".
 tl::expected<Entry, std::string> look_up(Context& lab, const std::string& name, TimePoint deadline);

@@ -5,7 +5,7 @@
 #include "gecos/base/log.hpp"
 #include "gecos/base/recycling_allocator.hpp"
 #include "gecos/session/process/runtime.hpp"
-#include "gecos/session/protocol/function_code.hpp"
+#include "gecos/session/protocol/builtin.hpp"
 #include "gecos/session/protocol/packets.hpp"
 #include "gecos/session/protocol/retry.hpp"
 #include "gecos/session/protocol/sample_time.hpp"
@@ -44,13 +44,13 @@ ClientConnection::ClientConnection(std::shared_ptr<Runtime> runtime,
   liveness_.heard(liveness_clock_.now());
   if (!log_enabled(LogLevel::Info)) return;
   log_info("client", "connected to " + welcome_.object + " (" + welcome_.interface_name +
-                         ") over " + std::string(media::to_string(link_->offer().kind)) + ": " +
+                         ") over " + std::string(link_->offer().name) + ": " +
                          link_->peer().description);
 }
 
 ObjectRef ClientConnection::reference() const {
-  return {welcome_.object, welcome_.interface_hash, welcome_.boot,
-          std::string(media::to_string(link_->offer().kind)) + ": " + link_->peer().description};
+  return {welcome_.object, welcome_.interface_hash, welcome_.incarnation,
+          std::string(link_->offer().name) + ": " + link_->peer().description};
 }
 
 ClientConnection::~ClientConnection() {
@@ -84,9 +84,7 @@ std::shared_ptr<CommandCore> ClientConnection::call(const OperationDescription& 
   header.epoch = Epoch{epoch_.load(std::memory_order_relaxed)};
   header.deadline = options.deadline.value_or(operation.quality.deadline);
 
-  // Who has no credits left can still stop what he started, and give back what he holds.
-  const bool urgent = operation.safety || number(operation.code) <= last_builtin_code;
-  const std::size_t most = welcome_.credits + (urgent ? welcome_.credits / 4 : 0);
+  const std::size_t most = most_open(operation.safety || is_builtin(operation.code));
   auto sent = send_call(header, most, size, encode, command);
   if (!sent && sent.error() == media::SendProblem::Full) {
     poll_once();  // replies that wait may make room
@@ -99,7 +97,7 @@ std::shared_ptr<CommandCore> ClientConnection::call(const OperationDescription& 
 tl::expected<void, media::SendProblem> ClientConnection::send_call(
     wire::PacketHeader& header, std::size_t most, std::size_t size,
     FunctionRef<void(wire::Encoder&)> encode, const std::shared_ptr<PendingCommand>& command) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (lost_.load(std::memory_order_relaxed)) return tl::unexpected(media::SendProblem::Lost);
   if (calls_.size() >= most) return tl::unexpected(media::SendProblem::Full);
   if (wire::packet_size(size) > link_->offer().largest_packet) {
@@ -114,12 +112,12 @@ tl::expected<void, media::SendProblem> ClientConnection::send_call(
   }
   ++next_counter_;
   if (command->again) {
-    command->attach(shared_from_this(), {welcome_.boot, number(id_), header.counter},
+    command->attach(shared_from_this(), {welcome_.incarnation, number(id_), header.counter},
                     sent.value_or(0));
   } else {
     command->counter = header.counter;
     command->session_id = number(id_);
-    command->boot = welcome_.boot;
+    command->incarnation = welcome_.incarnation;
     command->sent_as = sent.value_or(0);
   }
   if (repeats_) {
@@ -161,10 +159,10 @@ Failure ClientConnection::not_sent(std::string_view name, std::size_t size,
   const std::string what = "'" + std::string(name) + "' of " + welcome_.object;
   switch (problem) {
     case media::SendProblem::Full: {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       if (calls_.size() < welcome_.credits) {
         return {Detail::QueueFull,
-                what + " was not sent: " + std::string(media::to_string(link_->offer().kind)) +
+                what + " was not sent: " + std::string(link_->offer().name) +
                     " is full of what the server has not taken yet; wait for a "
                     "call that was sent before",
                 {},
@@ -179,14 +177,14 @@ Failure ClientConnection::not_sent(std::string_view name, std::size_t size,
     case media::SendProblem::TooLarge:
       return {Detail::BadParameter,
               what + " was not sent: its arguments take " + std::to_string(size) + " bytes and " +
-                  std::string(media::to_string(link_->offer().kind)) + " carries " +
+                  std::string(link_->offer().name) + " carries " +
                   std::to_string(link_->offer().largest_packet),
               {},
               {}};
     case media::SendProblem::Lost:
       break;
   }
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return {Detail::NoServer,
           what + " was not sent: " + (loss_text_.empty() ? "the connection is lost" : loss_text_) +
               "; create a new proxy",
@@ -195,7 +193,7 @@ Failure ClientConnection::not_sent(std::string_view name, std::size_t size,
 }
 
 bool ClientConnection::cancel(PendingCommand& command, std::uint64_t counter) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   const auto* const found = calls_.find(counter);
   if (command.terminal() || found == nullptr || found->get() != &command) return false;
   command.retry.cancel = true;
@@ -221,12 +219,12 @@ tl::expected<std::uint64_t, media::SendProblem> ClientConnection::send(wire::Pac
 TimePoint ClientConnection::by_our_clock(TimePoint theirs) {
   const auto difference = link_->clock_difference();
   if (!difference) return theirs;
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return theirs + std::clamp(*difference, -longest_age, longest_age) - quickest_answer_;
 }
 
 std::uint64_t ClientConnection::lease_acquired(std::uint64_t epoch) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (epoch_.exchange(epoch, std::memory_order_relaxed) != epoch) {
     ++statuses_;
     leases_ = 0;
@@ -236,13 +234,13 @@ std::uint64_t ClientConnection::lease_acquired(std::uint64_t epoch) {
 }
 
 void ClientConnection::lease_released(std::uint64_t held) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (held != statuses_ || --leases_ != 0) return;
   epoch_.store(0, std::memory_order_relaxed);
 }
 
 std::uint64_t ClientConnection::issued() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return next_counter_ - 1;
 }
 
@@ -258,7 +256,7 @@ void ClientConnection::lose(Ending how, const std::string& text) {
   std::vector<PendingFailover> pending;
   bool goes_on = false;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (lost_.load(std::memory_order_relaxed)) return;
     loss_text_ = text;
     lost_.store(true, std::memory_order_release);
@@ -280,7 +278,12 @@ void ClientConnection::lose(Ending how, const std::string& text) {
   log_info("client", "the session with " + welcome_.object + " ended: " + text);
   for (const auto& [counter, command] : open) {
     if (goes_on) command->observe();  // whoever closed the session meant it to
-    command->fail(failure_of(*command, how, text));
+    Failure failure;
+    {
+      const MutexLock lock(mutex_);
+      failure = failure_of(*command, how, text);
+    }
+    command->fail(std::move(failure));
   }
   leader_lock_.notify_all();
   wake_leader();
@@ -312,8 +315,8 @@ Failure ClientConnection::failure_of(const PendingCommand& command, Ending how,
       Detail::OutcomeUnknown, text + "; whether the command was carried out is not known", {}, {}};
 }
 
-/// False where it is proved that the server has not started it and will not. With the mutex, and
-/// where the medium has words after the withdrawal.
+/// False where it is proved that the server has not started it and will not. Where the medium has
+/// words: after the withdrawal.
 bool ClientConnection::may_have_started(const PendingCommand& command, Ending how) const {
   if (how == Ending::Broken) return true;  // then its words prove nothing
   if (withdrawn_ && command.marked_words != 0) {
@@ -338,14 +341,14 @@ void ClientConnection::close(Duration patience) {
         nullptr, [this] { return lost() || everything_arrived(); }, give_up);
   }
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     awaits_goodbye_ = patience > Duration{};
   }
   bool sent = false;
   int tries = 1;
   do {
     if (!sent || repeats_) {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       wire::PacketHeader header;
       header.kind = wire::PacketKind::Goodbye;
       sent = send(header, {}).has_value();
@@ -359,7 +362,7 @@ void ClientConnection::close(Duration patience) {
 }
 
 bool ClientConnection::everything_arrived() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   for (const auto& [counter, command] : calls_.all()) {
     if (!command->retry.arrived) return false;
   }

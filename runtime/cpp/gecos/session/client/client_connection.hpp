@@ -3,12 +3,11 @@
 #include <atomic>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <vector>
 
 #include "gecos/base/mutex.hpp"
-#include "gecos/media/waiting.hpp"
+#include "gecos/media/parts/waiting.hpp"
 #include "gecos/object.hpp"
 #include "gecos/session/client/answer_watch.hpp"
 #include "gecos/session/client/failover.hpp"
@@ -137,11 +136,17 @@ class ClientConnection final : public ClientSession,
                                                const CallOptions& options);
   tl::expected<void, media::SendProblem> send_repeatable(
       const std::shared_ptr<PendingCommand>& command);
+  /// How many calls may be open when another one is sent. A client without credits can still stop
+  /// what it started and give back what it holds, so an urgent call has a quarter more.
+  std::size_t most_open(bool urgent) const {
+    return welcome_.credits + (urgent ? welcome_.credits / 4 : 0);
+  }
   tl::expected<void, media::SendProblem> send_call(wire::PacketHeader& header, std::size_t most,
                                                    std::size_t size,
                                                    FunctionRef<void(wire::Encoder&)> encode,
                                                    const std::shared_ptr<PendingCommand>& command);
-  tl::expected<std::uint64_t, media::SendProblem> send_first(ByteView packet);
+  tl::expected<std::uint64_t, media::SendProblem> send_first(ByteView packet)
+      GECOS_REQUIRES(mutex_);
   std::optional<Failure> differs(FunctionCode code, std::string_view name) const;
   Failure not_sent(std::string_view name, std::size_t size, media::SendProblem problem);
   std::unique_ptr<media::StreamReader> open_stream(std::uint32_t id);
@@ -149,17 +154,18 @@ class ClientConnection final : public ClientSession,
       const StreamDescription& stream, CommandCore& subscribed);
   void unsubscribe(FunctionCode stream);
 
-  // With the mutex.
-  tl::expected<std::uint64_t, media::SendProblem> send(wire::PacketHeader header, ByteView body);
-  std::uint64_t finished_up_to() const;
+  tl::expected<std::uint64_t, media::SendProblem> send(wire::PacketHeader header, ByteView body)
+      GECOS_REQUIRES(mutex_);
+  std::uint64_t finished_up_to() const GECOS_REQUIRES(mutex_);
 
   enum class Ending : std::uint8_t { Died, Closed, Silent, Broken, ByUs };
   static constexpr const char* closed_by_us = "this program closed the session";
   void lose(Ending how, const std::string& text);
-  void withdraw_by_packet();
-  bool may_have_started(const PendingCommand& command, Ending how) const;
-  Failure failure_of(const PendingCommand& command, Ending how, const std::string& text) const;
-  std::vector<PendingFailover> detach(Ending how, const std::string& text);
+  void withdraw_by_packet() GECOS_REQUIRES(mutex_);
+  bool may_have_started(const PendingCommand& command, Ending how) const GECOS_REQUIRES(mutex_);
+  Failure failure_of(const PendingCommand& command, Ending how, const std::string& text) const
+      GECOS_REQUIRES(mutex_);
+  std::vector<PendingFailover> detach(Ending how, const std::string& text) GECOS_REQUIRES(mutex_);
   bool has_repeatable();
   void check_liveness(TimePoint now);
   void judge_answers(TimePoint now);
@@ -195,22 +201,26 @@ class ClientConnection final : public ClientSession,
   std::atomic<std::uint64_t> heard_{0};     // packets, by the leader; publishes nothing
   std::atomic<std::uint64_t> epoch_{0};     // publishes nothing but itself
 
-  std::mutex
-      subscribing_;  ///< taken before mutex_: so that no subscription is ended by another's end
-  std::map<FunctionCode, std::size_t> subscriptions_;  ///< of each stream; guarded by subscribing_
+  Mutex subscribing_;  ///< taken before mutex_: so that no subscription is ended by another's end
+  /// Of each stream.
+  std::map<FunctionCode, std::size_t> subscriptions_ GECOS_GUARDED_BY(subscribing_);
 
-  Mutex mutex_;
-  std::uint64_t next_counter_ = 1;
-  CallTable<PendingCommand> calls_;
-  Bytes packet_;  ///< sending: reused
-  std::string loss_text_;
-  bool awaits_goodbye_ = false;  ///< this program closes it, and waits for the server to know
-  bool withdrawn_ = false;       ///< the server starts nothing more of this session
-  std::shared_ptr<ClientConnection> successor_;
-  bool cancels_waiting_ = false;                        ///< one found no room
-  Duration quickest_answer_ = std::chrono::seconds(1);  ///< of a medium that loses packets
-  std::uint64_t statuses_ = 0;  ///< how many there were; leases of the newest count
-  std::uint64_t leases_ = 0;    ///< of the newest, not given back
+  FutexMutex mutex_;
+  std::uint64_t next_counter_ GECOS_GUARDED_BY(mutex_) = 1;
+  CallTable<PendingCommand> calls_ GECOS_GUARDED_BY(mutex_);
+  Bytes packet_ GECOS_GUARDED_BY(mutex_);  ///< sending: reused
+  std::string loss_text_ GECOS_GUARDED_BY(mutex_);
+  /// This program closes it, and waits for the server to know.
+  bool awaits_goodbye_ GECOS_GUARDED_BY(mutex_) = false;
+  /// The server starts nothing more of this session.
+  bool withdrawn_ GECOS_GUARDED_BY(mutex_) = false;
+  std::shared_ptr<ClientConnection> successor_ GECOS_GUARDED_BY(mutex_);
+  bool cancels_waiting_ GECOS_GUARDED_BY(mutex_) = false;  ///< one found no room
+  /// Of a medium that loses packets.
+  Duration quickest_answer_ GECOS_GUARDED_BY(mutex_) = std::chrono::seconds(1);
+  /// How many there were; leases of the newest count.
+  std::uint64_t statuses_ GECOS_GUARDED_BY(mutex_) = 0;
+  std::uint64_t leases_ GECOS_GUARDED_BY(mutex_) = 0;  ///< of the newest, not given back
 
   // Maintenance thread only.
   bool watching_ = false;

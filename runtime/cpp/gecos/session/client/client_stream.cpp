@@ -38,9 +38,7 @@ void ClientStream::finish(RawSample& sample) const {
 }
 
 bool ClientStream::latest(RawSample& into) {
-  if (session_->closed()) return false;  // the medium would still give samples
-  session_->poll_once();
-  if (session_->lost()) return false;
+  if (lost()) return false;  // the medium would still give samples
   if (reader_->latest(into.sequence, into)) finish(into);
   return into.sequence != 0;
 }

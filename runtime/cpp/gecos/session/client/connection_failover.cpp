@@ -4,6 +4,7 @@
 #include "gecos/base/recycling_allocator.hpp"
 #include "gecos/session/client/client_connection.hpp"
 #include "gecos/session/process/runtime.hpp"
+#include "gecos/session/protocol/builtin.hpp"
 #include "gecos/session/protocol/packets.hpp"
 #include "gecos/session/protocol/start_words.hpp"
 
@@ -21,18 +22,18 @@ std::shared_ptr<ClientConnection> ClientConnection::successor() {
   while (last && last->lost()) last = last->next();
   if (last == first) return last;
   auto between = first;  // ends without the mutex
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (successor_ == first) successor_ = last;
   return last;
 }
 
 std::shared_ptr<ClientConnection> ClientConnection::next() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return successor_;
 }
 
 void ClientConnection::set_successor(std::shared_ptr<ClientConnection> successor) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   successor_.swap(successor);
 }
 
@@ -85,13 +86,13 @@ tl::expected<void, media::SendProblem> ClientConnection::send_repeatable(
     header.deadline = std::max(again.deadline - runtime_->clock().since_boot(), Duration{1});
   }
   // To another process it is a new call; the same one may know what became of it.
-  const bool known = again.sessions != 0 && command->boot == welcome_.boot;
+  const bool known = again.sessions != 0 && command->incarnation == welcome_.incarnation;
   if (known) header.flags = sent_again;
   return send_call(
-      header, welcome_.credits, again.arguments.size() + (known ? sent_before_size : 0),
+      header, most_open(is_builtin(again.code)),
+      again.arguments.size() + (known ? sent_before_size : 0),
       [&](wire::Encoder& to) {
-        if (known) to.put(command->session_id);
-        if (known) to.put(command->counter);
+        if (known) SentBefore{command->session_id, command->counter}.encode(to);
         to.put_bytes(again.arguments);
       },
       command);
@@ -108,7 +109,7 @@ tl::expected<bool, Failure> ClientConnection::send_again(
 }
 
 bool ClientConnection::has_repeatable() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return std::ranges::any_of(calls_.all(),
                              [](const auto& call) { return call.second->again != nullptr; });
 }
@@ -116,7 +117,7 @@ bool ClientConnection::has_repeatable() {
 std::vector<PendingFailover> ClientConnection::detach_repeatable() {
   std::vector<PendingFailover> pending;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     pending = detach(Ending::Silent, "the server of " + welcome_.object + " (" +
                                          link_->peer().description + ") fell silent");
   }
@@ -126,7 +127,7 @@ std::vector<PendingFailover> ClientConnection::detach_repeatable() {
   return pending;
 }
 
-/// With the mutex. Who was cancelled stays.
+/// Commands that were canceled stay.
 std::vector<PendingFailover> ClientConnection::detach(Ending how, const std::string& text) {
   std::vector<PendingFailover> pending;
   if (failover_ == nullptr) return pending;
@@ -148,8 +149,8 @@ std::vector<PendingFailover> ClientConnection::detach(Ending how, const std::str
 void PendingCommand::attach(const std::shared_ptr<ClientConnection>& session, const CommandId& id,
                             std::uint64_t as) {
   std::shared_ptr<ClientConnection> before;
-  const std::lock_guard lock(mutex_);
-  boot = id.boot;
+  const MutexLock lock(mutex_);
+  incarnation = id.incarnation;
   session_id = id.session;
   counter = id.counter;
   sent_as = as;
@@ -172,7 +173,7 @@ bool PendingCommand::wait_in_any_session(TimePoint deadline) {
   for (;;) {
     std::shared_ptr<ClientConnection> session;
     {
-      std::unique_lock lock(mutex_);
+      MutexLock lock(mutex_);
       const auto settled = [this] { return terminal() || !awaits_failover(); };
       if (deadline == TimePoint::max()) {
         again->attached.wait(lock, settled);
@@ -193,7 +194,7 @@ void PendingCommand::cancel_in_any_session() {
     std::uint64_t here = 0;
     bool at_sea = false;
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       if (terminal()) return;
       session = session_;
       here = counter;

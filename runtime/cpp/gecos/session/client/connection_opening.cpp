@@ -50,8 +50,8 @@ std::optional<wire::PacketView> next_packet(media::Link& link, TimePoint deadlin
     if (link.loss() != media::Loss::None || std::chrono::steady_clock::now() >= deadline) {
       return std::nullopt;
     }
-    if (link.arm()) media::sleep_on(link.descriptors(), deadline);
-    link.disarm();
+    if (link.prepare_to_sleep()) media::sleep_on(link.descriptors(), deadline);
+    link.woke();
   }
 }
 

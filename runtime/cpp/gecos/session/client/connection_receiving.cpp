@@ -3,7 +3,7 @@
 #include <array>
 #include <utility>
 
-#include "gecos/media/waiting.hpp"
+#include "gecos/media/parts/waiting.hpp"
 #include "gecos/session/client/client_connection.hpp"
 #include "gecos/session/process/runtime.hpp"
 #include "gecos/session/protocol/packets.hpp"
@@ -96,7 +96,7 @@ bool ClientConnection::lead(FunctionRef<bool()> done, TimePoint deadline) {
 bool ClientConnection::rest(FunctionRef<bool()> done, TimePoint deadline) {
   if (!spin_.gave_way()) return false;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (calls_.size() < calls_of_a_flood) return false;
   }
   quiet_leader();
@@ -108,14 +108,14 @@ bool ClientConnection::rest(FunctionRef<bool()> done, TimePoint deadline) {
 
 void ClientConnection::sleep(FunctionRef<bool()> done, TimePoint deadline) {
   quiet_leader();
-  if (link_->arm() && !done()) {
+  if (link_->prepare_to_sleep() && !done()) {
     descriptors_.assign(link_->descriptors().begin(), link_->descriptors().end());
     descriptors_.push_back(leader_wakeup_.descriptor());
     leader_lock_.rest();
     media::sleep_on(descriptors_, deadline);
     leader_lock_.resume();
   }
-  link_->disarm();
+  link_->woke();
 }
 
 void ClientConnection::wake_leader() {
@@ -176,7 +176,7 @@ void ClientConnection::take_packet(ByteView bytes) {
 void ClientConnection::take_reply(const wire::PacketView& packet) {
   std::shared_ptr<PendingCommand> command;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     command = calls_.take(packet.header.counter);
     if (!command) return;  // a repeated reply
     if (repeats_) {
@@ -200,7 +200,7 @@ void ClientConnection::take_reply(const wire::PacketView& packet) {
 void ClientConnection::take_progress(const wire::PacketView& packet) {
   std::shared_ptr<PendingCommand> command;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     const auto* found = calls_.find(packet.header.counter);
     if (found == nullptr) return;
     command = *found;

@@ -1,6 +1,8 @@
 // What a session does for the streams that its client reads.
+#include "gecos/object_interface.hpp"  // generated from idl/gecos/object.gidl
 #include "gecos/session/client/client_connection.hpp"
 #include "gecos/session/client/client_stream.hpp"
+#include "gecos/session/client/own_call.hpp"
 #include "gecos/session/process/runtime.hpp"
 #include "gecos/session/protocol/packets.hpp"
 
@@ -8,14 +10,13 @@ namespace gecos::session {
 
 tl::expected<std::shared_ptr<StreamCore>, Failure> ClientConnection::subscribe(
     const StreamDescription& stream) {
-  const OperationDescription operation = builtin_operation(BuiltIn::Subscribe);
-  const auto code = number(stream.code);
   std::shared_ptr<CommandCore> command;
   if (auto refused = differs(stream.code, stream.name)) return tl::unexpected(std::move(*refused));
   {
-    const std::lock_guard lock(subscribing_);
+    const MutexLock lock(subscribing_);
     ++subscriptions_[stream.code];
-    command = call(operation, sizeof code, [&](wire::Encoder& to) { to.put(code); }, {});
+    command = own_call(*this, GecosObjectInterface::subscribe,
+                       GecosObject_subscribe_arguments{number(stream.code)});
   }
   auto opened = open_subscribed(stream, *command);
   if (!opened) unsubscribe(stream.code);
@@ -27,7 +28,8 @@ tl::expected<std::shared_ptr<StreamCore>, Failure> ClientConnection::open_subscr
   subscribed.wait_until(TimePoint::max());
   if (subscribed.progress().detail != Detail::Done) return tl::unexpected(subscribed.failure());
   std::uint32_t id = 0;
-  if (wire::Decoder from(subscribed.result()); !from.get(id, "id")) {
+  if (wire::Decoder from(subscribed.result());
+      !read_result<GecosObject_subscribe_result>(from, id)) {
     return tl::unexpected(
         Failure{Detail::Fault, "the reply does not decode: " + from.error().message(), {}, {}});
   }
@@ -47,11 +49,10 @@ tl::expected<std::shared_ptr<StreamCore>, Failure> ClientConnection::open_subscr
         Detail::Refused, what + " cannot be opened in this process: " + impossible, {}, {}});
   }
   if (!reader) {
-    return tl::unexpected(
-        Failure{Detail::OutcomeUnknown,
-                what + " did not arrive over " + std::string(media::to_string(link_->offer().kind)),
-                {},
-                {}});
+    return tl::unexpected(Failure{Detail::OutcomeUnknown,
+                                  what + " did not arrive over " + std::string(link_->offer().name),
+                                  {},
+                                  {}});
   }
   return std::make_shared<ClientStream>(shared_from_this(), stream.code, std::move(reader));
 }
@@ -61,14 +62,13 @@ std::unique_ptr<media::StreamReader> ClientConnection::open_stream(std::uint32_t
 }
 
 void ClientConnection::unsubscribe(FunctionCode stream) {
-  const std::lock_guard lock(subscribing_);
+  const MutexLock lock(subscribing_);
   const auto found = subscriptions_.find(stream);
   if (--found->second != 0) return;
   subscriptions_.erase(found);
   if (lost()) return;
-  const auto code = number(stream);
-  call(builtin_operation(BuiltIn::Unsubscribe), sizeof code,
-       [&](wire::Encoder& to) { to.put(code); }, {})
+  own_call(*this, GecosObjectInterface::unsubscribe,
+           GecosObject_unsubscribe_arguments{number(stream)})
       ->observe();
 }
 

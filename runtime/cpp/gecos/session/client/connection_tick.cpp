@@ -11,7 +11,7 @@ namespace gecos::session {
 namespace {
 
 /// Between looks at open calls where nothing is lost: a packet that came quietly waits no longer.
-constexpr Duration between_looks = std::chrono::milliseconds(50);
+constexpr Duration longest_sleep = std::chrono::milliseconds(50);
 
 }  // namespace
 
@@ -59,12 +59,12 @@ void ClientConnection::judge_answers(TimePoint now) {
   if (answer_lost_.load()) {
     return lose(Ending::Broken, "an answer of the server of " + who +
                                     " was lost on its way, over " +
-                                    std::string(media::to_string(link_->offer().kind)) +
+                                    std::string(link_->offer().name) +
                                     ", which loses nothing unless its memory is damaged");
   }
   bool open = false;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     open = calls_.size() != 0;
   }
   switch (answers_.judge(open, heard_.load(std::memory_order_relaxed), now)) {
@@ -87,7 +87,7 @@ void ClientConnection::judge_answers(TimePoint now) {
 /// same: its answer may have been damaged in shared memory.
 void ClientConnection::ask_after_calls() {
   if (repeats_) return;
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   for (const auto& [counter, command] : calls_.all()) {
     if (counter > open_when_asked_) break;
     wire::PacketHeader header;
@@ -101,11 +101,11 @@ void ClientConnection::ask_after_calls() {
 /// Until a call's outcome is known it is asked for again under its own counter: in full while it
 /// may not have arrived, then without its arguments.
 TimePoint ClientConnection::repeat(TimePoint now) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   // With nothing open the next sign of life is all that is due: many idle clients shall cost
   // nothing.
   if (!repeats_ && calls_.size() == 0) return next_beat_;
-  if (!repeats_ && !cancels_waiting_) return std::min(next_beat_, now + between_looks);
+  if (!repeats_ && !cancels_waiting_) return std::min(next_beat_, now + longest_sleep);
   const TimePoint soon = now + Maintenance::tick;
   cancels_waiting_ = false;
   for (const auto& [counter, command] : calls_.all()) {
@@ -137,7 +137,7 @@ TimePoint ClientConnection::repeat(TimePoint now) {
 void ClientConnection::watch(std::vector<pollfd>& into) {
   if (lost() || !has_watchers() || !leader_lock_.try_take()) return;
   watching_ = true;
-  if (link_->arm()) {
+  if (link_->prepare_to_sleep()) {
     for (const int descriptor : link_->descriptors()) into.push_back({descriptor, POLLIN, 0});
   } else {
     wake_maintenance();
@@ -149,7 +149,7 @@ void ClientConnection::unwatch() {
   if (!watching_) return;
   watching_ = false;
   leader_lock_.resume();
-  link_->disarm();
+  link_->woke();
   read_all();
   look_for_loss();
   leader_lock_.drop();

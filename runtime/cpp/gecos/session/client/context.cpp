@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <utility>
 
+#include "gecos/broker_interface.hpp"  // generated from idl/gecos/broker.gidl
 #include "gecos/session/client/broker_client.hpp"
 #include "gecos/session/client/connect.hpp"
 #include "gecos/session/client/failover.hpp"
@@ -23,7 +24,7 @@ Context::Context(std::shared_ptr<Runtime> runtime)
 Context::~Context() { failover_->end(); }
 
 bool Context::keep(const std::shared_ptr<ClientConnection>& session) {
-  const std::lock_guard lock(keeping_);
+  const MutexLock lock(keeping_);
   if (closed_) return false;
   std::erase_if(kept_, [](const auto& known) { return known.expired(); });
   kept_.push_back(session);
@@ -31,14 +32,14 @@ bool Context::keep(const std::shared_ptr<ClientConnection>& session) {
 }
 
 bool Context::closed() const {
-  const std::lock_guard lock(keeping_);
+  const MutexLock lock(keeping_);
   return closed_;
 }
 
 void Context::close(Duration patience) {
   std::vector<std::shared_ptr<Closable>> open;
   {
-    const std::lock_guard lock(keeping_);
+    const MutexLock lock(keeping_);
     closed_ = true;
     for (const auto& known : kept_) {
       if (auto session = known.lock()) open.push_back(std::move(session));
@@ -68,20 +69,24 @@ std::vector<std::string> Context::broker_addresses(std::string& tried) {
   } else if (!named.empty()) {
     addresses.push_back(named);
   } else {
-    add_well_known(media::Kind::Inproc);
-    add_well_known(media::Kind::Shm);
+    for (const media::Kind each : media::all_kinds()) {
+      if (media::reach_of(each) != media::Reach::Network) add_well_known(each);
+    }
   }
   return addresses;
 }
 
 tl::expected<std::shared_ptr<ClientConnection>, std::string> Context::broker(TimePoint deadline) {
-  const auto known = [this] { return broker_ && !broker_->lost(); };
-  std::unique_lock lock(mutex_);
-  if (!looked_.wait_until(lock, deadline, [&] { return known() || !looking_; })) {
+  MutexLock lock(mutex_);
+  const auto settled = [this] {
+    mutex_.assert_held();
+    return knows_broker() || !looking_;
+  };
+  if (!looked_.wait_until(lock, deadline, settled)) {
     return tl::unexpected("no broker was found in time: another thread of this program still asks" +
                           (missing_.empty() ? std::string() : "; before it, " + missing_));
   }
-  if (known()) return broker_;
+  if (knows_broker()) return broker_;
   const auto lost = std::exchange(broker_, nullptr);  // ends when nobody waits for us
   looking_ = true;
   lock.unlock();
@@ -96,8 +101,10 @@ tl::expected<std::shared_ptr<ClientConnection>, std::string> Context::broker(Tim
   return found;
 }
 
+bool Context::knows_broker() const { return broker_ && !broker_->lost(); }
+
 void Context::note_broker(std::shared_ptr<ClientConnection> found, std::string missing) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   broker_ = std::move(found);
   missing_ = std::move(missing);
   looking_ = false;
@@ -108,7 +115,7 @@ tl::expected<std::shared_ptr<ClientConnection>, std::string> Context::look_for_b
     TimePoint deadline) {
   std::string tried;
   for (const auto& address : broker_addresses(tried)) {
-    auto session = connect(*runtime_, address, broker_interface(), deadline);
+    auto session = connect(*runtime_, address, BrokerInterface::description, deadline);
     if (session) return session;
     append(tried, session.error());
   }

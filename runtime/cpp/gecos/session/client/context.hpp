@@ -1,11 +1,10 @@
 #pragma once
 
-#include <condition_variable>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <vector>
 
+#include "gecos/base/mutex.hpp"
 #include "gecos/session/process/runtime.hpp"
 
 namespace gecos::session {
@@ -36,19 +35,23 @@ class Context : public std::enable_shared_from_this<Context> {
   /// Where a broker may be. Adds to `tried` why a medium that leads to one cannot be had here.
   std::vector<std::string> broker_addresses(std::string& tried);
   tl::expected<std::shared_ptr<ClientConnection>, std::string> look_for_broker(TimePoint deadline);
+  /// There is a session with a broker; looked for last.
+  bool knows_broker() const GECOS_REQUIRES(mutex_);
   void note_broker(std::shared_ptr<ClientConnection> found, std::string missing);
 
   const std::shared_ptr<Runtime> runtime_;
   const std::shared_ptr<Failover> failover_;
-  std::mutex mutex_;  ///< guards what follows
-  std::condition_variable looked_;
-  bool looking_ = false;  ///< one thread at a time looks for the broker
-  std::shared_ptr<ClientConnection> broker_;
-  std::string missing_;  ///< why there was none when one was looked for last
+  Mutex mutex_;
+  ConditionVariable looked_;
+  /// One thread at a time looks for the broker.
+  bool looking_ GECOS_GUARDED_BY(mutex_) = false;
+  std::shared_ptr<ClientConnection> broker_ GECOS_GUARDED_BY(mutex_);
+  /// Why there was none when one was looked for last.
+  std::string missing_ GECOS_GUARDED_BY(mutex_);
 
-  mutable std::mutex keeping_;  ///< guards what follows
-  std::vector<std::weak_ptr<ClientConnection>> kept_;
-  bool closed_ = false;
+  mutable Mutex keeping_;
+  std::vector<std::weak_ptr<ClientConnection>> kept_ GECOS_GUARDED_BY(keeping_);
+  bool closed_ GECOS_GUARDED_BY(keeping_) = false;
 };
 
 /// A session with the object of that name, or why there is none.

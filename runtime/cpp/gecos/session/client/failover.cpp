@@ -15,7 +15,7 @@
 namespace gecos::session {
 namespace {
 
-constexpr Duration between_looks = std::chrono::milliseconds(30);
+constexpr Duration between_searches = std::chrono::milliseconds(30);
 /// Who does not answer so long holds up the search for others.
 constexpr Duration longest_look = std::chrono::milliseconds(250);
 
@@ -63,7 +63,7 @@ void Failover::take(const std::shared_ptr<ClientConnection>& from,
   std::vector<PendingFailover> refused;
   std::string why = "it is not sent again: its Lab is closed";
   {
-    const Lock lock(mutex_);
+    const MutexLock lock(mutex_);
     if (ended_) {
       refused = std::move(commands);
     } else if (!started()) {
@@ -83,11 +83,10 @@ void Failover::take(const std::shared_ptr<ClientConnection>& from,
 }
 
 void Failover::look_for_another(const std::shared_ptr<ClientConnection>& from) {
-  const Lock lock(mutex_);
+  const MutexLock lock(mutex_);
   if (!ended_ && started()) search_of(from);
 }
 
-/// With the mutex; not after the end.
 bool Failover::started() {
   if (thread_.joinable()) return true;
   try {
@@ -99,7 +98,6 @@ bool Failover::started() {
   return true;
 }
 
-/// With the mutex.
 Failover::Search& Failover::search_of(const std::shared_ptr<ClientConnection>& from) {
   for (Search& search : searches_) {
     if (search.from == from) return search;
@@ -114,7 +112,7 @@ TimePoint Failover::on_tick(TimePoint now) {
   std::vector<std::pair<PendingFailover, std::string>> over;
   bool idle = false;
   {
-    const Lock lock(mutex_);
+    const MutexLock lock(mutex_);
     idle = searches_.empty();
     for (Search& search : searches_) {
       std::erase_if(search.commands, [&](PendingFailover& pending) {
@@ -136,7 +134,7 @@ TimePoint Failover::on_tick(TimePoint now) {
 }
 
 void Failover::run() {
-  Lock lock(mutex_);
+  MutexLock lock(mutex_);
   while (!ended_) {
     std::vector<Search> done;  // may be the last to have their sessions, which take a while to end
     const auto is_done = [](const Search& search) {
@@ -146,42 +144,41 @@ void Failover::run() {
     std::move(searches_.begin(), open, std::back_inserter(done));
     searches_.erase(searches_.begin(), open);
     if (!done.empty()) {
-      lock.unlock();
+      const MutexUnlock unlocked(mutex_);
       done.clear();
-      lock.lock();
       continue;
     }
     const auto next = std::ranges::min_element(searches_, {}, &Search::next);
     if (next == searches_.end()) {
-      changed_.wait(lock, [this] { return ended_ || !searches_.empty(); });
+      while (!ended_ && searches_.empty()) changed_.wait(lock);
     } else if (const TimePoint when = next->next; when > std::chrono::steady_clock::now()) {
       changed_.wait_until(lock, when);
     } else {
-      look(next->from, lock);
+      look(next->from);
     }
   }
 }
 
-/// Gives the mutex up meanwhile, in which the search may end. `from` is a copy therefore.
-void Failover::look(std::shared_ptr<ClientConnection> from, Lock& lock) {
-  lock.unlock();
-  auto found = find(*from);
+void Failover::look(std::shared_ptr<ClientConnection> from) {
+  tl::expected<std::shared_ptr<ClientConnection>, std::string> found;
   std::vector<PendingFailover> commands;
-  if (found) {
-    from->set_successor(*found);
-    if (!from->lost()) commands = from->detach_repeatable();
+  {
+    const MutexUnlock unlocked(mutex_);
+    found = find(*from);
+    if (found) {
+      from->set_successor(*found);
+      if (!from->lost()) commands = from->detach_repeatable();
+    }
   }
-  lock.lock();
   if (found) {
     append(commands, std::exchange(search_of(from).commands, {}));
-    lock.unlock();
+    const MutexUnlock unlocked(mutex_);
     commands = send_to(**found, std::move(commands));
     found->reset();  // its end takes a while
-    lock.lock();
   }
   Search& search = search_of(from);
   append(search.commands, std::move(commands));
-  search.next = std::chrono::steady_clock::now() + between_looks;
+  search.next = std::chrono::steady_clock::now() + between_searches;
   if (!found) search.why = std::move(found.error());
 }
 
@@ -192,7 +189,7 @@ tl::expected<std::shared_ptr<ClientConnection>, std::string> Failover::find(
   if (!from.lost()) {
     const auto entry = look_up(lab_, target.name, deadline_after(longest_look));
     if (!entry) return tl::unexpected(entry.error());
-    if (entry->boot == from.welcome().boot) {
+    if (entry->boot == from.welcome().incarnation) {
       return tl::unexpected(std::string("no other server has taken its place"));
     }
   }
@@ -228,7 +225,7 @@ void Failover::end() {
   std::vector<Search> open;
   std::thread thread;
   {
-    const Lock lock(mutex_);
+    const MutexLock lock(mutex_);
     ended_ = true;
     thread = std::exchange(thread_, {});
   }
@@ -241,7 +238,7 @@ void Failover::end() {
     }
   }
   {
-    const Lock lock(mutex_);
+    const MutexLock lock(mutex_);
     open.swap(searches_);
   }
   for (Search& search : open) {

@@ -2,14 +2,13 @@
 
 #include <sys/types.h>
 
-#include <condition_variable>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "gecos/base/mutex.hpp"
 #include "gecos/base/result.hpp"
 #include "gecos/command.hpp"
 #include "gecos/lab.hpp"
@@ -65,23 +64,23 @@ class Failover final : public TickTarget, public std::enable_shared_from_this<Fa
     TimePoint next{};
     std::string why;  ///< nothing was found so far
   };
-  using Lock = std::unique_lock<std::mutex>;
-
-  bool started();
-  Search& search_of(const std::shared_ptr<ClientConnection>& from);
+  /// False when no thread can be had for it. @pre not after the end
+  bool started() GECOS_REQUIRES(mutex_);
+  Search& search_of(const std::shared_ptr<ClientConnection>& from) GECOS_REQUIRES(mutex_);
   void run();
-  void look(std::shared_ptr<ClientConnection> from, Lock& lock);
+  /// Gives the mutex up meanwhile, in which the search may end. `from` is a copy therefore.
+  void look(std::shared_ptr<ClientConnection> from) GECOS_REQUIRES(mutex_);
   tl::expected<std::shared_ptr<ClientConnection>, std::string> find(ClientConnection& from);
   std::vector<PendingFailover> send_to(ClientConnection& found,
                                        std::vector<PendingFailover> commands);
 
   Context& lab_;
   const pid_t owner_;  ///< a forked child has none of the threads that end what waits for failover
-  std::mutex mutex_;   ///< guards what follows
-  std::condition_variable changed_;
-  std::vector<Search> searches_;
-  bool ended_ = false;
-  std::thread thread_;
+  Mutex mutex_;
+  ConditionVariable changed_;
+  std::vector<Search> searches_ GECOS_GUARDED_BY(mutex_);
+  bool ended_ GECOS_GUARDED_BY(mutex_) = false;
+  std::thread thread_ GECOS_GUARDED_BY(mutex_);
 };
 
 }  // namespace gecos::session

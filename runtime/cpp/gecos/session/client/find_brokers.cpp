@@ -1,4 +1,5 @@
 #include "gecos/binding.hpp"
+#include "gecos/broker_interface.hpp"  // generated from idl/gecos/broker.gidl
 #include "gecos/session/client/broker_client.hpp"
 #include "gecos/session/client/connect.hpp"
 #include "gecos/session/client/context.hpp"
@@ -13,13 +14,15 @@ tl::expected<std::shared_ptr<ClientSession>, std::string> broker_session(const L
 std::vector<BrokerPlace> find_brokers(const LabOrWhyNot& lab, Duration patience) {
   std::vector<BrokerPlace> places;
   Runtime& runtime = *(*lab)->runtime();
-  for (const media::Kind kind : {media::Kind::Shm, media::Kind::Lcm}) {
+  for (const media::Kind kind : media::all_kinds()) {
+    if (media::reach_of(kind) == media::Reach::Process) continue;
     const auto medium = runtime.medium(kind);
     if (!medium) continue;
     const std::string address = (*medium)->well_known_address(broker_name);
-    const auto found = connect(runtime, address, broker_interface(), deadline_after(patience));
+    const auto found =
+        connect(runtime, address, BrokerInterface::description, deadline_after(patience));
     if (!found) continue;
-    places.push_back({address, BootId{(*found)->welcome().boot}});
+    places.push_back({address, IncarnationId{(*found)->welcome().incarnation}});
     (*found)->close(patience);
   }
   return places;

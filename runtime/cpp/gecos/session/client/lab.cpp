@@ -76,7 +76,7 @@ tl::expected<std::shared_ptr<ClientConnection>, CreateError::Attempt> open_objec
         Attempt{name, Detail::Refused,
                 name + " is a " + entry->interface_name + ", not a " + std::string(wanted.name)});
   }
-  if (options.boot != 0 && options.boot != entry->boot) {
+  if (options.incarnation != 0 && options.incarnation != entry->boot) {
     return tl::unexpected(Attempt{name, Detail::Refused,
                                   name + " is served by another process than the reference speaks "
                                          "of: it was started anew; ask for a new reference, or "

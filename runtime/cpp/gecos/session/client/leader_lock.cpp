@@ -19,7 +19,7 @@ void LeaderLock::give_back() {
 }
 
 void LeaderLock::notify_one() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (followers_.empty()) return;
   followers_.front()->notified = true;
   followers_.front()->woken.notify_one();
@@ -27,7 +27,7 @@ void LeaderLock::notify_one() {
 
 void LeaderLock::notify(const void* subject) {
   if (follower_count_.load(std::memory_order_seq_cst) == 0) return;
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   for (Follower* follower : followers_) {
     if (follower->subject != subject) continue;
     follower->notified = true;
@@ -36,7 +36,7 @@ void LeaderLock::notify(const void* subject) {
 }
 
 void LeaderLock::notify_all() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   for (Follower* follower : followers_) {
     follower->notified = true;
     follower->woken.notify_one();
@@ -48,7 +48,7 @@ LeaderLock::Woken LeaderLock::follow(const void* subject, FunctionRef<bool()> do
   Follower self;
   self.subject = subject;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     followers_.push_back(&self);
   }
   follower_count_.fetch_add(1, std::memory_order_seq_cst);
@@ -57,7 +57,7 @@ LeaderLock::Woken LeaderLock::follow(const void* subject, FunctionRef<bool()> do
   if (done()) {
     woken = Woken::Done;
   } else {
-    std::unique_lock lock(mutex_);
+    MutexLock lock(mutex_);
     const auto wanted = [&] { return self.notified || free(); };
     if (deadline == TimePoint::max()) {
       self.woken.wait(lock, wanted);
@@ -67,7 +67,7 @@ LeaderLock::Woken LeaderLock::follow(const void* subject, FunctionRef<bool()> do
   }
 
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     followers_.erase(std::find(followers_.begin(), followers_.end(), &self));
   }
   follower_count_.fetch_sub(1, std::memory_order_seq_cst);

@@ -1,13 +1,12 @@
 #pragma once
 
 #include <atomic>
-#include <condition_variable>
 #include <cstdint>
-#include <mutex>
 #include <vector>
 
 #include "gecos/base/clock.hpp"
 #include "gecos/base/function_ref.hpp"
+#include "gecos/base/mutex.hpp"
 
 namespace gecos::session {
 
@@ -38,10 +37,10 @@ class LeaderLock {
   void notify_all();
 
  private:
-  struct Follower {
+  struct Follower {  // of the thread that sleeps; changed with mutex_
     const void* subject = nullptr;
     bool notified = false;
-    std::condition_variable woken;
+    ConditionVariable woken;
   };
   enum class State : std::uint8_t { Free, Held, Resting, Borrowed };
   bool change(State from, State to) {
@@ -53,8 +52,8 @@ class LeaderLock {
 
   std::atomic<State> state_{State::Free};  // publishes the link's receiving side to the next reader
   std::atomic<int> follower_count_{0};     // publishes nothing: spares the lock when there is none
-  std::mutex mutex_;
-  std::vector<Follower*> followers_;
+  Mutex mutex_;
+  std::vector<Follower*> followers_ GECOS_GUARDED_BY(mutex_);
 };
 
 }  // namespace gecos::session

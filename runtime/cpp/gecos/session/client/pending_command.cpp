@@ -1,12 +1,12 @@
 #include "gecos/session/client/pending_command.hpp"
 
 #include <algorithm>
-#include <mutex>
 #include <set>
 #include <sstream>
 #include <utility>
 
 #include "gecos/base/log.hpp"
+#include "gecos/base/mutex.hpp"
 #include "gecos/binding.hpp"
 #include "gecos/session/client/client_connection.hpp"
 #include "gecos/session/process/callbacks.hpp"
@@ -17,9 +17,9 @@ namespace {
 
 /// Once for each operation of an object and way to fail: what fails in a loop fills no disk.
 bool first_of_its_kind(const std::string& about, Detail detail) {
-  static std::mutex& mutex = *new std::mutex;  // commands may be dropped after the last static
+  static Mutex& mutex = *new Mutex;  // commands may be dropped after the last static
   static auto& told = *new std::set<std::pair<std::string, Detail>>;
-  const std::lock_guard lock(mutex);
+  const MutexLock lock(mutex);
   return told.emplace(about, detail).second;
 }
 
@@ -49,17 +49,17 @@ PendingCommand::~PendingCommand() {
 }
 
 std::shared_ptr<ClientConnection> PendingCommand::session() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return session_;
 }
 
 CommandId PendingCommand::id() const {
-  const std::lock_guard lock(mutex_);
-  return {boot, session_id, counter};
+  const MutexLock lock(mutex_);
+  return {incarnation, session_id, counter};
 }
 
 std::string PendingCommand::about() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return session_ == nullptr ? about_ : name_in(*session_);
 }
 
@@ -74,7 +74,7 @@ Progress PendingCommand::progress() const {
     session->poll_once();
     unreachable = session->unreachable();
   }
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   const Detail detail = detail_.load(std::memory_order_relaxed);
   const bool running = project(detail) == State::Running;
   return {running && (unreachable || awaits_failover()) ? Detail::Unreachable : detail, position_,
@@ -83,7 +83,7 @@ Progress PendingCommand::progress() const {
 
 Bytes PendingCommand::feedback() const {
   if (const auto session = this->session()) session->poll_once();
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return feedback_;
 }
 
@@ -105,7 +105,7 @@ void PendingCommand::cancel() {
 }
 
 int PendingCommand::descriptor() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (!exported_) {
     exported_ = std::make_unique<Wakeup>();
     if (terminal()) exported_->ring();
@@ -116,7 +116,7 @@ int PendingCommand::descriptor() {
 
 void PendingCommand::when_ended(std::function<void()> then) {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (!terminal()) {
       callbacks_.push_back(std::move(then));
       return watch_end();
@@ -131,11 +131,11 @@ void PendingCommand::watch_end() {
 }
 
 void PendingCommand::report(Detail detail, const ProgressBody& body) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (terminal()) return;
   detail_.store(detail, std::memory_order_relaxed);
   position_ = body.position;
-  fraction_ = body.fraction > 0 ? std::min(body.fraction, 1.0) : 0;  // no number at all is nothing
+  fraction_ = body.fraction > 0 ? std::min(body.fraction, 1.0) : 0;  // NaN counts as 0
   if (!body.feedback.empty()) feedback_ = body.feedback;
 }
 
@@ -155,7 +155,7 @@ void PendingCommand::log_end(const ClientConnection& in, Detail detail) const {
 template <class Publish>
 void PendingCommand::end(Detail detail, Publish publish) {
   std::shared_ptr<ClientConnection> released;
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (terminal()) return;
   publish();
   position_ = 0;
@@ -183,6 +183,7 @@ void PendingCommand::fail(Failure failure) {
   }
   const Detail detail = failure.detail;
   end(detail, [&] {
+    mutex_.assert_held();
     if (!operation_.empty() && !observed()) {
       about_ = name_in(*session_);
     }

@@ -56,7 +56,7 @@ class PendingCommand final : public CommandCore {
   std::uint64_t counter =
       0;  ///< written before the command is shared, as the two below, or by attach()
   std::uint64_t session_id = 0;
-  std::uint64_t boot = 0;
+  std::uint64_t incarnation = 0;
   std::uint64_t sent_as = 0;      ///< the packet's number on the link; written before it is shared
   std::uint8_t marked_words = 0;  ///< where the server marks its start; written before it is shared
   /// It was sent in `session`, its first or another; with that session's mutex.
@@ -92,7 +92,7 @@ class PendingCommand final : public CommandCore {
 
  private:
   std::shared_ptr<ClientConnection> session() const;
-  void watch_end();  // with the mutex
+  void watch_end() GECOS_REQUIRES(mutex_);
   std::string name_in(const ClientConnection& session) const;
   void log_end(const ClientConnection& in, Detail detail) const;
   bool awaits_failover() const {
@@ -105,21 +105,22 @@ class PendingCommand final : public CommandCore {
 
   const std::string_view operation_;  ///< empty: it was never sent
   const bool actor_ = false;          ///< it needs a status
-  mutable Mutex mutex_;
+  mutable FutexMutex mutex_;
   std::atomic<Detail> detail_{Detail::Sent};  // terminal: publishes result_ and failure_ to all
-  std::uint32_t position_ = 0;
-  double fraction_ = 0;
-  Bytes feedback_;
-  ShortBytes result_;
+  std::uint32_t position_ GECOS_GUARDED_BY(mutex_) = 0;
+  double fraction_ = 0;  ///< written with the mutex; constant once terminal
+  Bytes feedback_ GECOS_GUARDED_BY(mutex_);
+  ShortBytes result_;  ///< written once, before it is terminal, as failure_
   Failure failure_;
-  std::string about_;     ///< "RX90.move"; written before it is terminal, where nobody has asked
-  bool watched_ = false;  ///< by maintenance of session_, for who sleeps elsewhere
-  std::unique_ptr<Wakeup> exported_;
-  std::vector<std::function<void()>> callbacks_;
+  std::string about_;  ///< "RX90.move"; written before it is terminal, where nobody has asked
+  /// By maintenance of session_, for a thread that sleeps elsewhere.
+  bool watched_ GECOS_GUARDED_BY(mutex_) = false;
+  std::unique_ptr<Wakeup> exported_ GECOS_GUARDED_BY(mutex_);
+  std::vector<std::function<void()>> callbacks_ GECOS_GUARDED_BY(mutex_);
   /// Whose it is; null while it waits for failover. Publishes nothing: who waits there has to look
   /// elsewhere.
   std::atomic<const ClientConnection*> home_{nullptr};
-  std::shared_ptr<ClientConnection> session_;  ///< null once terminal
+  std::shared_ptr<ClientConnection> session_ GECOS_GUARDED_BY(mutex_);  ///< null once terminal
 };
 
 }  // namespace gecos::session

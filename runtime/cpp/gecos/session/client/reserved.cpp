@@ -3,30 +3,22 @@
 #include <ostream>
 
 #include "gecos/base/log.hpp"
-#include "gecos/session/protocol/builtin_codec.hpp"
-#include "gecos/session/protocol/function_code.hpp"
+#include "gecos/object_interface.hpp"  // generated from idl/gecos/object.gidl
+#include "gecos/session/client/own_call.hpp"
 #include "gecos/session/protocol/packets.hpp"
 
 namespace gecos {
 namespace {
 
-using session::BuiltIn;
-
-std::shared_ptr<session::CommandCore> call_bare(const Object& object, BuiltIn which) {
-  return session_of(object)->call(session::builtin_operation(which), 0, [](wire::Encoder&) {}, {});
-}
+using session::own_call;
+using session::read_result;
 
 tl::expected<Lease, LeaseRefusal> acquire(const Object& object, Status wanted,
                                           const std::string& password) {
   const auto& session = session_of(object);
-  const std::size_t size = 4 + 1 + (password.empty() ? 0 : wire::string_size(password));
-  const auto command = session->call(session::builtin_operation(BuiltIn::Acquire), size,
-                                     [&](wire::Encoder& to) {
-                                       to.put(static_cast<std::int32_t>(wanted));
-                                       to.put(!password.empty());
-                                       if (!password.empty()) to.put_string(password);
-                                     },
-                                     {});
+  GecosObject_acquire_arguments arguments{wanted, {}};
+  if (!password.empty()) arguments.password = password;
+  const auto command = own_call(*session, GecosObjectInterface::acquire, arguments);
   command->wait_until(TimePoint::max());
   if (command->progress().detail != Detail::Done) {
     LeaseRefusal refusal{command->failure(), {}};
@@ -37,7 +29,7 @@ tl::expected<Lease, LeaseRefusal> acquire(const Object& object, Status wanted,
   }
   Grant grant;
   wire::Decoder from(command->result());
-  if (!wire::get_block(from, grant, "grant")) {
+  if (!read_result<GecosObject_acquire_result>(from, grant)) {
     return tl::unexpected(LeaseRefusal{
         {Detail::Fault, "the reply does not decode: " + from.error().message(), {}, {}}, {}});
   }
@@ -90,12 +82,8 @@ void Lease::give_back(bool now) {
   const auto session = std::exchange(session_, nullptr);
   if (session == nullptr) return;
   session->lease_released(held_);
-  const auto released = session->call(session::builtin_operation(BuiltIn::Release), 8 + 1,
-                                      [&](wire::Encoder& to) {
-                                        to.put(grant_.epoch);
-                                        to.put(now);
-                                      },
-                                      {});
+  const auto released = own_call(*session, GecosObjectInterface::release,
+                                 GecosObject_release_arguments{grant_.epoch, now});
   released->wait_until(deadline_after(patience));
 }
 
@@ -111,22 +99,22 @@ Checked<Lease, LeaseRefusal> master(const Object& object, std::string password) 
   return acquire(object, Status::MASTER, password);
 }
 
-Command<void> stop(const Object& object) { return Command<void>(call_bare(object, BuiltIn::Stop)); }
+Command<void> stop(const Object& object) {
+  return Command<void>(own_call(*session_of(object), GecosObjectInterface::stop));
+}
 
-Command<void> ping(const Object& object) { return Command<void>(call_bare(object, BuiltIn::Ping)); }
+Command<void> ping(const Object& object) {
+  return Command<void>(own_call(*session_of(object), GecosObjectInterface::ping));
+}
 
 Command<Description> describe(const Object& object) {
-  return Command<Description>(call_bare(object, BuiltIn::Describe),
-                              [](wire::Decoder& from, Description& value) {
-                                return wire::get_block(from, value, "description");
-                              });
+  return {own_call(*session_of(object), GecosObjectInterface::describe),
+          read_result<GecosObject_describe_result, Description>};
 }
 
 Command<std::vector<Holder>> holders(const Object& object) {
-  return Command<std::vector<Holder>>(call_bare(object, BuiltIn::Holders),
-                                      [](wire::Decoder& from, std::vector<Holder>& value) {
-                                        return session::get_blocks(from, value);
-                                      });
+  return {own_call(*session_of(object), GecosObjectInterface::holders),
+          read_result<GecosObject_holders_result, std::vector<Holder>>};
 }
 
 std::ostream& operator<<(std::ostream& out, const Outcome& outcome) {
@@ -136,7 +124,7 @@ std::ostream& operator<<(std::ostream& out, const Outcome& outcome) {
 Command<Outcome> outcome(const Object& object, const CommandId& id) {
   const auto decode = [](wire::Decoder& from, Outcome& value) {
     OutcomeRecord record;
-    if (!wire::get_block(from, record, "outcome")) return false;
+    if (!read_result<GecosObject_outcome_result>(from, record)) return false;
     const auto detail = detail_from(record.detail);
     if (!detail) return from.fail(wire::DecodeProblem::UnknownEnumerator, "detail");
     value = {*detail, std::move(record.text)};
@@ -150,13 +138,8 @@ Command<Outcome> outcome(const Object& object, const CommandId& id) {
                             {}}),
             decode};
   }
-  return {session_of(object)->call(session::builtin_operation(BuiltIn::Outcome), 3 * 8,
-                                   [&](wire::Encoder& to) {
-                                     to.put(id.boot);
-                                     to.put(id.session);
-                                     to.put(id.counter);
-                                   },
-                                   {}),
+  return {own_call(*session_of(object), GecosObjectInterface::outcome,
+                   GecosObject_outcome_arguments{id.incarnation, id.session, id.counter}),
           decode};
 }
 

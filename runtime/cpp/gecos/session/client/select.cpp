@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "gecos/media/open.hpp"
+#include "gecos/media/kinds.hpp"
 #include "gecos/qos/match.hpp"
 
 namespace gecos::session {
@@ -10,12 +10,12 @@ namespace {
 
 qos::LineOffer line_of(const media::Offer& offer) {
   qos::LineOffer line;
-  line.name = media::to_string(offer.kind);
-  line.between_hosts = !offer.same_host_only;
+  line.name = offer.name;
+  line.between_hosts = offer.reach == media::Reach::Network;
   line.reliable = true;  // where the medium loses packets the session repeats them
   line.real_time = offer.real_time;
   // Within one process nobody outlives the other, so nobody has to be told.
-  line.reports_death = offer.reports_death || offer.kind == media::Kind::Inproc;
+  line.reports_death = offer.reports_death || offer.reach == media::Reach::Process;
   return line;
 }
 
@@ -32,12 +32,12 @@ std::string out_of_shared_memory(const std::string& here, const Entry& entry,
 /// Why this medium does not lead from here to there; empty when it does.
 std::string out_of_reach(Runtime& runtime, const Entry& entry, media::Kind kind,
                          const std::string& address) {
-  switch (kind) {
-    case media::Kind::Inproc:
-      return entry.boot == number(process_boot()) ? "" : "it is in another process";
-    case media::Kind::Shm:
+  switch (media::reach_of(kind)) {
+    case media::Reach::Process:
+      return entry.boot == number(process_incarnation()) ? "" : "it is in another process";
+    case media::Reach::Host:
       return out_of_shared_memory(runtime.host_identity(), entry, address);
-    case media::Kind::Lcm:
+    case media::Reach::Network:
       return "";
   }
   return "this program does not know it";
@@ -56,7 +56,7 @@ tl::expected<std::vector<std::string>, std::string> select(Runtime& runtime, con
   };
   for (const auto& address : entry.addresses) {
     const std::string medium = address.substr(0, address.find(':'));
-    const auto kind = media::kind_from(medium);
+    const auto kind = media::kind_of(address);
     if (!kind) {
       pass_over(medium, "this program does not know this medium");
       continue;

@@ -2,16 +2,15 @@
 
 #include <unistd.h>
 
-#include <condition_variable>
 #include <deque>
 #include <exception>
-#include <mutex>
 #include <string>
 #include <system_error>
 #include <thread>
 #include <utility>
 
 #include "gecos/base/log.hpp"
+#include "gecos/base/mutex.hpp"
 #include "gecos/base/thread.hpp"
 
 namespace gecos::session {
@@ -31,17 +30,17 @@ struct Callbacks::Shared {
   void run();
 
   const pid_t owner = getpid();
-  std::mutex mutex;
-  std::condition_variable changed;
-  std::deque<std::function<void()>> waiting;
-  bool ended = false;
-  std::thread thread;
+  Mutex mutex;
+  ConditionVariable changed;
+  std::deque<std::function<void()>> waiting GECOS_GUARDED_BY(mutex);
+  bool ended GECOS_GUARDED_BY(mutex) = false;
+  std::thread thread GECOS_GUARDED_BY(mutex);
 };
 
 void Callbacks::Shared::run() {
-  std::unique_lock lock(mutex);
+  MutexLock lock(mutex);
   for (;;) {
-    changed.wait(lock, [this] { return ended || !waiting.empty(); });
+    while (!ended && waiting.empty()) changed.wait(lock);
     if (waiting.empty()) return;
     {
       const auto next = std::move(waiting.front());
@@ -58,7 +57,7 @@ Callbacks::Callbacks() : shared_(std::make_shared<Shared>()) {}
 Callbacks::~Callbacks() {
   std::thread thread;
   {
-    const std::lock_guard lock(shared_->mutex);
+    const MutexLock lock(shared_->mutex);
     shared_->ended = true;
     thread = std::move(shared_->thread);
   }
@@ -72,7 +71,7 @@ Callbacks::~Callbacks() {
 }
 
 void Callbacks::post(std::function<void()> callback) {
-  const std::lock_guard lock(shared_->mutex);
+  const MutexLock lock(shared_->mutex);
   shared_->waiting.push_back(std::move(callback));
   if (!shared_->thread.joinable()) {
     try {

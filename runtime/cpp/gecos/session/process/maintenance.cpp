@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <atomic>
-#include <mutex>
 #include <string>
 #include <thread>
 #include <utility>
 
 #include "gecos/base/log.hpp"
+#include "gecos/base/mutex.hpp"
 #include "gecos/base/suspension.hpp"
 #include "gecos/base/thread.hpp"
 #include "gecos/session/process/wakeup.hpp"
@@ -31,18 +31,18 @@ struct Maintenance::Shared {
   Wakeup wakeup;
   std::thread thread;
   std::atomic<bool> ended{false};  // publishes nothing but itself
-  std::mutex mutex;
-  std::vector<std::weak_ptr<TickTarget>> targets;
-  std::vector<std::function<void()>> jobs;
+  Mutex mutex;
+  std::vector<std::weak_ptr<TickTarget>> targets GECOS_GUARDED_BY(mutex);
+  std::vector<std::function<void()>> jobs GECOS_GUARDED_BY(mutex);
 };
 
 std::vector<std::function<void()>> Maintenance::Shared::take_jobs() {
-  const std::lock_guard lock(mutex);
+  const MutexLock lock(mutex);
   return std::exchange(jobs, {});
 }
 
 std::vector<std::shared_ptr<TickTarget>> Maintenance::Shared::look_at() {
-  const std::lock_guard lock(mutex);
+  const MutexLock lock(mutex);
   std::vector<std::shared_ptr<TickTarget>> alive;
   for (const auto& candidate : targets) {
     if (auto one = candidate.lock()) alive.push_back(std::move(one));
@@ -105,7 +105,7 @@ Maintenance::~Maintenance() {
 
 void Maintenance::add(std::weak_ptr<TickTarget> target) {
   {
-    const std::lock_guard lock(shared_->mutex);
+    const MutexLock lock(shared_->mutex);
     shared_->targets.push_back(std::move(target));
   }
   wake();
@@ -113,7 +113,7 @@ void Maintenance::add(std::weak_ptr<TickTarget> target) {
 
 void Maintenance::post(std::function<void()> job) {
   {
-    const std::lock_guard lock(shared_->mutex);
+    const MutexLock lock(shared_->mutex);
     shared_->jobs.push_back(std::move(job));
   }
   wake();

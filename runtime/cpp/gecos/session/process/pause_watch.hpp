@@ -1,13 +1,12 @@
 #pragma once
 
 #include <atomic>
-#include <condition_variable>
-#include <mutex>
 #include <optional>
 #include <string>
 
 #include "gecos/base/clock.hpp"
 #include "gecos/base/moment.hpp"
+#include "gecos/base/mutex.hpp"
 
 namespace gecos::session {
 
@@ -38,21 +37,21 @@ class PauseWatch {
   /// Maintenance: sessions and commands are as the pause left them to be.
   void judged(TimePoint next_due) {
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       due_.store(next_due, std::memory_order_release);
       judging_.store(false, std::memory_order_release);
     }
     judged_.notify_all();
   }
-  /// Maintenance, before it sleeps. TimePoint::max(): it sleeps until it is woken. False: there was
-  /// a pause since its tick, and the next tick is due now.
+  /// For the maintenance thread before it sleeps. TimePoint::max(): until it is woken. False: there
+  /// was a pause since its tick, and the next tick is due now.
   [[nodiscard]] bool due(TimePoint next, TimePoint now) {
     if (suspected(now)) return false;
     due_.store(next, std::memory_order_relaxed);
     return true;
   }
 
-  /// Any thread, before it starts a handler: a pause has ended and is not judged yet.
+  /// For any thread before it starts a handler: whether a pause has ended and is not judged yet.
   bool suspected(TimePoint now) const {
     const TimePoint due = due_.load(std::memory_order_relaxed);
     return judging_.load(std::memory_order_acquire) ||
@@ -75,7 +74,7 @@ class PauseWatch {
   /// Waits until it is judged. Never on the maintenance thread.
   void await_judgement(const Clock& clock) {
     if (!suspected(clock.since_boot())) return;
-    std::unique_lock lock(mutex_);
+    MutexLock lock(mutex_);
     // A tick that came as late as is just no pause tells nobody.
     while (suspected(clock.since_boot())) judged_.wait_for(lock, longest_gap / 50);
   }
@@ -83,8 +82,8 @@ class PauseWatch {
  private:
   std::atomic<TimePoint> due_{TimePoint::max()};  // publishes nothing but itself
   std::atomic<bool> judging_{false};              // cleared: publishes what the judge did
-  std::mutex mutex_;
-  std::condition_variable judged_;
+  Mutex mutex_;
+  ConditionVariable judged_;
 };
 
 }  // namespace gecos::session

@@ -11,7 +11,8 @@
 #include <system_error>
 
 #include "gecos/base/log.hpp"
-#include "gecos/media/open.hpp"
+#include "gecos/base/mutex.hpp"
+#include "gecos/media/kinds.hpp"
 
 namespace gecos::session {
 namespace {
@@ -43,7 +44,7 @@ class OpenRuntimes {
     for (const auto& runtime : alive()) runtime->close_sessions(std::chrono::seconds(1));
   }
   void add(const std::shared_ptr<Runtime>& runtime) {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     runtimes_.erase(std::remove_if(runtimes_.begin(), runtimes_.end(),
                                    [](const auto& known) { return known.expired(); }),
                     runtimes_.end());
@@ -52,7 +53,7 @@ class OpenRuntimes {
 
  private:
   std::vector<std::shared_ptr<Runtime>> alive() {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     std::vector<std::shared_ptr<Runtime>> found;
     for (const auto& known : runtimes_) {
       if (auto runtime = known.lock()) found.push_back(std::move(runtime));
@@ -61,14 +62,14 @@ class OpenRuntimes {
   }
 
   const pid_t owner_ = getpid();
-  std::mutex mutex_;
-  std::vector<std::weak_ptr<Runtime>> runtimes_;
+  Mutex mutex_;
+  std::vector<std::weak_ptr<Runtime>> runtimes_ GECOS_GUARDED_BY(mutex_);
 };
 
-std::atomic<std::uint64_t> boot_of_this_process{
+std::atomic<std::uint64_t> incarnation_of_this_process{
     0};  // 0: not drawn yet; publishes nothing but itself
 
-std::uint64_t random_boot() {
+std::uint64_t random_incarnation() {
   std::uint64_t number = 0;
   while (number == 0) {
     if (::getrandom(&number, sizeof number, 0) != sizeof number) number = 0;
@@ -82,15 +83,15 @@ std::string nothing_left(std::string_view what_for, const std::system_error& why
   return "this process has nothing left for " + std::string(what_for) + ": " + why.what();
 }
 
-BootId process_boot() {
+IncarnationId process_incarnation() {
   [[maybe_unused]] static const int told_of_forks =
-      ::pthread_atfork(nullptr, nullptr, [] { boot_of_this_process.store(0); });
-  std::uint64_t known = boot_of_this_process.load();
+      ::pthread_atfork(nullptr, nullptr, [] { incarnation_of_this_process.store(0); });
+  std::uint64_t known = incarnation_of_this_process.load();
   if (known == 0) {
-    const std::uint64_t drawn = random_boot();
-    if (boot_of_this_process.compare_exchange_strong(known, drawn)) known = drawn;
+    const std::uint64_t drawn = random_incarnation();
+    if (incarnation_of_this_process.compare_exchange_strong(known, drawn)) known = drawn;
   }
-  return BootId{known};
+  return IncarnationId{known};
 }
 
 Runtime::Runtime(LabOptions options, const Clock& clock)
@@ -111,7 +112,7 @@ tl::expected<std::shared_ptr<Runtime>, NoLab> Runtime::make(LabOptions options,
 }
 
 tl::expected<media::Medium*, media::MediumError> Runtime::medium(media::Kind kind) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   auto found = media_.find(kind);
   if (found == media_.end()) {
     auto opened = media::open(kind, options_.wrap_medium);
@@ -124,7 +125,7 @@ tl::expected<media::Medium*, media::MediumError> Runtime::medium(media::Kind kin
 }
 
 const std::string& Runtime::host_identity() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (!host_identity_) host_identity_ = media::host_identity();
   return *host_identity_;
 }
@@ -135,7 +136,7 @@ Hello Runtime::introduce(const InterfaceDescription& wanted) const {
   hello.host = host_name();
   hello.program = options_.program.empty() ? program_invocation_short_name : options_.program;
   hello.pid = getpid();
-  hello.boot = number(process_boot());
+  hello.incarnation = number(process_incarnation());
   hello.interface_name = wanted.name;
   hello.interface_hash = wanted.hash;
   // Nothing is sent to who is UNREACHABLE, and who stays so for `grace` is given up. A quarter is
@@ -145,7 +146,7 @@ Hello Runtime::introduce(const InterfaceDescription& wanted) const {
 }
 
 void Runtime::close_at_exit(const std::shared_ptr<Closable>& session) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   std::erase_if(sessions_, [](const auto& known) { return known.expired(); });
   sessions_.push_back(session);
 }
@@ -162,7 +163,7 @@ void Runtime::close_all(const std::vector<std::shared_ptr<Closable>>& sessions,
 void Runtime::close_sessions(Duration patience) {
   std::vector<std::shared_ptr<Closable>> open;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     for (const auto& known : sessions_) {
       if (auto session = known.lock()) open.push_back(std::move(session));
     }

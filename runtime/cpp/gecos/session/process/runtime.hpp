@@ -2,14 +2,15 @@
 
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "gecos/base/ids.hpp"
+#include "gecos/base/mutex.hpp"
 #include "gecos/binding.hpp"
 #include "gecos/lab.hpp"
+#include "gecos/media/kinds.hpp"
 #include "gecos/media/medium.hpp"
 #include "gecos/session/process/callbacks.hpp"
 #include "gecos/session/process/maintenance.hpp"
@@ -62,10 +63,10 @@ class Runtime : public std::enable_shared_from_this<Runtime> {
  private:
   const LabOptions options_;
   const Clock& clock_;
-  std::mutex mutex_;
-  std::map<media::Kind, std::unique_ptr<media::Medium>> media_;
-  std::optional<std::string> host_identity_;
-  std::vector<std::weak_ptr<Closable>> sessions_;
+  Mutex mutex_;
+  std::map<media::Kind, std::unique_ptr<media::Medium>> media_ GECOS_GUARDED_BY(mutex_);
+  std::optional<std::string> host_identity_ GECOS_GUARDED_BY(mutex_);
+  std::vector<std::weak_ptr<Closable>> sessions_ GECOS_GUARDED_BY(mutex_);
   Callbacks callbacks_;
   Maintenance maintenance_;  ///< last: its thread ends first
 };

@@ -6,8 +6,8 @@
 #include <array>
 #include <atomic>
 #include <cerrno>
-#include <mutex>
 
+#include "gecos/base/mutex.hpp"
 #include "gecos/session/process/wakeup.hpp"
 
 namespace gecos::session {
@@ -20,9 +20,9 @@ std::atomic<Wakeup*> came{nullptr};
 std::atomic<pid_t> owner{0};
 static_assert(std::atomic<Wakeup*>::is_always_lock_free && std::atomic<pid_t>::is_always_lock_free);
 
-std::mutex mutex;
-int living = 0;
-std::array<struct sigaction, signals.size()> before;
+Mutex mutex;
+int living GECOS_GUARDED_BY(mutex) = 0;
+std::array<struct sigaction, signals.size()> before GECOS_GUARDED_BY(mutex);
 
 extern "C" void on_termination(int signal) {
   const int kept = errno;
@@ -38,13 +38,13 @@ extern "C" void on_termination(int signal) {
 }  // namespace
 
 void TerminationSignals::prepare() {
-  const std::lock_guard lock(mutex);
+  const MutexLock lock(mutex);
   if (came == nullptr) came = new Wakeup();
 }
 
 TerminationSignals::TerminationSignals() {
   prepare();
-  const std::lock_guard lock(mutex);
+  const MutexLock lock(mutex);
   if (living++ > 0) return;
   came.load()->quiet();
   owner = getpid();
@@ -59,7 +59,7 @@ TerminationSignals::TerminationSignals() {
 }
 
 TerminationSignals::~TerminationSignals() {
-  const std::lock_guard lock(mutex);
+  const MutexLock lock(mutex);
   if (--living > 0) return;
   for (std::size_t i = 0; i < signals.size(); ++i) sigaction(signals[i], &before[i], nullptr);
 }

@@ -29,7 +29,7 @@ void Hello::encode(wire::Encoder& to) const {
   to.put_string(host);
   to.put_string(program);
   to.put(pid);
-  to.put(boot);
+  to.put(incarnation);
   to.put_string(interface_name);
   to.put(interface_hash);
   to.put(std::int64_t{accept_within.count()});
@@ -40,7 +40,8 @@ bool Hello::decode(wire::Decoder& from) {
   const bool read =
       from.get_string(user, longest_name, "user") && from.get_string(host, longest_name, "host") &&
       from.get_string(program, longest_name, "program") && from.get(pid, "pid") &&
-      from.get(boot, "boot") && from.get_string(interface_name, longest_name, "interface_name") &&
+      from.get(incarnation, "incarnation") &&
+      from.get_string(interface_name, longest_name, "interface_name") &&
       from.get(interface_hash, "interface_hash") && from.get(within, "accept_within_ns");
   accept_within = Duration(within);
   return read;
@@ -63,7 +64,7 @@ void Welcome::encode(wire::Encoder& to) const {
   to.put_count(bases.size());
   for (const auto& base : bases) to.put_string(base);
   to.put(interface_hash);
-  to.put(boot);
+  to.put(incarnation);
   to.put(credits);
   to.put_count(operations.size());
   for (const auto& operation : operations) {
@@ -83,7 +84,7 @@ bool Welcome::decode(wire::Decoder& from) {
   for (auto& base : bases) {
     if (!from.get_string(base, longest_name, "bases")) return false;
   }
-  if (!from.get(interface_hash, "interface_hash") || !from.get(boot, "boot") ||
+  if (!from.get(interface_hash, "interface_hash") || !from.get(incarnation, "incarnation") ||
       !from.get(credits, "credits") ||
       !from.get_count(count, operation_hash_size, most_operations, "operations")) {
     return false;

@@ -18,7 +18,7 @@ struct Hello {
   std::string host;
   std::string program;
   std::int32_t pid = 0;
-  std::uint64_t boot = 0;
+  std::uint64_t incarnation = 0;
   std::string interface_name;
   std::uint64_t interface_hash = 0;
   /// Calls that are older when the server reads them are not taken up: the client has given them
@@ -43,7 +43,7 @@ struct Welcome {
   std::string interface_name;
   std::vector<std::string> bases;
   std::uint64_t interface_hash = 0;
-  std::uint64_t boot = 0;
+  std::uint64_t incarnation = 0;
   std::uint32_t credits = 0;              ///< calls that the client may have unanswered
   std::vector<OperationHash> operations;  ///< all, when the client's interface is not this one
 

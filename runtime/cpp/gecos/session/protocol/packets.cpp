@@ -1,7 +1,5 @@
 #include "gecos/session/protocol/packets.hpp"
 
-#include <array>
-
 #include "gecos/session/protocol/handshake.hpp"
 
 namespace gecos::session {
@@ -59,6 +57,12 @@ Failure failure_from(std::optional<Detail> detail, ByteView body) {
   return failure;
 }
 
+Bytes goodbye_body(const std::string& why) {
+  Bytes body(wire::string_size(why));
+  wire::Encoder(body).put_string(why);
+  return body;
+}
+
 std::string text_of(ByteView goodbye) {
   wire::Decoder from(goodbye);
   std::string text;
@@ -69,29 +73,6 @@ std::string text_of(ByteView goodbye) {
 const Clock& system_clock() {
   static const SystemClock clock;
   return clock;
-}
-
-const OperationDescription* find_builtin(FunctionCode code) {
-  static const auto table = [] {
-    constexpr std::array names = {"holders", "stop",      "ping",        "describe", "acquire",
-                                  "release", "subscribe", "unsubscribe", "outcome"};
-    static_assert(names.size() == static_cast<std::size_t>(BuiltIn::Outcome));
-    std::array<OperationDescription, names.size()> operations;
-    for (std::uint32_t at = 0; at < names.size(); ++at) {
-      operations[at].code = FunctionCode{at + 1};
-      operations[at].name = names[at];
-      operations[at].status = access::Status::Sensor;
-      operations[at].presence = false;
-      operations[at].safety = at + 1 == static_cast<std::uint32_t>(BuiltIn::Stop);
-    }
-    return operations;
-  }();
-  const auto index = number(code) - 1;
-  return index < table.size() ? &table[index] : nullptr;
-}
-
-const OperationDescription& builtin_operation(BuiltIn which) {
-  return *find_builtin(FunctionCode{static_cast<std::uint32_t>(which)});
 }
 
 }  // namespace gecos::session

@@ -7,7 +7,6 @@
 #include "gecos/base/function_ref.hpp"
 #include "gecos/command.hpp"
 #include "gecos/description.hpp"
-#include "gecos/session/protocol/function_code.hpp"
 #include "gecos/wire/packet.hpp"
 
 namespace gecos::session {
@@ -15,6 +14,15 @@ namespace gecos::session {
 /// Flags of a Call whose body begins with the session and counter that it was sent under before.
 inline constexpr std::int8_t sent_again = 1;
 inline constexpr std::size_t sent_before_size = 8 + 8;
+struct SentBefore {
+  std::uint64_t session = 0;
+  std::uint64_t counter = 0;
+
+  void encode(wire::Encoder& to) const { to.put(session, counter); }
+  [[nodiscard]] bool decode(wire::Decoder& from) {
+    return from.get(session, "session") && from.get(counter, "counter");
+  }
+};
 /// Flags of a Goodbye after which nothing of the session starts any more: its client waited in vain
 /// for the answer to one without.
 inline constexpr std::int8_t withdraws = 1;
@@ -29,14 +37,12 @@ void write_failure(Bytes& into, wire::PacketHeader header, const Failure& failur
 /// What `write_failure` wrote. A detail that is not known, or that ends no call at a server, counts
 /// as FAULT.
 Failure failure_from(std::optional<Detail> detail, ByteView body);
+/// The body of a Goodbye that gives a reason.
+Bytes goodbye_body(const std::string& why);
 /// ": why", from the body of a Goodbye; empty when it gives no reason.
 std::string text_of(ByteView goodbye);
 
 /// The clock of real waits; policies use the lab's.
 const Clock& system_clock();
-
-/// How gecos::GecosObject declares it.
-const OperationDescription& builtin_operation(BuiltIn which);
-const OperationDescription* find_builtin(FunctionCode code);
 
 }  // namespace gecos::session

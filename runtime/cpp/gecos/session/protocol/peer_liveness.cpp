@@ -3,9 +3,9 @@
 namespace gecos::session {
 
 PeerLiveness::Verdict PeerLiveness::check(std::uint64_t heartbeats, TimePoint now) {
-  if (heartbeats != heartbeats_ || !last_sign_) {
+  if (heartbeats != heartbeats_ || !last_heard_) {
     heartbeats_ = heartbeats;
-    last_sign_ = now;
+    last_heard_ = now;
     return Verdict::Alive;
   }
   const Duration silent = silent_for(now);
@@ -14,7 +14,7 @@ PeerLiveness::Verdict PeerLiveness::check(std::uint64_t heartbeats, TimePoint no
 }
 
 Duration PeerLiveness::silent_for(TimePoint now) const {
-  return last_sign_ ? now - *last_sign_ : Duration::zero();
+  return last_heard_ ? now - *last_heard_ : Duration::zero();
 }
 
 }  // namespace gecos::session

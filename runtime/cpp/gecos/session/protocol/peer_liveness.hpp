@@ -27,7 +27,7 @@ class PeerLiveness {
   explicit PeerLiveness(Bounds bounds) : bounds_(bounds) {}
 
   /// The peer gave a sign of life other than a heartbeat.
-  void heard(TimePoint now) { last_sign_ = now; }
+  void heard(TimePoint now) { last_heard_ = now; }
   /// Of the heartbeats, only one after these `heartbeats` is a sign of life.
   void await_heartbeat_after(std::uint64_t heartbeats) { heartbeats_ = heartbeats; }
   /// `heartbeats`: how many have come so far.
@@ -37,7 +37,7 @@ class PeerLiveness {
  private:
   const Bounds bounds_;
   std::uint64_t heartbeats_ = 0;  ///< at the last check
-  std::optional<TimePoint> last_sign_;
+  std::optional<TimePoint> last_heard_;
 };
 
 }  // namespace gecos::session

@@ -6,32 +6,33 @@
 namespace gecos::session {
 
 ReceiveWindow::Verdict ReceiveWindow::arrived(std::uint64_t counter) {
-  if (counter <= all_up_to_) return Verdict::Seen;
-  if (counter - all_up_to_ > width) return Verdict::Beyond;
+  if (counter <= cumulative_ack_) return Verdict::Seen;
+  if (counter - cumulative_ack_ > width) return Verdict::Beyond;
   if (later_[counter % width]) return Verdict::Seen;
   later_[counter % width] = true;
   advance();
   return Verdict::New;
 }
 
-void ReceiveWindow::given_up(std::uint64_t counter) {
-  if (counter <= all_up_to_) return;
-  const std::uint64_t steps = std::min<std::uint64_t>(counter - all_up_to_, width);
-  for (std::uint64_t step = 1; step <= steps; ++step) later_[(all_up_to_ + step) % width] = false;
-  all_up_to_ = counter;
+void ReceiveWindow::abandoned(std::uint64_t counter) {
+  if (counter <= cumulative_ack_) return;
+  const std::uint64_t steps = std::min<std::uint64_t>(counter - cumulative_ack_, width);
+  for (std::uint64_t step = 1; step <= steps; ++step)
+    later_[(cumulative_ack_ + step) % width] = false;
+  cumulative_ack_ = counter;
   advance();
 }
 
 void ReceiveWindow::advance() {
-  while (later_[(all_up_to_ + 1) % width]) {
-    ++all_up_to_;
-    later_[all_up_to_ % width] = false;
+  while (later_[(cumulative_ack_ + 1) % width]) {
+    ++cumulative_ack_;
+    later_[cumulative_ack_ % width] = false;
   }
 }
 
 bool ReceiveWindow::seen(std::uint64_t counter) const {
-  if (counter <= all_up_to_) return true;
-  return counter - all_up_to_ <= width && later_[counter % width];
+  if (counter <= cumulative_ack_) return true;
+  return counter - cumulative_ack_ <= width && later_[counter % width];
 }
 
 void ReplyCache::keep(std::uint64_t counter, Bytes packet) {

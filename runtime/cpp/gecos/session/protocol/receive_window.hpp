@@ -21,20 +21,20 @@ class ReceiveWindow {
   /// Notes that `counter` arrived.
   Verdict arrived(std::uint64_t counter);
   /// Likewise, over a medium that neither loses nor repeats: all before it arrived too.
-  void arrived_in_order(std::uint64_t counter) { all_up_to_ = counter; }
+  void arrived_in_order(std::uint64_t counter) { cumulative_ack_ = counter; }
   /// Who sends has given up what has not arrived up to `counter`: from now on it counts as arrived.
-  void given_up(std::uint64_t counter);
+  void abandoned(std::uint64_t counter);
   bool seen(std::uint64_t counter) const;
   /// Highest counter up to which all arrived.
-  std::uint64_t all_up_to() const { return all_up_to_; }
+  std::uint64_t cumulative_ack() const { return cumulative_ack_; }
 
  private:
   void advance();
 
   static constexpr std::size_t width = 1024;
-  std::uint64_t all_up_to_ = 0;
+  std::uint64_t cumulative_ack_ = 0;
   std::bitset<width>
-      later_;  ///< later_[c % width]: c arrived, for all_up_to_ < c <= all_up_to_ + width
+      later_;  ///< later_[c % width]: c arrived, for cumulative_ack_ < c <= cumulative_ack_ + width
 };
 
 /// Replies that the client may still ask for, because its medium loses packets.

@@ -22,7 +22,8 @@ struct SampleTime {
   TimePoint measured{};
 };
 
-/// A stamp of the servant's own is compared with the wall clock once, as the sample is published.
+/// A stamp that the servant sets is compared with the wall clock once, when the sample is
+/// published.
 inline SampleTime sample_time(std::int64_t stamp_ns, const Clock& clock) {
   const auto wall = Duration(static_cast<std::int64_t>(clock.unix_seconds() * 1e9));
   const TimePoint now = clock.since_boot();

@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "gecos/description.hpp"
-#include "gecos/session/protocol/function_code.hpp"
+#include "gecos/session/protocol/builtin.hpp"
 
 namespace gecos::session {
 
@@ -34,7 +34,7 @@ constexpr std::size_t marked_word(CallLane lane) { return static_cast<std::size_
 /// built-in operation, which has no handler.
 inline std::uint8_t marked_words(const OperationDescription& operation) {
   const auto bit = [](CallLane lane) { return static_cast<std::uint8_t>(1U << marked_word(lane)); };
-  if (number(operation.code) <= last_builtin_code) return 0;
+  if (is_builtin(operation.code)) return 0;
   if (operation.safety) return bit(CallLane::Safety);
   if (operation.status != access::Status::Sensor) return bit(CallLane::Actor);
   const std::uint8_t sensor = bit(CallLane::Sensor);

@@ -3,14 +3,17 @@
 
 #include <algorithm>
 
-#include "gecos/session/protocol/builtin_codec.hpp"
-#include "gecos/session/protocol/function_code.hpp"
+#include "gecos/object_interface.hpp"  // generated from idl/gecos/object.gidl
 #include "gecos/session/protocol/packets.hpp"
 #include "gecos/session/server/call_log.hpp"
 #include "gecos/session/server/object_host.hpp"
+#include "gecos/wire/encodable.hpp"
 
 namespace gecos::session {
 namespace {
+
+access::Status status_of(Status status) { return static_cast<access::Status>(status); }
+Status status_of(access::Status status) { return static_cast<Status>(status); }
 
 double seconds(Duration duration) { return std::chrono::duration<double>(duration).count(); }
 
@@ -39,8 +42,8 @@ std::vector<Holder> shown(const std::vector<access::Holder>& roster, TimePoint n
   return lines;
 }
 
-Failure undecodable(const wire::Decoder& from) {
-  return {Detail::BadParameter, from.error().message(), {}, {}};
+Failure undecodable(const wire::DecodeError& why) {
+  return {Detail::BadParameter, why.message(), {}, {}};
 }
 
 /// Shorter than a client waits for any answer.
@@ -65,27 +68,18 @@ void ObjectHost::answer_builtin(const std::shared_ptr<ServerSession>& session,
     log_debug("server", name_ + ": " + who(session->caller()) + " calls the reserved operation " +
                             std::to_string(number(packet.header.code)));
   }
-  wire::Decoder from(packet.body);
-  switch (static_cast<BuiltIn>(number(packet.header.code))) {
-    case BuiltIn::Holders:
-      return holders(*session, counter);
-    case BuiltIn::Stop:
-      return stop(*session, counter);
-    case BuiltIn::Ping:
-      return session->reply(counter, ByteView{});
-    case BuiltIn::Describe:
-      return describe(*session, counter);
-    case BuiltIn::Acquire:
-      return acquire(session, counter, from);
-    case BuiltIn::Release:
-      return release(*session, counter, from);
-    case BuiltIn::Subscribe:
-      return subscribe(*session, counter, from);
-    case BuiltIn::Unsubscribe:
-      return unsubscribe(*session, counter, from);
-    case BuiltIn::Outcome:
-      return outcome(*session, counter, from);
-  }
+  using BuiltIn = GecosObjectInterface;
+  const ByteView arguments = packet.body;
+  const OperationDescription* const asked = BuiltIn::description.find(packet.header.code);
+  if (asked == &BuiltIn::holders) return holders(*session, counter);
+  if (asked == &BuiltIn::stop) return stop(*session, counter);
+  if (asked == &BuiltIn::ping) return session->reply(counter, ByteView{});
+  if (asked == &BuiltIn::describe) return describe(*session, counter);
+  if (asked == &BuiltIn::acquire) return acquire(session, counter, arguments);
+  if (asked == &BuiltIn::release) return release(*session, counter, arguments);
+  if (asked == &BuiltIn::subscribe) return subscribe(*session, counter, arguments);
+  if (asked == &BuiltIn::unsubscribe) return unsubscribe(*session, counter, arguments);
+  if (asked == &BuiltIn::outcome) return outcome(*session, counter, arguments);
   session->reply(counter, Failure{Detail::UnknownOperation,
                                   "reserved code " + std::to_string(number(packet.header.code)) +
                                       " is newer than this server",
@@ -94,7 +88,8 @@ void ObjectHost::answer_builtin(const std::shared_ptr<ServerSession>& session,
 }
 
 void ObjectHost::holders(ServerSession& session, std::uint64_t counter) {
-  session.reply(counter, blocks_bytes(shown(leases_.roster(), lease_clock_.now())));
+  const GecosObject_holders_result all{shown(leases_.roster(), lease_clock_.now())};
+  session.reply(counter, wire::encoded(all));
 }
 
 void ObjectHost::describe(ServerSession& session, std::uint64_t counter) {
@@ -106,7 +101,7 @@ void ObjectHost::describe(ServerSession& session, std::uint64_t counter) {
   about.simulated = options_.simulated;
   about.presence = options_.simulated ? "not required (simulated)" : "not checked yet";
   about.authentication = session.link().peer().uid ? "user and process, named by the kernel"
-                         : session.link().offer().same_host_only
+                         : session.link().offer().reach != media::Reach::Network
                              ? "this process"
                              : "key, proved by a handshake: " + session.link().peer().description;
   about.epoch = number(leases_.epoch());
@@ -115,26 +110,20 @@ void ObjectHost::describe(ServerSession& session, std::uint64_t counter) {
   about.pid = getpid();
   about.registration = claim_.text();
   about.handlers = running_handlers();
-  session.reply(counter, block_bytes(about));
+  session.reply(counter, wire::encoded(GecosObject_describe_result{std::move(about)}));
 }
 
 void ObjectHost::acquire(const std::shared_ptr<ServerSession>& session, std::uint64_t counter,
-                         wire::Decoder& from) {
-  Status wanted{};
-  std::optional<std::string> password;
-  const bool read =
-      decode_enum(from, wanted, "wanted") &&
-      (from.at_end() || wire::get_optional(from, password, "password", [&](std::string& text) {
-         return from.get_string(text, 1024, "password");
-       }));
-  if (!read) return session->reply(counter, undecodable(from));
-  if (status_of(wanted) == access::Status::Sensor) {
+                         ByteView arguments) {
+  auto asked = wire::decoded<GecosObject_acquire_arguments>(arguments);
+  if (!asked) return session->reply(counter, undecodable(asked.error()));
+  if (status_of(asked->wanted) == access::Status::Sensor) {
     return session->reply(
         counter,
         Failure{
             Detail::BadParameter, "sensor status is everybody's: acquire actor or master", {}, {}});
   }
-  Acquire what{wanted, password.value_or("")};
+  Acquire what{asked->wanted, std::move(asked->password).value_or("")};
   if (outlives_its_status() == nullptr) return grant(*session, counter, what);
   waiting_.push_back(
       {session, counter, std::move(what), runtime_->clock().now() + longest_wait_for_status});
@@ -155,8 +144,8 @@ void ObjectHost::grant(ServerSession& session, std::uint64_t counter, const Acqu
   }
   if (granted) {
     if (!held_before) session.held_from = number(granted->epoch);
-    return session.reply(counter,
-                         block_bytes(Grant{status_of(granted->status), number(granted->epoch)}));
+    const Grant given{status_of(granted->status), number(granted->epoch)};
+    return session.reply(counter, wire::encoded(GecosObject_acquire_result{given}));
   }
   session.reply(counter,
                 refusal(name_ + ": " + granted.error().text, shown(granted.error().holders, now)));
@@ -166,7 +155,7 @@ const ServerCall* ObjectHost::outlives_its_status() const {
   if (!leases_.roster().empty()) return nullptr;
   for (const QueueEntry* const entry : queue_.running()) {
     const auto& call = static_cast<const ServerCall&>(*entry);
-    if (call.terminal && call.operation().status != access::Status::Sensor) return &call;
+    if (call.state.ended() && call.operation().status != access::Status::Sensor) return &call;
   }
   return nullptr;
 }
@@ -183,6 +172,7 @@ void ObjectHost::refuse_waiting(TimePoint now) {
   if (runs == nullptr) return grant_to_waiting();
   std::erase_if(waiting_, [&](const WaitingForStatus& waiting) {
     if (now < waiting.give_up) return false;
+    mutex_.assert_held();
     access::Holder last;
     last.client = runs->session->client();
     last.since = last.expires = lease_clock_.now();
@@ -204,13 +194,12 @@ bool ObjectHost::waits_for_status(const ServerSession& session, std::uint64_t co
   });
 }
 
-void ObjectHost::release(ServerSession& session, std::uint64_t counter, wire::Decoder& from) {
+void ObjectHost::release(ServerSession& session, std::uint64_t counter, ByteView arguments) {
   using Commands = access::LeaseTable::Commands;
-  std::uint64_t epoch = 0;
-  bool now = false;
-  if (!from.get(epoch, "epoch") || !from.get(now, "now")) {
-    return session.reply(counter, undecodable(from));
-  }
+  const auto asked = wire::decoded<GecosObject_release_arguments>(arguments);
+  if (!asked) return session.reply(counter, undecodable(asked.error()));
+  const bool now = asked->now;
+  std::uint64_t epoch = asked->epoch;
   const std::uint64_t held_now = number(leases_.epoch());
   if (session.held_from <= epoch && epoch < held_now)
     epoch = held_now;  // stops of its own renewed it
@@ -239,22 +228,18 @@ void ObjectHost::stop(ServerSession& by, std::uint64_t counter) {
   by.reply(counter, ByteView{}, still_holds ? leases_.epoch() : Epoch{});
 }
 
-void ObjectHost::outcome(ServerSession& session, std::uint64_t counter, wire::Decoder& from) {
-  std::uint64_t boot = 0;
-  std::uint64_t asked = 0;
-  std::uint64_t which = 0;
-  if (!from.get(boot, "boot") || !from.get(asked, "session") || !from.get(which, "counter")) {
-    return session.reply(counter, undecodable(from));
-  }
+void ObjectHost::outcome(ServerSession& session, std::uint64_t counter, ByteView arguments) {
+  const auto asked = wire::decoded<GecosObject_outcome_arguments>(arguments);
+  if (!asked) return session.reply(counter, undecodable(asked.error()));
   OutcomeRecord record;
-  if (boot != number(process_boot())) {
+  if (asked->boot != number(process_incarnation())) {
     record = {
         number_of(Detail::OutcomeUnknown),
         "the server of " + name_ + " was started anew since; what came before it does not know"};
   } else {
-    record = outcome_of(SessionId{asked}, which);
+    record = outcome_of(SessionId{asked->session}, asked->counter);
   }
-  session.reply(counter, block_bytes(record));
+  session.reply(counter, wire::encoded(GecosObject_outcome_result{std::move(record)}));
 }
 
 OutcomeRecord ObjectHost::outcome_of(SessionId asked, std::uint64_t counter) {
@@ -265,14 +250,14 @@ OutcomeRecord ObjectHost::outcome_of(SessionId asked, std::uint64_t counter) {
                             "it has not arrived, and does not start if it still arrives"};
   if (const auto session = outcomes_.open(asked)) {
     if (const auto* call = session->calls.find(counter)) {
-      return {number_of((*call)->running_detail()), {}};
+      return {number_of((*call)->state.detail()), {}};
     }
-    if (session->early.contains(counter)) {
+    if (session->intake.is_aside(counter)) {
       return {number_of(Detail::Queued), "it waits for what was issued before it"};
     }
-    if (!session->window.seen(counter)) {
+    if (!session->intake.seen(counter)) {
       if (!session->repeats()) return {number_of(Detail::Sent), "it is on its way"};
-      if (session->window.arrived(counter) == ReceiveWindow::Verdict::Beyond) {
+      if (session->intake.reject_late(counter) == ReceiveWindow::Verdict::Beyond) {
         return {
             number_of(Detail::Sent),
             "it has not arrived, and is too far ahead of a missing one to be barred; ask again"};
@@ -290,16 +275,17 @@ OutcomeRecord ObjectHost::outcome_of(SessionId asked, std::uint64_t counter) {
       "of sensor operations"};
 }
 
-void ObjectHost::subscribe(ServerSession& session, std::uint64_t counter, wire::Decoder& from) {
-  std::uint32_t code = 0;
-  if (!from.get(code, "code")) return session.reply(counter, undecodable(from));
-  const StreamDescription* stream = interface_.find_stream(FunctionCode{code});
+void ObjectHost::subscribe(ServerSession& session, std::uint64_t counter, ByteView arguments) {
+  const auto asked = wire::decoded<GecosObject_subscribe_arguments>(arguments);
+  if (!asked) return session.reply(counter, undecodable(asked.error()));
+  const StreamDescription* stream = interface_.find_stream(FunctionCode{asked->code});
   if (stream == nullptr) {
-    return session.reply(counter, Failure{Detail::UnknownOperation,
-                                          name_ + " (" + std::string(interface_.name) +
-                                              ") has no stream with code " + std::to_string(code),
-                                          {},
-                                          {}});
+    return session.reply(counter,
+                         Failure{Detail::UnknownOperation,
+                                 name_ + " (" + std::string(interface_.name) +
+                                     ") has no stream with code " + std::to_string(asked->code),
+                                 {},
+                                 {}});
   }
   const auto may =
       leases_.may_queue(session.id(), leases_.epoch(), stream->status, lease_clock_.now());
@@ -313,15 +299,13 @@ void ObjectHost::subscribe(ServerSession& session, std::uint64_t counter, wire::
   const auto shared = session.share(*stream);
   if (!shared) return session.reply(counter, Failure{Detail::Rejected, shared.error(), {}, {}});
   session.subscriptions[stream->code] = *shared;
-  Bytes result(sizeof *shared);
-  wire::Encoder(result).put(*shared);
-  session.reply(counter, result);
+  session.reply(counter, wire::encoded(GecosObject_subscribe_result{*shared}));
 }
 
-void ObjectHost::unsubscribe(ServerSession& session, std::uint64_t counter, wire::Decoder& from) {
-  std::uint32_t code = 0;
-  if (!from.get(code, "code")) return session.reply(counter, undecodable(from));
-  const auto found = session.subscriptions.find(FunctionCode{code});
+void ObjectHost::unsubscribe(ServerSession& session, std::uint64_t counter, ByteView arguments) {
+  const auto asked = wire::decoded<GecosObject_unsubscribe_arguments>(arguments);
+  if (!asked) return session.reply(counter, undecodable(asked.error()));
+  const auto found = session.subscriptions.find(FunctionCode{asked->code});
   if (found != session.subscriptions.end()) {
     session.unshare(found->second);
     session.subscriptions.erase(found);

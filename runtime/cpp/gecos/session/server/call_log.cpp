@@ -43,7 +43,7 @@ void log_refused(std::string_view object, const OperationDescription& operation,
 
 void log_arrival(std::string_view object, ServerSession& session) {
   log_info("server", std::string(object) + ": " + who(session.caller()) + " comes over " +
-                         std::string(media::to_string(session.link().offer().kind)));
+                         std::string(session.link().offer().name));
 }
 
 void log_departure(std::string_view object, const ServerSession& session) {

@@ -9,7 +9,7 @@
 namespace gecos::session {
 
 bool Executor::post(std::function<void()> job) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (ended_) return false;
   jobs_.push_back(std::move(job));
   if (jobs_.size() > idle_ && threads_.size() < most_threads) {
@@ -33,10 +33,10 @@ bool Executor::post(std::function<void()> job) {
 }
 
 void Executor::run() {
-  std::unique_lock lock(mutex_);
+  MutexLock lock(mutex_);
   for (;;) {
     ++idle_;
-    work_.wait(lock, [this] { return ended_ || !jobs_.empty(); });
+    while (!ended_ && jobs_.empty()) work_.wait(lock);
     --idle_;
     if (jobs_.empty()) return;
     auto job = std::move(jobs_.front());
@@ -51,7 +51,7 @@ void Executor::run() {
 void Executor::join() {
   std::vector<std::thread> threads;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     ended_ = true;
     threads.swap(threads_);
   }

@@ -1,12 +1,12 @@
 #pragma once
 
-#include <condition_variable>
 #include <deque>
 #include <functional>
-#include <mutex>
 #include <string>
 #include <thread>
 #include <vector>
+
+#include "gecos/base/mutex.hpp"
 
 namespace gecos::session {
 
@@ -31,13 +31,14 @@ class Executor {
   void run();
 
   const std::string name_;
-  std::mutex mutex_;
-  std::condition_variable work_;
-  std::deque<std::function<void()>> jobs_;
-  std::vector<std::thread> threads_;
-  std::size_t idle_ = 0;
-  bool without_thread_ = false;  ///< the system gave none when one was asked for last
-  bool ended_ = false;
+  Mutex mutex_;
+  ConditionVariable work_;
+  std::deque<std::function<void()>> jobs_ GECOS_GUARDED_BY(mutex_);
+  std::vector<std::thread> threads_ GECOS_GUARDED_BY(mutex_);
+  std::size_t idle_ GECOS_GUARDED_BY(mutex_) = 0;
+  /// The system gave none when one was asked for last.
+  bool without_thread_ GECOS_GUARDED_BY(mutex_) = false;
+  bool ended_ GECOS_GUARDED_BY(mutex_) = false;
 };
 
 }  // namespace gecos::session

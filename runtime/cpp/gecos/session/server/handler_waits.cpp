@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <map>
-#include <mutex>
 #include <utility>
 
+#include "gecos/base/mutex.hpp"
 #include "gecos/session/process/runtime.hpp"
 #include "gecos/session/server/object_host.hpp"
 #include "gecos/session/server/server_call.hpp"
@@ -13,8 +13,8 @@ namespace gecos::session {
 namespace {
 
 struct Sessions {
-  std::mutex mutex;
-  std::map<SessionId, std::weak_ptr<ObjectHost>> objects;
+  Mutex mutex;
+  std::map<SessionId, std::weak_ptr<ObjectHost>> objects GECOS_GUARDED_BY(mutex);
 };
 
 Sessions& sessions() {
@@ -48,18 +48,18 @@ bool leads_back(Calls& way) {
 }  // namespace
 
 void note_session(SessionId id, std::weak_ptr<ObjectHost> object) {
-  const std::lock_guard lock(sessions().mutex);
+  const MutexLock lock(sessions().mutex);
   sessions().objects.insert_or_assign(id, std::move(object));
 }
 
 void forget_session(SessionId id) {
-  const std::lock_guard lock(sessions().mutex);
+  const MutexLock lock(sessions().mutex);
   sessions().objects.erase(id);
 }
 
 std::shared_ptr<ObjectHost> object_in(const CommandId& call) {
-  if (call.boot != number(process_boot())) return nullptr;
-  const std::lock_guard lock(sessions().mutex);
+  if (call.incarnation != number(process_incarnation())) return nullptr;
+  const MutexLock lock(sessions().mutex);
   const auto found = sessions().objects.find(SessionId{call.session});
   return found == sessions().objects.end() ? nullptr : found->second.lock();
 }

@@ -10,18 +10,18 @@ bool ObjectHost::needs_name(const OperationDescription& operation) const {
 }
 
 void ObjectHost::claim_name() {
-  const Lock lock(mutex_);
+  const MutexLock lock(mutex_);
   claim_.ask();
 }
 
 std::uint64_t ObjectHost::name_question() {
-  const Lock lock(mutex_);
+  const MutexLock lock(mutex_);
   return claim_.question();
 }
 
 void ObjectHost::name_held(std::uint64_t question) {
   {
-    const Lock lock(mutex_);
+    const MutexLock lock(mutex_);
     const bool waited = claim_.waits();
     if (!claim_.held(question)) return;
     note_ready();
@@ -31,19 +31,19 @@ void ObjectHost::name_held(std::uint64_t question) {
 }
 
 void ObjectHost::name_provisional() {
-  const Lock lock(mutex_);
+  const MutexLock lock(mutex_);
   claim_.provisional();
 }
 
 void ObjectHost::name_unanswered(std::uint64_t question, const std::string& why) {
   std::string text;
   {
-    const Lock lock(mutex_);
+    const MutexLock lock(mutex_);
     if (!claim_.unanswered(question, why)) return;
     text = "actor commands of " + name_ + " are not started: " + claim_.text();
     end_commands(
         [](const ServerCall& call) {
-          return !call.started && commands_the_object(call.operation());
+          return call.state.queued() && commands_the_object(call.operation());
         },
         Failure{Detail::NotStarted, text, {}, {}});
   }
@@ -54,7 +54,7 @@ void ObjectHost::name_unanswered(std::uint64_t question, const std::string& why)
 void ObjectHost::name_taken(const std::string& by) {
   std::string why;
   {
-    const Lock lock(mutex_);
+    const MutexLock lock(mutex_);
     if (!claim_.taken(by)) return;
     why = claim_.text();
     leases_.stop(SessionId{}, why);

@@ -5,7 +5,8 @@
 #include <algorithm>
 
 #include "gecos/base/recycling_allocator.hpp"
-#include "gecos/session/protocol/function_code.hpp"
+#include "gecos/object_interface.hpp"  // generated from idl/gecos/object.gidl
+#include "gecos/session/protocol/builtin.hpp"
 #include "gecos/session/protocol/packets.hpp"
 #include "gecos/session/server/call_log.hpp"
 #include "gecos/session/server/handler_waits.hpp"
@@ -13,14 +14,6 @@
 
 namespace gecos::session {
 namespace {
-
-/// While this process was stopped, say: its client has been told that nobody knows, or asks again.
-/// Where the medium loses nothing, a call also waits unread behind handlers that take long, which
-/// is no reason to refuse it: there only a pause is.
-bool waited_too_long(ServerSession& session) {
-  return (session.repeats() || session.awaited) && session.accept_within > Duration{} &&
-         session.link().age() > session.accept_within;
-}
 
 std::string text_of(ObjectQueue::Full full, std::size_t bytes) {
   const auto calls = [](std::size_t most, const char* whose) {
@@ -44,7 +37,7 @@ std::string text_of(ObjectQueue::Full full, std::size_t bytes) {
   return {};
 }
 
-constexpr const char* given_up = "it was not started: its caller had given it up";
+constexpr const char* not_started = "it was not started: its caller had given it up";
 
 SessionId new_session_id() {
   std::uint64_t id = 0;
@@ -69,13 +62,13 @@ std::string user_of(const media::Peer& peer, const std::string& claimed) {
 }  // namespace
 
 void ObjectHost::take(const std::shared_ptr<ServerSession>& session, ByteView bytes) {
-  const Lock lock(mutex_);
+  const MutexLock lock(mutex_);
   take_packet(session, bytes);
 }
 
 std::shared_ptr<ServerCall> ObjectHost::take_and_start(
     const std::shared_ptr<ServerSession>& session, ByteView bytes, Starter starter) {
-  const Lock lock(mutex_);
+  const MutexLock lock(mutex_);
   take_packet(session, bytes);
   return ready() ? start_next(starter) : nullptr;
 }
@@ -113,13 +106,9 @@ void ObjectHost::take_packet(const std::shared_ptr<ServerSession>& session, Byte
   }
 }
 
-/// What its client has given up comes no more: nothing waits for it.
 void ObjectHost::acknowledge(const std::shared_ptr<ServerSession>& session, std::uint64_t counter) {
   session->replies->acknowledged(counter);
-  if (counter <= session->window.all_up_to()) return;
-  session->early.erase(session->early.begin(), session->early.upper_bound(counter));
-  session->window.given_up(counter);
-  take_early(session);
+  if (session->intake.given_up(counter)) take_early(session);
 }
 
 void ObjectHost::greet(const std::shared_ptr<ServerSession>& session,
@@ -149,11 +138,11 @@ void ObjectHost::greet(const std::shared_ptr<ServerSession>& session,
     caller.host = hello->host;
     caller.program = hello->program;
     caller.pid = session->link().peer().pid.value_or(hello->pid);
-    caller.boot = hello->boot;
+    caller.incarnation = hello->incarnation;
     const SessionId id = new_session_id();
     caller.session = number(id);
     session->greet(id, std::move(caller));
-    session->accept_within = hello->accept_within;
+    session->intake.accept_within(hello->accept_within);
     session->liveness.heard(lease_clock_.now());
     outcomes_.opened(id, session);
     note_session(id, weak_from_this());
@@ -163,7 +152,7 @@ void ObjectHost::greet(const std::shared_ptr<ServerSession>& session,
                   std::string(interface_.name),
                   {},
                   interface_.hash,
-                  number(process_boot()),
+                  number(process_incarnation()),
                   static_cast<std::uint32_t>(ObjectQueue::most_of_object),
                   {}};
   welcome.bases.assign(interface_.bases.begin(), interface_.bases.end());
@@ -184,17 +173,14 @@ bool ObjectHost::unheard_since_a_pause(const ServerSession& session) const {
 
 /// Its client has given up what has not started.
 void ObjectHost::withdraw(ServerSession& session) {
-  session.withdrawn = true;  // also for what waits for its thread
-  while (!session.early.empty()) {
-    end_early(session, session.early.begin()->first, Detail::NotStarted, given_up);
+  session.intake.withdraw();  // also for what waits for its thread
+  while (const auto counter = session.intake.first_aside()) {
+    end_early(session, *counter, Detail::NotStarted, not_started);
   }
   std::vector<std::shared_ptr<ServerCall>> calls;
   for (const auto& [counter, call] : session.calls.all()) calls.push_back(call);
   for (const auto& call : calls) {
-    if (!queue_.remove(*call)) continue;
-    end(*call, Failure{Detail::NotStarted, given_up, {}, {}});
-    call->answered = call->returned = true;
-    finished(*call);
+    if (call->state.queued()) end(*call, Failure{Detail::NotStarted, not_started, {}, {}});
   }
   note_ready();
 }
@@ -203,38 +189,28 @@ void ObjectHost::say_goodbye(ServerSession& session, SessionId to, const std::st
   wire::PacketHeader header;
   header.kind = wire::PacketKind::Goodbye;
   header.session = to;
-  Bytes body(wire::string_size(why));
-  wire::Encoder(body).put_string(why);
-  session.send(header, body);
+  session.send(header, goodbye_body(why));
 }
 
 void ObjectHost::arrive(const std::shared_ptr<ServerSession>& session,
                         const wire::PacketView& packet) {
   const std::uint64_t counter = packet.header.counter;
-  if (waited_too_long(*session)) {
-    if (session->repeats()) return;  // its client asks again, or has given it up
-    session->window.arrived_in_order(counter);
-    const std::string why = "it was not started: it lay unread for more than " +
-                            std::to_string(session->accept_within / std::chrono::milliseconds(1)) +
-                            " ms, because this process or its machine was kept from running";
-    outcomes_.ended({session->id(), counter, Detail::NotStarted, why});
-    return session->reply(counter, Failure{Detail::NotStarted, why, {}, {}});
-  }
-  if (session->repeats()) {
-    // What was issued before a release still runs: until all of it is here, it has not arrived.
-    const bool release =
-        packet.header.code == FunctionCode{static_cast<std::uint32_t>(BuiltIn::Release)};
-    if (release && counter > session->window.all_up_to() + 1) return;
-    switch (session->window.arrived(counter)) {
-      case ReceiveWindow::Verdict::New:
-        break;
-      case ReceiveWindow::Verdict::Seen:
-        return answer_again(*session, counter);
-      case ReceiveWindow::Verdict::Beyond:
-        return;  // answered now, a copy of it could still start later
-    }
-  } else {
-    session->window.arrived_in_order(counter);
+  // What was issued before a release still runs: until all of it is here, it has not arrived.
+  const bool release = packet.header.code == GecosObjectInterface::release.code;
+  const bool unheard = session->awaited;
+  const bool judged = session->intake.judges_age(unheard);
+  switch (session->intake.arrived({.counter = counter,
+                                   .age = judged ? session->link().age() : Duration{},
+                                   .unheard = unheard,
+                                   .needs_all = release})) {
+    case Intake::Verdict::Take:
+      break;
+    case Intake::Verdict::Seen:
+      return answer_again(*session, counter);
+    case Intake::Verdict::Ignore:
+      return;
+    case Intake::Verdict::TooLate:
+      return refuse_late(*session, counter);
   }
   wire::PacketView aged = packet;
   if (Duration& left = aged.header.deadline; left > Duration{}) {
@@ -244,12 +220,22 @@ void ObjectHost::arrive(const std::shared_ptr<ServerSession>& session,
   take_early(session);
 }
 
+/// While this process was stopped, say: its client has been told that nobody knows, or asks again.
+void ObjectHost::refuse_late(ServerSession& session, std::uint64_t counter) {
+  const std::string why =
+      "it was not started: it lay unread for more than " +
+      std::to_string(session.intake.accepts_within() / std::chrono::milliseconds(1)) +
+      " ms, because this process or its machine was kept from running";
+  outcomes_.ended({session.id(), counter, Detail::NotStarted, why});
+  session.reply(counter, Failure{Detail::NotStarted, why, {}, {}});
+}
+
 void ObjectHost::take_call(const std::shared_ptr<ServerSession>& session,
                            const wire::PacketView& packet) {
   const std::uint64_t counter = packet.header.counter;
   const FunctionCode code = packet.header.code;
-  if (number(code) <= last_builtin_code) return answer_builtin(session, packet);
   if (packet.header.flags == sent_again) return take_again(session, packet);
+  if (is_builtin(code)) return answer_builtin(session, packet);
   const OperationDescription* operation = interface_.find(code);
   if (operation == nullptr) {
     return session->reply(
@@ -263,7 +249,7 @@ void ObjectHost::take_call(const std::shared_ptr<ServerSession>& session,
   }
   const std::size_t most =
       ObjectQueue::most_of_object + (operation->safety ? ObjectQueue::most_of_object / 4 : 0);
-  if (session->calls.size() + session->early.size() >= most) {  // which no client of ours does
+  if (session->calls.size() + session->intake.aside() >= most) {  // which no client of ours does
     return session->reply(
         counter, Failure{Detail::QueueFull, "more calls are unanswered than were granted", {}, {}});
   }
@@ -275,46 +261,36 @@ void ObjectHost::take_call(const std::shared_ptr<ServerSession>& session,
 bool ObjectHost::too_early(ServerSession& session, const wire::PacketView& packet,
                            const OperationDescription& operation) {
   const bool keeps_place = operation.status != access::Status::Sensor || operation.ordered;
-  if (!session.repeats() || operation.safety || !keeps_place ||
-      packet.header.counter <= session.window.all_up_to()) {
+  if (operation.safety || !keeps_place || !session.intake.too_early(packet.header.counter)) {
     return false;
   }
-  std::size_t bytes = packet.body.size();
-  for (const auto& [counter, other] : session.early) bytes += other.body.size();
-  if (!session.early.empty() && bytes > ObjectQueue::most_bytes_of_client) {
+  if (!session.intake.put_aside(packet, runtime_->clock().since_boot())) {
     const auto why = text_of(ObjectQueue::Full::BytesOfClient, packet.body.size());
     end_early(session, packet.header.counter, Detail::QueueFull, "it was not queued: " + why);
-    return true;
   }
-  session.early.emplace(packet.header.counter,
-                        EarlyCall{packet.header, Bytes(packet.body.begin(), packet.body.end()),
-                                  runtime_->clock().since_boot()});
   return true;
 }
 
 void ObjectHost::end_early(ServerSession& session, std::uint64_t counter, Detail how,
                            const std::string& why) {
-  session.early.erase(counter);
+  session.intake.drop(counter);
   outcomes_.ended({session.id(), counter, how, why});
   session.reply(counter, Failure{how, why, {}, {}});
 }
 
 /// Those that nothing is missing before any more.
 void ObjectHost::take_early(const std::shared_ptr<ServerSession>& session) {
-  auto& early = session->early;
-  while (!early.empty() && early.begin()->first <= session->window.all_up_to()) {
-    EarlyCall call = std::move(early.extract(early.begin()).mapped());
-    if (call.header.deadline > Duration{}) {
-      const Duration waited = runtime_->clock().since_boot() - call.arrived;
-      call.header.deadline = std::max(call.header.deadline - waited, Duration{1});
-    }
-    take_call(session, {call.header, call.body, {}});
+  if (session->intake.aside() == 0) return;
+  const TimePoint now = runtime_->clock().since_boot();
+  while (const auto call = session->intake.next(now)) {
+    take_call(session, {call->header, call->body, {}});
   }
 }
 
 void ObjectHost::admit(const std::shared_ptr<ServerSession>& session,
                        const wire::PacketView& packet, const OperationDescription& operation) {
   const auto refuse = [&](const Failure& failure) {
+    mutex_.assert_held();
     if (operation.status != access::Status::Sensor) {
       outcomes_.ended({session->id(), packet.header.counter, failure.detail, failure.text});
     }
@@ -329,7 +305,7 @@ void ObjectHost::admit(const std::shared_ptr<ServerSession>& session,
                                         packet.header.epoch, packet.body);
   if (log_enabled(level_of(operation))) call->arrived = runtime_->clock().now();
   if (packet.header.deadline > Duration{}) {
-    call->deadline = expiry(packet.header.deadline, runtime_->clock().since_boot());
+    call->state.set_deadline(expiry(packet.header.deadline, runtime_->clock().since_boot()));
   }
   if (const auto queued = queue_.push(call); !queued) {
     return refuse({Detail::QueueFull,
@@ -349,7 +325,7 @@ void ObjectHost::admit(const std::shared_ptr<ServerSession>& session,
       if (position != 0) session->report(*call, Detail::Queued, position);
     }
   }
-  if (call->deadline != TimePoint::max()) list(*call);
+  if (call->state.has_deadline()) list(*call);
   note_ready();
 }
 
@@ -368,8 +344,8 @@ void ObjectHost::answer_again(ServerSession& session, std::uint64_t counter) {
   if (found == nullptr) {
     // Never seen: its call is on the way again. Acknowledged: a packet that was late. Early: it has
     // not arrived yet as far as its caller shall know.
-    if (session.early.contains(counter) || waits_for_status(session, counter)) return;
-    if (!session.window.seen(counter) || !session.replies->awaited(counter)) return;
+    if (session.intake.is_aside(counter) || waits_for_status(session, counter)) return;
+    if (!session.intake.seen(counter) || !session.replies->awaited(counter)) return;
     return session.reply(counter,
                          Failure{Detail::OutcomeUnknown,
                                  "it came to an end, but its answer was lost and is not kept"
@@ -378,35 +354,32 @@ void ObjectHost::answer_again(ServerSession& session, std::uint64_t counter) {
                                  {}});
   }
   const ServerCall& call = **found;
-  session.report(call, call.running_detail(), queue_.position(call).value_or(0));
+  session.report(call, call.state.detail(), queue_.position(call).value_or(0));
 }
 
 void ObjectHost::cancel(ServerSession& session, std::uint64_t counter) {
-  if (session.early.contains(counter)) {
+  if (session.intake.is_aside(counter)) {
     return end_early(session, counter, Detail::Canceled, "canceled before it started");
   }
   const auto* found = session.calls.find(counter);
   if (found == nullptr) return;
   const std::shared_ptr<ServerCall> call = *found;
-  const bool motion = call->started && call->operation().cancelable;
-  if (motion && !call->canceling) {
-    call->canceling = true;
+  if (call->state.queued()) {
+    end(*call, Failure{Detail::Canceled, "canceled before it started", {}, {}});
+    note_ready();
+  } else if (call->operation().cancelable && !call->state.canceling()) {
+    call->state.on(CallState::Event::Cancel);
     interrupt(*call);
     session.report(*call, Detail::Canceling, 0);
     end_commands(
         [&](const ServerCall& other) {
-          return other.client == call->client && !other.started && other.counter > call->counter;
+          return other.client == call->client && other.state.queued() &&
+                 other.counter > call->counter;
         },
         Failure{Detail::Canceled, "canceled with the command before it", {}, {}});
-    for (auto at = session.early.upper_bound(counter); at != session.early.end();
-         at = session.early.upper_bound(counter)) {
-      end_early(session, at->first, Detail::Canceled, "canceled with the command before it");
+    while (const auto later = session.intake.first_aside(counter)) {
+      end_early(session, *later, Detail::Canceled, "canceled with the command before it");
     }
-  } else if (!call->started && queue_.remove(*call)) {
-    end(*call, Failure{Detail::Canceled, "canceled before it started", {}, {}});
-    call->answered = call->returned = true;
-    finished(*call);
-    note_ready();
   }
 }
 

@@ -1,5 +1,4 @@
 // A call that its client sends again because it lost the session in which it had sent it.
-#include "gecos/session/protocol/function_code.hpp"
 #include "gecos/session/protocol/packets.hpp"
 #include "gecos/session/server/object_host.hpp"
 
@@ -11,27 +10,28 @@ namespace gecos::session {
 void ObjectHost::take_again(const std::shared_ptr<ServerSession>& session,
                             const wire::PacketView& packet) {
   wire::Decoder from(packet.body);
-  std::uint64_t lost = 0;
-  std::uint64_t counter = 0;
-  if (!from.get(lost, "session") || !from.get(counter, "counter")) {
+  SentBefore sent;
+  if (!sent.decode(from)) {
     return session->reply(packet.header.counter,
                           Failure{Detail::BadParameter, from.error().message(), {}, {}});
   }
+  const SessionId lost{sent.session};
   wire::PacketView call = packet;
   call.header.flags = 0;
   call.body = packet.body.subspan(packet.body.size() - from.remaining());
   const OperationDescription* const operation = interface_.find(packet.header.code);
-  if (operation == nullptr || !operation->idempotent || SessionId{lost} == session->id()) {
+  if (operation == nullptr || !operation->idempotent || lost == session->id()) {
     return take_call(session, call);
   }
-  if (const Bytes* const kept = outcomes_.reply(SessionId{lost}, counter)) {
+  if (const Bytes* const kept = outcomes_.reply(lost, sent.counter)) {
     if (const auto reply = wire::decode_packet(*kept)) {
       return session->reply_as(packet.header.counter, *reply);
     }
   }
-  if (const auto before = outcomes_.session(SessionId{lost})) {
-    if (const auto* found = before->calls.find(counter)) return resume(session, packet, *found);
-    reject_late(before, counter);
+  if (const auto before = outcomes_.session(lost)) {
+    if (const auto* found = before->calls.find(sent.counter))
+      return resume(session, packet, *found);
+    reject_late(before, sent.counter);
   }
   take_call(session, call);
 }
@@ -47,15 +47,15 @@ void ObjectHost::resume(const std::shared_ptr<ServerSession>& session,
   call->resumed_in = session;
   call->resumed_counter = packet.header.counter;
   session->calls.insert(call->resumed_counter, call);
-  session->report(*call, call->running_detail(), queue_.position(*call).value_or(0));
+  session->report(*call, call->state.detail(), queue_.position(*call).value_or(0));
 }
 
 /// Should it still come in its own session, it is too late.
 void ObjectHost::reject_late(const std::shared_ptr<ServerSession>& before, std::uint64_t counter) {
   if (before->closed || !before->repeats()) return;
-  if (before->early.contains(counter)) {
+  if (before->intake.is_aside(counter)) {
     end_early(*before, counter, Detail::NotStarted, "it was sent again in another session");
-  } else if (before->window.arrived(counter) == ReceiveWindow::Verdict::New) {
+  } else if (before->intake.reject_late(counter) == ReceiveWindow::Verdict::New) {
     take_early(before);
   }
 }

@@ -8,36 +8,35 @@
 namespace gecos::session {
 
 void ObjectHost::waits(ServerCall& call, const CommandId& awaited, std::string name) {
-  const Lock lock(mutex_);
-  if (call.begun == TimePoint{} || call.awaited) return;
-  call.awaited = awaited;
-  call.awaited_name = std::move(name);
-  call.awaited_since = runtime_->clock().now();
+  const MutexLock lock(mutex_);
+  if (!call.state.begun_at() || call.state.phase() == CallState::Phase::Finished) return;
+  if (call.waits_for) return;
+  call.waits_for = {awaited, std::move(name), runtime_->clock().now()};
   ++waiting_handlers_;
 }
 
 void ObjectHost::goes_on(ServerCall& call) {
-  const Lock lock(mutex_);
-  if (std::exchange(call.awaited, std::nullopt)) --waiting_handlers_;
+  const MutexLock lock(mutex_);
+  if (std::exchange(call.waits_for, std::nullopt)) --waiting_handlers_;
 }
 
 std::optional<CommandId> ObjectHost::awaited_by(const ServerCall& call) {
-  const Lock lock(mutex_);
-  return call.awaited;
+  const MutexLock lock(mutex_);
+  return call.waits_for ? std::optional(call.waits_for->command) : std::nullopt;
 }
 
 std::shared_ptr<ServerCall> ObjectHost::find(const CommandId& call) {
-  const Lock lock(mutex_);
+  const MutexLock lock(mutex_);
   const auto session = outcomes_.open(SessionId{call.session});
   const auto* const found = session == nullptr ? nullptr : session->calls.find(call.counter);
   return found == nullptr ? nullptr : *found;
 }
 
 std::vector<std::shared_ptr<ServerCall>> ObjectHost::held_up_by(const ServerCall& call) {
-  const Lock lock(mutex_);
+  const MutexLock lock(mutex_);
   std::vector<std::shared_ptr<ServerCall>> holding;
-  if (call.begun != TimePoint{} || call.terminal || call.deadline != TimePoint::max()) return {};
-  if (call.started) {  // it is queued by a servant that begins its calls itself
+  if (call.state.begun_at() || call.state.ended() || call.state.has_deadline()) return {};
+  if (!call.state.queued()) {  // it is queued by a servant that begins its calls itself
     for (ServerCall* const handler : handlers_) {
       if (!servant_.gecos_share_thread(handler->operation(), call.operation())) continue;
       holding.push_back(handler->shared_from_this());
@@ -46,7 +45,7 @@ std::vector<std::shared_ptr<ServerCall>> ObjectHost::held_up_by(const ServerCall
   }
   if (!options_.thread_safe) {
     for (ServerCall* const handler : handlers_) {
-      if (!handler->returned) holding.push_back(handler->shared_from_this());
+      if (!handler->state.returned()) holding.push_back(handler->shared_from_this());
     }
   }
   if (call.lane == CallLane::Actor) {
@@ -63,10 +62,11 @@ void ObjectHost::end_endless_waits(TimePoint now) {
   constexpr Duration certain_after = std::chrono::milliseconds(200);
   std::vector<std::shared_ptr<ServerCall>> waiting;
   {
-    const Lock lock(mutex_);
+    const MutexLock lock(mutex_);
     if (waiting_handlers_ == 0) return;
     for (ServerCall* const handler : handlers_) {
-      if (!handler->awaited || now - handler->awaited_since < certain_after) continue;
+      const auto& wait = handler->waits_for;
+      if (!wait || now - wait->since < certain_after) continue;
       waiting.push_back(handler->shared_from_this());
     }
   }
@@ -83,16 +83,12 @@ void ObjectHost::end_endless_waits(TimePoint now) {
 void ObjectHost::refuse_endless(const CommandId& id, const std::string& why) {
   const auto call = find(id);
   if (call == nullptr) return;
-  const Lock lock(mutex_);
-  if (call->terminal || call->begun != TimePoint{}) return;
+  const MutexLock lock(mutex_);
+  if (call->state.ended() || call->state.begun_at()) return;
   const std::string text = call->title() + " was not started: " + why +
                            "; call the method itself, or let another thread wait";
   log_warning("server", text);
-  const bool waited_here = queue_.remove(*call);
-  end(*call, Failure{Detail::Rejected, text, {}, {}});
-  if (!waited_here) return;  // its servant drops it
-  call->answered = call->returned = true;
-  finished(*call);
+  end(*call, Failure{Detail::Rejected, text, {}, {}});  // a servant that has queued it drops it
   note_ready();
 }
 
@@ -103,12 +99,12 @@ std::vector<RunningHandler> ObjectHost::running_handlers() {
     RunningHandler& line = handlers.emplace_back();
     const Caller& caller = call->caller();
     line.operation = call->operation().name;
-    line.running_for = std::chrono::duration<double>(now - call->begun).count();
+    line.running_for = std::chrono::duration<double>(now - *call->state.begun_at()).count();
     line.user = caller.user;
     line.host = caller.host;
     line.program = caller.program;
     line.pid = caller.pid;
-    if (call->awaited) line.waits_for = call->awaited_name;
+    if (call->waits_for) line.waits_for = call->waits_for->name;
   }
   return handlers;
 }

@@ -50,7 +50,7 @@ IoLoop::~IoLoop() { end(); }
 void IoLoop::serve(std::shared_ptr<ObjectHost> object, std::shared_ptr<media::Acceptor> acceptor) {
   object->streams().offer(acceptor);
   {
-    const std::lock_guard list(list_mutex_);
+    const MutexLock list(list_mutex_);
     new_doors_.push_back(std::make_unique<Door>(Door{std::move(object), std::move(acceptor)}));
   }
   wakeup_.ring();
@@ -59,7 +59,7 @@ void IoLoop::serve(std::shared_ptr<ObjectHost> object, std::shared_ptr<media::Ac
 void IoLoop::open_doors() {
   std::vector<std::unique_ptr<Door>> opened;
   {
-    const std::lock_guard list(list_mutex_);
+    const MutexLock list(list_mutex_);
     opened.swap(new_doors_);
   }
   for (auto& door : opened) {
@@ -82,55 +82,60 @@ void IoLoop::add_descriptor(int descriptor, std::uint64_t key) {
 // Polling
 
 void IoLoop::run() {
-  Polling polling(polling_);
+  const MutexLock polling(polling_);
   main_id_ = std::this_thread::get_id();
   spin_.begin();
-  while (!ended_.load()) turn(polling);
+  while (!ended_.load()) turn();
   wakeup_.ring();  // for a standby that sleeps on the same events
 }
 
 void IoLoop::run_standby() {
   for (;;) {
     {
-      std::unique_lock called(standby_mutex_);
-      standby_called_.wait(called, [this] { return standby_wanted_ || ended_.load(); });
+      MutexLock called(standby_mutex_);
+      while (!standby_wanted_ && !ended_.load()) standby_called_.wait(called);
       standby_wanted_ = false;
     }
     if (ended_.load()) return;
-    Polling polling(polling_);
-    while (!ended_.load() && main_is_inside()) turn(polling);
+    const MutexLock polling(polling_);
+    while (!ended_.load() && main_is_inside()) turn();
     wakeup_.ring();  // what it took from the main thread's sleep
   }
 }
 
-void IoLoop::run_handlers(ObjectHost& object, std::shared_ptr<ServerCall> started, Starter starter,
-                          Polling& polling) {
+void IoLoop::run_handlers(ObjectHost& object, std::shared_ptr<ServerCall> started,
+                          Starter starter) {
   const bool main = starter == Starter::Poller;
   const auto turn = handler_turn_.load(std::memory_order_relaxed);
   if (main) handler_turn_.store(turn + 1, std::memory_order_release);
-  polling.unlock();
+  polling_.unlock();
   object.run_ready(starter, std::move(started));
   if (main) handler_turn_.store(turn + 2, std::memory_order_release);
-  if (polling.try_lock()) return;
+  if (polling_.try_lock()) return;
   wakeup_.ring();  // a standby polls, and sleeps perhaps: it lets go of what is ours again
-  polling.lock();
+  polling_.lock();
 }
 
-void IoLoop::turn(Polling& polling) {
-  const bool busy = look_at_hot(polling);
+void IoLoop::turn() {
+  const bool busy = look_at_hot();
   turns_ += busy ? busy_turn : 1;
   if (turns_ >= turns_between_events) {
     turns_ = 0;
     cool_down(runtime_->clock().now());
-    take_events(0, polling);
+    take_events(0);
   }
   if (busy) spin_.begin();
-  if (busy || (!hot_.empty() && spin_.again([this] { return peers(); }))) return;
+  if (busy || (!hot_.empty() && spin_.again([this] {
+        polling_.assert_held();
+        return peers();
+      }))) {
+    return;
+  }
   // The ring that came with the end may have been taken above.
   if (arm_all() && !ended_.load()) {
     woken_ = media::Woken::Early;
     rang_at_ = TimePoint{};
-    take_events(-1, polling);
+    take_events(-1);
     spin_.woke(rang_at_, woken_);
   }
   spin_.begin();
@@ -158,7 +163,7 @@ media::Peers IoLoop::peers() const {
   return unknown ? media::Peers::Unknown : media::Peers::Elsewhere;
 }
 
-bool IoLoop::look_at_hot(Polling& polling) {
+bool IoLoop::look_at_hot() {
   bool something = false;
   // Behind a standby nobody polls while it is inside a handler: it leaves them to workers.
   const auto starter = std::this_thread::get_id() == main_id_ ? Starter::Poller : Starter::Other;
@@ -172,11 +177,11 @@ bool IoLoop::look_at_hot(Polling& polling) {
     }
     // A standby may part from the session meanwhile: the call keeps it, or we keep the object.
     if (started) {
-      run_handlers(*session.object(), std::move(started), starter, polling);
+      run_handlers(*session.object(), std::move(started), starter);
     } else if (session.object()->ready()) {
       something = true;
       const auto object = session.object();
-      run_handlers(*object, nullptr, starter, polling);
+      run_handlers(*object, nullptr, starter);
     }
   }
   return something;
@@ -188,8 +193,8 @@ void IoLoop::cool_down(TimePoint now) {
     session->quiet_looks = 1;
     if (session->gone.load()) return true;
     if (now - session->last_heard < stays_hot) return false;
-    if (!session->link().arm()) {
-      session->link().disarm();
+    if (!session->link().prepare_to_sleep()) {
+      session->link().woke();
       return false;
     }
     session->hot = false;
@@ -202,8 +207,8 @@ void IoLoop::cool_down(TimePoint now) {
 bool IoLoop::arm_all() {
   for (const auto& session : hot_) {
     session->hot = false;
-    if (session->gone.load() || session->link().arm()) continue;
-    session->link().disarm();
+    if (session->gone.load() || session->link().prepare_to_sleep()) continue;
+    session->link().woke();
     part_if_lost(session);
     if (session->gone.load()) continue;
     session->hot = true;
@@ -217,10 +222,10 @@ bool IoLoop::arm_all() {
 void IoLoop::heat(const std::shared_ptr<ServerSession>& session) {
   if (session->gone.load()) return;
   if (session->hot) {
-    session->link().loss();  // the event comes once, and arm() does not ask the kernel
+    session->link().loss();  // the event comes once, and prepare_to_sleep() does not ask the kernel
     return;
   }
-  session->link().disarm();
+  session->link().woke();
   woken_ = media::Woken::ByAnswer;
   rang_at_ = std::max(rang_at_, session->link().peer_whereabouts().rang_at);
   session->hot = true;
@@ -228,12 +233,14 @@ void IoLoop::heat(const std::shared_ptr<ServerSession>& session) {
   hot_.push_back(session);
 }
 
-void IoLoop::take_events(int milliseconds, Polling& polling) {
+void IoLoop::take_events(int milliseconds) {
   std::array<epoll_event, 64> events{};
-  polling.unlock();
-  const int count =
-      epoll_wait(epoll_.descriptor, events.data(), static_cast<int>(events.size()), milliseconds);
-  polling.lock();
+  int count = 0;
+  {
+    const MutexUnlock polled_by_others(polling_);
+    count =
+        epoll_wait(epoll_.descriptor, events.data(), static_cast<int>(events.size()), milliseconds);
+  }
   for (int at = 0; at < count; ++at) {
     const std::uint64_t key = events[static_cast<std::size_t>(at)].data.u64;
     if (key == wakeup_key) {
@@ -243,10 +250,16 @@ void IoLoop::take_events(int milliseconds, Polling& polling) {
       part_from_suspects();
     } else if ((key & door_bit) != 0) {
       if (const auto& door = doors_[key & ~door_bit]) accept(*door);
-    } else if (const auto found = sessions_.find(key); found != sessions_.end()) {
-      heat(found->second);
+    } else if (const auto session = session_of(key)) {
+      heat(session);
     }
   }
+}
+
+std::shared_ptr<ServerSession> IoLoop::session_of(std::uint64_t key) {
+  const MutexLock list(list_mutex_);
+  const auto found = sessions_.find(key);
+  return found == sessions_.end() ? nullptr : found->second;
 }
 
 void IoLoop::accept(Door& door) {
@@ -259,6 +272,7 @@ void IoLoop::accept(Door& door) {
   }
   if (door.acceptor->short_of_descriptors()) somebody_waits_.store(true);
   // A medium that loses packets brings those of its links through this door.
+  const MutexLock list(list_mutex_);
   for (const auto& [key, session] : sessions_) {
     if (session->repeats() && session->object() == door.object) heat(session);
   }
@@ -275,12 +289,12 @@ void IoLoop::watch(const std::shared_ptr<ServerSession>& session) {
   for (const int descriptor : session->link().descriptors()) add_descriptor(descriptor, key);
   session->last_heard = runtime_->clock().now();
   {
-    const std::lock_guard list(list_mutex_);
+    const MutexLock list(list_mutex_);
     sessions_.emplace(key, session);
   }
   hot_.push_back(session);
   log_debug("media", session->object()->name() + ": a link over " +
-                         std::string(media::to_string(session->link().offer().kind)) +
+                         std::string(session->link().offer().name) +
                          " is open: " + session->link().peer().description);
 }
 
@@ -305,7 +319,7 @@ void IoLoop::part_from_suspects() {
   if (!suspects_.exchange(false)) return;
   shut_doors();
   std::vector<std::shared_ptr<ServerSession>> gone;
-  const std::lock_guard list(list_mutex_);
+  const MutexLock list(list_mutex_);
   for (auto at = sessions_.begin(); at != sessions_.end();) {
     part_if_lost(at->second);
     if (!at->second->gone.load()) {
@@ -324,14 +338,14 @@ void IoLoop::shut_doors() {
 }
 
 void IoLoop::await_signs_of_life() {
-  const std::lock_guard list(list_mutex_);
+  const MutexLock list(list_mutex_);
   for (const auto& [key, session] : sessions_) session->object()->await_sign_of_life(*session);
 }
 
 TimePoint IoLoop::on_tick(TimePoint now) {
   const std::uint64_t handler = handler_turn_.load();
   if (handler % 2 == 1 && handler == handler_seen_) {
-    const std::lock_guard called(standby_mutex_);
+    const MutexLock called(standby_mutex_);
     standby_wanted_ = true;
     standby_called_.notify_one();
     wakeup_.ring();  // it may still sleep on events, from when it was wanted last
@@ -340,7 +354,7 @@ TimePoint IoLoop::on_tick(TimePoint now) {
 
   std::vector<std::shared_ptr<ServerSession>> sessions;
   {
-    const std::lock_guard list(list_mutex_);
+    const MutexLock list(list_mutex_);
     for (const auto& [key, session] : sessions_) sessions.push_back(session);
   }
   const bool beat = now >= next_beat_;
@@ -363,7 +377,7 @@ TimePoint IoLoop::on_tick(TimePoint now) {
 
 void IoLoop::withdraw(const ObjectHost& object) {
   {
-    const std::lock_guard list(list_mutex_);
+    const MutexLock list(list_mutex_);
     for (const auto& [key, session] : sessions_) {
       if (session->object().get() == &object) session->gone = true;
     }
@@ -376,17 +390,23 @@ void IoLoop::end() {
   if (ended_.exchange(true)) return;
   wakeup_.ring();
   {
-    const std::lock_guard called(standby_mutex_);
+    const MutexLock called(standby_mutex_);
     standby_called_.notify_one();
   }
   main_.join();
   standby_.join();
-  const Polling polling(polling_);
+  const MutexLock polling(polling_);
   for (const auto& door : doors_) {
     while (door && door->acceptor->accept()) {  // who comes now sees a link that closes
     }
   }
-  for (const auto& [key, session] : sessions_) {
+  decltype(sessions_) sessions;
+  {
+    const MutexLock list(list_mutex_);
+    sessions.swap(sessions_);
+    new_doors_.clear();
+  }
+  for (const auto& [key, session] : sessions) {
     // Over a medium that cannot tell what was taken, only an answer says that a call did not start.
     while (session->repeats() && !session->gone.load()) {
       const auto packet = session->link().receive();
@@ -400,10 +420,7 @@ void IoLoop::end() {
     session->send(header, {});
   }
   hot_.clear();
-  const std::lock_guard list(list_mutex_);
-  sessions_.clear();
   doors_.clear();
-  new_doors_.clear();
 }
 
 }  // namespace gecos::session

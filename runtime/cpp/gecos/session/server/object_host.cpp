@@ -4,7 +4,7 @@
 #include <exception>
 
 #include "gecos/base/log.hpp"
-#include "gecos/session/protocol/function_code.hpp"
+#include "gecos/base/mutex.hpp"
 #include "gecos/session/protocol/packets.hpp"
 #include "gecos/session/protocol/start_words.hpp"
 #include "gecos/session/server/call_log.hpp"
@@ -35,7 +35,7 @@ ObjectHost::ObjectHost(std::shared_ptr<Runtime> runtime, std::string name, Serva
       servant_(servant),
       interface_(servant.gecos_interface()),
       options_(std::move(options)),
-      leases_(process_boot(), runtime_->options().lease_ttl),
+      leases_(process_incarnation(), runtime_->options().lease_ttl),
       queue_(options_.thread_safe ? LaneThreads::Many : LaneThreads::One),
       lease_clock_(runtime_->clock().now(), runtime_->options().heartbeat * 2),
       streams_(name_, interface_),
@@ -45,7 +45,7 @@ ObjectHost::ObjectHost(std::shared_ptr<Runtime> runtime, std::string name, Serva
 
 void ObjectHost::run_ready(Starter starter, std::shared_ptr<ServerCall> started) {
   const auto next = [&] {
-    const Lock lock(mutex_);
+    const MutexLock lock(mutex_);
     return start_next(starter);
   };
   auto call = started ? std::move(started) : next();
@@ -73,12 +73,12 @@ std::shared_ptr<ServerCall> ObjectHost::execute(const std::shared_ptr<ServerCall
                              std::string(call->operation().name) +
                              "'; catch it there and fail the call with its text");
   }
-  const Lock lock(mutex_);
-  call->returned = true;
+  const MutexLock lock(mutex_);
+  const auto change = call->state.on(CallState::Event::Return);
   queue_.returned(*call);
-  if (call->answered) {
+  if (change.finished) {
     finished(*call);
-  } else if (!call->terminal) {
+  } else if (!call->state.ended()) {
     list(*call);  // its handler answers later
     call->listener().report(*call, Detail::Executing, 0);
   }
@@ -88,8 +88,8 @@ std::shared_ptr<ServerCall> ObjectHost::execute(const std::shared_ptr<ServerCall
 /// False for one that was ended before a thread came to it, or may not start any more: its caller
 /// was told, so it does not begin.
 bool ObjectHost::begins(ServerCall& call) {
-  std::unique_lock lock(mutex_);
-  const TimePoint now = await_judgement(lock);
+  const MutexLock lock(mutex_);
+  const TimePoint now = await_judgement();
   if (!may_start(call) || (!servant_.gecos_begins_calls() && !marked(call, now))) {
     never_began(call);
     return false;
@@ -100,28 +100,28 @@ bool ObjectHost::begins(ServerCall& call) {
 
 bool ObjectHost::begin(ServerCall& call) {
   runs_here(call.weak_from_this());
-  std::unique_lock lock(mutex_);
-  const TimePoint now = await_judgement(lock);
+  const MutexLock lock(mutex_);
+  const TimePoint now = await_judgement();
+  if (call.state.begun_at()) return !call.state.ended();
   return may_start(call) && marked(call, now);
 }
 
 /// Gives the time, of CLOCK_BOOTTIME, at which no pause was to be judged: with the mutex, so that
 /// whoever marks a call then has not waited for anything since.
-TimePoint ObjectHost::await_judgement(std::unique_lock<Mutex>& lock) {
+TimePoint ObjectHost::await_judgement() {
   PauseWatch& pauses = runtime_->maintenance().pauses();
   for (;;) {
     const TimePoint now = runtime_->clock().since_boot();
     if (!pauses.suspected(now)) return now;
-    lock.unlock();
+    const MutexUnlock unlocked(mutex_);
     pauses.await_judgement(runtime_->clock());
-    lock.lock();
   }
 }
 
 /// All was ended before, or there is no thread for it.
 void ObjectHost::not_begun(ServerCall& call) {
-  const Lock lock(mutex_);
-  if (!call.terminal) {
+  const MutexLock lock(mutex_);
+  if (!call.state.ended()) {
     end(call, Failure{Detail::Rejected,
                       "it was not started: no thread can be had for its handler, see "
                       "`ulimit -u` of the server",
@@ -132,7 +132,7 @@ void ObjectHost::not_begun(ServerCall& call) {
 }
 
 void ObjectHost::never_began(ServerCall& call) {
-  call.answered = call.returned = true;
+  call.state.on(CallState::Event::Drop);
   queue_.returned(call);
   finished(call);
 }
@@ -145,6 +145,7 @@ std::shared_ptr<ServerCall> ObjectHost::start_next(Starter starter) {
   }
   while (auto entry = next_entry()) {
     auto call = std::static_pointer_cast<ServerCall>(std::move(entry));
+    call->state.on(CallState::Event::Take);
     const bool here = starter != Starter::Other && !runs_long(call->operation());
     if (may_start(*call) && (!here || servant_.gecos_begins_calls() || marked(*call, pause_.at))) {
       if (!here) list(*call);
@@ -158,6 +159,7 @@ std::shared_ptr<ServerCall> ObjectHost::start_next(Starter starter) {
 std::shared_ptr<QueueEntry> ObjectHost::next_entry() {
   if (awaited_ == 0 && !claim_.waits()) return queue_.next();
   return queue_.next([this](const QueueEntry& entry) {
+    mutex_.assert_held();
     return !static_cast<const ServerCall&>(entry).listener().awaited &&
            !needs_name(entry.operation);
   });
@@ -165,13 +167,13 @@ std::shared_ptr<QueueEntry> ObjectHost::next_entry() {
 
 /// Ends it when it may not.
 bool ObjectHost::may_start(ServerCall& call) {
-  if (call.terminal) return false;
+  if (call.state.ended()) return false;
   const ServerSession& caller = call.listener();
   const bool expired =
-      call.deadline != TimePoint::max() && runtime_->clock().since_boot() >= call.deadline;
+      call.state.has_deadline() && call.state.overdue(runtime_->clock().since_boot());
   const auto refusal = refusal_to_start({call.operation(), call.client, call.epoch}, as_asked(),
                                         {.gone = caller.closed && !caller.parted_in_order,
-                                         .withdrawn = caller.withdrawn,
+                                         .withdrawn = caller.intake.withdrawn(),
                                          .unheard = caller.awaited},
                                         expired);
   if (refusal) end(call, *refusal);
@@ -183,7 +185,7 @@ bool ObjectHost::may_start(ServerCall& call) {
 bool ObjectHost::marked(ServerCall& call, TimePoint now) {
   call.note_mark(now);
   if (!withdrawn(call)) {
-    call.begun = now;
+    call.state.on(CallState::Event::Begin, now);
     handlers_.push_back(&call);
     if (log_enabled(LogLevel::Debug)) log_begin(call);
     return true;
@@ -210,35 +212,29 @@ bool ObjectHost::withdrawn(const ServerCall& call) {
 // Outcomes
 
 void ObjectHost::answered(ServerCall& call, ByteView result) {
-  bool freed = false;
   let_pause_be_judged(call);
-  {
-    const Lock lock(mutex_);
-    if (std::exchange(call.answered, true)) return;
-    if (!call.terminal) end(call, result);
-    freed = call.returned;
-    if (freed) finished(call);
-  }
-  if (freed) run_ready(Starter::Other);
+  take_answer(call, result);
 }
 
 void ObjectHost::answered(ServerCall& call, Failure failure) {
-  bool freed = false;
   let_pause_be_judged(call);
-  {
-    const Lock lock(mutex_);
-    if (std::exchange(call.answered, true)) return;
-    if (!call.terminal) {
-      if (failure.detail == Detail::Canceled) failure.text = "canceled while it was executing";
-      if (project(failure.detail) == State::Running || failure.detail == Detail::Done) {
-        failure.detail = Detail::Fault;
-      }
-      end(call, failure);
-    }
-    freed = call.returned;
-    if (freed) finished(call);
+  if (failure.detail == Detail::Canceled) failure.text = "canceled while it was executing";
+  if (project(failure.detail) == State::Running || failure.detail == Detail::Done) {
+    failure.detail = Detail::Fault;
   }
-  if (freed) run_ready(Starter::Other);
+  take_answer(call, failure);
+}
+
+template <class Outcome>
+void ObjectHost::take_answer(ServerCall& call, const Outcome& outcome) {
+  {
+    const MutexLock lock(mutex_);
+    const auto change = call.state.on(CallState::Event::Answer);
+    if (change.told) tell_outcome(call, outcome);
+    if (!change.finished) return;
+    finished(call);
+  }
+  run_ready(Starter::Other);
 }
 
 /// What ran through a pause ends as the judgement says, however quick its handler is afterwards.
@@ -248,20 +244,26 @@ void ObjectHost::let_pause_be_judged(const ServerCall& call) {
   if (!maintenance.on_this_thread()) maintenance.pauses().await_judgement(runtime_->clock());
 }
 
-void ObjectHost::end(ServerCall& call, ByteView result) {
+void ObjectHost::end(ServerCall& call, const Failure& failure) {
+  if (call.state.queued()) queue_.remove(call);
+  const auto change = call.state.on(CallState::Event::End);
+  tell_outcome(call, failure);
+  if (change.finished) finished(call);
+}
+
+void ObjectHost::tell_outcome(ServerCall& call, ByteView result) {
   settle(call, Detail::Done, {});
   call.listener().reply(call.counter_in(call.listener()), result);
 }
 
-void ObjectHost::end(ServerCall& call, const Failure& failure) {
+void ObjectHost::tell_outcome(ServerCall& call, const Failure& failure) {
   settle(call, failure.detail, failure.text);
   call.listener().reply(call.counter_in(call.listener()), failure);
 }
 
-/// Before its caller is told: whoever has seen the last command of a released status end finds the
-/// status free. What the next holder commands still waits for the handler to return.
+/// Before the reply, so that a client that saw its last command end can acquire the status.
+/// Commands of the next holder still wait for the handler to return.
 void ObjectHost::settle(ServerCall& call, Detail detail, const std::string& text) {
-  call.terminal = true;
   if (log_enabled(level_of(call.operation()))) log_end(call, detail, text, runtime_->clock().now());
   call.session->calls.take(call.counter);
   if (call.resumed_in) call.resumed_in->calls.take(call.resumed_counter);
@@ -277,8 +279,8 @@ void ObjectHost::list(ServerCall& call) {
 /// Its handler has returned and answered: the lane is free.
 void ObjectHost::finished(ServerCall& call) {
   queue_.ended(call);
-  if (std::exchange(call.begun, TimePoint{}) != TimePoint{}) std::erase(handlers_, &call);
-  if (std::exchange(call.awaited, std::nullopt)) --waiting_handlers_;
+  if (call.state.begun_at()) std::erase(handlers_, &call);
+  if (std::exchange(call.waits_for, std::nullopt)) --waiting_handlers_;
   if (std::exchange(call.listed, false)) {
     open_.erase(std::find_if(open_.begin(), open_.end(),
                              [&](const auto& other) { return other.get() == &call; }));
@@ -293,7 +295,7 @@ void ObjectHost::tell_user(std::function<void()> what) {
   runtime_->maintenance().post([weak = weak_from_this(), what = std::move(what)] {
     const auto self = weak.lock();
     if (self == nullptr) return;
-    const std::lock_guard lock(self->user_mutex_);
+    const MutexLock lock(self->user_mutex_);
     if (!self->joined_) run_for_user(self->name_, what);
   });
 }
@@ -318,7 +320,7 @@ void ObjectHost::interrupt(ServerCall& call) {
 bool ObjectHost::wait_interrupted(const ServerCall& call, TimePoint deadline) {
   const auto wanted = [&] { return call.interrupted(); };
   {
-    std::unique_lock lock(mutex_);
+    MutexLock lock(mutex_);
     if (deadline != TimePoint::max()) {
       interrupted_.wait_until(lock, deadline, wanted);
     } else {
@@ -333,35 +335,23 @@ void ObjectHost::end_commands(const std::function<bool(const ServerCall&)>& whic
                               const Failure& failure) {
   for (const auto& call : actor_commands()) {
     if (!which(*call)) continue;
-    if (!call->started) {
-      queue_.remove(*call);
-      end(*call, failure);
-      call->answered = call->returned = true;
-      finished(*call);
-    } else {
-      interrupt(*call);
-      if (!call->terminal) end(*call, failure);
-    }
+    if (!call->state.queued()) interrupt(*call);
+    if (!call->state.ended()) end(*call, failure);
   }
   note_ready();
 }
 
 void ObjectHost::progressed(ServerCall& call, double fraction, ByteView feedback) {
-  const Lock lock(mutex_);
-  if (call.terminal) return;
-  call.fraction = fraction;
-  call.feedback.assign(feedback.begin(), feedback.end());
-  call.progress_dirty = true;
+  const MutexLock lock(mutex_);
+  if (call.state.ended()) return;
+  call.reported.note(fraction, feedback);
   tell(call, runtime_->clock().now());
 }
 
 void ObjectHost::tell(ServerCall& call, TimePoint now) {
-  constexpr Duration between = std::chrono::milliseconds(2);
-  if (!call.progress_dirty || call.terminal || now < call.progress_sent + between) return;
-  const Detail detail = call.canceling ? Detail::Canceling : Detail::Executing;
-  if (!call.listener().report(call, detail, 0)) return;
-  call.progress_dirty = false;
-  call.progress_sent = now;
+  if (call.state.ended() || !call.reported.due(now)) return;
+  const Detail detail = call.state.canceling() ? Detail::Canceling : Detail::Executing;
+  if (call.listener().report(call, detail, 0)) call.reported.sent(now);
 }
 
 void ObjectHost::tell_positions() {
@@ -382,13 +372,13 @@ TimePoint ObjectHost::on_tick(TimePoint now) {
   end_endless_waits(now);
   // What has become free, and what nobody else looks at: its client is gone, its poller sleeps.
   if (ready()) run_ready(Starter::Other);
-  const Lock lock(mutex_);
+  const MutexLock lock(mutex_);
   const bool calm = queue_.idle() && open_.empty();
   return now + (calm ? Maintenance::calm_tick : Maintenance::tick);
 }
 
 void ObjectHost::look_at_time(TimePoint now) {
-  const Lock lock(mutex_);
+  const MutexLock lock(mutex_);
   for (const auto& holder : leases_.expire(lease_clock_.advance(now))) {
     lose_status(holder.session,
                 "its holder has been silent for " +
@@ -400,15 +390,13 @@ void ObjectHost::look_at_time(TimePoint now) {
   const auto open = open_;
   const TimePoint by_deadlines = open.empty() ? now : runtime_->clock().since_boot();
   for (const auto& call : open) {
-    if (!call->terminal && by_deadlines >= call->deadline) {
-      if (queue_.remove(*call)) {
+    if (!call->state.ended() && call->state.overdue(by_deadlines)) {
+      if (call->state.queued()) {
         end(*call, Failure{Detail::Expired,
                            "the deadline of '" + std::string(call->operation().name) +
                                "' passed before it started; it was not carried out",
                            {},
                            {}});
-        call->answered = call->returned = true;
-        finished(*call);
       } else {
         interrupt(*call);
         end(*call, Failure{Detail::TimedOut,
@@ -426,7 +414,7 @@ void ObjectHost::look_at_time(TimePoint now) {
 }
 
 void ObjectHost::await_sign_of_life(ServerSession& session) {
-  const Lock lock(mutex_);
+  const MutexLock lock(mutex_);
   session.liveness.await_heartbeat_after(session.link().beats_seen());
   hold(session);
 }
@@ -443,8 +431,8 @@ void ObjectHost::no_more_awaited(ServerSession& session) {
 }
 
 void ObjectHost::after_pause(Duration stood_still) {
-  const Lock lock(mutex_);
-  end_commands([](const ServerCall& call) { return call.started; },
+  const MutexLock lock(mutex_);
+  end_commands([](const ServerCall& call) { return !call.state.queued(); },
                Failure{Detail::Fault,
                        "the server " + stood_still_for(stood_still) + " while it was running",
                        {},
@@ -454,7 +442,7 @@ void ObjectHost::after_pause(Duration stood_still) {
 }
 
 bool ObjectHost::check_liveness(const std::shared_ptr<ServerSession>& session) {
-  const Lock lock(mutex_);
+  const MutexLock lock(mutex_);
   if (session->overrun()) return true;
   const TimePoint now = lease_clock_.now();
   const auto verdict = session->liveness.check(session->link().beats_seen(), now);
@@ -472,7 +460,7 @@ bool ObjectHost::check_liveness(const std::shared_ptr<ServerSession>& session) {
 void ObjectHost::depart(const std::shared_ptr<ServerSession>& session, Departure how) {
   bool calls_are_over = false;
   {
-    const Lock lock(mutex_);
+    const MutexLock lock(mutex_);
     if (std::exchange(session->closed, true)) return;
     session->parted_in_order = how == Departure::InOrder || session->left;
     no_more_awaited(*session);
@@ -485,15 +473,15 @@ void ObjectHost::depart(const std::shared_ptr<ServerSession>& session, Departure
                                      std::to_string(session->caller().pid) + ") is gone");
     }
     // What was missing before them does not come any more.
-    while (!session->early.empty()) {
-      end_early(*session, session->early.begin()->first, Detail::Rejected,
+    while (const auto counter = session->intake.first_aside()) {
+      end_early(*session, *counter, Detail::Rejected,
                 "it was not started: the session ended before what was issued before it arrived");
     }
     session->subscriptions.clear();
     if (session->greeted()) {
       if (log_enabled(LogLevel::Info)) log_departure(name_, *session);
       const bool lost = how == Departure::Lost && !session->left;
-      outcomes_.closed(session->id(), session->window, lost ? session : nullptr);
+      outcomes_.closed(session->id(), session->intake.window(), lost ? session : nullptr);
     }
     calls_are_over = session->unreturned == 0;
   }
@@ -508,7 +496,7 @@ void ObjectHost::lose_status(SessionId session, const std::string& why) {
   end_commands(
       [&](const ServerCall& call) {
         return call.client == session && call.operation().status != access::Status::Sensor &&
-               !(call.started && call.operation().on_loss == OnLoss::Finish);
+               (call.state.queued() || call.operation().on_loss != OnLoss::Finish);
       },
       failure);
 }
@@ -523,15 +511,12 @@ void ObjectHost::give_back_all(ServerSession& session) {
 }
 
 void ObjectHost::close() {
-  const Lock lock(mutex_);
+  const MutexLock lock(mutex_);
   closed_ = true;
   const Failure failure{Detail::Stopped, "the server withdrew " + name_, {}, {}};
   end_commands([](const ServerCall&) { return true; }, failure);
   for (const auto& entry : queue_.drop()) {
-    auto& call = static_cast<ServerCall&>(*entry);
-    end(call, failure);
-    call.answered = call.returned = true;
-    finished(call);
+    end(static_cast<ServerCall&>(*entry), failure);
   }
   for (const auto& waiting : std::exchange(waiting_, {})) {
     waiting.session->reply(waiting.counter,
@@ -540,18 +525,18 @@ void ObjectHost::close() {
   const auto open = open_;  // what is left reads, and is answered later
   for (const auto& call : open) {
     interrupt(*call);
-    if (!call->terminal) end(*call, failure);
+    if (!call->state.ended()) end(*call, failure);
   }
 }
 
 bool ObjectHost::closed() {
-  const Lock lock(mutex_);
+  const MutexLock lock(mutex_);
   return closed_;
 }
 
 void ObjectHost::join() {
   executor_.join();
-  const std::lock_guard lock(user_mutex_);
+  const MutexLock lock(user_mutex_);
   joined_ = true;
 }
 

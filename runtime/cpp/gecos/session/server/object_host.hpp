@@ -3,7 +3,6 @@
 #include <condition_variable>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <vector>
 
@@ -110,8 +109,6 @@ class ObjectHost final : public Publisher, public std::enable_shared_from_this<O
   void join();
 
  private:
-  using Lock = std::lock_guard<Mutex>;
-
   struct Acquire {
     Status wanted{};
     std::string password;
@@ -126,85 +123,108 @@ class ObjectHost final : public Publisher, public std::enable_shared_from_this<O
   void look_at_time(TimePoint now);
   void end_endless_waits(TimePoint now);
   void refuse_endless(const CommandId& call, const std::string& why);
-  std::vector<RunningHandler> running_handlers();  // with the mutex
+  std::vector<RunningHandler> running_handlers() GECOS_REQUIRES(mutex_);
 
-  // Packets; with the mutex.
-  void take_packet(const std::shared_ptr<ServerSession>& session, ByteView bytes);
-  void acknowledge(const std::shared_ptr<ServerSession>& session, std::uint64_t counter);
-  void greet(const std::shared_ptr<ServerSession>& session, const wire::PacketView& packet);
-  void arrive(const std::shared_ptr<ServerSession>& session, const wire::PacketView& packet);
-  void take_call(const std::shared_ptr<ServerSession>& session, const wire::PacketView& packet);
+  // Packets.
+  void take_packet(const std::shared_ptr<ServerSession>& session, ByteView bytes)
+      GECOS_REQUIRES(mutex_);
+  void acknowledge(const std::shared_ptr<ServerSession>& session, std::uint64_t counter)
+      GECOS_REQUIRES(mutex_);
+  void greet(const std::shared_ptr<ServerSession>& session, const wire::PacketView& packet)
+      GECOS_REQUIRES(mutex_);
+  void arrive(const std::shared_ptr<ServerSession>& session, const wire::PacketView& packet)
+      GECOS_REQUIRES(mutex_);
+  void refuse_late(ServerSession& session, std::uint64_t counter) GECOS_REQUIRES(mutex_);
+  void take_call(const std::shared_ptr<ServerSession>& session, const wire::PacketView& packet)
+      GECOS_REQUIRES(mutex_);
   void admit(const std::shared_ptr<ServerSession>& session, const wire::PacketView& packet,
-             const OperationDescription& operation);
-  void take_again(const std::shared_ptr<ServerSession>& session, const wire::PacketView& packet);
+             const OperationDescription& operation) GECOS_REQUIRES(mutex_);
+  void take_again(const std::shared_ptr<ServerSession>& session, const wire::PacketView& packet)
+      GECOS_REQUIRES(mutex_);
   void resume(const std::shared_ptr<ServerSession>& session, const wire::PacketView& packet,
-              std::shared_ptr<ServerCall> call);
-  void reject_late(const std::shared_ptr<ServerSession>& before, std::uint64_t counter);
+              std::shared_ptr<ServerCall> call) GECOS_REQUIRES(mutex_);
+  void reject_late(const std::shared_ptr<ServerSession>& before, std::uint64_t counter)
+      GECOS_REQUIRES(mutex_);
   bool too_early(ServerSession& session, const wire::PacketView& packet,
-                 const OperationDescription& operation);
-  void take_early(const std::shared_ptr<ServerSession>& session);
-  void end_early(ServerSession& session, std::uint64_t counter, Detail how, const std::string& why);
-  void answer_again(ServerSession& session, std::uint64_t counter);
-  void cancel(ServerSession& session, std::uint64_t counter);
-  bool unheard_since_a_pause(const ServerSession& session) const;
-  void withdraw(ServerSession& session);
-  void say_goodbye(ServerSession& session, SessionId to, const std::string& why);
+                 const OperationDescription& operation) GECOS_REQUIRES(mutex_);
+  void take_early(const std::shared_ptr<ServerSession>& session) GECOS_REQUIRES(mutex_);
+  void end_early(ServerSession& session, std::uint64_t counter, Detail how, const std::string& why)
+      GECOS_REQUIRES(mutex_);
+  void answer_again(ServerSession& session, std::uint64_t counter) GECOS_REQUIRES(mutex_);
+  void cancel(ServerSession& session, std::uint64_t counter) GECOS_REQUIRES(mutex_);
+  bool unheard_since_a_pause(const ServerSession& session) const GECOS_REQUIRES(mutex_);
+  void withdraw(ServerSession& session) GECOS_REQUIRES(mutex_);
+  void say_goodbye(ServerSession& session, SessionId to, const std::string& why)
+      GECOS_REQUIRES(mutex_);
 
-  // Built-in operations; with the mutex.
-  void answer_builtin(const std::shared_ptr<ServerSession>& session,
-                      const wire::PacketView& packet);
-  void holders(ServerSession& session, std::uint64_t counter);
-  void describe(ServerSession& session, std::uint64_t counter);
+  // Built-in operations.
+  void answer_builtin(const std::shared_ptr<ServerSession>& session, const wire::PacketView& packet)
+      GECOS_REQUIRES(mutex_);
+  void holders(ServerSession& session, std::uint64_t counter) GECOS_REQUIRES(mutex_);
+  void describe(ServerSession& session, std::uint64_t counter) GECOS_REQUIRES(mutex_);
   void acquire(const std::shared_ptr<ServerSession>& session, std::uint64_t counter,
-               wire::Decoder& from);
-  void grant(ServerSession& session, std::uint64_t counter, const Acquire& what);
+               ByteView arguments) GECOS_REQUIRES(mutex_);
+  void grant(ServerSession& session, std::uint64_t counter, const Acquire& what)
+      GECOS_REQUIRES(mutex_);
   /// A command that has ended for its caller, whose handler goes on; null unless nobody holds a
   /// status. Nobody gets one before it has returned.
-  const ServerCall* outlives_its_status() const;
-  void grant_to_waiting();
-  void refuse_waiting(TimePoint now);
-  bool waits_for_status(const ServerSession& session, std::uint64_t counter) const;
-  void release(ServerSession& session, std::uint64_t counter, wire::Decoder& from);
-  void subscribe(ServerSession& session, std::uint64_t counter, wire::Decoder& from);
-  void unsubscribe(ServerSession& session, std::uint64_t counter, wire::Decoder& from);
-  void stop(ServerSession& by, std::uint64_t counter);
-  void outcome(ServerSession& session, std::uint64_t counter, wire::Decoder& from);
-  OutcomeRecord outcome_of(SessionId session, std::uint64_t counter);
+  const ServerCall* outlives_its_status() const GECOS_REQUIRES(mutex_);
+  void grant_to_waiting() GECOS_REQUIRES(mutex_);
+  void refuse_waiting(TimePoint now) GECOS_REQUIRES(mutex_);
+  bool waits_for_status(const ServerSession& session, std::uint64_t counter) const
+      GECOS_REQUIRES(mutex_);
+  void release(ServerSession& session, std::uint64_t counter, ByteView arguments)
+      GECOS_REQUIRES(mutex_);
+  void subscribe(ServerSession& session, std::uint64_t counter, ByteView arguments)
+      GECOS_REQUIRES(mutex_);
+  void unsubscribe(ServerSession& session, std::uint64_t counter, ByteView arguments)
+      GECOS_REQUIRES(mutex_);
+  void stop(ServerSession& by, std::uint64_t counter) GECOS_REQUIRES(mutex_);
+  void outcome(ServerSession& session, std::uint64_t counter, ByteView arguments)
+      GECOS_REQUIRES(mutex_);
+  OutcomeRecord outcome_of(SessionId session, std::uint64_t counter) GECOS_REQUIRES(mutex_);
 
-  // Life of calls; with the mutex.
-  std::shared_ptr<ServerCall> start_next(Starter starter);
-  std::vector<std::shared_ptr<ServerCall>> actor_commands() const;
-  std::shared_ptr<QueueEntry> next_entry();
+  // Life of calls.
+  std::shared_ptr<ServerCall> start_next(Starter starter) GECOS_REQUIRES(mutex_);
+  std::vector<std::shared_ptr<ServerCall>> actor_commands() const GECOS_REQUIRES(mutex_);
+  std::shared_ptr<QueueEntry> next_entry() GECOS_REQUIRES(mutex_);
   /// It must not start as the name stands.
-  bool needs_name(const OperationDescription& operation) const;
-  void hold(ServerSession& session);
-  void no_more_awaited(ServerSession& session);
-  bool may_start(ServerCall& call);
-  AdmittingObject as_asked() const { return {name_, leases_, lease_clock_.now()}; }
-  TimePoint await_judgement(std::unique_lock<Mutex>& lock);
-  bool marked(ServerCall& call, TimePoint now);
+  bool needs_name(const OperationDescription& operation) const GECOS_REQUIRES(mutex_);
+  void hold(ServerSession& session) GECOS_REQUIRES(mutex_);
+  void no_more_awaited(ServerSession& session) GECOS_REQUIRES(mutex_);
+  bool may_start(ServerCall& call) GECOS_REQUIRES(mutex_);
+  AdmittingObject as_asked() const GECOS_REQUIRES(mutex_) {
+    return {name_, leases_, lease_clock_.now()};
+  }
+  TimePoint await_judgement() GECOS_REQUIRES(mutex_);
+  bool marked(ServerCall& call, TimePoint now) GECOS_REQUIRES(mutex_);
   void not_begun(ServerCall& call);
-  void never_began(ServerCall& call);
-  bool withdrawn(const ServerCall& call);
-  void end(ServerCall& call, const Failure& failure);
-  void end(ServerCall& call, ByteView result);
-  void settle(ServerCall& call, Detail detail, const std::string& text);
-  void list(ServerCall& call);
-  void finished(ServerCall& call);
-  void preempt(const ServerCall& by);
+  void never_began(ServerCall& call) GECOS_REQUIRES(mutex_);
+  bool withdrawn(const ServerCall& call) GECOS_REQUIRES(mutex_);
+  /// Tells its caller, and takes it out of the queue where it has not started.
+  void end(ServerCall& call, const Failure& failure) GECOS_REQUIRES(mutex_);
+  void tell_outcome(ServerCall& call, const Failure& failure) GECOS_REQUIRES(mutex_);
+  void tell_outcome(ServerCall& call, ByteView result) GECOS_REQUIRES(mutex_);
+  void settle(ServerCall& call, Detail detail, const std::string& text) GECOS_REQUIRES(mutex_);
+  void list(ServerCall& call) GECOS_REQUIRES(mutex_);
+  void finished(ServerCall& call) GECOS_REQUIRES(mutex_);
+  void preempt(const ServerCall& by) GECOS_REQUIRES(mutex_);
   /// Ends those of the actor commands that `which` picks: drops the waiting, interrupts the
   /// running.
-  void end_commands(const std::function<bool(const ServerCall&)>& which, const Failure& failure);
-  void lose_status(SessionId session, const std::string& why);
-  void give_back_all(ServerSession& session);
-  void tell_positions();
-  void tell(ServerCall& call, TimePoint now);
+  void end_commands(const std::function<bool(const ServerCall&)>& which, const Failure& failure)
+      GECOS_REQUIRES(mutex_);
+  void lose_status(SessionId session, const std::string& why) GECOS_REQUIRES(mutex_);
+  void give_back_all(ServerSession& session) GECOS_REQUIRES(mutex_);
+  void tell_positions() GECOS_REQUIRES(mutex_);
+  void tell(ServerCall& call, TimePoint now) GECOS_REQUIRES(mutex_);
   void note_ready() { ready_.store(true, std::memory_order_release); }
 
+  template <class Outcome>
+  void take_answer(ServerCall& call, const Outcome& outcome);
   bool begins(ServerCall& call);
   /// Gives what may start after it.
   std::shared_ptr<ServerCall> execute(const std::shared_ptr<ServerCall>& call, Starter starter);
-  void interrupt(ServerCall& call);
+  void interrupt(ServerCall& call) GECOS_REQUIRES(mutex_);
   void let_pause_be_judged(const ServerCall& call);
   /// Runs what the user gave soon, on maintenance, unless the server has ended by then.
   void tell_user(std::function<void()> what);
@@ -218,27 +238,29 @@ class ObjectHost final : public Publisher, public std::enable_shared_from_this<O
   const InterfaceDescription& interface_;
   const ObjectOptions options_;
 
-  Mutex mutex_;
-  access::LeaseTable leases_;
-  NameClaim claim_;
-  ObjectQueue queue_;
-  OutcomeLog outcomes_;
+  FutexMutex mutex_;
+  access::LeaseTable leases_ GECOS_GUARDED_BY(mutex_);
+  NameClaim claim_ GECOS_GUARDED_BY(mutex_);
+  ObjectQueue queue_ GECOS_GUARDED_BY(mutex_);
+  OutcomeLog outcomes_ GECOS_GUARDED_BY(mutex_);
   std::condition_variable_any interrupted_;
-  std::vector<std::shared_ptr<ServerCall>> open_;  ///< what has a deadline, and what may take long
-  std::vector<ServerCall*> handlers_;              ///< that have begun and are not over
-  std::size_t waiting_handlers_ = 0;               ///< of those that wait without a bound
-  SuspendAwareClock lease_clock_;                  ///< leases and silence are judged by it
-  PauseWatch::Checked pause_;                      ///< by whoever starts calls
-  std::vector<WaitingForStatus> waiting_;          ///< the first asked first
-  std::size_t awaited_ = 0;                        ///< sessions whose calls wait for a heartbeat
-  bool closed_ = false;
+  /// Calls that have a deadline or may take long.
+  std::vector<std::shared_ptr<ServerCall>> open_ GECOS_GUARDED_BY(mutex_);
+  /// Handlers that have begun and are not over; how many of them wait without a bound.
+  std::vector<ServerCall*> handlers_ GECOS_GUARDED_BY(mutex_);
+  std::size_t waiting_handlers_ GECOS_GUARDED_BY(mutex_) = 0;
+  SuspendAwareClock lease_clock_ GECOS_GUARDED_BY(mutex_);  ///< leases and silence are judged by it
+  PauseWatch::Checked pause_ GECOS_GUARDED_BY(mutex_);      ///< by whoever starts calls
+  std::vector<WaitingForStatus> waiting_ GECOS_GUARDED_BY(mutex_);  ///< the first asked first
+  std::size_t awaited_ GECOS_GUARDED_BY(mutex_) = 0;  ///< sessions whose calls wait for a heartbeat
+  bool closed_ GECOS_GUARDED_BY(mutex_) = false;
   std::atomic<bool> ready_{
       false};  // a hint: something was queued or ended since it was last looked
   ObjectStreams streams_;
 
-  std::mutex user_mutex_;
-  bool joined_ = false;  ///< guarded by user_mutex_
-  Executor executor_;    ///< last: its threads end first
+  Mutex user_mutex_;
+  bool joined_ GECOS_GUARDED_BY(user_mutex_) = false;
+  Executor executor_;  ///< last: its threads end first
 };
 
 }  // namespace gecos::session

@@ -118,7 +118,6 @@ std::shared_ptr<QueueEntry> ObjectQueue::next(FunctionRef<bool(const QueueEntry&
 std::shared_ptr<QueueEntry> ObjectQueue::start(Lane& lane, Lane::iterator at) {
   auto entry = std::move(*at);
   lane.erase(at);
-  entry->started = true;
   ++inside_;
   if (entry->lane == CallLane::Actor) running_.push_back(entry.get());
   return entry;
@@ -132,7 +131,6 @@ void ObjectQueue::ended(const QueueEntry& entry) {
 }
 
 bool ObjectQueue::remove(const QueueEntry& entry) {
-  if (entry.started) return false;
   Lane& lane = lane_of(entry);
   const auto at = std::find_if(lane.begin(), lane.end(),
                                [&](const auto& other) { return other.get() == &entry; });

@@ -26,7 +26,6 @@ struct QueueEntry {
   const std::size_t bytes;  ///< its arguments take
 
   CallLane lane = CallLane::None;
-  bool started = false;
 };
 
 enum class LaneThreads : std::uint8_t {
@@ -54,7 +53,7 @@ class ObjectQueue {
   /// then.
   tl::expected<void, Full> push(std::shared_ptr<QueueEntry> entry);
 
-  /// The next call that may start now; from then on it counts as started. Null when none may.
+  /// Takes the next call that may start now. Null when none may.
   std::shared_ptr<QueueEntry> next();
   /// Likewise, of those that `wanted` picks. Actor commands keep their order: one that is not
   /// wanted holds up those behind it.

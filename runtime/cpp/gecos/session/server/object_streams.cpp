@@ -1,87 +1,53 @@
 #include "gecos/session/server/object_streams.hpp"
 
 #include <algorithm>
-#include <exception>
-
-#include "gecos/base/log.hpp"
 
 namespace gecos::session {
-namespace {
-
-constexpr std::size_t unbounded_sample = 64 * 1024;
-constexpr std::size_t usual_depth = 16;
-
-}  // namespace
 
 ObjectStreams::ObjectStreams(std::string object, const InterfaceDescription& interface)
-    : object_(std::move(object)), streams_(interface.all_streams()), outlets_(streams_.size()) {}
+    : object_(std::move(object)) {
+  for (const StreamDescription* stream : interface.all_streams()) {
+    ports_.push_back(std::make_unique<StreamPort>(object_, *stream));
+  }
+}
 
 void ObjectStreams::offer(std::shared_ptr<media::Acceptor> acceptor) {
-  const std::lock_guard lock(mutex_);
-  const media::Kind kind = acceptor->offer().kind;
-  acceptors_[kind] = std::move(acceptor);
+  const MutexLock lock(mutex_);
+  const std::string_view name = acceptor->offer().name;
+  acceptors_[name] = std::move(acceptor);
 }
 
 void ObjectStreams::close() {
-  const std::lock_guard lock(mutex_);
-  for (Outlet& outlet : outlets_) outlet.writers.clear();
+  for (const auto& port : ports_) port->close();
+  const MutexLock lock(mutex_);
   acceptors_.clear();
+}
+
+std::size_t ObjectStreams::index_of(const StreamDescription& stream) const {
+  const auto code = [](const auto& port) { return port->stream().code; };
+  const auto place = std::ranges::lower_bound(ports_, stream.code, {}, code);
+  const bool known = place != ports_.end() && code(*place) == stream.code;
+  return known ? static_cast<std::size_t>(place - ports_.begin()) : ports_.size();
 }
 
 tl::expected<std::uint32_t, std::string> ObjectStreams::share(const StreamDescription& stream,
                                                               media::Link& link) {
-  const std::lock_guard lock(mutex_);
-  const auto place = std::ranges::lower_bound(streams_, stream.code, {}, &StreamDescription::code);
-  const auto index = static_cast<std::size_t>(place - streams_.begin());
-  Outlet& outlet = outlets_.at(index);
-  auto& writers = outlet.writers;
-  auto found = writers.find(link.offer().kind);
-  if (found == writers.end()) {
-    const std::size_t largest = stream.largest != 0 ? stream.largest : unbounded_sample;
-    const std::size_t depth = stream.quality.depth != 0 ? stream.quality.depth : usual_depth;
-    try {
-      found =
-          writers
-              .emplace(
-                  link.offer().kind,
-                  acceptors_.at(link.offer().kind)->make_stream(largest + measured_bytes, depth))
-              .first;
-    } catch (const std::exception& failed) {  // no memory or no descriptor is left
-      return tl::unexpected(
-          "stream '" + std::string(stream.name) + "' of " + object_ + " cannot be opened over " +
-          std::string(media::to_string(link.offer().kind)) + ": " + failed.what());
-    }
-    if (outlet.published) {
-      static_cast<void>(found->second->publish(outlet.latest, outlet.latest_stamp_ns));
-    }
+  std::shared_ptr<media::Acceptor> acceptor;
+  {
+    const MutexLock lock(mutex_);
+    const auto found = acceptors_.find(link.offer().name);
+    if (found == acceptors_.end()) return tl::unexpected(object_ + " is no longer served");
+    acceptor = found->second;
   }
+  const std::size_t index = index_of(stream);
   const auto id = static_cast<std::uint32_t>(index + 1);
-  if (!link.share(id, *found->second)) {
-    return tl::unexpected("stream '" + std::string(stream.name) + "' of " + object_ +
-                          " cannot be shared over " +
-                          std::string(media::to_string(link.offer().kind)) +
-                          ": the link is lost or has no room for another stream");
-  }
-  return id;
+  return ports_.at(index)->share(id, link, *acceptor).map([&] { return id; });
 }
 
 void ObjectStreams::publish(const StreamDescription& stream, ByteView sample,
                             const SampleTime& time) {
-  const std::lock_guard lock(mutex_);
-  const auto place = std::ranges::lower_bound(streams_, stream.code, {}, &StreamDescription::code);
-  if (place == streams_.end() || (*place)->code != stream.code) return;
-  Outlet& outlet = outlets_[static_cast<std::size_t>(place - streams_.begin())];
-  outlet.latest.assign(sample.begin(), sample.end());
-  append_measured(outlet.latest, time.measured);
-  outlet.latest_stamp_ns = time.stamp_ns;
-  outlet.published = true;
-  for (const auto& [kind, writer] : outlet.writers) {
-    if (writer->publish(outlet.latest, time.stamp_ns) || outlet.complained) continue;
-    outlet.complained = true;
-    log_error("session", object_ + ": a sample of '" + std::string(stream.name) + "' takes " +
-                             std::to_string(sample.size()) + " bytes, more than " +
-                             std::string(media::to_string(kind)) +
-                             " carries for this stream; it is dropped");
+  if (const std::size_t index = index_of(stream); index < ports_.size()) {
+    ports_[index]->publish(sample, time);
   }
 }
 

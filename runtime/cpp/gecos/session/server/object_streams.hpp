@@ -2,18 +2,16 @@
 
 #include <map>
 #include <memory>
-#include <mutex>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "gecos/description.hpp"
-#include "gecos/media/medium.hpp"
-#include "gecos/session/protocol/sample_time.hpp"
+#include "gecos/base/mutex.hpp"
+#include "gecos/session/server/stream_port.hpp"
 
 namespace gecos::session {
 
-/// The outward streams of one object: a writer per medium and stream from the first subscription
-/// on. Publishing a stream that nobody ever subscribed to only keeps its latest sample.
+/// The outward streams of one object, each with a port of its own. Thread-safe.
 class ObjectStreams {
  public:
   ObjectStreams(std::string object, const InterfaceDescription& interface);
@@ -22,25 +20,20 @@ class ObjectStreams {
   void offer(std::shared_ptr<media::Acceptor> acceptor);
   /// What is published from now on reaches nobody.
   void close();
-  /// A client came by this link's medium: shares the stream with it. Gives the id it has there.
+  /// Shares the stream with the client of `link`. Gives the id that it has there.
   tl::expected<std::uint32_t, std::string> share(const StreamDescription& stream,
                                                  media::Link& link);
+  /// Ignores a stream that the interface does not have.
   void publish(const StreamDescription& stream, ByteView sample, const SampleTime& time);
 
  private:
-  struct Outlet {
-    std::map<media::Kind, std::unique_ptr<media::StreamWriter>> writers;
-    Bytes latest;  ///< as it travels
-    std::int64_t latest_stamp_ns = 0;
-    bool published = false;
-    bool complained = false;
-  };
+  /// The number of ports when the interface has no such stream.
+  std::size_t index_of(const StreamDescription& stream) const;
 
   const std::string object_;
-  const std::vector<const StreamDescription*> streams_;  ///< of the interface, by code
-  std::mutex mutex_;
-  std::map<media::Kind, std::shared_ptr<media::Acceptor>> acceptors_;
-  std::vector<Outlet> outlets_;  ///< one for each of them
+  std::vector<std::unique_ptr<StreamPort>> ports_;  ///< by code; never changes
+  Mutex mutex_;
+  std::map<std::string_view, std::shared_ptr<media::Acceptor>> acceptors_ GECOS_GUARDED_BY(mutex_);
 };
 
 }  // namespace gecos::session

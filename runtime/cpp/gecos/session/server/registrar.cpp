@@ -9,6 +9,7 @@
 
 #include "gecos/base/log.hpp"
 #include "gecos/base/thread.hpp"
+#include "gecos/broker_interface.hpp"  // generated from idl/gecos/broker.gidl
 #include "gecos/session/client/broker_client.hpp"
 #include "gecos/session/client/connect.hpp"
 #include "gecos/session/server/object_host.hpp"
@@ -20,15 +21,15 @@ constexpr Duration patience = std::chrono::seconds(2);
 /// Of our thread: as long as this, commands may wait before it is said that no broker answers.
 constexpr Duration answer_patience = std::chrono::seconds(1);
 constexpr Duration between_tries = std::chrono::milliseconds(200);
-constexpr Duration between_looks = std::chrono::milliseconds(20);
+constexpr Duration look_again_after = std::chrono::milliseconds(20);
 /// Server and broker are often started together.
 constexpr Duration before_told = std::chrono::seconds(1);
 
 /// Others than this process, so that another server may be given the name.
 bool others_find(const Entry& entry, const ClientConnection& broker) {
   const auto elsewhere = [](const std::string& address) {
-    return media::kind_from(std::string_view(address).substr(0, address.find(':'))) !=
-           media::Kind::Inproc;
+    const auto kind = media::kind_of(address);
+    return !kind || media::reach_of(*kind) != media::Reach::Process;
   };
   return elsewhere(broker.place()) && std::ranges::any_of(entry.addresses, elsewhere);
 }
@@ -50,15 +51,15 @@ tl::expected<void, std::string> Registrar::await_broker(TimePoint deadline) {
 
 void Registrar::note_broker(const std::string& missing) {
   const TimePoint now = lab_->runtime()->clock().now();
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (missing.empty()) {
     missing_since_.reset();
-    told_missing_ = false;
+    reported_missing_ = false;
     return;
   }
   if (!missing_since_) missing_since_ = now;
-  if (told_missing_ || now < *missing_since_ + before_told) return;
-  told_missing_ = true;
+  if (reported_missing_ || now < *missing_since_ + before_told) return;
+  reported_missing_ = true;
   log_warning(
       "session",
       missing + "; this server goes on asking, and until then nobody new finds its objects");
@@ -66,8 +67,11 @@ void Registrar::note_broker(const std::string& missing) {
 
 bool Registrar::rest(Duration length, TimePoint deadline) {
   const Clock& clock = lab_->runtime()->clock();
-  std::unique_lock lock(mutex_);
-  changed_.wait_until(lock, std::min(deadline, clock.now() + length), [this] { return ended_; });
+  MutexLock lock(mutex_);
+  changed_.wait_until(lock, std::min(deadline, clock.now() + length), [this] {
+    mutex_.assert_held();
+    return ended_;
+  });
   return !ended_ && clock.now() < deadline;
 }
 
@@ -81,7 +85,7 @@ tl::expected<void, std::string> Registrar::add(const std::shared_ptr<ObjectHost>
   entry.interface_name = interface.name;
   entry.bases.assign(interface.bases.begin(), interface.bases.end());
   entry.interface_hash = interface.hash;
-  entry.boot = self.boot;
+  entry.boot = self.incarnation;
   entry.pid = self.pid;
   entry.user = self.user;
   entry.host = lab_->runtime()->host_identity();
@@ -93,7 +97,7 @@ tl::expected<void, std::string> Registrar::add(const std::shared_ptr<ObjectHost>
   const auto enlisted =
       register_first(registration, deadline_after(std::max(patience, object->options().patience)));
   if (!enlisted) return tl::unexpected(entry.name + " is not served: " + enlisted.error());
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   registrations_.push_back(std::move(registration));
   if (*enlisted > Duration::zero()) ask_soon();
   return {};
@@ -123,7 +127,7 @@ tl::expected<Duration, std::string> Registrar::register_first(Registration& regi
     const bool later =
         enlisted.error().unheard || (*broker)->lost() ||
         (enlisted.error().taken && holder_has_ended(registration.entry.name, deadline));
-    if (!later || !rest(between_looks, deadline)) return tl::unexpected(enlisted.error().text);
+    if (!later || !rest(look_again_after, deadline)) return tl::unexpected(enlisted.error().text);
   }
 }
 
@@ -135,24 +139,27 @@ bool Registrar::holder_has_ended(const std::string& name, TimePoint deadline) co
 }
 
 void Registrar::look() {
-  const std::unique_lock lock(mutex_, std::try_to_lock);
-  if (lock && broker_ && broker_->lost() && next_ == TimePoint::max()) ask_soon();
+  if (!mutex_.try_lock()) return;
+  if (broker_ && broker_->lost() && next_ == TimePoint::max()) ask_soon();
+  mutex_.unlock();
 }
 
 void Registrar::ask_again() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (!registrations_.empty()) ask_soon();
 }
 
-/// With the mutex.
 void Registrar::ask_soon() {
   wanted_ = true;
   changed_.notify_all();
 }
 
 void Registrar::run() {
-  std::unique_lock lock(mutex_);
-  const auto due = [this] { return ended_ || wanted_; };
+  MutexLock lock(mutex_);
+  const auto due = [this] {
+    mutex_.assert_held();
+    return ended_ || wanted_;
+  };
   while (!ended_) {
     if (next_ == TimePoint::max()) {
       changed_.wait(lock, due);
@@ -181,7 +188,7 @@ Duration Registrar::ask(const std::vector<Registration>& registrations) {
   note_broker(answers.missing);
 
   Duration rest = answers.missing.empty() ? Duration::max() : between_tries;
-  std::string untold;
+  std::string unreported;
   for (std::size_t i = 0; i < registrations.size(); ++i) {
     ObjectHost& object = *registrations[i].object;
     const auto& enlisted = answers.of_each[i];
@@ -196,12 +203,13 @@ Duration Registrar::ask(const std::vector<Registration>& registrations) {
       object.name_taken(enlisted.error().by);
     } else {
       object.name_unanswered(questions[i], enlisted.error().text);
-      untold += (untold.empty() ? "" : "; ") + object.name() +
-                " runs on and is not findable: " + enlisted.error().text;
+      unreported += (unreported.empty() ? "" : "; ") + object.name() +
+                    " runs on and is not findable: " + enlisted.error().text;
     }
   }
-  if (!answers.missing.empty()) untold.clear();  // told already
-  if (untold != std::exchange(told_, untold) && !untold.empty()) log_warning("session", untold);
+  if (!answers.missing.empty()) unreported.clear();  // told already
+  if (unreported != std::exchange(reported_, unreported) && !unreported.empty())
+    log_warning("session", unreported);
   return rest;
 }
 
@@ -233,16 +241,16 @@ Duration Registrar::served_for(const Registration& registration) const {
 tl::expected<Registrar::Broker, std::string> Registrar::find_broker(TimePoint deadline) {
   std::string place;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (broker_ && !broker_->lost()) return broker_;
     place = place_;
   }
   auto found = lab_->broker(deadline);
   if (!place.empty() && (!found || (*found)->place() != place)) {
-    found = connect(*lab_->runtime(), place, broker_interface(), deadline);
+    found = connect(*lab_->runtime(), place, BrokerInterface::description, deadline);
   }
   if (!found) return found;
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (ended_) return tl::unexpected(std::string("the server has ended"));
   place_ = (*found)->place();
   broker_ = *found;
@@ -251,7 +259,7 @@ tl::expected<Registrar::Broker, std::string> Registrar::find_broker(TimePoint de
 
 void Registrar::end() {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (ended_) return;
     ended_ = true;
   }
@@ -260,7 +268,7 @@ void Registrar::end() {
   Broker broker;
   std::vector<Registration> registrations;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     broker = std::move(broker_);
     registrations.swap(registrations_);
   }

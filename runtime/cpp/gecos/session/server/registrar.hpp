@@ -1,13 +1,12 @@
 #pragma once
 
-#include <condition_variable>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "gecos/base/mutex.hpp"
 #include "gecos/broker_types.hpp"  // generated from idl/gecos/broker.gidl
 #include "gecos/session/client/broker_client.hpp"
 #include "gecos/session/client/context.hpp"
@@ -55,7 +54,7 @@ class Registrar {
   Duration ask(const std::vector<Registration>& registrations);
   Answers ask_broker(const std::vector<Registration>& registrations, TimePoint deadline);
   tl::expected<Broker, std::string> find_broker(TimePoint deadline);
-  void ask_soon();
+  void ask_soon() GECOS_REQUIRES(mutex_);
   Duration served_for(const Registration& registration) const;
   tl::expected<Duration, std::string> register_first(Registration& registration,
                                                      TimePoint deadline);
@@ -67,17 +66,18 @@ class Registrar {
   bool rest(Duration length, TimePoint deadline);
 
   const std::shared_ptr<Context> lab_;
-  std::mutex mutex_;
-  std::condition_variable changed_;  ///< of our thread and of all that rest: always told to all
-  std::vector<Registration> registrations_;
-  Broker broker_;      ///< where they are enlisted
-  std::string place_;  ///< of the first broker: its successors are found there
-  std::optional<TimePoint> missing_since_;
-  bool told_missing_ = false;
-  std::string told_;  ///< why some are not findable; of our thread
-  bool wanted_ = false;
-  TimePoint next_ = TimePoint::max();  ///< when it is asked again
-  bool ended_ = false;
+  Mutex mutex_;
+  ConditionVariable changed_;  ///< of our thread and of all that rest: always told to all
+  std::vector<Registration> registrations_ GECOS_GUARDED_BY(mutex_);
+  Broker broker_ GECOS_GUARDED_BY(mutex_);  ///< where they are enlisted
+  /// Of the first broker: its successors are found there.
+  std::string place_ GECOS_GUARDED_BY(mutex_);
+  std::optional<TimePoint> missing_since_ GECOS_GUARDED_BY(mutex_);
+  bool reported_missing_ GECOS_GUARDED_BY(mutex_) = false;
+  std::string reported_;  ///< why some are not findable; of our thread
+  bool wanted_ GECOS_GUARDED_BY(mutex_) = false;
+  TimePoint next_ GECOS_GUARDED_BY(mutex_) = TimePoint::max();  ///< when it is asked again
+  bool ended_ GECOS_GUARDED_BY(mutex_) = false;
   std::thread thread_;  ///< looking for a broker blocks, so it has a thread of its own
 };
 

@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <mutex>
 #include <system_error>
 
 #include "gecos/base/descriptors.hpp"
 #include "gecos/base/log.hpp"
+#include "gecos/base/mutex.hpp"
 #include "gecos/base/system_error.hpp"
 #include "gecos/session/client/context.hpp"
 #include "gecos/session/process/termination_signals.hpp"
@@ -26,8 +26,8 @@ namespace {
 /// What is open at once, at the most, while a client is let in: LCM takes so many to send to one.
 constexpr std::size_t descriptors_of_a_client = 16;
 
-bool is_inproc(const std::shared_ptr<media::Acceptor>& acceptor) {
-  return acceptor->offer().kind == media::Kind::Inproc;
+bool within_process(const std::shared_ptr<media::Acceptor>& acceptor) {
+  return acceptor->offer().reach == media::Reach::Process;
 }
 
 }  // namespace
@@ -59,8 +59,8 @@ class Server::Core {
     explicit Upkeep(Core& its_core) : core(&its_core) {}
     TimePoint on_tick(TimePoint now) override;
     void after_pause(Duration stood_still) override;
-    std::mutex mutex;
-    Core* core;  ///< null once the server ends
+    Mutex mutex;
+    Core* core GECOS_GUARDED_BY(mutex);  ///< null once the server ends
   };
 
   struct Opened {
@@ -72,8 +72,8 @@ class Server::Core {
 
   const pid_t owner_ = getpid();
   const std::shared_ptr<Context> lab_;
-  std::mutex mutex_;
-  std::vector<std::shared_ptr<ObjectHost>> objects_;
+  Mutex mutex_;
+  std::vector<std::shared_ptr<ObjectHost>> objects_ GECOS_GUARDED_BY(mutex_);
   session::Wakeup ended_;
   session::IoLoop io_;
   session::Registrar registrar_;
@@ -90,20 +90,20 @@ Server::Core::Made Server::Core::make(const session::LabOrWhyNot& lab) {
 }
 
 TimePoint Server::Core::Upkeep::on_tick(TimePoint now) {
-  const std::lock_guard lock(mutex);
+  const MutexLock lock(mutex);
   if (core == nullptr) return TimePoint::max();
   TimePoint next = core->io_.on_tick(now);
   core->registrar_.look();
-  const std::lock_guard objects(core->mutex_);
+  const MutexLock objects(core->mutex_);
   for (const auto& object : core->objects_) next = std::min(next, object->on_tick(now));
   return next;
 }
 
 void Server::Core::Upkeep::after_pause(Duration stood_still) {
-  const std::lock_guard lock(mutex);
+  const MutexLock lock(mutex);
   if (core == nullptr) return;
   core->io_.await_signs_of_life();
-  const std::lock_guard objects(core->mutex_);
+  const MutexLock objects(core->mutex_);
   for (const auto& object : core->objects_) object->after_pause(stood_still);
   core->registrar_.ask_again();
 }
@@ -112,10 +112,10 @@ Server::Core::~Core() {
   registrar_.end();
   {
     // Maintenance takes this mutex first, then ours: never the other way round.
-    const std::lock_guard lock(upkeep_->mutex);
+    const MutexLock lock(upkeep_->mutex);
     upkeep_->core = nullptr;
   }
-  const std::lock_guard objects(mutex_);
+  const MutexLock objects(mutex_);
   for (const auto& object : objects_) object->close();
   for (const auto& object : objects_) object->join();
   io_.end();
@@ -124,8 +124,8 @@ Server::Core::~Core() {
 
 tl::expected<Server::Core::Opened, ServeError> Server::Core::open_places(
     const std::string& name, const ObjectOptions& options) {
-  auto kinds = options.media;
-  if (kinds.empty()) kinds = {media::Kind::Inproc, media::Kind::Shm, media::Kind::Lcm};
+  std::span<const media::Kind> kinds = options.media;
+  if (kinds.empty()) kinds = media::all_kinds();
   Opened opened;
   std::string failed;
   for (const media::Kind kind : kinds) {
@@ -134,7 +134,7 @@ tl::expected<Server::Core::Opened, ServeError> Server::Core::open_places(
       const auto medium = lab_->runtime()->medium(kind);
       if (!medium) return tl::unexpected(medium.error());
       // A host has one such place; between hosts it is somebody else's, or there is no network.
-      needed = needed || (options.well_known && (*medium)->offer().same_host_only);
+      needed = needed || (options.well_known && (*medium)->offer().reach != media::Reach::Network);
       try {
         return (*medium)->listen(name, options.well_known);
       } catch (const std::system_error& error) {  // no descriptors
@@ -152,8 +152,9 @@ tl::expected<Server::Core::Opened, ServeError> Server::Core::open_places(
     log_warning("session", why);
     failed += (failed.empty() ? "" : "; ") + why;
   }
-  if (options.media == std::vector{media::Kind::Inproc}) return opened;
-  if (std::ranges::all_of(opened.acceptors, is_inproc)) return tl::unexpected(ServeError{failed});
+  if (media::within_process(options.media)) return opened;
+  if (std::ranges::all_of(opened.acceptors, within_process))
+    return tl::unexpected(ServeError{failed});
   if (!descriptors_left(descriptors_of_a_client)) {
     return tl::unexpected(
         ServeError{name + " is not served: no client could be let in: " + system_text(errno)});
@@ -185,13 +186,13 @@ tl::expected<void, ServeError> Server::Core::add(std::string name, Servant& serv
   servant.gecos_attach(object);
   for (auto& acceptor : opened->acceptors) io_.serve(object, std::move(acceptor));
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     objects_.push_back(object);
   }
   if (well_known) return {};
   if (auto enlisted = registrar_.add(object, std::move(opened->addresses)); !enlisted) {
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       objects_.erase(std::find(objects_.begin(), objects_.end(), object));
     }
     object->close();

@@ -8,12 +8,20 @@
 #include "gecos/base/short_bytes.hpp"
 #include "gecos/servant.hpp"
 #include "gecos/session/process/handler_here.hpp"
+#include "gecos/session/server/call_state.hpp"
 #include "gecos/session/server/object_queue.hpp"
 
 namespace gecos::session {
 
 class ObjectHost;
 class ServerSession;
+
+/// The thread of a handler waits for another call without a bound.
+struct HandlerWait {
+  CommandId command;
+  std::string name;
+  TimePoint since{};
+};
 
 /// One call at the server, from its arrival until it is answered and its handler has returned.
 class ServerCall final : public CallCore,
@@ -52,10 +60,6 @@ class ServerCall final : public CallCore,
   std::string title() const;
   /// Who waits for it is woken by its object.
   void interrupt() { interrupted_.store(true, std::memory_order_release); }
-  /// Where it stands until it is terminal; with the object's mutex.
-  Detail running_detail() const {
-    return canceling ? Detail::Canceling : started ? Detail::Executing : Detail::Queued;
-  }
 
   const std::shared_ptr<ServerSession> session;
   const std::uint64_t counter;
@@ -65,22 +69,12 @@ class ServerCall final : public CallCore,
   std::shared_ptr<ServerSession>
       resumed_in;  ///< in which it was sent again, because its own was lost
   std::uint64_t resumed_counter = 0;
-  TimePoint deadline = TimePoint::max();
-  bool terminal = false;  ///< the caller has its outcome
-  bool answered = false;  ///< the handler has given its answer, heard or not
-  bool returned = false;  ///< the handler's thread came back
-  TimePoint arrived{};    ///< where that is logged
-  TimePoint begun{};      ///< its handler, since boot; nothing before, and once it is over
-  std::optional<CommandId> awaited;  ///< its handler's thread waits for that without a bound,
-  std::string awaited_name;          ///< which is called so,
-  TimePoint awaited_since{};         ///< since then
-  bool canceling = false;
-  bool listed = false;  ///< among the object's open calls
-  double fraction = 0;
-  Bytes feedback;
-  bool progress_dirty = false;  ///< progress that the caller does not know yet
-  TimePoint progress_sent{};
+  CallState state;
+  CallProgress reported;
   std::size_t position_sent = 0;
+  TimePoint arrived{};  ///< where that is logged
+  std::optional<HandlerWait> waits_for;
+  bool listed = false;  ///< among the object's open calls
 
  private:
   const ShortBytes arguments_;

@@ -44,7 +44,8 @@ Failure shortened(const Failure& failure, std::size_t takes, std::size_t carried
 }  // namespace
 
 ServerSession::ServerSession(std::unique_ptr<media::Link> link, std::shared_ptr<ObjectHost> object)
-    : liveness(object->bounds_of_clients()),
+    : intake(!link->offer().reliable),
+      liveness(object->bounds_of_clients()),
       link_(std::move(link)),
       object_(std::move(object)),
       repeats_(!link_->offer().reliable) {}
@@ -54,14 +55,14 @@ ServerSession::~ServerSession() {
 }
 
 void ServerSession::send(wire::PacketHeader header, ByteView body) {
-  const std::lock_guard lock(send_mutex_);
+  const MutexLock lock(send_mutex_);
   if (header.session == SessionId{}) header.session = id_;
   write_packet(packet_, header, body);
   deliver(packet_);
 }
 
 void ServerSession::reply_as(std::uint64_t counter, const wire::PacketView& before) {
-  const std::lock_guard lock(send_mutex_);
+  const MutexLock lock(send_mutex_);
   auto header = before.header;
   header.session = id_;
   header.counter = counter;
@@ -81,7 +82,7 @@ void ServerSession::reply_as(std::uint64_t counter, const wire::PacketView& befo
 }
 
 void ServerSession::reply(std::uint64_t counter, ByteView result, Epoch epoch) {
-  const std::lock_guard lock(send_mutex_);
+  const MutexLock lock(send_mutex_);
   auto header = reply_to(counter);
   header.session = id_;
   header.epoch = epoch;
@@ -109,7 +110,7 @@ void ServerSession::reply(std::uint64_t counter, ByteView result, Epoch epoch) {
 }
 
 void ServerSession::reply(std::uint64_t counter, const Failure& failure) {
-  const std::lock_guard lock(send_mutex_);
+  const MutexLock lock(send_mutex_);
   auto header = reply_to(counter);
   header.session = id_;
   write_failure(packet_, header, failure);
@@ -122,13 +123,14 @@ void ServerSession::reply(std::uint64_t counter, const Failure& failure) {
 }
 
 bool ServerSession::report(const ServerCall& call, Detail detail, std::size_t position) {
-  const ProgressBody body{static_cast<std::uint32_t>(position), call.fraction, call.feedback};
+  const ProgressBody body{static_cast<std::uint32_t>(position), call.reported.fraction(),
+                          call.reported.feedback()};
   wire::PacketHeader header;
   header.kind = wire::PacketKind::Progress;
   header.flags = static_cast<std::int8_t>(detail);
   header.counter = call.counter_in(*this);
   header.session = id_;
-  const std::lock_guard lock(send_mutex_);
+  const MutexLock lock(send_mutex_);
   if (!backlog_.empty()) return false;
   write_packet(packet_, header, body.encoded_size(), [&](wire::Encoder& to) { body.encode(to); });
   // No wait ends with it: a caller that sleeps until the end of its call is not woken for it.
@@ -136,7 +138,7 @@ bool ServerSession::report(const ServerCall& call, Detail detail, std::size_t po
 }
 
 void ServerSession::send_again(const Bytes& packet) {
-  const std::lock_guard lock(send_mutex_);
+  const MutexLock lock(send_mutex_);
   if (std::ranges::find(backlog_, packet) != backlog_.end())
     return;  // it has not gone for the first time
   deliver(packet);
@@ -156,7 +158,7 @@ void ServerSession::deliver(ByteView packet) {
 }
 
 void ServerSession::flush() {
-  const std::lock_guard lock(send_mutex_);
+  const MutexLock lock(send_mutex_);
   while (!backlog_.empty()) {
     const auto sent = link_->send(backlog_.front(), {});
     if (!sent && sent.error() == media::SendProblem::Full) return;
@@ -166,12 +168,12 @@ void ServerSession::flush() {
 }
 
 tl::expected<std::uint32_t, std::string> ServerSession::share(const StreamDescription& stream) {
-  const std::lock_guard lock(send_mutex_);
+  const MutexLock lock(send_mutex_);
   return object_->streams().share(stream, *link_);
 }
 
 void ServerSession::unshare(std::uint32_t id) {
-  const std::lock_guard lock(send_mutex_);
+  const MutexLock lock(send_mutex_);
   link_->unshare(id);
 }
 

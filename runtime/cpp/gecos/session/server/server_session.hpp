@@ -6,7 +6,6 @@
 #include <limits>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 
 #include "gecos/access/lease_table.hpp"
@@ -15,17 +14,11 @@
 #include "gecos/session/protocol/call_table.hpp"
 #include "gecos/session/protocol/peer_liveness.hpp"
 #include "gecos/session/protocol/receive_window.hpp"
+#include "gecos/session/server/intake.hpp"
 #include "gecos/session/server/server_call.hpp"
 #include "gecos/wire/packet.hpp"
 
 namespace gecos::session {
-
-/// A call that has to keep its place and arrived before one that was issued before it.
-struct EarlyCall {
-  wire::PacketHeader header;
-  Bytes body;
-  TimePoint arrived{};
-};
 
 /// Server side of one client's session with one object.
 ///
@@ -78,11 +71,10 @@ class ServerSession {
 
   // Guarded by the object's mutex.
   CallTable<ServerCall> calls;
-  ReceiveWindow window;
+  Intake intake;
   /// Of a medium that loses packets, and what is answered once the link is gone: it may be asked
   /// for in another session.
   const std::shared_ptr<ReplyCache> replies = std::make_shared<ReplyCache>();
-  std::map<std::uint64_t, EarlyCall> early;  ///< by counter: calls that overtook one before them
   std::map<FunctionCode, std::uint32_t> subscriptions;  ///< stream and the id it is shared under
   /// Since which epoch it has held a status; its own stops renew it.
   std::uint64_t held_from = std::numeric_limits<std::uint64_t>::max();
@@ -90,11 +82,8 @@ class ServerSession {
   std::array<std::uint64_t, media::shared_word_count> marked{};
   std::size_t commands = 0;    ///< actor commands that have not reached their end
   std::size_t unreturned = 0;  ///< calls that wait, or whose handler has not answered and returned
-  Duration accept_within{
-      0};                  ///< as its client asked: what is older is not taken up; 0: however old
-  bool left = false;       ///< said goodbye
-  bool withdrawn = false;  ///< and nothing of it starts any more
-  bool closed = false;     ///< its link is gone
+  bool left = false;           ///< said goodbye
+  bool closed = false;         ///< its link is gone
   bool parted_in_order = false;  ///< and what it had issued still runs
   PeerLiveness liveness;
   /// The server stood still, or its client is silent: nothing of it starts before it has shown a
@@ -102,7 +91,7 @@ class ServerSession {
   bool awaited = false;
 
  private:
-  void deliver(ByteView packet);
+  void deliver(ByteView packet) GECOS_REQUIRES(send_mutex_);
 
   const std::unique_ptr<media::Link> link_;
   const std::shared_ptr<ObjectHost> object_;
@@ -110,10 +99,10 @@ class ServerSession {
   SessionId id_{};
   Caller caller_;
 
-  Mutex send_mutex_;
-  Bytes packet_;               ///< reused
-  std::deque<Bytes> backlog_;  ///< what found no room
-  std::size_t backlog_bytes_ = 0;
+  FutexMutex send_mutex_;
+  Bytes packet_ GECOS_GUARDED_BY(send_mutex_);               ///< reused
+  std::deque<Bytes> backlog_ GECOS_GUARDED_BY(send_mutex_);  ///< what found no room
+  std::size_t backlog_bytes_ GECOS_GUARDED_BY(send_mutex_) = 0;
   std::atomic<bool> overrun_{false};  // publishes nothing but itself
 };
 

@@ -1,0 +1,349 @@
+#include "gecos/media/inproc/inproc.hpp"
+
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
+#include <deque>
+#include <map>
+#include <mutex>
+#include <new>
+#include <utility>
+
+#include "gecos/media/parts/bulk.hpp"
+#include "gecos/media/parts/event_fd.hpp"
+#include "gecos/media/parts/fork_watch.hpp"
+#include "gecos/media/parts/mapping.hpp"
+#include "gecos/media/parts/ring.hpp"
+#include "gecos/media/parts/stream_ring.hpp"
+#include "gecos/media/quiet.hpp"
+#include "gecos/media/registration.hpp"
+
+namespace gecos::media {
+namespace {
+
+/// What one end writes and the other one looks at.
+struct Side {
+  Mapping mapping = Mapping::anonymous(RingMemory::bytes(usual_slot_count));
+  RingMemory ring = RingMemory::at(mapping.data(), usual_slot_count);
+  EventFd event;                    // this side sleeps on it, the other one rings
+  BulkReader bulk{[] {}};           // of what the other side sends; it shows its areas at once
+  std::atomic<bool> closed{false};  // tells the other side; what was sent before is still there
+
+  void wake_if_asleep() {
+    if (ring.control->asleep.load(std::memory_order_seq_cst) != 0) event.notify();
+  }
+  void close() { closed.store(true, std::memory_order_release); }
+};
+
+struct SharedStream {
+  StreamMemory memory;
+  std::shared_ptr<void> owner;
+};
+
+/// Both ends; lives as long as one of them.
+struct Connection {
+  std::array<Side, 2> sides;
+  std::mutex mutex;
+  std::array<std::map<std::uint32_t, SharedStream>, 2> streams;  ///< that each side shares
+  std::atomic<bool> inherited{false};  // this is a forked child: tells both ends
+  ForkWatch watch{this, [](void* owner) noexcept {
+                    auto& self = *static_cast<Connection*>(owner);
+                    self.inherited.store(true);
+                    for (Side& side : self.sides) side.event.close();
+                  }};
+};
+
+/// The areas of one side.
+class InprocAreas final : public AreaMaker {
+ public:
+  explicit InprocAreas(BulkReader& reader) : reader_(reader) {}
+  std::shared_ptr<Mapping> make_area(std::uint64_t number) override {
+    try {
+      auto area = std::make_shared<Mapping>(Mapping::anonymous(area_bytes));
+      reader_.know(number, area);
+      return area;
+    } catch (const std::bad_alloc&) {
+      return nullptr;
+    }
+  }
+  bool give_back(std::uint64_t number) override {
+    reader_.end(number);
+    return true;
+  }
+
+ private:
+  BulkReader& reader_;
+};
+
+std::unique_ptr<StreamWriter> make_ring(std::size_t largest, std::size_t depth) {
+  auto mapping = std::make_shared<Mapping>(Mapping::anonymous(StreamMemory::bytes(largest, depth)));
+  const StreamMemory memory{mapping->data(), largest, depth};
+  return std::make_unique<StreamRingWriter>(memory, std::move(mapping));
+}
+
+class SideSleeper final : public Sleeper {
+ public:
+  SideSleeper(std::shared_ptr<Connection> connection, std::size_t side)
+      : connection_(std::move(connection)), side_(side) {}
+  void wake_if_asleep() override { connection_->sides[side_].wake_if_asleep(); }
+
+ private:
+  const std::shared_ptr<Connection> connection_;
+  const std::size_t side_;
+};
+
+class InprocLink final : public Link, public QuietSender {
+ public:
+  InprocLink(std::shared_ptr<Connection> connection, std::size_t side)
+      : connection_(std::move(connection)),
+        side_(side),
+        own_(connection_->sides[side]),
+        other_(connection_->sides[1 - side]),
+        writer_(own_.ring),
+        areas_(other_.bulk),
+        bulk_(writer_, areas_),
+        reader_(*own_.ring.control, other_.ring, &own_.bulk),
+        sleeper_(std::make_shared<SideSleeper>(connection_, 1 - side)),
+        descriptors_{own_.event.descriptor()},
+        peer_{::geteuid(), ::getpid(), "this process"} {
+    writer_.set_reader(other_.ring.control);
+  }
+  ~InprocLink() override {
+    for (const auto& [id, sleepers] : shared_) {
+      if (const auto list = sleepers.lock()) list->remove(sleeper_.get());
+    }
+    own_.close();
+    other_.event.notify();
+  }
+
+  const Offer& offer() const override { return inproc_offer; }
+  const Peer& peer() const override { return peer_; }
+
+  tl::expected<std::uint64_t, SendProblem> send(ByteView head, ByteView body) override {
+    if (loss() != Loss::None) return tl::unexpected(SendProblem::Lost);
+    const bool large = head.size() + body.size() > largest_ring_packet;
+    auto number = large ? bulk_.write(head, body) : writer_.write(head, body);
+    if (number) wake_reader();
+    return number;
+  }
+  tl::expected<std::uint64_t, SendProblem> send_quietly(ByteView head, ByteView body) override {
+    if (head.size() + body.size() > largest_ring_packet) return send(head, body);
+    if (loss() != Loss::None) return tl::unexpected(SendProblem::Lost);
+    auto number = writer_.write(head, body);
+    if (number && writer_.half_full()) wake_reader();
+    return number;
+  }
+  std::optional<ByteView> receive() override {
+    note_core(*own_.ring.control);
+    return reader_.read();
+  }
+  Duration age() override { return reader_.age(); }
+  std::optional<std::uint64_t> taken_by_peer() override { return writer_.taken(); }
+
+  bool prepare_to_sleep() override {
+    own_.bulk.rest();
+    own_.ring.control->asleep.store(1, std::memory_order_seq_cst);
+    if (!reader_.ready() && !watches_.anything_new() && loss() == Loss::None) return true;
+    own_.ring.control->asleep.store(0, std::memory_order_relaxed);
+    return false;
+  }
+  void woke() override {
+    own_.ring.control->asleep.store(0, std::memory_order_relaxed);
+    own_.event.drain();
+  }
+  std::span<const int> descriptors() const override { return descriptors_; }
+
+  void write_word(std::size_t index, std::uint64_t value) override {
+    own_.ring.control->words.at(index).store(value, std::memory_order_seq_cst);
+  }
+  std::uint64_t peer_word(std::size_t index) override {
+    return other_.ring.control->words.at(index).load(std::memory_order_seq_cst);
+  }
+
+  Whereabouts peer_whereabouts() override { return whereabouts(*other_.ring.control); }
+  void beat() override {
+    own_.ring.control->beats.fetch_add(1, std::memory_order_relaxed);
+    if (loss() == Loss::None) bulk_.beat();
+  }
+  std::uint64_t beats_seen() override {
+    return other_.ring.control->beats.load(std::memory_order_relaxed);
+  }
+  Loss loss() override {
+    if (connection_->inherited.load(std::memory_order_relaxed)) return Loss::Broken;
+    return other_.closed.load(std::memory_order_acquire) ? Loss::Closed : Loss::None;
+  }
+  std::string loss_text() const override {
+    if (connection_->inherited.load(std::memory_order_relaxed)) {
+      return "this connection belongs to the process that forked this one: make your own";
+    }
+    return other_.closed.load(std::memory_order_acquire) ? "the other end closed" : "";
+  }
+
+  std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth) override {
+    return make_ring(largest, depth);
+  }
+  tl::expected<void, SendProblem> share(std::uint32_t id, StreamWriter& stream) override {
+    if (loss() != Loss::None) return tl::unexpected(SendProblem::Lost);
+    auto& ring = dynamic_cast<StreamRingWriter&>(stream);
+    {
+      const std::lock_guard lock(connection_->mutex);
+      connection_->streams[side_][id] = {ring.memory(), ring.owner()};
+    }
+    if (const auto list = shared_[id].lock()) list->remove(sleeper_.get());
+    shared_[id] = ring.sleepers();
+    ring.sleepers()->add(sleeper_);
+    other_.wake_if_asleep();
+    return {};
+  }
+  void unshare(std::uint32_t id) override {
+    {
+      const std::lock_guard lock(connection_->mutex);
+      connection_->streams[side_].erase(id);
+    }
+    const auto held = shared_.extract(id);
+    if (held.empty()) return;
+    if (const auto list = held.mapped().lock()) list->remove(sleeper_.get());
+  }
+  std::unique_ptr<StreamReader> open_stream(std::uint32_t id) override {
+    const std::lock_guard lock(connection_->mutex);
+    const auto& streams = connection_->streams[1 - side_];
+    const auto found = streams.find(id);
+    if (found == streams.end()) return nullptr;
+    return watches_.open(found->second.memory, found->second.owner);
+  }
+
+ private:
+  void wake_reader() {
+    if (!writer_.reader_sleeps()) return;
+    note_ring(*own_.ring.control);
+    other_.event.notify();
+  }
+
+  const std::shared_ptr<Connection> connection_;
+  const std::size_t side_;
+  Side& own_;
+  Side& other_;
+  RingWriter writer_;
+  InprocAreas areas_;
+  BulkWriter bulk_;
+  RingReader reader_;
+  StreamWatches watches_;
+  const std::shared_ptr<SideSleeper> sleeper_;
+  std::map<std::uint32_t, std::weak_ptr<SleeperList>> shared_;
+  const std::array<int, 1> descriptors_;
+  const Peer peer_;
+};
+
+/// Where clients of one acceptor wait.
+struct Backlog {
+  std::mutex mutex;
+  std::deque<std::shared_ptr<Connection>> waiting;
+  EventFd event;
+};
+
+/// All backlogs of this process by address: what the file system is to shm.
+struct Backlogs {
+  std::mutex mutex;
+  std::map<std::string, std::weak_ptr<Backlog>, std::less<>> by_address;
+  std::uint64_t opened = 0;
+
+  static Backlogs& of_this_process() {
+    static Backlogs* const backlogs =
+        new Backlogs;  // outlives every static that may own an acceptor
+    return *backlogs;
+  }
+};
+
+class InprocAcceptor final : public Acceptor {
+ public:
+  InprocAcceptor(std::shared_ptr<Backlog> backlog, std::string address)
+      : backlog_(std::move(backlog)),
+        address_(std::move(address)),
+        descriptors_{backlog_->event.descriptor()} {}
+  ~InprocAcceptor() override {
+    Backlogs& backlogs = Backlogs::of_this_process();
+    {
+      const std::lock_guard lock(backlogs.mutex);
+      backlogs.by_address.erase(address_);
+    }
+    while (accept() != nullptr) {  // those who still wait see the link closed
+    }
+  }
+
+  const Offer& offer() const override { return inproc_offer; }
+  const std::string& address() const override { return address_; }
+  std::unique_ptr<Link> accept() override {
+    const std::lock_guard lock(backlog_->mutex);
+    if (backlog_->waiting.empty()) {
+      backlog_->event.drain();
+      return nullptr;
+    }
+    auto connection = std::move(backlog_->waiting.front());
+    backlog_->waiting.pop_front();
+    return std::make_unique<InprocLink>(std::move(connection), 1);
+  }
+  std::span<const int> descriptors() const override { return descriptors_; }
+  std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth) override {
+    return make_ring(largest, depth);
+  }
+
+ private:
+  const std::shared_ptr<Backlog> backlog_;
+  const std::string address_;
+  const std::array<int, 1> descriptors_;
+};
+
+class Inproc final : public Medium {
+ public:
+  const Offer& offer() const override { return inproc_offer; }
+
+  tl::expected<std::unique_ptr<Acceptor>, MediumError> listen(std::string_view name,
+                                                              bool well_known) override {
+    Backlogs& backlogs = Backlogs::of_this_process();
+    auto backlog = std::make_shared<Backlog>();
+    const std::lock_guard lock(backlogs.mutex);
+    std::string address = well_known_address(name);
+    if (!well_known) address += "." + std::to_string(++backlogs.opened);
+    auto& held = backlogs.by_address[address];
+    if (held.lock() != nullptr) {
+      return tl::unexpected(MediumError{address + " is served already in this process"});
+    }
+    held = backlog;
+    return std::make_unique<InprocAcceptor>(std::move(backlog), std::move(address));
+  }
+
+  tl::expected<std::unique_ptr<Link>, MediumError> connect(std::string_view address) override {
+    Backlogs& backlogs = Backlogs::of_this_process();
+    std::shared_ptr<Backlog> backlog;
+    const std::lock_guard lock(backlogs.mutex);
+    if (const auto found = backlogs.by_address.find(address); found != backlogs.by_address.end()) {
+      backlog = found->second.lock();
+    }
+    if (backlog == nullptr) {
+      return tl::unexpected(
+          MediumError{std::string(address) + ": nobody in this process serves it"});
+    }
+    auto connection = std::make_shared<Connection>();
+    {
+      const std::lock_guard backlog_lock(backlog->mutex);
+      backlog->waiting.push_back(connection);
+      backlog->event.notify();
+    }
+    return std::make_unique<InprocLink>(std::move(connection), 0);
+  }
+
+  std::string well_known_address(std::string_view name) const override {
+    return "inproc:" + std::string(name);
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Medium> make_inproc() { return std::make_unique<Inproc>(); }
+
+const Registration inproc_registration{
+    inproc_offer,
+    []() -> tl::expected<std::unique_ptr<Medium>, MediumError> { return make_inproc(); }};
+
+}  // namespace gecos::media

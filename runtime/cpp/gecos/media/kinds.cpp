@@ -1,0 +1,82 @@
+#include "gecos/media/kinds.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "gecos/media/layers/checked.hpp"
+#include "gecos/media/layers/fragments.hpp"
+#include "gecos/media/layers/transfer.hpp"
+#include "gecos/media/registration.hpp"
+#include "gecos/media/shm/directory.hpp"
+
+namespace gecos::media {
+namespace {
+
+constexpr std::array kinds{
+#define GECOS_KIND(kind, name) Kind::kind,
+    GECOS_MEDIA(GECOS_KIND)
+#undef GECOS_KIND
+};
+
+const Registration& registration_of(Kind kind) {
+  static constexpr std::array<const Registration*, kinds.size()> all{
+#define GECOS_REGISTRATION(kind, name) &name##_registration,
+      GECOS_MEDIA(GECOS_REGISTRATION)
+#undef GECOS_REGISTRATION
+  };
+  return *all.at(static_cast<std::size_t>(kind));
+}
+
+}  // namespace
+
+std::string_view to_string(Kind kind) { return registration_of(kind).offer.name; }
+
+std::optional<Kind> kind_from(std::string_view name) {
+  const auto found = std::ranges::find(kinds, name, to_string);
+  return found == kinds.end() ? std::nullopt : std::optional(*found);
+}
+
+std::optional<Kind> kind_of(std::string_view address) {
+  return kind_from(address.substr(0, address.find(':')));
+}
+
+std::span<const Kind> all_kinds() { return kinds; }
+
+Reach reach_of(Kind kind) { return registration_of(kind).offer.reach; }
+
+bool within_process(std::span<const Kind> kinds) {
+  return !kinds.empty() &&
+         std::ranges::all_of(kinds, [](Kind kind) { return reach_of(kind) == Reach::Process; });
+}
+
+tl::expected<std::unique_ptr<Medium>, MediumError> open(Kind kind, const WrapMedium& wrap) {
+  static const SystemClock clock;
+  auto opened = registration_of(kind).open();
+  if (!opened) return opened;
+  return with_layers(wrap ? wrap(std::move(*opened)) : std::move(*opened), clock);
+}
+
+std::unique_ptr<Medium> with_layers(std::unique_ptr<Medium> medium, const Clock& clock) {
+  if (!medium->offer().intact) medium = make_checked(std::move(medium));
+  if (medium->offer().largest_packet < largest_transfer) {
+    medium = make_fragmented(std::move(medium), clock);
+  }
+  return medium;
+}
+
+std::string host_identity() {
+  const std::string directory = shm::default_runtime_directory();
+  if (const auto prepared = shm::prepare_directory(directory); !prepared) {
+    return "no shared memory: " + prepared.error().text;
+  }
+  const auto identity = shm::host_identity(directory);
+  return identity ? *identity : "no shared memory: " + identity.error().text;
+}
+
+bool on_one_machine(std::string_view one, std::string_view other) {
+  const auto boot = one.substr(0, one.find('/'));
+  return boot.size() < one.size() && other.starts_with(boot) && other.substr(boot.size(), 1) == "/";
+}
+
+}  // namespace gecos::media

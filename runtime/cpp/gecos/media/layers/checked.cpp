@@ -1,0 +1,85 @@
+#include "gecos/media/layers/checked.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "gecos/media/layers/layer.hpp"
+
+namespace gecos::media {
+namespace {
+
+constexpr std::size_t check_size = sizeof(std::uint32_t);
+
+constexpr std::array<std::uint32_t, 256> make_table() {
+  std::array<std::uint32_t, 256> table{};
+  for (std::uint32_t at = 0; at < table.size(); ++at) {
+    std::uint32_t rest = at;
+    for (int bit = 0; bit < 8; ++bit) rest = (rest >> 1) ^ ((rest & 1) != 0 ? 0x82f63b78u : 0u);
+    table[at] = rest;
+  }
+  return table;
+}
+
+Offer offer_when_checked(const Medium& inner) {
+  Offer offer = inner.offer();
+  offer.intact = true;
+  offer.largest_packet -= check_size;
+  return offer;
+}
+
+class CheckedLink final : public LinkLayer {
+ public:
+  using LinkLayer::LinkLayer;
+
+  tl::expected<std::uint64_t, SendProblem> send(ByteView head, ByteView body) override {
+    if (head.size() + body.size() > offer().largest_packet) {
+      return tl::unexpected(SendProblem::TooLarge);
+    }
+    const std::uint32_t sum = crc32c(body, crc32c(head));
+    std::array<std::byte, check_size> check;
+    for (std::size_t at = 0; at < check_size; ++at) {
+      check[at] = static_cast<std::byte>(sum >> (8 * (check_size - 1 - at)));
+    }
+    outgoing_.resize(check_size + head.size());
+    std::ranges::copy(head, std::ranges::copy(check, outgoing_.begin()).out);
+    return inner().send(outgoing_, body);
+  }
+
+  std::optional<ByteView> receive() override {
+    while (const auto packet = inner().receive()) {
+      if (packet->size() < check_size) continue;
+      std::uint32_t sum = 0;
+      for (const std::byte byte : packet->first(check_size)) {
+        sum = sum << 8 | static_cast<std::uint32_t>(byte);
+      }
+      const ByteView rest = packet->subspan(check_size);
+      if (crc32c(rest) == sum) return rest;
+    }
+    return std::nullopt;
+  }
+
+ private:
+  Bytes outgoing_;  ///< sending: reused
+};
+
+}  // namespace
+
+std::uint32_t crc32c(ByteView bytes, std::uint32_t before) {
+  static constexpr auto table = make_table();
+  std::uint32_t sum = ~before;
+  for (const std::byte byte : bytes) {
+    sum = (sum >> 8) ^ table[(sum ^ static_cast<std::uint32_t>(byte)) & 0xff];
+  }
+  return ~sum;
+}
+
+std::unique_ptr<Medium> make_checked(std::unique_ptr<Medium> inner) {
+  const Offer offer = offer_when_checked(*inner);
+  return make_layer(std::move(inner), offer,
+                    [](std::unique_ptr<Link> link, const Offer& offered, Role) {
+                      return std::make_unique<CheckedLink>(std::move(link), offered);
+                    });
+}
+
+}  // namespace gecos::media

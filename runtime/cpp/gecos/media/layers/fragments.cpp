@@ -1,0 +1,126 @@
+#include "gecos/media/layers/fragments.hpp"
+
+#include <algorithm>
+#include <mutex>
+#include <utility>
+
+#include "gecos/media/layers/layer.hpp"
+#include "gecos/media/layers/transfer.hpp"
+
+namespace gecos::media {
+namespace {
+
+std::size_t piece_of(const Offer& offer) {
+  const std::size_t fits = offer.largest_packet - Piece::head_bytes;
+  return offer.piece == 0 ? fits : std::min(offer.piece, fits);
+}
+
+Offer fragmented_offer(const Medium& inner) {
+  Offer offer = inner.offer();
+  offer.ordered = false;  // small packets overtake large ones
+  offer.largest_packet = largest_transfer;
+  return offer;
+}
+
+/// The age of a large packet is that of its last piece.
+class FragmentedLink final : public LinkLayer {
+ public:
+  FragmentedLink(std::unique_ptr<Link> inner, const Offer& offer, const Clock& clock)
+      : LinkLayer(std::move(inner), offer),
+        piece_bytes_(piece_of(this->inner().offer())),
+        clock_(clock),
+        incoming_(piece_bytes_) {}
+
+  tl::expected<std::uint64_t, SendProblem> send(ByteView head, ByteView body) override {
+    const std::size_t size = head.size() + body.size();
+    if (size > largest_transfer) return tl::unexpected(SendProblem::TooLarge);
+    const std::lock_guard lock(mutex_);
+    if (size <= piece_bytes_) {
+      const auto sent = inner().send(head, body);
+      if (!sent) return sent;
+      return ++sent_;
+    }
+    if (inner().loss() != Loss::None) return tl::unexpected(SendProblem::Lost);
+    // One that arrived and is sent again was not taken up: it was too old by then, say.
+    const bool under_way = transfer_ && !transfer_->complete();
+    if (!under_way || !is_packet(transfer_->packet(), head, body)) {
+      if (under_way) return tl::unexpected(SendProblem::Full);
+      Bytes packet(head.begin(), head.end());
+      packet.insert(packet.end(), body.begin(), body.end());
+      transfer_.emplace(++transfers_, std::move(packet), piece_bytes_);
+    }
+    advance();
+    return ++sent_;
+  }
+
+  std::optional<ByteView> receive() override {
+    while (const auto packet = inner().receive()) {
+      if (const auto piece = Piece::read(*packet, piece_bytes_)) {
+        take(*piece);
+        if (auto whole = incoming_.whole()) {
+          current_ = std::move(*whole);
+          return ByteView(current_);
+        }
+      } else if (const auto received = Received::read(*packet)) {
+        const std::lock_guard lock(mutex_);
+        if (transfer_) transfer_->take(*received, clock_.now());
+        advance();
+      } else {
+        return packet;
+      }
+    }
+    return std::nullopt;
+  }
+
+  std::optional<std::uint64_t> taken_by_peer() override { return std::nullopt; }
+  void beat() override {
+    inner().beat();
+    const std::lock_guard lock(mutex_);
+    advance();
+  }
+
+ private:
+  static bool is_packet(ByteView known, ByteView head, ByteView body) {
+    return known.size() == head.size() + body.size() &&
+           std::ranges::equal(known.first(head.size()), head) &&
+           std::ranges::equal(known.subspan(head.size()), body);
+  }
+
+  void take(const Piece& piece) {
+    std::array<std::byte, Received::bytes> bytes;
+    incoming_.take(piece).write(bytes);
+    const std::lock_guard lock(mutex_);
+    static_cast<void>(inner().send(bytes, {}));  // lost, the piece comes again
+  }
+
+  /// With the mutex.
+  void advance() {
+    if (!transfer_ || transfer_->complete()) return;
+    transfer_->advance(clock_.now(), [this](const Piece& piece) {
+      std::array<std::byte, Piece::head_bytes> head;
+      piece.write_head(head);
+      static_cast<void>(inner().send(head, piece.content));  // lost, it is sent again
+    });
+  }
+
+  const std::size_t piece_bytes_;
+  const Clock& clock_;
+  IncomingTransfers incoming_;                // of who receives
+  Bytes current_;                             // likewise
+  std::mutex mutex_;                          // guards what follows, and who sends
+  std::optional<OutgoingTransfer> transfer_;  // under way, or the last that was
+  std::uint64_t transfers_ = 0;
+  std::uint64_t sent_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<Medium> make_fragmented(std::unique_ptr<Medium> inner, const Clock& clock) {
+  const Offer offer = fragmented_offer(*inner);
+  return make_layer(std::move(inner), offer,
+                    [&clock](std::unique_ptr<Link> link, const Offer& offered, Role) {
+                      return std::make_unique<FragmentedLink>(std::move(link), offered, clock);
+                    });
+}
+
+}  // namespace gecos::media

@@ -1,0 +1,69 @@
+#include "gecos/media/layers/layer.hpp"
+
+#include <utility>
+
+namespace gecos::media {
+namespace {
+
+class AcceptorLayer final : public Acceptor {
+ public:
+  AcceptorLayer(std::unique_ptr<Acceptor> inner, const Offer& offer,
+                std::shared_ptr<const PutLayer> put)
+      : inner_(std::move(inner)), offer_(offer), put_(std::move(put)) {}
+
+  const Offer& offer() const override { return offer_; }
+  const std::string& address() const override { return inner_->address(); }
+  std::unique_ptr<Link> accept() override {
+    auto link = inner_->accept();
+    if (link == nullptr) return nullptr;
+    return (*put_)(std::move(link), offer_, Role::Server);
+  }
+  bool short_of_descriptors() const override { return inner_->short_of_descriptors(); }
+  std::span<const int> descriptors() const override { return inner_->descriptors(); }
+  std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth) override {
+    return inner_->make_stream(largest, depth);
+  }
+
+ private:
+  const std::unique_ptr<Acceptor> inner_;
+  const Offer offer_;
+  const std::shared_ptr<const PutLayer> put_;  ///< an acceptor may outlive its medium
+};
+
+class MediumLayer final : public Medium {
+ public:
+  MediumLayer(std::unique_ptr<Medium> inner, const Offer& offer, PutLayer put)
+      : inner_(std::move(inner)),
+        offer_(offer),
+        put_(std::make_shared<const PutLayer>(std::move(put))) {}
+
+  const Offer& offer() const override { return offer_; }
+  tl::expected<std::unique_ptr<Acceptor>, MediumError> listen(std::string_view name,
+                                                              bool well_known) override {
+    auto acceptor = inner_->listen(name, well_known);
+    if (!acceptor) return acceptor;
+    return std::make_unique<AcceptorLayer>(std::move(*acceptor), offer_, put_);
+  }
+  tl::expected<std::unique_ptr<Link>, MediumError> connect(std::string_view address) override {
+    auto link = inner_->connect(address);
+    if (!link) return link;
+    return (*put_)(std::move(*link), offer_, Role::Client);
+  }
+  std::string well_known_address(std::string_view name) const override {
+    return inner_->well_known_address(name);
+  }
+
+ private:
+  const std::unique_ptr<Medium> inner_;
+  const Offer offer_;
+  const std::shared_ptr<const PutLayer> put_;
+};
+
+}  // namespace
+
+std::unique_ptr<Medium> make_layer(std::unique_ptr<Medium> inner, const Offer& offer,
+                                   PutLayer put) {
+  return std::make_unique<MediumLayer>(std::move(inner), offer, std::move(put));
+}
+
+}  // namespace gecos::media

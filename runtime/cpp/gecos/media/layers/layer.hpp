@@ -1,0 +1,67 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+
+#include "gecos/media/medium.hpp"
+
+namespace gecos::media {
+
+/// A link on top of another: what a layer does not say itself goes to the one below as it is.
+class LinkLayer : public Link {
+ public:
+  LinkLayer(std::unique_ptr<Link> inner, const Offer& offer)
+      : inner_(std::move(inner)), offer_(offer) {}
+
+  const Offer& offer() const override { return offer_; }
+  const Peer& peer() const override { return inner_->peer(); }
+  tl::expected<std::uint64_t, SendProblem> send(ByteView head, ByteView body) override {
+    return inner_->send(head, body);
+  }
+  std::optional<ByteView> receive() override { return inner_->receive(); }
+  Duration age() override { return inner_->age(); }
+  std::optional<Duration> clock_difference() override { return inner_->clock_difference(); }
+  std::optional<std::uint64_t> taken_by_peer() override { return inner_->taken_by_peer(); }
+  bool prepare_to_sleep() override { return inner_->prepare_to_sleep(); }
+  void woke() override { inner_->woke(); }
+  std::span<const int> descriptors() const override { return inner_->descriptors(); }
+  void write_word(std::size_t index, std::uint64_t value) override {
+    inner_->write_word(index, value);
+  }
+  std::uint64_t peer_word(std::size_t index) override { return inner_->peer_word(index); }
+  Whereabouts peer_whereabouts() override { return inner_->peer_whereabouts(); }
+  void beat() override { inner_->beat(); }
+  std::uint64_t beats_seen() override { return inner_->beats_seen(); }
+  Loss loss() override { return inner_->loss(); }
+  std::string loss_text() const override { return inner_->loss_text(); }
+  std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth) override {
+    return inner_->make_stream(largest, depth);
+  }
+  tl::expected<void, SendProblem> share(std::uint32_t id, StreamWriter& stream) override {
+    return inner_->share(id, stream);
+  }
+  void unshare(std::uint32_t id) override { inner_->unshare(id); }
+  std::unique_ptr<StreamReader> open_stream(std::uint32_t id) override {
+    return inner_->open_stream(id);
+  }
+  std::string why_no_stream(std::uint32_t id) override { return inner_->why_no_stream(id); }
+
+ protected:
+  Link& inner() const { return *inner_; }
+
+ private:
+  const std::unique_ptr<Link> inner_;
+  const Offer offer_;
+};
+
+enum class Role : std::uint8_t { Client, Server };
+
+/// Puts the layer on a link of that role, which from then on promises what the Offer says. Any
+/// thread may call it.
+using PutLayer = std::function<std::unique_ptr<Link>(std::unique_ptr<Link>, const Offer&, Role)>;
+
+/// A medium on top of `inner` whose links all wear the layer. Streams that an acceptor makes are
+/// those of `inner`.
+std::unique_ptr<Medium> make_layer(std::unique_ptr<Medium> inner, const Offer& offer, PutLayer put);
+
+}  // namespace gecos::media

@@ -1,0 +1,75 @@
+#include "gecos/media/sealed/network.hpp"
+
+#include <charconv>
+#include <cstdlib>
+#include <string_view>
+#include <utility>
+
+#include "gecos/media/lcm/lcm.hpp"
+#include "gecos/media/lcm/port.hpp"
+#include "gecos/media/registration.hpp"
+#include "gecos/media/sealed/datagram.hpp"
+
+namespace gecos::media {
+namespace {
+
+/// A multicast group.
+class LcmNetwork final : public DatagramNetwork {
+ public:
+  explicit LcmNetwork(LcmOptions options) : options_(std::move(options)) {}
+
+  const Offer& offer() const override { return lcm_offer; }
+  const std::string& name() const override { return options_.group; }
+  std::size_t largest_datagram() const override { return largest_lcm_packet + sample_overhead; }
+
+  tl::expected<std::unique_ptr<DatagramPort>, MediumError> open(std::uint16_t port) const override {
+    return LcmPort::open(options_, port);
+  }
+
+  std::shared_ptr<const DatagramNetwork> named(const std::string& name) const override {
+    LcmOptions there = options_;
+    there.group = name;
+    return std::make_shared<const LcmNetwork>(std::move(there));
+  }
+
+  std::string advice() const override {
+    return options_.ttl == 0
+               ? "; GECOS_LCM_TTL is 0, so our packets stay on this host: programs of "
+                 "several hosts need 1 or more, each of them"
+               : "; from another host it is heard only where its own GECOS_LCM_TTL "
+                 "is 1 or more";
+  }
+
+ private:
+  const LcmOptions options_;
+};
+
+/// As the environment sets it.
+tl::expected<std::unique_ptr<Medium>, MediumError> open_lcm() {
+  LcmOptions options;
+  if (const char* const set = std::getenv("GECOS_LCM_TTL"); set != nullptr && *set != '\0') {
+    const std::string_view text(set);
+    const auto [end, failed] = std::from_chars(text.begin(), text.end(), options.ttl);
+    if (failed != std::errc{} || end != text.end() || options.ttl < 0 || options.ttl > 255) {
+      return tl::unexpected(
+          MediumError{"lcm: GECOS_LCM_TTL is '" + std::string(text) +
+                      "'; it says how many routers a packet may pass, 0 (this host alone) to 255"});
+    }
+  }
+  return make_lcm(options);
+}
+
+}  // namespace
+
+std::unique_ptr<Medium> make_lcm(LcmOptions options) {
+  SealedOptions sealed{.well_known_port = options.well_known_port,
+                       .key_directory = options.key_directory,
+                       .rekey = options.rekey,
+                       .clock = options.clock};
+  sealed.network = std::make_shared<const LcmNetwork>(std::move(options));
+  return make_sealed(std::move(sealed));
+}
+
+const Registration lcm_registration{lcm_offer, open_lcm};
+
+}  // namespace gecos::media

@@ -1,0 +1,110 @@
+#include "gecos/media/lcm/port.hpp"
+
+#include <arpa/inet.h>
+#include <lcm/lcm.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+
+#include <cerrno>
+#include <optional>
+#include <utility>
+
+#include "gecos/base/descriptors.hpp"
+#include "gecos/base/system_error.hpp"
+
+namespace gecos::media {
+namespace {
+
+/// What lcm_create opens at most. LCM crashes when descriptors run out within it.
+constexpr std::size_t descriptors_needed = 16;
+
+/// Nothing for a group that multicast knows.
+std::optional<MediumError> no_group(const std::string& group) {
+  in_addr address{};
+  if (::inet_pton(AF_INET, group.c_str(), &address) == 1 && IN_MULTICAST(ntohl(address.s_addr))) {
+    return std::nullopt;
+  }
+  return MediumError{"lcm: " + group +
+                     " is no multicast group; those are 224.0.0.0 to 239.255.255.255, and ours is "
+                     "usually " +
+                     LcmOptions{}.group};
+}
+
+/// Nothing where packets can be sent to `port` of the group; else the reason why not. LCM looks
+/// too, and writes fifteen lines of its own to stderr each time.
+std::optional<MediumError> no_route(const LcmOptions& options, std::uint16_t port) {
+  sockaddr_in place{};
+  place.sin_family = AF_INET;
+  place.sin_port = htons(port);
+  ::inet_pton(AF_INET, options.group.c_str(), &place.sin_addr);
+  const Descriptor probe(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+  if (probe &&
+      ::connect(probe.get(), reinterpret_cast<const sockaddr*>(&place), sizeof place) == 0) {
+    return std::nullopt;
+  }
+  return MediumError{"lcm: no way to " + options.group + ": " + system_text(errno) +
+                     multicast_advice(options)};
+}
+
+}  // namespace
+
+tl::expected<std::unique_ptr<LcmPort>, MediumError> LcmPort::open(const LcmOptions& options,
+                                                                  std::uint16_t port) {
+  if (auto wrong = no_group(options.group)) return tl::unexpected(std::move(*wrong));
+  const std::string provider = "udpm://" + options.group + ":" + std::to_string(port) +
+                               "?ttl=" + std::to_string(options.ttl);
+  if (!descriptors_left(descriptors_needed)) {
+    return tl::unexpected(MediumError{"lcm: " + system_text(errno)});
+  }
+  if (auto wrong = no_route(options, port)) return tl::unexpected(std::move(*wrong));
+  lcm_t* const lcm = ::lcm_create(provider.c_str());
+  if (lcm == nullptr) {
+    return tl::unexpected(MediumError{"lcm: cannot open " + provider + multicast_advice(options)});
+  }
+  return std::unique_ptr<LcmPort>(new LcmPort(lcm, options, port));
+}
+
+LcmPort::LcmPort(_lcm_t* lcm, LcmOptions options, std::uint16_t port)
+    : lcm_(lcm),
+      options_(std::move(options)),
+      port_(port),
+      fork_watch_(this, [](void* owner) noexcept {
+        auto& self = *static_cast<LcmPort*>(owner);
+        self.inherited_.store(true);
+        if (self.receiver_) self.receiver_->close();
+      }) {}
+
+LcmPort::~LcmPort() {
+  if (!inherited_.load()) ::lcm_destroy(lcm_);
+}
+
+tl::expected<void, MediumError> LcmPort::subscribe(const std::string& channel, Take take) {
+  if (!receiver_) {
+    auto opened = LcmReceiver::open(options_, port_);
+    if (!opened) return tl::unexpected(std::move(opened.error()));
+    receiver_.emplace(std::move(*opened));
+  }
+  subscriptions_.push_back({channel, std::move(take)});
+  return {};
+}
+
+bool LcmPort::pump(int most) {
+  if (inherited_.load(std::memory_order_relaxed) || !receiver_) return false;
+  const std::lock_guard lock(mutex_);
+  for (int taken = 0; taken < most; ++taken) {
+    const auto message = receiver_->next();
+    if (!message) return false;
+    for (const Subscription& one : subscriptions_) {
+      if (one.channel == message->channel) one.take(message->content);
+    }
+  }
+  return true;
+}
+
+bool LcmPort::publish(const std::string& channel, ByteView datagram) {
+  if (inherited_.load(std::memory_order_relaxed)) return false;
+  return ::lcm_publish(lcm_, channel.c_str(), datagram.data(),
+                       static_cast<unsigned>(datagram.size())) == 0;
+}
+
+}  // namespace gecos::media

@@ -1,0 +1,158 @@
+#include "gecos/media/parts/bulk.hpp"
+
+#include <sys/mman.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+namespace gecos::media {
+namespace {
+
+constexpr std::size_t page = 4096;
+constexpr int most_looks = 16;  // a socket full of other messages is read in fewer
+
+std::size_t whole_pages(std::size_t bytes) { return (bytes + page - 1) / page * page; }
+
+/// Has the kernel bring the pages now, and say so when it cannot: a page missed later kills us.
+/// Also quicker than one fault for each page. Before Linux 5.14 each is faulted in.
+bool bring(const std::byte* at, std::size_t bytes, int how) {
+  int done = 0;
+  do {
+    done = ::madvise(const_cast<std::byte*>(at), bytes, how);
+  } while (done != 0 && errno == EINTR);
+  return done == 0 || errno == EINVAL;
+}
+
+}  // namespace
+
+tl::expected<std::uint64_t, SendProblem> BulkWriter::write(ByteView head, ByteView body) {
+  const std::size_t size = head.size() + body.size();
+  if (size > largest_bulk_packet) return tl::unexpected(SendProblem::TooLarge);
+  const auto room = place(size);
+  if (room.empty()) return tl::unexpected(SendProblem::Full);
+  if (!head.empty()) std::memcpy(room.data(), head.data(), head.size());
+  if (!body.empty()) std::memcpy(room.data() + head.size(), body.data(), body.size());
+  return send_placed();
+}
+
+std::span<std::byte> BulkWriter::place(std::size_t size) {
+  if (size == 0 || size > largest_bulk_packet || !ring_.has_room()) return {};
+  const std::lock_guard lock(mutex_);
+  if (placed_) held_.erase(held_.begin() + static_cast<std::ptrdiff_t>(*placed_));
+  placed_.reset();
+  if (!area_) {
+    area_ = maker_.make_area(number_ + 1);
+    if (!area_) return {};
+    ++number_;
+    backed_ = 0;
+  }
+  quiet_beats_ = 0;
+  if (!find_room(whole_pages(size))) return {};
+  placed_size_ = size;
+  return {area_->data() + held_[*placed_].offset, size};
+}
+
+bool BulkWriter::find_room(std::size_t bytes) {
+  std::erase_if(held_,
+                [taken = ring_.slots_taken()](const Held& held) { return held.until <= taken; });
+  std::size_t offset = 0;
+  std::size_t at = 0;
+  while (at < held_.size() && held_[at].offset - offset < bytes) {
+    offset = held_[at].offset + held_[at].bytes;
+    ++at;
+  }
+  if (area_bytes - offset < bytes || !back(offset + bytes)) return false;
+  held_.insert(held_.begin() + static_cast<std::ptrdiff_t>(at), {offset, bytes, 0});
+  placed_ = at;
+  return true;
+}
+
+bool BulkWriter::back(std::size_t end) {
+  if (end <= backed_) return true;
+  if (!bring(area_->data() + backed_, end - backed_, MADV_POPULATE_WRITE)) return false;
+  backed_ = end;
+  return true;
+}
+
+std::uint64_t BulkWriter::send_placed() {
+  const std::lock_guard lock(mutex_);
+  Held& held = held_[*placed_];
+  placed_.reset();
+  last_packet_ = ring_.announce({number_, held.offset, placed_size_});
+  held.until = ring_.slots_written();
+  return last_packet_;
+}
+
+void BulkWriter::beat() {
+  const std::lock_guard lock(mutex_);
+  if (!area_ || ++quiet_beats_ <= area_kept) return;
+  if (placed_ || ring_.taken() < last_packet_ || !maker_.give_back(number_)) return;
+  area_.reset();
+  held_.clear();
+}
+
+void BulkWriter::forget() noexcept {
+  if (Mapping* const area = area_.get()) area->forget();
+}
+
+void BulkReader::know(std::uint64_t number, std::shared_ptr<const Mapping> area) {
+  const std::lock_guard lock(mutex_);
+  number_ = number;
+  area_.swap(area);  // a reader in the middle of the one before holds it
+}
+
+void BulkReader::end(std::uint64_t number) {
+  std::shared_ptr<const Mapping> area;
+  const std::lock_guard lock(mutex_);
+  if (number != number_) return;
+  area.swap(area_);
+  ended_.store(true, std::memory_order_relaxed);
+}
+
+std::shared_ptr<const Mapping> BulkReader::find(std::uint64_t number) {
+  for (int looks = 0; looks <= most_looks; ++looks) {
+    if (looks != 0) look_();
+    const std::lock_guard lock(mutex_);
+    if (number == number_ && area_) return area_;
+  }
+  return nullptr;
+}
+
+std::optional<ByteView> BulkReader::copy(const BulkPlace& place) {
+  const auto area = find(place.area);
+  if (!area) return std::nullopt;
+  if (backed_area_ != place.area) backed_area_ = place.area, backed_ = 0;
+  // It begins at the start or behind one that lay there before, so not beyond what was read
+  // already.
+  if (place.size == 0 || place.size > largest_bulk_packet || place.offset > backed_ ||
+      place.size > area_bytes - place.offset) {
+    return std::nullopt;
+  }
+  const std::size_t end = whole_pages(place.offset + place.size);
+  if (end > backed_) {
+    if (!bring(area->data() + backed_, end - backed_, MADV_POPULATE_READ)) return std::nullopt;
+    backed_ = end;
+  }
+  if (place.size > copy_bytes_) {
+    copy_.reset();
+    copy_bytes_ =
+        std::clamp<std::size_t>(2 * copy_bytes_, whole_pages(place.size), largest_bulk_packet);
+    copy_ = std::make_unique_for_overwrite<std::byte[]>(copy_bytes_);
+  }
+  std::memcpy(copy_.get(), area->data() + place.offset, place.size);
+  return ByteView(copy_.get(), place.size);
+}
+
+void BulkReader::free_copy() {
+  ended_.store(false, std::memory_order_relaxed);
+  copy_.reset();
+  copy_bytes_ = 0;
+}
+
+void BulkReader::forget() noexcept {
+  if (const Mapping* const area = area_.get()) const_cast<Mapping*>(area)->forget();
+}
+
+}  // namespace gecos::media

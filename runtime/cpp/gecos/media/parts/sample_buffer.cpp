@@ -1,0 +1,64 @@
+#include "gecos/media/parts/sample_buffer.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace gecos::media {
+
+std::uint64_t SampleBuffer::newest() const {
+  const std::lock_guard lock(mutex_);
+  return samples_.empty() ? 0 : samples_.back().sequence;
+}
+
+bool SampleBuffer::put(std::uint64_t sequence, std::int64_t stamp_ns, ByteView sample) {
+  const std::lock_guard lock(mutex_);
+  if (!samples_.empty() && sequence <= samples_.back().sequence) return false;
+  StreamSample kept;
+  if (samples_.size() == depth_) {
+    kept = std::move(samples_.front());
+    samples_.pop_front();
+  }
+  kept.sequence = sequence;
+  kept.stamp_ns = stamp_ns;
+  kept.bytes.assign(sample.begin(), sample.end());
+  samples_.push_back(std::move(kept));
+  return true;
+}
+
+bool SampleBuffer::read(std::uint64_t after, bool newest, StreamSample& into) {
+  const std::lock_guard lock(mutex_);
+  if (samples_.empty()) return false;
+  seen_ = samples_.back().sequence;
+  if (seen_ <= after) return false;
+  auto found = std::prev(samples_.end());
+  if (!newest) {
+    found = std::ranges::find_if(samples_, [&](const auto& kept) { return kept.sequence > after; });
+  }
+  into.sequence = found->sequence;
+  into.stamp_ns = found->stamp_ns;
+  into.bytes.assign(found->bytes.begin(), found->bytes.end());
+  return true;
+}
+
+bool SampleBuffer::anything_new() {
+  const std::lock_guard lock(mutex_);
+  const std::uint64_t newest = samples_.empty() ? 0 : samples_.back().sequence;
+  return std::exchange(seen_, newest) != newest;
+}
+
+tl::expected<std::span<std::byte>, SendProblem> CopyingWriter::lend(std::size_t size) {
+  if (size > largest_) return tl::unexpected(SendProblem::TooLarge);
+  lent_.resize(size);
+  return std::span(lent_);
+}
+
+void CopyingWriter::publish_lent(std::int64_t stamp_ns) {
+  static_cast<void>(publish(lent_, stamp_ns));  // lend() has refused what is too large
+}
+
+std::optional<LentSample> CopyingReader::lend_latest(std::uint64_t after) {
+  if (!latest(after, lent_)) return std::nullopt;
+  return LentSample{lent_.sequence, lent_.stamp_ns, lent_.bytes};
+}
+
+}  // namespace gecos::media

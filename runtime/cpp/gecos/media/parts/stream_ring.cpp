@@ -1,0 +1,205 @@
+#include "gecos/media/parts/stream_ring.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cstring>
+#include <utility>
+
+namespace gecos::media {
+namespace {
+
+using Word = std::atomic<std::uint64_t>;
+static_assert(sizeof(Word) == 8 && Word::is_always_lock_free);
+
+// A slot: version (2·sequence, one less while it is written), stamp, size, sample in whole words.
+// All are atomic words, written with release and read with acquire. So whoever read anything of a
+// newer sample also sees, looking again, that the version has moved; it costs nothing on x86.
+constexpr std::size_t sample_at = 3;
+constexpr int most_tries = 8;
+
+void write_words(Word* to, ByteView from) {
+  const std::size_t whole = from.size() / 8;
+  for (std::size_t i = 0; i < whole; ++i) {
+    std::uint64_t word = 0;
+    std::memcpy(&word, from.data() + 8 * i, 8);
+    to[i].store(word, std::memory_order_release);
+  }
+  if (const std::size_t rest = from.size() % 8; rest != 0) {
+    std::uint64_t word = 0;
+    std::memcpy(&word, from.data() + 8 * whole, rest);
+    to[whole].store(word, std::memory_order_release);
+  }
+}
+
+void read_words(const Word* from, Bytes& into) {
+  const std::size_t whole = into.size() / 8;
+  for (std::size_t i = 0; i < whole; ++i) {
+    const std::uint64_t word = from[i].load(std::memory_order_acquire);
+    std::memcpy(into.data() + 8 * i, &word, 8);
+  }
+  if (const std::size_t rest = into.size() % 8; rest != 0) {
+    const std::uint64_t word = from[whole].load(std::memory_order_acquire);
+    std::memcpy(into.data() + 8 * whole, &word, rest);
+  }
+}
+
+bool read_sample(const StreamMemory& memory, std::uint64_t sequence, StreamSample& into) {
+  const Word* const slot = memory.slot(sequence);
+  const std::uint64_t complete = 2 * sequence;
+  if (slot[0].load(std::memory_order_acquire) != complete) return false;
+  const auto stamp = static_cast<std::int64_t>(slot[1].load(std::memory_order_acquire));
+  const std::uint64_t size = slot[2].load(std::memory_order_acquire);
+  if (size > memory.largest) return false;  // torn, or written by somebody who means harm
+  into.bytes.resize(size);
+  read_words(slot + sample_at, into.bytes);
+  if (slot[0].load(std::memory_order_acquire) != complete) return false;
+  into.sequence = sequence;
+  into.stamp_ns = stamp;
+  return true;
+}
+
+}  // namespace
+
+std::atomic<std::uint64_t>& StreamMemory::newest() const { return *reinterpret_cast<Word*>(base); }
+
+std::atomic<std::uint64_t>* StreamMemory::slot(std::uint64_t sequence) const {
+  return reinterpret_cast<Word*>(base + 64 + sequence % (depth + 1) * slot_bytes(largest));
+}
+
+void SleeperList::add(std::weak_ptr<Sleeper> sleeper) {
+  const std::lock_guard lock(mutex_);
+  sleepers_.push_back(std::move(sleeper));
+}
+
+void SleeperList::remove(const Sleeper* sleeper) {
+  const std::lock_guard lock(mutex_);
+  std::erase_if(sleepers_, [&](const auto& held) {
+    const auto alive = held.lock();
+    return alive == nullptr || alive.get() == sleeper;
+  });
+}
+
+void SleeperList::wake() {
+  const std::lock_guard lock(mutex_);
+  std::erase_if(sleepers_, [](const auto& held) {
+    const auto alive = held.lock();
+    if (alive != nullptr) alive->wake_if_asleep();
+    return alive == nullptr;
+  });
+}
+
+StreamRingWriter::StreamRingWriter(StreamMemory memory, std::shared_ptr<void> owner)
+    : memory_(memory), owner_(std::move(owner)) {}
+
+tl::expected<void, SendProblem> StreamRingWriter::publish(ByteView sample, std::int64_t stamp_ns) {
+  if (sample.size() > memory_.largest) return tl::unexpected(SendProblem::TooLarge);
+  const std::uint64_t sequence = ++newest_;
+  Word* const slot = memory_.slot(sequence);
+  slot[0].store(2 * sequence - 1, std::memory_order_relaxed);  // ordered by the releases below
+  slot[1].store(static_cast<std::uint64_t>(stamp_ns), std::memory_order_release);
+  slot[2].store(sample.size(), std::memory_order_release);
+  write_words(slot + sample_at, sample);
+  complete(sequence);
+  return {};
+}
+
+void StreamRingWriter::complete(std::uint64_t sequence) {
+  memory_.slot(sequence)[0].store(2 * sequence, std::memory_order_release);
+  memory_.newest().store(sequence, std::memory_order_seq_cst);  // publishes the sample to readers
+  sleepers_->wake();
+}
+
+tl::expected<std::span<std::byte>, SendProblem> StreamRingWriter::lend(std::size_t size) {
+  if (size > memory_.largest) return tl::unexpected(SendProblem::TooLarge);
+  const std::uint64_t sequence = newest_ + 1;
+  Word* const slot = memory_.slot(sequence);
+  slot[0].store(2 * sequence - 1, std::memory_order_relaxed);
+  // A reader of the sample that was here sees the new version before any byte of the loan.
+  std::atomic_thread_fence(std::memory_order_release);
+  lent_ = size;
+  return std::span(reinterpret_cast<std::byte*>(slot + sample_at), size);
+}
+
+void StreamRingWriter::publish_lent(std::int64_t stamp_ns) {
+  const std::uint64_t sequence = ++newest_;
+  Word* const slot = memory_.slot(sequence);
+  slot[1].store(static_cast<std::uint64_t>(stamp_ns), std::memory_order_release);
+  slot[2].store(lent_, std::memory_order_release);
+  complete(sequence);
+}
+
+bool StreamRingReader::latest(std::uint64_t after, StreamSample& into) {
+  for (int tries = 0; tries < most_tries; ++tries) {
+    const std::uint64_t newest = watch_->memory.newest().load(std::memory_order_acquire);
+    watch_->seen.store(newest, std::memory_order_relaxed);
+    if (newest <= after) return false;
+    if (read_sample(watch_->memory, newest, into)) return true;
+  }
+  return false;
+}
+
+bool StreamRingReader::next(std::uint64_t after, StreamSample& into) {
+  after = std::max(after, watch_->past);
+  for (int tries = 0; tries < most_tries; ++tries) {
+    const std::uint64_t newest = watch_->memory.newest().load(std::memory_order_acquire);
+    watch_->seen.store(newest, std::memory_order_relaxed);
+    if (newest <= after) return false;
+    const std::uint64_t depth = watch_->memory.depth;
+    const std::uint64_t oldest = newest > depth ? newest - depth + 1 : 1;
+    if (read_sample(watch_->memory, std::max(after + 1, oldest), into)) return true;
+  }
+  return latest(after, into);  // the writer laps us: its newest has the longest to live
+}
+
+std::optional<LentSample> StreamRingReader::lend_latest(std::uint64_t after) {
+  const StreamMemory& memory = watch_->memory;
+  for (int tries = 0; tries < most_tries; ++tries) {
+    const std::uint64_t newest = memory.newest().load(std::memory_order_acquire);
+    watch_->seen.store(newest, std::memory_order_relaxed);
+    if (newest <= after) return std::nullopt;
+    const Word* const slot = memory.slot(newest);
+    const auto stamp = static_cast<std::int64_t>(slot[1].load(std::memory_order_acquire));
+    const std::uint64_t size = slot[2].load(std::memory_order_acquire);
+    if (size > memory.largest) continue;  // torn, or written by a peer that means harm
+    const auto* const bytes = reinterpret_cast<const std::byte*>(slot + sample_at);
+    const LentSample sample{newest, stamp, ByteView(bytes, size)};
+    if (intact(sample)) return sample;
+  }
+  return std::nullopt;
+}
+
+bool StreamRingReader::intact(const LentSample& sample) const {
+  std::atomic_thread_fence(std::memory_order_acquire);  // after the caller's reading of the bytes
+  return watch_->memory.slot(sample.sequence)[0].load(std::memory_order_relaxed) ==
+         2 * sample.sequence;
+}
+
+std::unique_ptr<StreamReader> StreamWatches::open(StreamMemory memory,
+                                                  std::shared_ptr<void> owner) {
+  auto watch = std::make_shared<StreamWatch>();
+  watch->memory = memory;
+  watch->owner = std::move(owner);
+  const std::uint64_t newest = memory.newest().load(std::memory_order_acquire);
+  watch->past = newest == 0 ? 0 : newest - 1;
+  const std::lock_guard lock(mutex_);
+  watches_.push_back(watch);
+  any_.store(true, std::memory_order_relaxed);
+  return std::make_unique<StreamRingReader>(std::move(watch));
+}
+
+bool StreamWatches::anything_new() {
+  if (!any_.load(std::memory_order_relaxed)) return false;
+  bool found = false;
+  const std::lock_guard lock(mutex_);
+  std::erase_if(watches_, [&](const auto& held) {
+    const auto watch = held.lock();
+    if (watch == nullptr) return true;
+    const std::uint64_t newest = watch->memory.newest().load(std::memory_order_seq_cst);
+    found = watch->seen.exchange(newest, std::memory_order_relaxed) != newest || found;
+    return false;
+  });
+  any_.store(!watches_.empty(), std::memory_order_relaxed);
+  return found;
+}
+
+}  // namespace gecos::media

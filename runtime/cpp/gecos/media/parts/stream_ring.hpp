@@ -1,0 +1,116 @@
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "gecos/media/medium.hpp"
+
+/// A stream in memory: one writer, any number of readers that only look.
+///
+/// Each sample has a slot with a version, odd while it is written. A reader copies and looks again;
+/// it tries a bounded number of times, so a writer that died in the middle cannot hold it. Readers
+/// write nothing, so they can neither slow the writer nor disturb each other.
+namespace gecos::media {
+
+/// Where a stream lies.
+struct StreamMemory {
+  std::byte* base = nullptr;
+  std::size_t largest = 0;  ///< bytes of a sample
+  std::size_t depth = 0;    ///< samples kept, besides the one that is being written
+
+  static constexpr std::size_t most_bytes = std::size_t{1} << 30;
+  static constexpr std::size_t slot_bytes(std::size_t largest) {
+    return (24 + largest + 63) / 64 * 64;
+  }
+  static constexpr std::size_t bytes(std::size_t largest, std::size_t depth) {
+    return 64 + (depth + 1) * slot_bytes(largest);
+  }
+  std::atomic<std::uint64_t>& newest() const;
+  std::atomic<std::uint64_t>* slot(std::uint64_t sequence) const;
+};
+
+/// Somebody who may sleep while a stream goes on.
+class Sleeper {
+ public:
+  virtual ~Sleeper() = default;
+  /// Wakes the reader if it sleeps. Any thread.
+  virtual void wake_if_asleep() = 0;
+};
+
+/// Those who are woken by a stream. Thread-safe; forgets who is gone.
+class SleeperList {
+ public:
+  void add(std::weak_ptr<Sleeper> sleeper);
+  void remove(const Sleeper* sleeper);
+  void wake();
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::weak_ptr<Sleeper>> sleepers_;
+};
+
+class StreamRingWriter : public StreamWriter {
+ public:
+  /// `owner` keeps the memory, which is zero at first.
+  StreamRingWriter(StreamMemory memory, std::shared_ptr<void> owner);
+  tl::expected<void, SendProblem> publish(ByteView sample, std::int64_t stamp_ns) override;
+  tl::expected<std::span<std::byte>, SendProblem> lend(std::size_t size) override;
+  void publish_lent(std::int64_t stamp_ns) override;
+
+  const StreamMemory& memory() const { return memory_; }
+  const std::shared_ptr<void>& owner() const { return owner_; }
+  const std::shared_ptr<SleeperList>& sleepers() const { return sleepers_; }
+
+ private:
+  const StreamMemory memory_;
+  const std::shared_ptr<void> owner_;
+  void complete(std::uint64_t sequence);
+
+  const std::shared_ptr<SleeperList> sleepers_ = std::make_shared<SleeperList>();
+  std::uint64_t newest_ = 0;
+  std::size_t lent_ = 0;  ///< bytes
+};
+
+/// What a link knows of a stream that somebody reads through it.
+struct StreamWatch {
+  StreamMemory memory;
+  std::shared_ptr<void> owner;
+  /// What was written before the newest when the reader came is past: a memory of many subscribers
+  /// holds what earlier ones read.
+  std::uint64_t past = 0;
+  /// The newest sample that the reader or prepare_to_sleep() has seen; tells prepare_to_sleep()
+  /// whether there is another.
+  std::atomic<std::uint64_t> seen{0};
+};
+
+class StreamRingReader : public StreamReader {
+ public:
+  explicit StreamRingReader(std::shared_ptr<StreamWatch> watch) : watch_(std::move(watch)) {}
+  bool latest(std::uint64_t after, StreamSample& into) override;
+  bool next(std::uint64_t after, StreamSample& into) override;
+  std::optional<LentSample> lend_latest(std::uint64_t after) override;
+  bool intact(const LentSample& sample) const override;
+
+ private:
+  const std::shared_ptr<StreamWatch> watch_;
+};
+
+/// The streams read through one link. Thread-safe.
+class StreamWatches {
+ public:
+  std::unique_ptr<StreamReader> open(StreamMemory memory, std::shared_ptr<void> owner);
+  /// A sample came that neither its reader nor an earlier call has seen. Ordered after the writing
+  /// of `asleep`.
+  bool anything_new();
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::weak_ptr<StreamWatch>> watches_;
+  std::atomic<bool> any_{false};  // spares a link without streams the mutex
+};
+
+}  // namespace gecos::media

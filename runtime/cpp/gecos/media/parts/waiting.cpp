@@ -1,0 +1,156 @@
+#include "gecos/media/parts/waiting.hpp"
+
+#include <poll.h>
+
+#include <algorithm>
+#include <array>
+#include <ctime>
+#include <utility>
+#include <vector>
+
+namespace gecos::media {
+
+Peers place_of(const Whereabouts& peer) {
+  if (peer.core == unknown_core) return Peers::Unknown;
+  return peer.core == running_core() ? Peers::Here : Peers::Elsewhere;
+}
+
+SpinPolicy::SpinPolicy(const Clock& clock, SpinOptions options, const Core& core)
+    : clock_(clock),
+      options_(options),
+      core_(core),
+      budget_(std::min(options.shortest, options.longest)),
+      next_crowded_(options.crowded_first) {}
+
+bool SpinPolicy::go_on(Peers peers) {
+  if (state_ == State::Fresh) {
+    looked_ = Duration::zero();
+    limit_ = budget_;
+    late_ = gave_way_ = false;
+    began_ = TimePoint{};
+  }
+  if (budget_ <= Duration::zero()) return over();
+  if (peers == Peers::Elsewhere) return look(State::Looking);
+  if (crowded()) {
+    gave_way_ = peers == Peers::Here;
+    const bool vain = peers == Peers::Unknown && vain_ >= options_.vain_in_row;
+    return gave_way_ || vain ? over() : look(State::Crowded);
+  }
+  if (peers == Peers::Both && clock_.now() - last_yield_ < options_.between_yields) {
+    return look(State::Looking);
+  }
+  return yield();
+}
+
+bool SpinPolicy::crowded() const {
+  return crowded_until_ != TimePoint{} && core_.number() == crowded_core_ &&
+         clock_.now() < crowded_until_;
+}
+
+/// Some looks come first: a quick answer needs no reading of the clock.
+bool SpinPolicy::look(State as) {
+  if (std::exchange(state_, as) == as) {
+    const TimePoint now = clock_.now();
+    if (began_ == TimePoint{}) began_ = last_ = now;
+    looked_ += std::min(now - last_, options_.lost_core);
+    last_ = now;
+    if (spent()) {
+      if (as == State::Crowded) ++vain_;
+      return over();
+    }
+  }
+  // A budget that small is not worth many looks between two readings.
+  looks_ = budget_ < options_.shortest ? options_.looks_alone / 4 : options_.looks_alone;
+  return true;
+}
+
+/// A yield that began right after the one before, or is timed by itself, took what passed between
+/// two readings. Of another that is an upper bound: only where it is long the next ones are timed
+/// by themselves, so that a wait of one yield reads the clock once.
+bool SpinPolicy::yield() {
+  const bool next_in_row = std::exchange(state_, State::Yielding) == State::Yielding;
+  if (next_in_row && spent()) {
+    next_crowded_ = options_.crowded_first;  // a whole spin in which the core stayed ours
+    return over();
+  }
+  const bool exact = next_in_row || doubtful_ > 0;
+  if (exact && !next_in_row) last_ = clock_.now();
+  core_.yield();
+  const TimePoint now = clock_.now();
+  const Duration took = now - std::exchange(last_, now);
+  last_yield_ = now;
+  if (began_ == TimePoint{}) began_ = exact ? now - took : now;
+  if (exact) {
+    if (took >= options_.lost_core) return lost_slice();
+    looked_ += took;
+    if (doubtful_ > 0) --doubtful_;
+  } else if (took >= options_.lost_core) {
+    doubtful_ = options_.exact_yields;
+  }
+  return true;
+}
+
+/// A late wait may end before it sleeps every time, and then a cost that fell would not be noticed.
+bool SpinPolicy::spent() {
+  if (looked_ >= options_.shortest && !std::exchange(late_, true) &&
+      ++late_waits_ % options_.waits_between_probes == 0) {
+    limit_ = std::min(limit_, options_.shortest);
+  }
+  return looked_ >= limit_;
+}
+
+bool SpinPolicy::lost_slice() {
+  crowded_core_ = core_.number();
+  crowded_until_ = last_ + next_crowded_;
+  next_crowded_ = std::min(2 * next_crowded_, options_.crowded_longest);
+  vain_ = 0;
+  return over();
+}
+
+bool SpinPolicy::over() {
+  if (began_ == TimePoint{}) began_ = clock_.now();
+  state_ = State::Over;
+  return false;
+}
+
+void SpinPolicy::woke(TimePoint rang_at, Woken woken) {
+  if (state_ != State::Over || budget_ <= Duration::zero()) return;
+  const TimePoint now = clock_.now();
+  const bool told = rang_at >= began_ && rang_at <= now;
+  if ((told ? rang_at : now) - began_ > options_.long_wait) {
+    budget_ = std::max(budget_ / 2, options_.least);
+    return;
+  }
+  if (woken == Woken::Early) return;
+  budget_ = std::max(budget_, options_.shortest);
+  if (!told) return;
+  const Duration cost = std::clamp(now - rang_at, options_.shortest, options_.longest);
+  budget_ += (cost - budget_) / options_.wake_ups_averaged;
+}
+
+namespace {
+
+timespec until(TimePoint deadline) {
+  const auto left = std::max(Duration::zero(), deadline - std::chrono::steady_clock::now());
+  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(left);
+  return {static_cast<time_t>(seconds.count()), static_cast<long>((left - seconds).count())};
+}
+
+}  // namespace
+
+Wake sleep_on(std::span<const int> descriptors, TimePoint deadline) {
+  constexpr std::size_t usual = 16;
+  std::array<pollfd, usual> few;
+  std::vector<pollfd> many(descriptors.size() > usual ? descriptors.size() : 0);
+  pollfd* const watched = many.empty() ? few.data() : many.data();
+  for (std::size_t i = 0; i < descriptors.size(); ++i) watched[i] = {descriptors[i], POLLIN, 0};
+
+  const bool forever = deadline == TimePoint::max();
+  const timespec left = forever ? timespec{} : until(deadline);
+  const int ready = ::ppoll(watched, descriptors.size(), forever ? nullptr : &left, nullptr);
+  if (ready > 0) return Wake::Ready;
+  if (ready < 0) return Wake::Interrupted;
+  return Wake::TimedOut;
+}
+
+}  // namespace gecos::media

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <memory>
+
+#include "gecos/media/kinds.hpp"
+
+namespace gecos::media {
+
+/// What a medium says of itself before it is opened. The folder of a medium `x` defines
+/// `x_registration`.
+struct Registration {
+  const Offer& offer;
+  /// Opens it with its usual settings, or says why it cannot be used here.
+  tl::expected<std::unique_ptr<Medium>, MediumError> (*open)();
+};
+
+#define GECOS_DECLARE(kind, name) extern const Registration name##_registration;
+GECOS_MEDIA(GECOS_DECLARE)
+#undef GECOS_DECLARE
+
+}  // namespace gecos::media

@@ -1,0 +1,155 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "gecos/media/parts/descriptor.hpp"
+#include "gecos/media/parts/fork_watch.hpp"
+#include "gecos/media/sealed/initiator.hpp"
+#include "gecos/media/sealed/inward.hpp"
+#include "gecos/media/sealed/network.hpp"
+#include "gecos/media/sealed/receive_queue.hpp"
+#include "gecos/media/sealed/responder.hpp"
+#include "gecos/media/sealed/sender.hpp"
+#include "gecos/media/sealed/stream.hpp"
+
+namespace gecos::media {
+
+/// What both ends have in common: sending, and reading what the queue holds.
+class SealedConnection : public Link {
+ public:
+  const Offer& offer() const override { return options_.network->offer(); }
+  const Peer& peer() const override { return peer_; }
+  tl::expected<std::uint64_t, SendProblem> send(ByteView head, ByteView body) override;
+  std::optional<ByteView> receive() override;
+  Duration age() override { return options_.now() - current_.sent; }
+  std::optional<Duration> clock_difference() override { return queue_->clock_difference(); }
+  std::optional<std::uint64_t> taken_by_peer() override { return std::nullopt; }
+  void beat() override;
+  std::uint64_t beats_seen() override;
+  Loss loss() override;
+  std::string loss_text() const override;
+
+ protected:
+  SealedConnection(std::shared_ptr<ReceiveQueue> queue, std::shared_ptr<SealedSender> sender,
+                   const SealedOptions& options, Peer peer);
+
+  /// Takes what has arrived, into the queue and from there what is no packet.
+  virtual void pump() = 0;
+  void say(InnerKind kind, std::uint64_t number = 0, ByteView body = {});
+  const std::shared_ptr<SealedSender>& sender() const { return sender_; }
+  bool inherited() const { return inherited_.load(std::memory_order_relaxed); }
+
+  const std::shared_ptr<ReceiveQueue> queue_;
+  const SealedOptions options_;
+
+ private:
+  const std::shared_ptr<SealedSender> sender_;
+  const Peer peer_;
+  std::uint64_t sent_ = 0;
+  Bytes outgoing_;
+  ReceiveQueue::Packet current_;
+  std::atomic<bool> inherited_{false};  // this is a forked child
+  const ForkWatch fork_watch_;
+};
+
+class SealedClient final : public SealedConnection {
+ public:
+  static tl::expected<std::unique_ptr<Link>, MediumError> connect(
+      const SealedOptions& options, std::shared_ptr<const SealedKeys> keys,
+      const SealedAddress& address);
+  ~SealedClient() override;
+
+  void beat() override;
+  std::string loss_text() const override;
+  bool prepare_to_sleep() override;
+  void woke() override;
+  std::span<const int> descriptors() const override { return descriptors_; }
+  std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth) override;
+  tl::expected<void, SendProblem> share(std::uint32_t id, StreamWriter& stream) override;
+  void unshare(std::uint32_t id) override;
+  std::unique_ptr<StreamReader> open_stream(std::uint32_t id) override;
+  std::string why_no_stream(std::uint32_t id) override;
+
+  SealedClient(const SealedOptions& options, std::shared_ptr<ReceiveQueue> queue,
+               std::shared_ptr<SealedSender> sender, std::unique_ptr<DatagramPort> in,
+               std::shared_ptr<HandshakeInitiator> initiator, const SealedAddress& address);
+
+ private:
+  struct Arrived {
+    SharedStream where;
+    bool opened = false;
+    std::string problem{};  ///< why it could not be opened last
+  };
+  struct Inward {
+    std::weak_ptr<InwardStream> stream;
+    bool opened = false;  ///< until then the server is told again with every beat
+  };
+  void pump() override;
+  bool new_samples();
+  void take_share(const SharedStream& where);
+  void take_opened(std::uint32_t id);
+  void tell(std::uint32_t id, InwardStream& stream);
+
+  const std::unique_ptr<DatagramPort> in_;
+  const std::shared_ptr<HandshakeInitiator> initiator_;
+  const Descriptor streams_;  // an epoll of the ports of streams, which come later
+  const std::array<int, 3> descriptors_;
+  /// Since somebody looked for a stream one was told of, maybe by a look for something else:
+  /// whoever is about to sleep looks once more. Publishes nothing but itself.
+  std::atomic<bool> heard_of_streams_{false};
+  std::mutex mutex_;  // guards what follows
+  std::map<std::uint32_t, Arrived> arrived_;
+  std::vector<std::weak_ptr<SampleQueue>> reading_;
+  std::vector<std::weak_ptr<InwardStream>> made_;  ///< ended with the link
+  std::map<std::uint32_t, Inward> inward_;
+};
+
+class SealedServer final : public SealedConnection {
+ public:
+  static tl::expected<std::unique_ptr<Link>, MediumError> welcome(
+      std::shared_ptr<HandshakeResponder> responder, HandshakeResponder::PendingPeer pending);
+  ~SealedServer() override;
+
+  bool prepare_to_sleep() override;
+  void woke() override;
+  std::span<const int> descriptors() const override { return descriptors_; }
+  void beat() override;
+  std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth) override;
+  tl::expected<void, SendProblem> share(std::uint32_t id, StreamWriter& stream) override;
+  void unshare(std::uint32_t id) override;
+  std::unique_ptr<StreamReader> open_stream(std::uint32_t id) override;
+
+  SealedServer(std::shared_ptr<HandshakeResponder> responder,
+               const HandshakeResponder::PendingPeer& pending,
+               std::shared_ptr<SealedSender> sender);
+
+ private:
+  struct Shared {
+    std::weak_ptr<SealedStream> stream;
+    bool opened = false;  // until then it is told again with every beat
+  };
+  /// A stream that the client has shared.
+  struct Inward {
+    InwardShare where;
+    bool opened = false;
+  };
+  void pump() override;
+  void take_opened(std::uint32_t id);
+  void take_share(const InwardShare& where);
+  void tell(std::uint32_t id, const SealedStream& stream);
+
+  const std::shared_ptr<HandshakeResponder> responder_;
+  const std::uint64_t client_;
+  const std::array<int, 1> descriptors_;
+  std::mutex mutex_;  // guards what follows
+  std::map<std::uint32_t, Shared> shared_;
+  std::map<std::uint32_t, Inward> inward_;
+};
+
+}  // namespace gecos::media

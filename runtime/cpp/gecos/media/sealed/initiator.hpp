@@ -1,0 +1,62 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "gecos/crypto/opening.hpp"
+#include "gecos/media/sealed/keys.hpp"
+#include "gecos/media/sealed/network.hpp"
+#include "gecos/media/sealed/receive_queue.hpp"
+#include "gecos/media/sealed/sender.hpp"
+
+namespace gecos::media {
+
+/// A client's way to an open channel: asks for the server's key where the address has none, repeats
+/// the handshake's first message until it is answered, and then a beat until the server is heard.
+/// Waits for nothing: whoever holds the link calls advance() often. Any thread.
+class HandshakeInitiator {
+ public:
+  /// After so long without an answer it begins anew, as the server has forgotten by then.
+  static constexpr Duration begins_anew_after = std::chrono::seconds{5};
+
+  HandshakeInitiator(std::shared_ptr<const SealedKeys> keys, const SealedOptions& options,
+                     SealedAddress address, std::shared_ptr<SealedSender> sender,
+                     std::shared_ptr<ReceiveQueue> queue);
+
+  /// Sends what is due. Costs nothing once the server was heard.
+  void advance();
+  /// What the server says before there is a channel: Key, Second.
+  void take(const DatagramHeader& header, ByteView frame);
+  /// Why there is no channel, for people; empty when there is one.
+  std::string trouble() const;
+
+ private:
+  struct Refused {
+    crypto::PublicKey key;
+    std::string why;
+  };
+  void begin(TimePoint now);
+  void begin_with(const crypto::PublicKey& key);
+  void take_key(ByteView frame, TimePoint now);
+  void take_second(ByteView frame, TimePoint now);
+  void speak(TimePoint now);
+
+  const std::shared_ptr<const SealedKeys> keys_;
+  const SealedOptions options_;
+  const SealedAddress address_;
+  const std::shared_ptr<SealedSender> sender_;
+  const std::shared_ptr<ReceiveQueue> queue_;
+  std::atomic<bool> over_{false};  // tells advance() that nothing is left to do
+  mutable std::mutex mutex_;       // guards what follows
+  std::optional<crypto::Opening> handshake_;
+  std::optional<Refused> not_admitted_;
+  bool open_ = false;
+  int said_ = 0;
+  TimePoint began_;
+  TimePoint next_;
+};
+
+}  // namespace gecos::media

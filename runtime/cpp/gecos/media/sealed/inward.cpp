@@ -1,0 +1,50 @@
+#include "gecos/media/sealed/inward.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace gecos::media {
+
+InwardStream::InwardStream(std::shared_ptr<SealedSender> sender, const SealedOptions& options,
+                           std::size_t largest, std::size_t depth)
+    : sender_(std::move(sender)),
+      options_(options),
+      where_{.id = 0,
+             .largest = static_cast<std::uint32_t>(std::min(
+                 largest,
+                 options.network->largest_datagram() - packet_overhead - InwardSampleHead::bytes)),
+             .depth = static_cast<std::uint16_t>(
+                 std::clamp<std::size_t>(depth, 1, SharedStream::most_depth))},
+      fork_watch_(this, [](void* owner) noexcept { static_cast<InwardStream*>(owner)->end(); }) {}
+
+InwardShare InwardStream::shared_as(std::uint32_t id) {
+  const std::lock_guard lock(mutex_);
+  where_.id = id;
+  shared_ = true;
+  return where_;
+}
+
+tl::expected<void, SendProblem> InwardStream::publish(ByteView sample, std::int64_t stamp_ns) {
+  if (sample.size() > where_.largest) return tl::unexpected(SendProblem::TooLarge);
+  const std::lock_guard lock(mutex_);
+  last_.assign(sample.begin(), sample.end());
+  stamp_ns_ = stamp_ns;
+  ++sequence_;
+  send_last();
+  return {};
+}
+
+void InwardStream::repeat_last() {
+  const std::lock_guard lock(mutex_);
+  send_last();
+}
+
+void InwardStream::send_last() {
+  if (ended_.load() || !shared_ || sequence_ == 0) return;
+  std::array<std::byte, InwardSampleHead::bytes> head;
+  InwardSampleHead{where_.id, stamp_ns_}.write(head);
+  sender_->send({InnerKind::InwardSample, sequence_, options_.now_ns()}, head, last_, datagram_);
+}
+
+}  // namespace gecos::media

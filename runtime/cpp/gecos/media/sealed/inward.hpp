@@ -1,0 +1,76 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+
+#include "gecos/media/parts/fork_watch.hpp"
+#include "gecos/media/parts/sample_buffer.hpp"
+#include "gecos/media/sealed/datagram.hpp"
+#include "gecos/media/sealed/sender.hpp"
+
+/// Streams of a client to its server, whose samples travel in the sealed channel of the two.
+namespace gecos::media {
+
+/// Sends the samples of one stream. Thread-safe.
+class InwardStream {
+ public:
+  /// `largest` in bytes, `depth` samples kept by the reader.
+  InwardStream(std::shared_ptr<SealedSender> sender, const SealedOptions& options,
+               std::size_t largest, std::size_t depth);
+
+  /// What the server is told of it, under `id` from now on.
+  InwardShare shared_as(std::uint32_t id);
+  std::size_t largest() const { return where_.largest; }
+  tl::expected<void, SendProblem> publish(ByteView sample, std::int64_t stamp_ns);
+  /// For a reader that opened the stream after its last sample.
+  void repeat_last();
+  /// The connection is closed: nothing is sent any more.
+  void end() { ended_.store(true); }
+
+ private:
+  void send_last();
+
+  const std::shared_ptr<SealedSender> sender_;
+  const SealedOptions options_;
+  std::mutex mutex_;  // guards what follows
+  InwardShare where_;
+  bool shared_ = false;
+  std::uint64_t sequence_ = 0;
+  std::int64_t stamp_ns_ = 0;
+  Bytes last_;
+  Bytes datagram_;
+  /// Also in a forked child, which would seal under the counters of its parent.
+  std::atomic<bool> ended_{false};
+  const ForkWatch fork_watch_;
+};
+
+class InwardWriter final : public CopyingWriter {
+ public:
+  explicit InwardWriter(std::shared_ptr<InwardStream> stream)
+      : CopyingWriter(stream->largest()), stream_(std::move(stream)) {}
+  tl::expected<void, SendProblem> publish(ByteView sample, std::int64_t stamp_ns) override {
+    return stream_->publish(sample, stamp_ns);
+  }
+  const std::shared_ptr<InwardStream>& stream() const { return stream_; }
+
+ private:
+  const std::shared_ptr<InwardStream> stream_;
+};
+
+/// Reads what the link of the server has received.
+class InwardReader final : public CopyingReader {
+ public:
+  explicit InwardReader(std::shared_ptr<SampleBuffer> samples) : samples_(std::move(samples)) {}
+  bool latest(std::uint64_t after, StreamSample& into) override {
+    return samples_->read(after, true, into);
+  }
+  bool next(std::uint64_t after, StreamSample& into) override {
+    return samples_->read(after, false, into);
+  }
+
+ private:
+  const std::shared_ptr<SampleBuffer> samples_;
+};
+
+}  // namespace gecos::media

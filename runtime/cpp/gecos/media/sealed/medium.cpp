@@ -1,0 +1,174 @@
+#include <sys/socket.h>
+#include <sys/un.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstddef>
+#include <stdexcept>
+#include <utility>
+
+#include "gecos/base/log.hpp"
+#include "gecos/base/system_error.hpp"
+#include "gecos/media/sealed/connection.hpp"
+#include "gecos/media/sealed/responder.hpp"
+
+namespace gecos::media {
+namespace {
+
+constexpr std::size_t longest_name = 32;
+
+std::string channel_of_name(std::string_view name) {
+  std::string channel = "GW";
+  for (const char c : name.substr(0, longest_name)) {
+    const bool plain = (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z');
+    channel += plain ? c : '_';
+  }
+  return channel;
+}
+
+/// Says to this host that a place is served. Multicast lets anybody listen beside us, so a name in
+/// the kernel's table of abstract sockets stands for the place: it goes with the process that holds
+/// it.
+class Claim {
+ public:
+  static tl::expected<std::unique_ptr<Claim>, MediumError> stake(const SealedAddress& place) {
+    const std::string name = "gecos/" + place.place();
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    std::copy_n(name.begin(), std::min(name.size(), sizeof address.sun_path - 1),
+                address.sun_path + 1);  // behind a NUL: no file
+    const auto size = static_cast<socklen_t>(
+        std::min(offsetof(sockaddr_un, sun_path) + 1 + name.size(), sizeof address));
+    Descriptor held(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+    if (!held || ::bind(held.get(), reinterpret_cast<const sockaddr*>(&address), size) != 0) {
+      return tl::unexpected(
+          MediumError{errno == EADDRINUSE
+                          ? place.place() +
+                                " is served already by another program of this host; `ss -xap | "
+                                "grep gecos/" +
+                                place.medium + "` tells by which"
+                          : place.place() + " cannot be claimed: " + system_text(errno)});
+    }
+    return std::make_unique<Claim>(std::move(held));
+  }
+  explicit Claim(Descriptor held) : held_(std::move(held)) {}
+
+ private:
+  Descriptor held_;
+  const ForkWatch fork_watch_{
+      this, [](void* owner) noexcept { static_cast<Claim*>(owner)->held_.reset(); }};
+};
+
+class SealedAcceptor final : public Acceptor {
+ public:
+  /// `claim` is null for a place of its own.
+  SealedAcceptor(std::shared_ptr<HandshakeResponder> responder, std::unique_ptr<Claim> claim)
+      : claim_(std::move(claim)),
+        responder_(std::move(responder)),
+        address_(responder_->address().to_string()),
+        descriptors_{responder_->descriptor(), responder_->event().descriptor()} {}
+  ~SealedAcceptor() override { responder_->close(); }
+
+  const Offer& offer() const override { return responder_->options().network->offer(); }
+  const std::string& address() const override { return address_; }
+
+  std::unique_ptr<Link> accept() override {
+    responder_->event().drain();
+    if (responder_->pump()) responder_->event().notify();  // for who watches edges
+    while (auto pending = responder_->next_pending()) {
+      const std::uint64_t client = pending->client;
+      auto link = SealedServer::welcome(responder_, std::move(*pending));
+      if (link) return std::move(*link);
+      log_warning(responder_->address().medium, "cannot answer a client: " + link.error().text);
+      responder_->forget(client);
+    }
+    return nullptr;
+  }
+  std::span<const int> descriptors() const override { return descriptors_; }
+
+  std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth) override {
+    return responder_->make_stream(largest, depth);
+  }
+
+ private:
+  const std::unique_ptr<Claim> claim_;
+  const std::shared_ptr<HandshakeResponder> responder_;
+  const std::string address_;
+  const std::array<int, 2> descriptors_;
+};
+
+class Sealed final : public Medium {
+ public:
+  explicit Sealed(SealedOptions options) : options_(std::move(options)) {}
+
+  const Offer& offer() const override { return options_.network->offer(); }
+
+  tl::expected<std::unique_ptr<Acceptor>, MediumError> listen(std::string_view name,
+                                                              bool well_known) override {
+    const auto keys = this->keys();
+    if (!keys) return tl::unexpected(keys.error());
+    SealedAddress address = well_known_place(name);
+    std::unique_ptr<Claim> claim;
+    if (well_known) {
+      auto staked = Claim::stake(address);
+      if (!staked) return tl::unexpected(std::move(staked.error()));
+      claim = std::move(*staked);
+    } else {
+      address.port = draw_port();
+      address.channel = channel_name("GO", draw_number());
+      address.key = (*keys)->own.public_key();
+    }
+    auto in = options_.network->open(address.port);
+    if (!in) return tl::unexpected(std::move(in.error()));
+    auto responder = std::make_shared<HandshakeResponder>(options_, *keys, std::move(*in), address);
+    if (auto opened = responder->open(); !opened) return tl::unexpected(std::move(opened.error()));
+    return std::make_unique<SealedAcceptor>(std::move(responder), std::move(claim));
+  }
+
+  tl::expected<std::unique_ptr<Link>, MediumError> connect(std::string_view address) override {
+    const auto parsed = SealedAddress::parse(address);
+    if (const std::string name(offer().name); !parsed || parsed->medium != name) {
+      return tl::unexpected(MediumError{std::string(address) + ": an address of " + name +
+                                        " reads " + name + ":<group>:<port>/<channel>#<key>"});
+    }
+    const auto keys = this->keys();
+    if (!keys) return tl::unexpected(keys.error());
+    return SealedClient::connect(options_, *keys, *parsed);
+  }
+
+  std::string well_known_address(std::string_view name) const override {
+    return well_known_place(name).to_string();
+  }
+
+ private:
+  SealedAddress well_known_place(std::string_view name) const {
+    return {std::string(offer().name), options_.network->name(), options_.well_known_port,
+            channel_of_name(name), std::nullopt};
+  }
+
+  /// Opened with the first use, since most programs never need them.
+  tl::expected<std::shared_ptr<const SealedKeys>, MediumError> keys() {
+    const std::lock_guard lock(mutex_);
+    if (keys_ == nullptr) {
+      auto opened = SealedKeys::open(options_.key_directory);
+      if (!opened) {
+        return tl::unexpected(
+            MediumError{std::string(offer().name) + " needs a key: " + opened.error().text});
+      }
+      keys_ = std::move(*opened);
+    }
+    return keys_;
+  }
+
+  const SealedOptions options_;
+  std::mutex mutex_;
+  std::shared_ptr<const SealedKeys> keys_;
+};
+
+}  // namespace
+
+std::unique_ptr<Medium> make_sealed(SealedOptions options) {
+  return std::make_unique<Sealed>(std::move(options));
+}
+
+}  // namespace gecos::media

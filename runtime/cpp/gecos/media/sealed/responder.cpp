@@ -1,0 +1,163 @@
+#include "gecos/media/sealed/responder.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <system_error>
+#include <utility>
+
+#include "gecos/base/log.hpp"
+#include "gecos/media/sealed/sender.hpp"
+#include "gecos/media/sealed/stream.hpp"
+
+namespace gecos::media {
+namespace {
+
+constexpr std::size_t most_unconfirmed = 256;
+constexpr Duration unconfirmed_kept = std::chrono::seconds{5};
+constexpr std::size_t most_links = 4096;
+
+}  // namespace
+
+bool HandshakeResponder::Budget::take(TimePoint now) {
+  if (!since_ || now - *since_ >= std::chrono::seconds{1}) {
+    since_ = now;
+    taken_ = 0;
+  }
+  return taken_++ < per_second_;
+}
+
+HandshakeResponder::HandshakeResponder(SealedOptions options,
+                                       std::shared_ptr<const SealedKeys> keys,
+                                       std::unique_ptr<DatagramPort> in, SealedAddress address)
+    : options_(std::move(options)),
+      keys_(std::move(keys)),
+      in_(std::move(in)),
+      address_(std::move(address)),
+      handshakes_(
+          keys_->own, [keys = keys_](const crypto::PublicKey& key) { return keys->admits(key); },
+          {}, options_.rekey),
+      stream_port_(draw_port()) {}
+
+tl::expected<void, MediumError> HandshakeResponder::open() {
+  return in_->subscribe(address_.channel, [this](ByteView datagram) { take(datagram); });
+}
+
+void HandshakeResponder::take(ByteView datagram) {
+  const auto header = DatagramHeader::read(datagram);
+  if (!header || header->reply_port == 0) return;
+  try {
+    if (header->kind == DatagramKind::Sealed) return take_sealed(*header, datagram);
+    if (closed_.load()) return;
+    const TimePoint now = options_.now();
+    if (header->kind == DatagramKind::First) take_first(*header, datagram, now);
+    if (header->kind == DatagramKind::Ask && !address_.key) {
+      answer(*header, DatagramKind::Key, keys_->own.public_key().bytes, now);
+    }
+  } catch (const std::system_error& failed) {  // who polls serves the others
+    log_warning(address_.medium, std::string("cannot let a client in: ") + failed.what());
+  }
+}
+
+void HandshakeResponder::take_first(const DatagramHeader& header, ByteView datagram,
+                                    TimePoint now) {
+  const auto context = handshake_context(address_, datagram.first(DatagramHeader::bytes));
+  auto answered = handshakes_.answer(datagram.subspan(DatagramHeader::bytes), context, {}, now);
+  if (!answered) {
+    const auto& refused = answered.error();
+    if (refused.why == crypto::Refusal::NotAdmitted && refused.who && warnings_.take(now)) {
+      const auto admitted = keys_->directory.admission(*refused.who);
+      log_warning(address_.medium,
+                  address_.place() + " refused a client: " +
+                      (admitted ? "its key was admitted just now" : admitted.error().text));
+    }
+    return;
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    while (!unconfirmed_.empty() && (unconfirmed_.size() == most_unconfirmed ||
+                                     now - unconfirmed_.front().since >= unconfirmed_kept)) {
+      unconfirmed_.pop_front();
+    }
+    if (answered->channel) {
+      if (queues_.size() >= most_links || queues_.contains(header.client)) return;
+      unconfirmed_.push_back(
+          {header.client, header.reply_port, now, std::move(*answered->channel)});
+    }
+  }
+  answer(header, DatagramKind::Second, answered->second, now);
+}
+
+void HandshakeResponder::take_sealed(const DatagramHeader& header, ByteView datagram) {
+  std::shared_ptr<ReceiveQueue> queue;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto found = queues_.find(header.client);
+    if (found == queues_.end()) return confirm(header, datagram);
+    queue = found->second;
+  }
+  queue->take(datagram.first(DatagramHeader::bytes), datagram.subspan(DatagramHeader::bytes),
+              options_.now());
+}
+
+void HandshakeResponder::confirm(const DatagramHeader& header, ByteView datagram) {
+  if (closed_.load()) return;
+  for (auto& one : unconfirmed_) {
+    if (one.client != header.client) continue;
+    Bytes frame(datagram.begin() + DatagramHeader::bytes, datagram.end());
+    if (!one.channel.in.open(datagram.first(DatagramHeader::bytes), frame)) continue;
+    auto queue = std::make_shared<ReceiveQueue>(one.channel.in);
+    queue->put(std::move(frame), options_.now());
+    queues_.emplace(one.client, queue);
+    pending_.push_back({one.client, one.reply_port, one.channel.peer, std::move(one.channel.out),
+                        std::move(queue)});
+    std::erase_if(unconfirmed_, [&](const auto& other) { return other.client == header.client; });
+    event_.notify();
+    return;
+  }
+}
+
+void HandshakeResponder::answer(const DatagramHeader& to, DatagramKind kind, ByteView frame,
+                                TimePoint now) {
+  if (!answers_.take(now)) return;
+  // Opened for this one answer: who has not shown its keys holds nothing here.
+  auto out = options_.network->open(to.reply_port);
+  if (!out) {
+    if (warnings_.take(now))
+      log_warning(address_.medium, "cannot answer a client: " + out.error().text);
+    return;
+  }
+  SealedSender(std::move(*out), channel_name("GC", to.client), to.client, 0).send_bare(kind, frame);
+}
+
+std::optional<HandshakeResponder::PendingPeer> HandshakeResponder::next_pending() {
+  const std::lock_guard lock(mutex_);
+  if (pending_.empty()) return std::nullopt;
+  std::optional<PendingPeer> next(std::move(pending_.front()));
+  pending_.pop_front();
+  return next;
+}
+
+void HandshakeResponder::forget(std::uint64_t client) {
+  const std::lock_guard lock(mutex_);
+  queues_.erase(client);
+}
+
+std::unique_ptr<StreamWriter> HandshakeResponder::make_stream(std::size_t largest,
+                                                              std::size_t depth) {
+  const std::lock_guard lock(mutex_);
+  if (streams_ == nullptr) {
+    auto opened = options_.network->open(stream_port_);
+    if (!opened) throw std::runtime_error(opened.error().text);
+    streams_ = std::move(*opened);
+  }
+  SharedStream where;
+  const std::size_t fits = options_.network->largest_datagram() - sample_overhead;
+  where.largest = static_cast<std::uint32_t>(std::min(largest, fits));
+  where.depth =
+      static_cast<std::uint16_t>(std::clamp<std::size_t>(depth, 1, SharedStream::most_depth));
+  where.port = stream_port_;
+  where.channel = draw_number();
+  return std::make_unique<SealedStreamWriter>(std::make_shared<SealedStream>(streams_, where));
+}
+
+}  // namespace gecos::media

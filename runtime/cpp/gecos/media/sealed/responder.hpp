@@ -1,0 +1,95 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <deque>
+#include <list>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+
+#include "gecos/crypto/handshake_door.hpp"
+#include "gecos/media/parts/event_fd.hpp"
+#include "gecos/media/sealed/keys.hpp"
+#include "gecos/media/sealed/network.hpp"
+#include "gecos/media/sealed/receive_queue.hpp"
+
+namespace gecos::media {
+
+/// What the acceptor of an object and its links share: the port where all clients' datagrams come
+/// in, and the handshake. A client has come once something was opened that it sealed; what was
+/// played back never gets so far, displaces nobody, and holds no descriptor.
+class HandshakeResponder {
+ public:
+  /// A client that has come and was not yet accepted.
+  struct PendingPeer {
+    std::uint64_t client = 0;
+    std::uint16_t reply_port = 0;
+    crypto::PublicKey key;
+    crypto::Sealer sealer;
+    std::shared_ptr<ReceiveQueue> queue;
+  };
+  HandshakeResponder(SealedOptions options, std::shared_ptr<const SealedKeys> keys,
+                     std::unique_ptr<DatagramPort> in, SealedAddress address);
+
+  tl::expected<void, MediumError> open();
+  /// Puts what has arrived into the queues of links and pending peers. True: there may be more.
+  bool pump() { return in_->pump(); }
+  std::optional<PendingPeer> next_pending();
+  void forget(std::uint64_t client);
+  /// A stream for all clients of the object. Throws std::runtime_error when its port cannot be
+  /// opened. Any thread.
+  std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth);
+
+  int descriptor() const { return in_->descriptor(); }
+  /// Rung by pump() when a client has come.
+  EventFd& event() { return event_; }
+  const SealedOptions& options() const { return options_; }
+  const SealedAddress& address() const { return address_; }
+  void close() { closed_.store(true); }
+
+ private:
+  /// So many in each second.
+  class Budget {
+   public:
+    explicit Budget(unsigned per_second) : per_second_(per_second) {}
+    bool take(TimePoint now);
+
+   private:
+    const unsigned per_second_;
+    std::optional<TimePoint> since_;
+    unsigned taken_ = 0;
+  };
+  /// A handshake that was answered; who began it has yet to show that it has the keys.
+  struct Unconfirmed {
+    std::uint64_t client = 0;
+    std::uint16_t reply_port = 0;
+    TimePoint since;
+    crypto::Channel channel;
+  };
+  void take(ByteView datagram);
+  void take_first(const DatagramHeader& header, ByteView datagram, TimePoint now);
+  void take_sealed(const DatagramHeader& header, ByteView datagram);
+  void confirm(const DatagramHeader& header, ByteView datagram);
+  void answer(const DatagramHeader& to, DatagramKind kind, ByteView frame, TimePoint now);
+
+  const SealedOptions options_;
+  const std::shared_ptr<const SealedKeys> keys_;
+  const std::unique_ptr<DatagramPort> in_;
+  const SealedAddress address_;
+  EventFd event_;
+  std::atomic<bool> closed_{false};  // the acceptor has gone: nobody comes in any more
+  // Of whoever pumps, one at a time:
+  crypto::HandshakeDoor handshakes_;
+  Budget answers_{400};
+  Budget warnings_{1};
+  std::mutex mutex_;                    // guards what follows
+  std::list<Unconfirmed> unconfirmed_;  // oldest first
+  std::map<std::uint64_t, std::shared_ptr<ReceiveQueue>> queues_;
+  std::deque<PendingPeer> pending_;
+  const std::uint16_t stream_port_;
+  std::shared_ptr<DatagramPort> streams_;
+};
+
+}  // namespace gecos::media

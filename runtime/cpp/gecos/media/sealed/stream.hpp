@@ -1,0 +1,90 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "gecos/crypto/stream_seal.hpp"
+#include "gecos/media/parts/sample_buffer.hpp"
+#include "gecos/media/parts/stream_ring.hpp"
+#include "gecos/media/sealed/datagram.hpp"
+#include "gecos/media/sealed/network.hpp"
+
+namespace gecos::media {
+
+/// Sends a stream once for all its readers, on a channel of its own and under a key of its own.
+class SealedStream {
+ public:
+  SealedStream(std::shared_ptr<DatagramPort> port, SharedStream where);
+
+  const SharedStream& where() const { return where_; }
+  tl::expected<void, SendProblem> publish(ByteView sample, std::int64_t stamp_ns);
+  /// For who came late. Readers who have it already see nothing new. Any thread.
+  void repeat_last();
+
+ private:
+  const std::shared_ptr<DatagramPort> port_;
+  crypto::StreamSealer sealer_;
+  const SharedStream where_;
+  const std::string channel_;
+  std::mutex mutex_;
+  Bytes last_;  // as it was sent
+};
+
+class SealedStreamWriter final : public CopyingWriter {
+ public:
+  explicit SealedStreamWriter(std::shared_ptr<SealedStream> stream)
+      : CopyingWriter(stream->where().largest), stream_(std::move(stream)) {}
+  tl::expected<void, SendProblem> publish(ByteView sample, std::int64_t stamp_ns) override {
+    return stream_->publish(sample, stamp_ns);
+  }
+  const std::shared_ptr<SealedStream>& stream() const { return stream_; }
+
+ private:
+  const std::shared_ptr<SealedStream> stream_;
+};
+
+/// The newest samples of a stream that is being read, filled by whoever pumps `port`.
+class SampleQueue {
+ public:
+  /// `sleeper` is woken with every new sample.
+  SampleQueue(std::shared_ptr<DatagramPort> port, const SharedStream& where,
+              std::weak_ptr<Sleeper> sleeper);
+
+  void take(ByteView datagram);
+  bool read(std::uint64_t after, bool newest, StreamSample& into);
+  /// A sample came that neither the reader nor an earlier call has seen.
+  bool anything_new();
+
+ private:
+  const std::shared_ptr<DatagramPort> port_;
+  const std::weak_ptr<Sleeper> sleeper_;
+  SampleBuffer samples_;
+  std::mutex mutex_;  // guards what follows
+  crypto::StreamOpener opener_;
+  Bytes frame_;
+};
+
+class SealedStreamReader final : public CopyingReader {
+ public:
+  explicit SealedStreamReader(std::shared_ptr<SampleQueue> queue) : queue_(std::move(queue)) {}
+  bool latest(std::uint64_t after, StreamSample& into) override {
+    return queue_->read(after, true, into);
+  }
+  bool next(std::uint64_t after, StreamSample& into) override {
+    return queue_->read(after, false, into);
+  }
+
+ private:
+  const std::shared_ptr<SampleQueue> queue_;
+};
+
+/// "GS0123456789abcdef"
+std::string channel_name(std::string_view prefix, std::uint64_t number);
+/// A number that nobody else has drawn.
+std::uint64_t draw_number();
+/// A port below the kernel's own choices, from a range that is wide enough to be mostly alone.
+std::uint16_t draw_port();
+
+}  // namespace gecos::media

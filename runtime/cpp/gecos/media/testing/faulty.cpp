@@ -1,0 +1,151 @@
+#include "gecos/media/testing/faulty.hpp"
+
+#include <sys/timerfd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <deque>
+#include <random>
+#include <utility>
+#include <vector>
+
+#include "gecos/base/system_error.hpp"
+#include "gecos/media/layers/layer.hpp"
+#include "gecos/media/parts/descriptor.hpp"
+
+namespace gecos::media {
+namespace {
+
+Offer offer_of(const Medium& inner, const Faults& faults) {
+  Offer offer = inner.offer();
+  const bool whole = faults.loss == 0 && faults.duplication == 0 && faults.corruption == 0;
+  offer.reliable = offer.reliable && whole && faults.cut == nullptr;
+  offer.shared_words = offer.shared_words && offer.reliable;  // a line that can be cut has none
+  offer.ordered = offer.ordered && faults.reordering == 0;
+  offer.intact = offer.intact && faults.corruption == 0;
+  offer.real_time = offer.real_time && offer.reliable && faults.delay == Duration::zero();
+  return offer;
+}
+
+class FaultyLink final : public LinkLayer {
+ public:
+  FaultyLink(std::unique_ptr<Link> inner, const Offer& offer, const Faults& faults,
+             std::uint64_t number, const Clock& clock)
+      : LinkLayer(std::move(inner), offer),
+        faults_(faults),
+        clock_(clock),
+        random_(faults.seed * 0x9e3779b97f4a7c15u + number),
+        timer_(::timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK)) {
+    if (!timer_) throw_system_error("timerfd", errno);
+    descriptors_.assign(LinkLayer::descriptors().begin(), LinkLayer::descriptors().end());
+    descriptors_.push_back(timer_.get());
+  }
+
+  std::optional<ByteView> receive() override {
+    take_in();
+    const auto next = earliest();
+    if (next == held_.end() || next->due > clock_.now()) return std::nullopt;
+    current_ = std::move(next->packet);
+    sent_ = next->sent;
+    held_.erase(next);
+    return ByteView(current_);
+  }
+
+  Duration age() override { return clock_.now() - sent_; }
+
+  /// What the medium below has taken may be lost here, so nothing is known.
+  std::optional<std::uint64_t> taken_by_peer() override {
+    return offer().reliable ? inner().taken_by_peer() : std::nullopt;
+  }
+
+  bool prepare_to_sleep() override {
+    take_in();
+    const auto next = earliest();
+    const Duration wait = next == held_.end() ? Duration::max() : next->due - clock_.now();
+    if (wait <= Duration::zero()) return false;
+    set_timer(next == held_.end() ? Duration::zero() : wait);
+    if (inner().prepare_to_sleep()) return true;
+    if (is_cut() && inner().loss() == Loss::None) {
+      take_in();  // what arrived through a cut line is gone, and no reason to stay awake
+      return inner().prepare_to_sleep();
+    }
+    return false;
+  }
+  void woke() override {
+    set_timer(Duration::zero());
+    inner().woke();
+  }
+  std::span<const int> descriptors() const override { return descriptors_; }
+
+  std::uint64_t beats_seen() override {
+    if (!is_cut()) beats_.store(inner().beats_seen());
+    return beats_.load();
+  }
+
+ private:
+  struct Held {
+    TimePoint due;
+    TimePoint sent;
+    Bytes packet;
+  };
+
+  bool is_cut() const { return faults_.cut != nullptr && faults_.cut->load(); }
+  bool happens(double rate) { return std::uniform_real_distribution<>(0, 1)(random_) < rate; }
+
+  void take_in() {
+    while (const auto packet = inner().receive()) {
+      if (is_cut() || happens(faults_.loss)) continue;
+      const int copies = happens(faults_.duplication) ? 2 : 1;
+      for (int i = 0; i < copies; ++i) hold(Bytes(packet->begin(), packet->end()));
+    }
+  }
+
+  void hold(Bytes packet) {
+    if (!packet.empty() && happens(faults_.corruption)) {
+      const std::size_t bit = random_() % (8 * packet.size());
+      packet[bit / 8] ^= std::byte{1} << (bit % 8);
+    }
+    const Duration more = happens(faults_.reordering) ? faults_.reordering_delay : Duration::zero();
+    const TimePoint now = clock_.now();
+    held_.push_back({now + faults_.delay + more, now - inner().age(), std::move(packet)});
+  }
+
+  /// Of those that are due at one time the first comes first.
+  std::deque<Held>::iterator earliest() { return std::ranges::min_element(held_, {}, &Held::due); }
+
+  void set_timer(Duration after) {
+    const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(after);
+    const itimerspec once{
+        {}, {static_cast<time_t>(seconds.count()), static_cast<long>((after - seconds).count())}};
+    ::timerfd_settime(timer_.get(), 0, &once, nullptr);
+  }
+
+  const Faults faults_;
+  const Clock& clock_;
+  std::mt19937_64 random_;
+  const Descriptor timer_;
+  std::vector<int> descriptors_;
+  std::deque<Held> held_;
+  Bytes current_;
+  TimePoint sent_{};
+  std::atomic<std::uint64_t> beats_{0};
+};
+
+}  // namespace
+
+std::unique_ptr<Medium> make_faulty(std::unique_ptr<Medium> inner, Faults faults,
+                                    const Clock& clock) {
+  const Offer offer = offer_of(*inner, faults);
+  // Even numbers at clients, odd ones at servers: no two links suffer alike.
+  auto clients = std::make_shared<std::atomic<std::uint64_t>>(0);
+  auto servers = std::make_shared<std::atomic<std::uint64_t>>(0);
+  return make_layer(
+      std::move(inner), offer,
+      [=, &clock](std::unique_ptr<Link> link, const Offer& offered, Role role) {
+        const std::uint64_t number =
+            role == Role::Client ? 2 * clients->fetch_add(1) : 2 * servers->fetch_add(1) + 1;
+        return std::make_unique<FaultyLink>(std::move(link), offered, faults, number, clock);
+      });
+}
+
+}  // namespace gecos::media

@@ -1,0 +1,37 @@
+// Calls of the runtime's own interfaces, by the structs of their arguments and results.
+#pragma once
+
+#include <memory>
+#include <utility>
+
+#include "gecos/object.hpp"
+#include "gecos/wire/encodable.hpp"
+
+namespace gecos::session {
+
+/// Arguments that must not be sent end the command as BAD_PARAMETER.
+template <wire::Encodable Arguments>
+std::shared_ptr<CommandCore> own_call(ClientSession& session, const OperationDescription& operation,
+                                      const Arguments& arguments) {
+  if (auto wrong = wire::violation_of(arguments); !wrong.empty()) {
+    return ended({Detail::BadParameter, std::move(wrong), {}, {}});
+  }
+  return session.call(operation, arguments.encoded_size(),
+                      [&](wire::Encoder& to) { arguments.encode(to); }, {});
+}
+
+inline std::shared_ptr<CommandCore> own_call(ClientSession& session,
+                                             const OperationDescription& operation) {
+  return session.call(operation, 0, [](wire::Encoder&) {}, {});
+}
+
+/// Reads the one value of `Reply`.
+template <wire::Encodable Reply, class T>
+bool read_result(wire::Decoder& from, T& value) {
+  Reply reply;
+  if (!reply.decode(from)) return false;
+  value = std::move(reply.result);
+  return true;
+}
+
+}  // namespace gecos::session

@@ -1,0 +1,64 @@
+#include "gecos/session/server/intake.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "gecos/session/server/object_queue.hpp"
+
+namespace gecos::session {
+
+/// Where the medium loses nothing, a call also waits unread while handlers take long. That is no
+/// reason to refuse it: only a pause of this process is.
+Intake::Verdict Intake::arrived(const Arrival& packet) {
+  if (judges_age(packet.unheard) && packet.age > accept_within_) {
+    if (repeats_) return Verdict::Ignore;
+    window_.arrived_in_order(packet.counter);
+    return Verdict::TooLate;
+  }
+  if (!repeats_) {
+    window_.arrived_in_order(packet.counter);
+    return Verdict::Take;
+  }
+  if (packet.needs_all && packet.counter > window_.cumulative_ack() + 1) return Verdict::Ignore;
+  switch (window_.arrived(packet.counter)) {
+    case ReceiveWindow::Verdict::New:
+      return Verdict::Take;
+    case ReceiveWindow::Verdict::Seen:
+      return Verdict::Seen;
+    case ReceiveWindow::Verdict::Beyond:
+      break;  // answered now, a copy of it could still start later
+  }
+  return Verdict::Ignore;
+}
+
+bool Intake::given_up(std::uint64_t counter) {
+  if (counter <= window_.cumulative_ack()) return false;
+  early_.erase(early_.begin(), early_.upper_bound(counter));
+  window_.abandoned(counter);
+  return true;
+}
+
+bool Intake::put_aside(const wire::PacketView& call, TimePoint now) {
+  std::size_t bytes = call.body.size();
+  for (const auto& [counter, other] : early_) bytes += other.body.size();
+  if (!early_.empty() && bytes > ObjectQueue::most_bytes_of_client) return false;
+  early_.emplace(call.header.counter,
+                 EarlyCall{call.header, Bytes(call.body.begin(), call.body.end()), now});
+  return true;
+}
+
+std::optional<Intake::EarlyCall> Intake::next(TimePoint now) {
+  if (early_.empty() || early_.begin()->first > window_.cumulative_ack()) return std::nullopt;
+  EarlyCall call = std::move(early_.extract(early_.begin()).mapped());
+  if (call.header.deadline > Duration{}) {
+    call.header.deadline = std::max(call.header.deadline - (now - call.arrived), Duration{1});
+  }
+  return call;
+}
+
+std::optional<std::uint64_t> Intake::first_aside(std::uint64_t after) const {
+  const auto found = early_.upper_bound(after);
+  return found == early_.end() ? std::nullopt : std::optional(found->first);
+}
+
+}  // namespace gecos::session

@@ -1,0 +1,66 @@
+#include "gecos/session/server/stream_port.hpp"
+
+#include <exception>
+
+#include "gecos/base/log.hpp"
+
+namespace gecos::session {
+namespace {
+
+constexpr std::size_t unbounded_sample = 64 * 1024;
+constexpr std::size_t usual_depth = 16;
+
+}  // namespace
+
+std::string StreamPort::named() const {
+  return "stream '" + std::string(stream_.name) + "' of " + object_;
+}
+
+tl::expected<void, std::string> StreamPort::share(std::uint32_t id, media::Link& link,
+                                                  media::Acceptor& acceptor) {
+  const MutexLock lock(mutex_);
+  const auto writer = writer_for(acceptor);
+  if (!writer) return tl::unexpected(writer.error());
+  if (!link.share(id, **writer)) {
+    return tl::unexpected(named() + " cannot be shared over " + std::string(link.offer().name) +
+                          ": the link is lost or has no room for another stream");
+  }
+  return {};
+}
+
+tl::expected<media::StreamWriter*, std::string> StreamPort::writer_for(media::Acceptor& acceptor) {
+  const std::string_view medium = acceptor.offer().name;
+  if (const auto found = writers_.find(medium); found != writers_.end()) return found->second.get();
+  const std::size_t largest = stream_.largest != 0 ? stream_.largest : unbounded_sample;
+  const std::size_t depth = stream_.quality.depth != 0 ? stream_.quality.depth : usual_depth;
+  try {
+    auto made = acceptor.make_stream(largest + measured_bytes, depth);
+    if (published_) static_cast<void>(made->publish(latest_, latest_stamp_ns_));
+    return writers_.emplace(medium, std::move(made)).first->second.get();
+  } catch (const std::exception& failed) {  // no memory or no descriptor is left
+    return tl::unexpected(named() + " cannot be opened over " + std::string(medium) + ": " +
+                          failed.what());
+  }
+}
+
+void StreamPort::publish(ByteView sample, const SampleTime& time) {
+  const MutexLock lock(mutex_);
+  latest_.assign(sample.begin(), sample.end());
+  append_measured(latest_, time.measured);
+  latest_stamp_ns_ = time.stamp_ns;
+  published_ = true;
+  for (const auto& [medium, writer] : writers_) {
+    if (writer->publish(latest_, time.stamp_ns) || complained_) continue;
+    complained_ = true;
+    log_error("session", object_ + ": a sample of '" + std::string(stream_.name) + "' takes " +
+                             std::to_string(sample.size()) + " bytes, more than " +
+                             std::string(medium) + " carries for this stream; it is dropped");
+  }
+}
+
+void StreamPort::close() {
+  const MutexLock lock(mutex_);
+  writers_.clear();
+}
+
+}  // namespace gecos::session

@@ -1,0 +1,78 @@
+#include "gecos/media/kinds.hpp"
+
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <algorithm>
+#include <array>
+
+#include "gecos/media/inproc/inproc.hpp"
+#include "gecos/media/layers/transfer.hpp"
+#include "gecos/media/testing/faulty.hpp"
+#include "pair_medium.hpp"
+
+namespace gecos::media {
+namespace {
+
+TEST(Kinds, AreFoundByTheirNamesAndAddresses) {
+  for (const Kind kind : all_kinds()) {
+    EXPECT_EQ(kind_from(to_string(kind)), kind);
+    EXPECT_EQ(kind_of(std::string(to_string(kind)) + ":there"), kind);
+  }
+  EXPECT_EQ(kind_from("smoke"), std::nullopt);
+  EXPECT_EQ(kind_of("smoke:there"), std::nullopt);
+  EXPECT_EQ(kind_from(""), std::nullopt);
+}
+
+TEST(Kinds, TheShortestReachComesFirst) {
+  EXPECT_TRUE(std::ranges::is_sorted(all_kinds(), {}, reach_of));
+  EXPECT_TRUE(within_process(std::array{Kind::Inproc}));
+  EXPECT_FALSE(within_process({}));
+  EXPECT_FALSE(within_process(all_kinds()));
+}
+
+TEST(Kinds, AMediumThatOthersHearIsSealedAndEachCarriesWhatTheSessionSends) {
+  for (const Kind kind : all_kinds()) {
+    const auto opened = open(kind);
+    ASSERT_TRUE(opened) << opened.error().text;
+    const Offer& offer = (*opened)->offer();
+    EXPECT_EQ(offer.name, to_string(kind));
+    EXPECT_EQ(offer.reach, reach_of(kind));
+    EXPECT_TRUE(offer.authenticated || !offer.overheard) << offer.name;
+    EXPECT_TRUE(offer.intact) << offer.name;
+    EXPECT_GE(offer.largest_packet, largest_transfer) << offer.name;
+  }
+}
+
+TEST(Kinds, LayersAreChosenByWhatAMediumOffers) {
+  const SystemClock clock;
+  const auto whole = with_layers(make_inproc(), clock);
+  EXPECT_EQ(whole->offer().largest_packet, inproc_offer.largest_packet) << "it needs none";
+  EXPECT_TRUE(whole->offer().ordered);
+  Faults damage;
+  damage.corruption = 0.1;
+  const auto checked = with_layers(make_faulty(make_inproc(), damage, clock), clock);
+  EXPECT_TRUE(checked->offer().intact);
+  EXPECT_EQ(checked->offer().largest_packet, inproc_offer.largest_packet - 4) << "a checksum";
+  const auto small = with_layers(make_pair_medium(), clock);
+  EXPECT_EQ(small->offer().largest_packet, largest_transfer) << "in pieces";
+}
+
+TEST(Open, HowFarLcmGoesIsANumberOfRouters) {
+  for (const char* const right : {"", "0", "1", "255"}) {
+    setenv("GECOS_LCM_TTL", right, 1);
+    EXPECT_TRUE(open(Kind::Lcm)) << right;
+  }
+  for (const char* const wrong : {"-1", "256", "1 ", "far"}) {
+    setenv("GECOS_LCM_TTL", wrong, 1);
+    const auto opened = open(Kind::Lcm);
+    ASSERT_FALSE(opened) << wrong;
+    EXPECT_EQ(opened.error().text,
+              "lcm: GECOS_LCM_TTL is '" + std::string(wrong) +
+                  "'; it says how many routers a packet may pass, 0 (this host alone) to 255");
+  }
+  unsetenv("GECOS_LCM_TTL");
+}
+
+}  // namespace
+}  // namespace gecos::media

@@ -1,0 +1,117 @@
+// The bytes of built-in operations and of broker calls, as they were when the session coded them by
+// hand: clients and servers of before and after understand each other.
+#include <gtest/gtest.h>
+
+#include <string>
+#include <string_view>
+
+#include "gecos/broker_interface.hpp"
+#include "gecos/object_interface.hpp"
+#include "gecos/session/protocol/builtin.hpp"
+#include "gecos/wire/encodable.hpp"
+
+namespace gecos::session {
+namespace {
+
+std::string hex(ByteView bytes) {
+  std::string text;
+  for (const std::byte byte : bytes) {
+    constexpr std::string_view digits = "0123456789abcdef";
+    text += digits[std::to_integer<std::size_t>(byte) >> 4];
+    text += digits[std::to_integer<std::size_t>(byte) & 0xf];
+  }
+  return text;
+}
+
+/// Written as these bytes, and read from them.
+template <class T>
+void expect_bytes(const T& value, std::string_view bytes) {
+  const Bytes written = wire::encoded(value);
+  EXPECT_EQ(hex(written), bytes) << T::type_name();
+  const auto read = wire::decoded<T>(written);
+  ASSERT_TRUE(read) << T::type_name() << ": " << read.error().message();
+  EXPECT_EQ(hex(wire::encoded(*read)), bytes) << T::type_name();
+}
+
+Holder holder() { return {Status::MASTER, "eva", "lab", "demo", 42, 1.5, 0.25, true}; }
+
+Description description() {
+  return {"RX90",
+          "robcl::Rx90",
+          "1.0",
+          0x0123456789abcdef,
+          true,
+          "p",
+          "a",
+          7,
+          2,
+          "move",
+          42,
+          "confirmed",
+          {{"move", 0.5, "eva", "lab", "demo", 43, ""}}};
+}
+
+Entry entry() {
+  return {"RX90", "robcl::Rx90", {"robcl::Device"}, 9, 5, 42, "eva", "h", "lab", {"shm:/x"}, true};
+}
+
+TEST(BuiltInOperations, KeepTheirBytes) {
+  expect_bytes(GecosObject_holders_result{{holder()}},
+               "0000000100000032000000020000000465766100000000046c6162000000000564656d6f00000000"
+               "2a3ff80000000000003fd000000000000001");
+  expect_bytes(GecosObject_describe_result{description()},
+               "000000980000000552583930000000000c726f62636c3a3a527839300000000004312e3000012345"
+               "6789abcdef01000000027000000000026100000000000000000700000002000000056d6f76650000"
+               "00002a0000000a636f6e6669726d6564000000000100000033000000056d6f7665003fe000000000"
+               "00000000000465766100000000046c6162000000000564656d6f000000002b0000000100");
+  expect_bytes(GecosObject_acquire_arguments{Status::ACTOR, "two hands"},
+               "00000001010000000a74776f2068616e647300");
+  expect_bytes(GecosObject_acquire_arguments{Status::MASTER, {}}, "0000000200");
+  expect_bytes(GecosObject_acquire_result{{Status::ACTOR, 11}}, "0000000c00000001000000000000000b");
+  expect_bytes(GecosObject_release_arguments{11, true}, "000000000000000b01");
+  expect_bytes(GecosObject_subscribe_arguments{0x6755a361}, "6755a361");
+  expect_bytes(GecosObject_subscribe_result{3}, "00000003");
+  expect_bytes(GecosObject_unsubscribe_arguments{0x6755a361}, "6755a361");
+  expect_bytes(GecosObject_outcome_arguments{5, 9, 4},
+               "000000000000000500000000000000090000000000000004");
+  expect_bytes(GecosObject_outcome_result{{5, "done"}}, "0000000a0500000005646f6e6500");
+}
+
+TEST(BrokerCalls, KeepTheirBytes) {
+  expect_bytes(Broker_enlist_arguments{entry(), 2.5},
+               "000000690000000552583930000000000c726f62636c3a3a5278393000000000010000000e726f62"
+               "636c3a3a44657669636500000000000000000900000000000000050000002a000000046576610000"
+               "0000026800000000046c616200000000010000000773686d3a2f7800014004000000000000");
+  expect_bytes(Broker_lookup_arguments{"RX90"}, "000000055258393000");
+  expect_bytes(Broker_withdraw_arguments{"RX90"}, "000000055258393000");
+  expect_bytes(Broker_lookup_result{entry()},
+               "000000690000000552583930000000000c726f62636c3a3a5278393000000000010000000e726f62"
+               "636c3a3a44657669636500000000000000000900000000000000050000002a000000046576610000"
+               "0000026800000000046c616200000000010000000773686d3a2f780001");
+  expect_bytes(Broker_list_result{{entry()}},
+               "00000001000000690000000552583930000000000c726f62636c3a3a527839300000000001000000"
+               "0e726f62636c3a3a44657669636500000000000000000900000000000000050000002a0000000465"
+               "766100000000026800000000046c616200000000010000000773686d3a2f780001");
+}
+
+TEST(BrokerCalls, ReadTheAnswerOfABrokerThatSaysLess) {
+  const auto read = wire::decoded<Broker_enlist_result>({});
+  ASSERT_TRUE(read) << read.error().message();
+  EXPECT_EQ(read->settles_in, std::nullopt);
+}
+
+TEST(BuiltInOperations, KeepTheirCodes) {
+  std::uint32_t code = 0;
+  for (const OperationDescription& operation : GecosObjectInterface::operations) {
+    EXPECT_EQ(number(operation.code), ++code) << operation.name;
+    EXPECT_TRUE(is_builtin(operation.code)) << operation.name;
+  }
+  EXPECT_EQ(code, 9u);
+  EXPECT_EQ(number(BrokerInterface::enlist.code), 0x17d413ce);
+  EXPECT_EQ(number(BrokerInterface::lookup.code), 0x49e3d3e3);
+  EXPECT_EQ(number(BrokerInterface::withdraw.code), 0xc5ebb42f);
+  EXPECT_FALSE(is_builtin(BrokerInterface::enlist.code));
+}
+
+}  // namespace
+}  // namespace gecos::session

@@ -1,0 +1,136 @@
+"""Compiles our C++ that uses mutexes with clang's thread-safety analysis: a member that is touched
+without the mutex that guards it, or a function called without one that it needs, is an error.
+
+The analysis does not follow calls, so it looks at the sources that see the members: those that
+include gecos/base/mutex.hpp, or a header that does. The build's compile_commands.json says how they
+are compiled. What the sources of one library include is precompiled once: their headers are most of
+the work.
+"""
+
+import argparse
+import json
+import os
+import re
+import shlex
+import subprocess
+import sys
+import tempfile
+from collections import defaultdict
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+TREE = Path(__file__).resolve().parent.parent
+ROOTS = ("runtime", "devices")
+MUTEX = "gecos/base/mutex.hpp"
+FLAGS = ("-Wthread-safety", "-Werror")
+
+
+def includes(file: Path) -> set[str]:
+    return set(re.findall(r'^#include "([^"]+)"', file.read_text(encoding="utf-8"), re.MULTILINE))
+
+
+def headers_with_mutexes() -> set[str]:
+    """As other files include them: by their path from runtime/cpp, or from the tree."""
+    found = {MUTEX}
+    for root in ROOTS:
+        for header in (TREE / root).rglob("*.hpp"):
+            if MUTEX in includes(header):
+                parts = header.relative_to(TREE).parts
+                found.update("/".join(parts[at:]) for at in range(len(parts)))
+    return found
+
+
+def kept(arguments: list[str]) -> tuple[str, ...]:
+    """Those that every compiler takes."""
+    flags: list[str] = []
+    for at, argument in enumerate(arguments):
+        if argument.startswith(("-I", "-D", "-std=")):
+            flags.append(argument)
+        elif argument == "-isystem":
+            flags += [argument, arguments[at + 1]]
+    return tuple(flags)
+
+
+def compiled(file: Path) -> list[Path]:
+    """The sources that one compiler command covers: several, where a build unites them."""
+    if file.parent.name != "Unity":
+        return [file]
+    included = re.findall(r'^#include "([^"]+)"', file.read_text(encoding="utf-8"), re.MULTILINE)
+    return [Path(source) for source in included]
+
+
+def sources(build: Path) -> dict[tuple[str, ...], list[Path]]:
+    """By the flags that they are compiled with."""
+    commands = json.loads((build / "compile_commands.json").read_text(encoding="utf-8"))
+    mutexes = headers_with_mutexes()
+    wanted = {
+        file for root in ROOTS for file in (TREE / root).rglob("*.cpp") if includes(file) & mutexes
+    }
+    found: dict[tuple[str, ...], list[Path]] = defaultdict(list)
+    for command in commands:
+        for file in compiled(Path(command["file"])):
+            if file in wanted:
+                wanted.remove(file)
+                found[kept(shlex.split(command["command"]))].append(file)
+    if wanted:
+        names = ", ".join(str(file.relative_to(TREE)) for file in sorted(wanted))
+        raise SystemExit(f"check_thread_safety: {build} does not compile {names}; run make build")
+    return found
+
+
+def clang(*arguments: str) -> str:
+    """What it says; empty when it finds nothing."""
+    command = ("tools/clang.sh", *FLAGS, *arguments)
+    ran = subprocess.run(command, cwd=TREE, capture_output=True, text=True, check=False)
+    return "" if ran.returncode == 0 else ran.stderr.strip() or f"clang ended with {ran.returncode}"
+
+
+def check_alike(flags: tuple[str, ...], files: list[Path], folder: Path) -> list[str]:
+    """What clang says of each of these files, which are compiled with the same flags."""
+    every = folder / "every.hpp"
+    lines = [line for file in files for line in file.read_text(encoding="utf-8").splitlines()]
+    # A header beside its source is found from there alone.
+    wanted = sorted({line for line in lines if re.match(r'#include (<|"[^"]*/)', line)})
+    every.write_text("#pragma once\n" + "\n".join(wanted) + "\n", encoding="utf-8")
+    compiled = f"{every}.pch"
+    if problem := clang(*flags, "-x", "c++-header", "-o", compiled, str(every)):
+        return [problem]
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        return list(
+            pool.map(
+                lambda f: clang(*flags, "-fsyntax-only", "-include-pch", compiled, str(f)), files
+            )
+        )
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
+    parser.add_argument("--build", default=os.environ.get("GECOS_BUILD", "build"))
+    asked = parser.parse_args()
+    which = subprocess.run(
+        ("tools/clang.sh",), cwd=TREE, capture_output=True, text=True, check=False
+    )
+    if which.returncode != 0:
+        print(f"check_thread_safety: {which.stderr.strip()}")
+        return 1
+    build = TREE / asked.build
+    if not (build / "compile_commands.json").is_file():
+        print(f"check_thread_safety: {build} has no compile_commands.json; run make build first")
+        return 1
+    checked = sources(build)
+    if not checked:
+        print(f"check_thread_safety: no source of {build} uses {MUTEX}")
+        return 1
+    found: list[str] = []
+    for flags, files in checked.items():
+        with tempfile.TemporaryDirectory() as folder:
+            found += [text for text in check_alike(flags, files, Path(folder)) if text]
+    for text in found:
+        print(text)
+    count = sum(len(files) for files in checked.values())
+    print(f"check_thread_safety: {count} sources, {len(found)} of them with problems")
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
