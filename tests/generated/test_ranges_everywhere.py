@@ -41,6 +41,8 @@ module ranged {
   @final struct Exact { @range(min=-2.3, max=-2.3) float x; };
   @final struct Exacts { @range(min=-2.3, max=-2.3) sequence<float> x; };
   @final struct Ticks { sequence<Tick> x; };
+  @final struct Key { @max(3) octet x[2]; };
+  @final struct Octets { @max(3) sequence<octet> x; };
   @final struct Optional { @optional Angle x; };
   @final struct OptionalItems { @optional sequence<Step> x; };
   @final struct Keys { map<Step, double> x; };
@@ -90,6 +92,8 @@ CASES: list[tuple[str, Any, list[Any]]] = [
     ("Exact", -2.3, [-2.2, -2.4, NAN]),
     ("Exacts", np.array([-2.3]), [[-2.2], np.array([-2.4], "f4"), [NAN]]),
     ("Ticks", [3, -128], [[4]]),
+    ("Key", b"\3\0", [b"\0\4"]),
+    ("Octets", b"\3\0", [b"\4", b"\0\xff"]),
     ("Optional", 3.0, [4.0, NAN]),
     ("OptionalItems", [3], [[4]]),
     ("Keys", {3: 9.0}, [{4: 0.0}]),

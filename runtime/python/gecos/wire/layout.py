@@ -59,12 +59,12 @@ def text(most: int = MAX_TEXT) -> Kind:
     return Text(most)
 
 
-def octets(most: int = MAX_COUNT) -> Kind:
-    return Octets(most)
+def octets(most: int = MAX_COUNT, low: int | None = None, high: int | None = None) -> Kind:
+    return Octets(most, low=low, high=high)
 
 
-def fixed_octets(size: int) -> Kind:
-    return Octets(size=size)
+def fixed_octets(size: int, low: int | None = None, high: int | None = None) -> Kind:
+    return Octets(size=size, low=low, high=high)
 
 
 def numbers(

@@ -17,7 +17,7 @@ from gecos.wire.encode import (
     numbers,
     octets,
 )
-from gecos.wire.errors import JsonError
+from gecos.wire.errors import JsonError, out_of_range
 from gecos.wire.kinds import Kind, Limits, Number, expect_json
 from gecos.wire.values import as_array
 
@@ -108,11 +108,29 @@ class Items(Kind):
 class Octets(Kind):
     """Bytes, in JSON the list of their numbers."""
 
-    __slots__ = ("most", "size")
+    __slots__ = ("limits", "most", "size")
 
-    def __init__(self, most: int = MAX_COUNT, size: int | None = None) -> None:
+    def __init__(
+        self,
+        most: int = MAX_COUNT,
+        size: int | None = None,
+        low: int | None = None,
+        high: int | None = None,
+    ) -> None:
         self.most = most
         self.size = size
+        limits = Limits("B", low, high)
+        self.limits = None if limits.effective("B") == (None, None) else limits
+
+    def _first_outside(self, value: bytes | bytearray | memoryview[int]) -> int | None:
+        """The index of the first octet that the declared range excludes."""
+        if self.limits is None:
+            return None
+        low, high = self.limits.sent
+        for index, octet in enumerate(value):
+            if (low is not None and octet < low) or (high is not None and octet > high):
+                return index
+        return None
 
     @property
     def least(self) -> int:  # type: ignore[override]
@@ -123,12 +141,19 @@ class Octets(Kind):
             out += octets(value, self.most, label)
         else:
             out.append(fixed_octets(value, self.size, label))
+        if self.limits is not None and (index := self._first_outside(out[-1])) is not None:
+            raise out_of_range(label, out[-1][index], self.limits.text)
 
     def take(self, source: Decoder, label: str) -> Any:
-        size = self.size
-        return source.octets(source.count(1, self.most, label) if size is None else size, label)
+        size = source.count(1, self.most, label) if self.size is None else self.size
+        taken = source.octets(size, label)
+        if (index := self._first_outside(taken)) is not None:
+            source.refuse_range(label, size - index)
+        return taken
 
     def step(self) -> Any:
+        if self.limits is not None:
+            return None
         return ("octets", self.size, self.most if self.size is None else self.size)
 
     def plain(self, value: Any) -> Any:

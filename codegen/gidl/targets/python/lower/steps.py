@@ -79,7 +79,7 @@ class Lowering(Types):
 
     def _sequence(self, element: Node, bound: list[str]) -> str:
         if is_octet(element):
-            return call("_layout.octets", *bound)
+            return call("_layout.octets", *bound, *_limits(element))
         code = bulk_code(element)
         if code is not None:
             return call("_layout.numbers", quoted(code), *bound, *_limits(element))
@@ -88,7 +88,7 @@ class Lowering(Types):
     def _array(self, element: Node, dimensions: Sequence[int]) -> str:
         sizes = [str(size) for size in dimensions]
         if is_octet(element) and len(sizes) == 1:
-            return call("_layout.fixed_octets", *sizes)
+            return call("_layout.fixed_octets", *sizes, *_limits(element))
         code = bulk_code(element)
         if code is not None:
             return call("_layout.array", quoted(code), *sizes, *_limits(element))
