@@ -22,7 +22,8 @@ module secrets {
   struct Login { string user; @secret Digits pin; @secret @optional string word; };
   exception Refused { string why; @secret string pin; };
   union Key switch (long) { case 1: string name; case 2: @secret Digits pin; };
-  union Proof switch (long) { case 1: @secret string pin; case 2: Login both; };
+  union Proof switch (long) {
+    case 1: @secret string pin; case 2: Login both; case 3: unsigned long count; };
   union Only switch (boolean) { case TRUE: @secret string pin; };
 
   @version("1.0") interface Door {
@@ -88,6 +89,20 @@ def test_what_is_no_secret_is_shown(types: Any) -> None:
 
 def test_a_secret_under_the_tag_of_another_arm_is_not_shown(types: Any) -> None:
     assert repr(types.Proof(2, SECRET)) == "Proof(tag=2, value=***)"
+
+
+@pytest.mark.parametrize(
+    "wrong", [SECRET, [SECRET], SECRET.encode()], ids=["text", "list", "bytes"]
+)
+def test_a_secret_under_the_tag_of_another_arm_is_not_said(types: Any, wrong: Any) -> None:
+    for tag in (2, 3, 4):
+        union = types.Proof(tag, wrong)
+        assert SECRET not in repr(union)
+        with pytest.raises((wire.EncodeError, AttributeError)) as refused:
+            wire.to_bytes(union)
+        assert SECRET not in "".join(traceback.format_exception(refused.value))
+    with pytest.raises(wire.EncodeError, match="-1 is not a whole number"):
+        wire.to_bytes(types.Proof(3, -1))
 
 
 WRONG = [

@@ -8,8 +8,23 @@ from typing import Any
 from gecos.wire.decode import Decoder
 from gecos.wire.encode import Parts, char, number
 from gecos.wire.errors import HIDDEN, DecodeProblem, EncodeError, JsonError
-from gecos.wire.kinds import Char, Kind, Number, Secret, Text, below, expect_json, limits_of
+from gecos.wire.kinds import (
+    Char,
+    Enumerators,
+    Flags,
+    Kind,
+    Nested,
+    Number,
+    Secret,
+    Text,
+    below,
+    expect_json,
+    limits_of,
+)
 from gecos.wire.values import same
+
+CONTAINERS = (bytes, bytearray, list, tuple, dict)
+WITHOUT_ITEMS = (Number, Char, Text, Enumerators, Flags, Nested)
 
 
 class Arm:
@@ -54,8 +69,8 @@ class UnionLayout:
     """The layout of a dataclass with `tag` and `value`; `gecos.wire.layout.union` explains it."""
 
     __slots__ = (
-        "_deep", "_otherwise", "_selected", "_tag", "arms", "fingerprint", "in_block", "kind",
-        "label", "open", "tag",
+        "_deep", "_keeps_secrets", "_otherwise", "_selected", "_tag", "arms", "fingerprint",
+        "in_block", "kind", "label", "open", "tag",
     )  # fmt: skip
     compiled = False
 
@@ -77,6 +92,7 @@ class UnionLayout:
         self.in_block = open
         self.label = label or kind.__name__
         self._deep = deep
+        self._keeps_secrets = self.has_secrets
         self._tag: Any = _Tag(tag) if isinstance(tag, Number | Char) else tag
         self._selected = {each: i for i, arm in enumerate(arms, start=1) for each in arm.tags}
         self._otherwise = next((i for i, arm in enumerate(arms, start=1) if not arm.tags), 0)
@@ -109,7 +125,8 @@ class UnionLayout:
         for i, arm in enumerate(self.arms, start=1):
             out.append(b"\1" if i == selected else b"\0")
             if i == selected:
-                arm.kind.put(value, out, f"{self.label}.{arm.name}")
+                kind = Secret(arm.kind) if self._may_be_secret(arm.kind, value) else arm.kind
+                kind.put(value, out, f"{self.label}.{arm.name}")
 
     def decode(self, kind: Any, source: Decoder) -> Any:
         if self._deep:
@@ -157,12 +174,19 @@ class UnionLayout:
 
         return __repr__
 
+    def _may_be_secret(self, kind: Kind | None, value: Any) -> bool:
+        """A text, or what holds texts, belongs to another arm than this one, perhaps to a secret
+        one. `kind` is None where the tag selects no arm."""
+        if not self._keeps_secrets or isinstance(kind, Secret):
+            return self._keeps_secrets
+        if isinstance(value, str):
+            return not isinstance(kind, Text)
+        return isinstance(value, CONTAINERS) and (kind is None or isinstance(kind, WITHOUT_ITEMS))
+
     def _shown(self, union: Any) -> str:
-        """A text under the tag of an arm that is none, or of no arm, may be secret."""
         arm = self.selected(union.tag)
         kind = self.arms[arm - 1].kind if arm else None
-        misplaced = isinstance(union.value, str) and not isinstance(kind, Text)
-        value = HIDDEN if isinstance(kind, Secret) or misplaced else repr(union.value)
+        value = HIDDEN if self._may_be_secret(kind, union.value) else repr(union.value)
         return f"{type(union).__name__}(tag={union.tag!r}, value={value})"
 
     def equality(self) -> Callable[[Any, object], bool]:
