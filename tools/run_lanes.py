@@ -1,7 +1,7 @@
 """Runs every lane of `make test`, and says at the end what each of them said last.
 
-A lane is one runner (ctest, pytest, mypy, …). Two lanes that talk over the network run at the same
-time where each may have a network of its own, all others in turn. All lanes run, whatever the
+A lane is one runner (ctest, pytest, mypy, …). Of the lanes that talk over the network two at a time
+run where each may have a network of its own, all others in turn. All lanes run, whatever the
 others said; the exit status is 0 exactly when all of them passed. A lane that cannot run on this
 machine fails: nothing is skipped.
 """
@@ -54,8 +54,7 @@ def all_lanes(build: str, jobs: int) -> list[Lane]:
     python = sys.executable
     alone = ("tests/gidl", "tests/generated", "tests/fuzz", "tests/docs", "tests/tools")
     of_compiler = (*alone, "tests/system/test_sdk.py")
-    of_systems = ("tests/system", "tests/stress")
-    of_python = (*alone, *of_systems)
+    of_python = (*alone, "tests/system", "tests/stress")
     pytest_sum = r"^=+ .*(passed|failed|error|no tests).* =+$"
     return [
         Lane("host", (python, "tools/check_host.py"), r"^check_host: "),
@@ -85,17 +84,18 @@ def all_lanes(build: str, jobs: int) -> list[Lane]:
             pytest_sum,
         ),
         Lane(
+            "systems",
+            (python, "-m", "pytest", "tests/system", "--ignore=tests/system/test_sdk.py"),
+            pytest_sum,
+            shares_network=True,
+        ),
+        Lane(
             "pytest",
             (python, "-m", "pytest", *(f"--ignore={f}" for f in of_python)),
             pytest_sum,
             shares_network=True,
         ),
-        Lane(
-            "systems",
-            (python, "-m", "pytest", *of_systems, "--ignore=tests/system/test_sdk.py"),
-            pytest_sum,
-            shares_network=True,
-        ),
+        Lane("stress", (python, "-m", "pytest", "tests/stress"), pytest_sum, shares_network=True),
     ]
 
 
@@ -150,11 +150,12 @@ def run(lane: Lane, limit: float = LONGEST_LANE, show: Callable[[str], object] =
 
 
 def run_together(lanes: Sequence[Lane]) -> list[Verdict]:
-    """The output of the first is passed on as it comes, that of the others after its end."""
+    """The first beside the others, which run in turn. Its output is passed on as it comes, that of
+    the others after its end."""
     held: list[list[str]] = [[] for _ in lanes[1:]]
-    with ThreadPoolExecutor(len(lanes)) as threads:
+    with ThreadPoolExecutor(1) as beside:
         others = [
-            threads.submit(run, lane, show=lines.append)
+            beside.submit(run, lane, show=lines.append)
             for lane, lines in zip(lanes[1:], held, strict=True)
         ]
         verdicts = [run(lanes[0])]
@@ -172,8 +173,8 @@ def has_own_networks() -> bool:
 
 
 def in_steps(lanes: Sequence[Lane]) -> list[list[Lane]]:
-    """The lanes of a step run at the same time: those that share the network, where each of them
-    may have one of its own."""
+    """The lanes of a step run two at a time: those that share the network, where each of them may
+    have one of its own."""
     sharing = [lane for lane in lanes if lane.shares_network]
     if len(sharing) < 2 or not has_own_networks():
         return [[lane] for lane in lanes]
