@@ -37,7 +37,7 @@ def source(model: Model) -> str:
     types = sorted({case.type for case in cases()})
     headers = sorted({f"{model.file_of(name).removesuffix('.gidl')}_json.hpp" for name in types})
     lines = ['#include "json_judges.hpp"', "", '#include "cases.hpp"']
-    lines += ['#include "gecos/wire/json.hpp"', *(f'#include "{each}"' for each in headers)]
+    lines += ['#include "gecos/wire/json_text.hpp"', *(f'#include "{each}"' for each in headers)]
     lines += [HELPERS + "const std::vector<JsonJudge>& json_judges() {"]
     lines += ["  static const std::vector<JsonJudge> all{"]
     for name in types:

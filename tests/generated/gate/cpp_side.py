@@ -68,7 +68,12 @@ class Program:
     def source(self) -> str:
         types = [d for d in self._model.declarations() if self._is_ours(d.name)]
         lines = [f'#include "{name}"' for name in self._sources()]
-        lines += ['#include "gecos/wire/json.hpp"', '#include "driver.hpp"', "", "namespace gate {"]
+        lines += [
+            '#include "gecos/wire/json_text.hpp"',
+            '#include "driver.hpp"',
+            "",
+            "namespace gate {",
+        ]
         lines += self._json()
         kinds = [d for d in self._model.declarations() if isinstance(d, Struct | Union | Bitset)]
         forms = [d for d in kinds if d.name != "gecos::ObjectRef" and self._reached(d.name)]

@@ -355,8 +355,10 @@ bool read_json_members(const JsonReader& from, JsonVisit visit, void* value) {
 
 namespace json_detail {
 
-std::string text(const nlohmann::ordered_json& value, int indent) {
-  return value.dump(indent, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+std::string text(const void* value, const JsonKind& kind, int indent) {
+  nlohmann::ordered_json draft;
+  kind.write(JsonWriter(draft), value);
+  return draft.dump(indent, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
 bool check_depth(const json& data, JsonError& error) {

@@ -1,48 +1,21 @@
-// Values as JSON, for people, logs and tools: what Python's gecos.wire.json writes and takes.
-//
-// Members and enumerators stand by their names, bitmasks as lists of flags, unions as
-// {"tag": …, "value": …}, maps as lists of pairs, octets as lists of numbers; whole numbers of
-// 64 bits are exact, "nan", "inf" and "-inf" stand for themselves. Secrets are "***".
-// Include this and "<file>_json.hpp" of the interface; link the interface's library `…_json`.
+// Values as objects of the JSON library, whose header takes a compiler seconds to read; where text
+// is enough, json_text.hpp is.
 #pragma once
 
-#include <cstddef>
 #include <nlohmann/json.hpp>
-#include <string>
-#include <string_view>
 #include <utility>
 
-#include "gecos/base/result.hpp"
-#include "gecos/wire/json_shapes.hpp"
+#include "gecos/wire/json_text.hpp"
 
 namespace gecos::wire {
 
-/// Nested deeper, JSON is refused.
-inline constexpr int json_depth = 100;
-
 namespace json_detail {
 
-std::string text(const nlohmann::ordered_json& value, int indent);
-/// Calls `read` with what the text says, unless it is no JSON, or nested too deep.
-bool parse(std::string_view text, JsonError& error, bool (*read)(const JsonReader&, void*),
-           void* target);
 bool check_depth(const nlohmann::json& data, JsonError& error);
-/// The text of `gecos_violation` as an error; false unless it is empty.
-bool allowed(const std::string& violation, JsonError& error);
-
-template <class T>
-bool read_checked(const JsonReader& from, void* target) {
-  T& value = *static_cast<T*>(target);
-  if (!JsonShape<T>::read(from, value)) return false;
-  if constexpr (requires { gecos_violation(value); }) {
-    return allowed(gecos_violation(value), from.error());
-  }
-  return true;
-}
 
 }  // namespace json_detail
 
-/// Never fails: an enumerator that the enum does not have stands as its number.
+/// As `to_json_text`, with the members sorted by their names.
 template <class T>
 nlohmann::json to_json(const T& value) {
   nlohmann::ordered_json draft;
@@ -50,33 +23,13 @@ nlohmann::json to_json(const T& value) {
   return draft;
 }
 
-/// Members in the order of the interface, on one line; over lines with an `indent` of 0 or more.
-/// Invalid UTF-8 in a string becomes U+FFFD.
-template <class T>
-std::string to_json_text(const T& value, int indent = -1) {
-  nlohmann::ordered_json draft;
-  JsonShape<T>::write(JsonWriter(draft), value);
-  return json_detail::text(draft, indent);
-}
-
-/// The error names the member, also for what must not be sent: a number out of its range, a text
-/// too long. Members that are left out have their defaults.
+/// As `from_json_text`; which members stood there twice is no longer known.
 template <class T>
 tl::expected<T, JsonError> from_json(const nlohmann::json& data) {
   tl::expected<T, JsonError> result;
   JsonError error;
   const bool fine = json_detail::check_depth(data, error) &&
                     json_detail::read_checked<T>(JsonReader(data, error), &*result);
-  if (!fine) result = tl::make_unexpected(std::move(error));
-  return result;
-}
-
-/// A member that is there twice is refused too.
-template <class T>
-tl::expected<T, JsonError> from_json_text(std::string_view text) {
-  tl::expected<T, JsonError> result;
-  JsonError error;
-  const bool fine = json_detail::parse(text, error, &json_detail::read_checked<T>, &*result);
   if (!fine) result = tl::make_unexpected(std::move(error));
   return result;
 }
