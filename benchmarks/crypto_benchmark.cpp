@@ -3,8 +3,8 @@
 
 #include <cstring>
 
-#include "gecos/crypto/handshake_door.hpp"
-#include "gecos/crypto/opening.hpp"
+#include "gecos/crypto/handshake_acceptor.hpp"
+#include "gecos/crypto/handshake_initiator.hpp"
 #include "gecos/crypto/stream_seal.hpp"
 
 namespace {
@@ -87,21 +87,23 @@ BENCHMARK(sign_and_verify_sample)->Arg(64)->Arg(1400);
 void handshake_of_both_sides(benchmark::State& state) {
   const Identity client(KeyPair::draw());
   const Identity server(KeyPair::draw());
-  HandshakeDoor door(server, [](const PublicKey&) { return true; }, {.burst = 4'000'000'000});
+  HandshakeAcceptor acceptor(server, [](const PublicKey&) { return true; },
+                             {.burst = 4'000'000'000});
   for (auto _ : state) {
-    const auto opening = Opening::begin(client, server.public_key(), {}, {});
-    const auto answer = door.answer(opening->first(), {}, {}, TimePoint{});
-    if (!opening->finish(answer->second, TimePoint{})) state.SkipWithError("refused");
+    const auto initiator = HandshakeInitiator::begin(client, server.public_key(), {}, {});
+    const auto answer = acceptor.answer(initiator->first(), {}, {}, TimePoint{});
+    if (!initiator->finish(answer->second, TimePoint{})) state.SkipWithError("refused");
   }
 }
 BENCHMARK(handshake_of_both_sides);
 
 void refuse_forged_handshake(benchmark::State& state) {
   const Identity server(KeyPair::draw());
-  HandshakeDoor door(server, [](const PublicKey&) { return true; }, {.burst = 4'000'000'000});
+  HandshakeAcceptor acceptor(server, [](const PublicKey&) { return true; },
+                             {.burst = 4'000'000'000});
   const Bytes noise(IkInitiator::first_overhead, std::byte{9});
   for (auto _ : state) {
-    if (door.answer(noise, {}, {}, TimePoint{})) state.SkipWithError("accepted");
+    if (acceptor.answer(noise, {}, {}, TimePoint{})) state.SkipWithError("accepted");
   }
 }
 BENCHMARK(refuse_forged_handshake);

@@ -62,15 +62,16 @@ class Pipe {
 // Packets
 
 /// Waits as a session does: spins by policy, then sleeps. Nothing once the link is lost.
-std::optional<ByteView> await_packet(Link& link, media::SpinPolicy& spin, media::Acceptor* door) {
+std::optional<ByteView> await_packet(Link& link, media::SpinPolicy& spin,
+                                     media::Acceptor* acceptor) {
   spin.begin();
   for (;;) {
     if (const auto packet = link.receive()) return packet;
     if (spin.again([&] { return media::place_of(link.peer_whereabouts()); })) continue;
     if (link.prepare_to_sleep()) {
       std::vector<int> all(link.descriptors().begin(), link.descriptors().end());
-      if (door != nullptr) {
-        all.insert(all.end(), door->descriptors().begin(), door->descriptors().end());
+      if (acceptor != nullptr) {
+        all.insert(all.end(), acceptor->descriptors().begin(), acceptor->descriptors().end());
       }
       media::sleep_on(all, TimePoint::max());
       spin.woke(link.peer_whereabouts().rang_at, media::Woken::ByAnswer);
@@ -102,17 +103,17 @@ class Packets final : public PingPong {
   void serve(media::Kind kind, Cores cores) const {
     pin_server(cores);
     const auto medium = media::open(kind).value();
-    const auto door = medium->listen("BENCHMARK", false).value();
+    const auto acceptor = medium->listen("BENCHMARK", false).value();
     std::array<char, 256> address{};
-    door->address().copy(address.data(), address.size() - 1);
+    acceptor->address().copy(address.data(), address.size() - 1);
     address_.write_all(address.data(), address.size());
     std::unique_ptr<Link> link;
-    while ((link = door->accept()) == nullptr) {
-      media::sleep_on(door->descriptors(), TimePoint::max());
+    while ((link = acceptor->accept()) == nullptr) {
+      media::sleep_on(acceptor->descriptors(), TimePoint::max());
     }
     media::SpinPolicy spin(clock_);
     for (;;) {
-      const auto packet = await_packet(*link, spin, door.get());
+      const auto packet = await_packet(*link, spin, acceptor.get());
       if (!packet || !link->send(*packet, {})) return;
     }
   }

@@ -97,9 +97,9 @@ ROWS = (
         "the command stands on gecos, with typer and rich",
     ),
     _row(
-        r"gecos\.reserved",
+        r"gecos\.builtin_operations",
         r"gecos(\..*)?|gecos_idl\.(?:object|\w+_types)(?:\..*)?",
-        "gecos.reserved calls what every object answers, through the generated proxy of that alone",
+        "what every object answers is called through the generated proxy of that alone",
     ),
     _row(
         r"gecos(\..*)?",

@@ -135,13 +135,13 @@ std::pair<sockaddr_un, socklen_t> abstract(const std::string& name) {
 void serve_socket() {
   const std::string name = "bench-peers-" + std::to_string(::getpid());
   const auto [address, size] = abstract(name);
-  const int door = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  if (::bind(door, reinterpret_cast<const sockaddr*>(&address), size) != 0 ||
-      ::listen(door, 1) != 0) {
+  const int listener = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  if (::bind(listener, reinterpret_cast<const sockaddr*>(&address), size) != 0 ||
+      ::listen(listener, 1) != 0) {
     throw std::runtime_error("cannot listen on a Unix socket");
   }
   say_ready(name);
-  const int end = ::accept(door, nullptr, nullptr);
+  const int end = ::accept(listener, nullptr, nullptr);
   Sample sample;
   while (::recv(end, &sample, sizeof sample, MSG_WAITALL) > 0) {
     if (::send(end, &sample, sizeof sample, MSG_NOSIGNAL) < 0) return;

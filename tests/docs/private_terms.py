@@ -89,13 +89,12 @@ SCOPES: dict[str, tuple[str, ...]] = {
 
 @dataclass(frozen=True, slots=True)
 class Allowed:
-    """Uses of a term that stay, or that a rename under way takes out."""
+    """Uses of a term that stay."""
 
     term: str
     files: tuple[str, ...]
     identifiers: tuple[str, ...]
     reason: str
-    leaving: bool
 
     def covers(self, use: "Use") -> bool:
         return (
@@ -121,10 +120,8 @@ def allow_list() -> list[Allowed]:
             tuple(entry.get("files", ["*"])),
             tuple(entry.get("identifiers", ["*"])),
             entry["reason"],
-            leaving,
         )
-        for section, leaving in (("stays", False), ("leaving", True))
-        for entry in table.get(section, [])
+        for entry in table["stays"]
     ]
 
 

@@ -4,8 +4,8 @@
 #include <set>
 #include <vector>
 
-#include "gecos/crypto/handshake_door.hpp"
-#include "gecos/crypto/opening.hpp"
+#include "gecos/crypto/handshake_acceptor.hpp"
+#include "gecos/crypto/handshake_initiator.hpp"
 #include "gecos/media/lcm/receiver.hpp"
 #include "gecos/media/sealed/datagram.hpp"
 #include "gecos/media/sealed/receive_queue.hpp"
@@ -78,24 +78,24 @@ void try_handshake(Script script) {
   static const crypto::Identity server(crypto::KeyPair::draw());
   const Bytes context = script.bytes(20);
   const bool admitted = !script.one_in(8);
-  crypto::HandshakeDoor door(server, [admitted](const auto&) { return admitted; },
-                             {.burst = 1 + static_cast<std::uint32_t>(script.below(8)),
-                              .remembered = 1 + script.below(4)});
-  const auto opening =
-      crypto::Opening::begin(client, server.public_key(), context, script.bytes(10));
+  crypto::HandshakeAcceptor acceptor(server, [admitted](const auto&) { return admitted; },
+                                     {.burst = 1 + static_cast<std::uint32_t>(script.below(8)),
+                                      .remembered = 1 + script.below(4)});
+  const auto initiator =
+      crypto::HandshakeInitiator::begin(client, server.public_key(), context, script.bytes(10));
   TimePoint now{std::chrono::hours(1)};
   Bytes second;
   std::size_t channels = 0;
   for (int step = 0; step < 12 && !script.over(); ++step) {
     now += std::chrono::milliseconds(script.byte() * 30);
     if (script.one_in(4)) {
-      static_cast<void>(opening->finish(script.bytes(255), now));
-      expect(!door.answer(script.bytes(255), context, {}, now), "noise is no handshake");
+      static_cast<void>(initiator->finish(script.bytes(255), now));
+      expect(!acceptor.answer(script.bytes(255), context, {}, now), "noise is no handshake");
       continue;
     }
-    Bytes first = opening->first();
+    Bytes first = initiator->first();
     const bool bent = bend(script, first);
-    const auto answer = door.answer(first, context, {}, now);
+    const auto answer = acceptor.answer(first, context, {}, now);
     expect(!answer || !bent, "no message that was altered is answered");
     expect(!answer || admitted, "who is not admitted is not answered");
     if (!answer) continue;
@@ -103,7 +103,7 @@ void try_handshake(Script script) {
     expect(channels <= 1, "a message that is repeated opens no second channel");
     second = answer->second;
     const bool altered = bend(script, second);
-    const auto opened = opening->finish(second, now);
+    const auto opened = initiator->finish(second, now);
     expect(opened.has_value() == !altered,
            "the answer as it was sent, and only that, opens the channel");
   }
@@ -173,8 +173,8 @@ void try_receive_queue(Script script) {
         break;
       }
       case 7:
-        queue.tend(now);
-        sealer.tend(now);
+        queue.on_tick(now);
+        sealer.on_tick(now);
         expect(queue.notices().size() <= 1024, "notices are bounded");
         break;
     }

@@ -94,10 +94,10 @@ class Servant final : public gecos::Servant {
   bool moving_ = false;
 };
 
-std::shared_ptr<media::Acceptor> the_door() {
+std::shared_ptr<media::Acceptor> the_acceptor() {
   static const auto medium = media::make_inproc();
-  static const std::shared_ptr<media::Acceptor> door = medium->listen("FUZZED", false).value();
-  return door;
+  static const std::shared_ptr<media::Acceptor> acceptor = medium->listen("FUZZED", false).value();
+  return acceptor;
 }
 
 class Client {
@@ -170,8 +170,8 @@ class Client {
     if (script.one_in(32)) header.version = static_cast<std::int8_t>(script.byte());
     header.flags = static_cast<std::int8_t>(script.byte());
     const std::size_t which = script.below(codes.size() + 11);
-    const auto reserved = static_cast<std::uint32_t>(which - codes.size());
-    header.code = which < codes.size() ? codes[which] : FunctionCode{reserved};
+    const auto builtin = static_cast<std::uint32_t>(which - codes.size());
+    header.code = which < codes.size() ? codes[which] : FunctionCode{builtin};
     header.session = script.one_in(16)   ? SessionId{script.number()}
                      : script.one_in(16) ? other.session_->id()
                                          : session_->id();
@@ -187,7 +187,7 @@ class Client {
     if (header.kind != Kind::Call) return take(bent(script, header, script.bytes(20)));
     Bytes body(8);
     if (is_builtin(header.code)) {
-      body = reserved_body(script, other, header.code);
+      body = builtin_body(script, other, header.code);
       if (header.code == GecosObjectInterface::acquire.code) asked_.insert(header.counter);
     } else {
       // Whoever repeats a call repeats it as it was; then it may arrive any number of times.
@@ -198,7 +198,7 @@ class Client {
     take(wire::encode_packet(header, body));
   }
 
-  Bytes reserved_body(Script& script, const Client& other, FunctionCode which) {
+  Bytes builtin_body(Script& script, const Client& other, FunctionCode which) {
     if (script.one_in(8)) return script.bytes(40);
     Bytes body(24);
     wire::Encoder to(body);
@@ -266,7 +266,7 @@ void try_served(Script script) {
   options.thread_safe = script.one_in(2);
   const bool reliable = script.one_in(2);
   const auto object = std::make_shared<ObjectHost>(the_runtime(), "FUZZED", servant, options);
-  object->streams().offer(the_door());
+  object->streams().offer(the_acceptor());
   {
     Client first(object, servant, reliable);
     Client second(object, servant, reliable);

@@ -20,14 +20,14 @@ def medium(request: pytest.FixtureRequest) -> str:
 
 
 @pytest.fixture
-def guest(lab: gecos.Lab, server: gecos.Server) -> gecos.Lab:
+def visitor(lab: gecos.Lab, server: gecos.Server) -> gecos.Lab:
     """A Lab that the test closes, beside the one that serves."""
     return gecos.Lab()
 
 
 @pytest.fixture
-def theirs(guest: gecos.Lab, medium: str) -> Lamp:
-    return guest.create(Lamp, "LAMP", medium=medium)
+def theirs(visitor: gecos.Lab, medium: str) -> Lamp:
+    return visitor.create(Lamp, "LAMP", medium=medium)
 
 
 def comes_true(holds: Callable[[], bool]) -> bool:
@@ -40,11 +40,11 @@ def comes_true(holds: Callable[[], bool]) -> bool:
 
 
 def test_a_lease_is_given_back_though_somebody_has_it(
-    guest: gecos.Lab, theirs: Lamp, lamp: Lamp
+    visitor: gecos.Lab, theirs: Lamp, lamp: Lamp
 ) -> None:
     lease = gecos.actor(theirs)
     assert [holder.status.name for holder in gecos.holders(lamp).result()] == ["ACTOR"]
-    guest.close()
+    visitor.close()
     assert comes_true(lambda: gecos.holders(lamp).result() == [])
     with gecos.actor(lamp):
         lease.release()
@@ -54,14 +54,14 @@ def test_a_lease_is_given_back_though_somebody_has_it(
 def test_the_block_of_a_lab_gives_leases_back(
     server: gecos.Server, lamp: Lamp, medium: str
 ) -> None:
-    with gecos.Lab() as guest:
-        lease = gecos.actor(guest.create(Lamp, "LAMP", medium=medium))
+    with gecos.Lab() as visitor:
+        lease = gecos.actor(visitor.create(Lamp, "LAMP", medium=medium))
     assert comes_true(lambda: gecos.holders(lamp).result() == [])
     lease.release_now()
 
 
 def test_a_command_that_runs_goes_on_unobserved(
-    guest: gecos.Lab, theirs: Lamp, lamp: Lamp, servant: PlainLamp
+    visitor: gecos.Lab, theirs: Lamp, lamp: Lamp, servant: PlainLamp
 ) -> None:
     lease = gecos.actor(theirs)
     burning = theirs.burn_in()
@@ -70,7 +70,7 @@ def test_a_command_that_runs_goes_on_unobserved(
     burning.add_done_callback(lambda _: told.set())
     with ThreadPoolExecutor(1) as pool:
         waiting = pool.submit(burning.wait)
-        guest.close()
+        visitor.close()
         assert waiting.result(30.0) is State.COMMAND_FAILED
     assert told.wait(30.0)
     assert burning.progress().detail is Detail.OUTCOME_UNKNOWN
@@ -81,7 +81,9 @@ def test_a_command_that_runs_goes_on_unobserved(
     lease.release()
 
 
-def test_who_waits_for_a_sample_is_told(guest: gecos.Lab, theirs: Lamp, servant: PlainLamp) -> None:
+def test_who_waits_for_a_sample_is_told(
+    visitor: gecos.Lab, theirs: Lamp, servant: PlainLamp
+) -> None:
     stream = theirs.level.stream()
     begun = threading.Event()
 
@@ -93,13 +95,13 @@ def test_who_waits_for_a_sample_is_told(guest: gecos.Lab, theirs: Lamp, servant:
         reading = pool.submit(read)
         servant.publish_level(1.0)
         assert begun.wait(10.0)
-        guest.close()
+        visitor.close()
         with pytest.raises(gecos.StreamLost, match=r"LAMP\.level: .* or its Lab is closed"):
             reading.result(30.0)
 
 
 def test_a_task_that_waits_for_a_sample_is_told(
-    guest: gecos.Lab, theirs: Lamp, servant: PlainLamp
+    visitor: gecos.Lab, theirs: Lamp, servant: PlainLamp
 ) -> None:
     stream = theirs.level.stream()
 
@@ -112,7 +114,7 @@ def test_a_task_that_waits_for_a_sample_is_told(
         reading = asyncio.ensure_future(read(begun))
         servant.publish_level(1.0)
         await begun.wait()
-        await asyncio.to_thread(guest.close)
+        await asyncio.to_thread(visitor.close)
         await reading
 
     with pytest.raises(gecos.StreamLost):
@@ -120,13 +122,13 @@ def test_a_task_that_waits_for_a_sample_is_told(
 
 
 def test_nothing_is_read_afterwards(
-    guest: gecos.Lab, theirs: Lamp, lamp: Lamp, servant: PlainLamp
+    visitor: gecos.Lab, theirs: Lamp, lamp: Lamp, servant: PlainLamp
 ) -> None:
     stream, others = theirs.level.stream(), lamp.level.stream()
     servant.publish_level(1.0)
     assert (stream.next(10.0).value, others.next(10.0).value) == (1.0, 1.0)
     servant.publish_level(2.0)
-    guest.close()
+    visitor.close()
     servant.publish_level(3.0)
     assert (others.next(10.0).value, others.next(10.0).value) == (2.0, 3.0)
     with pytest.raises(gecos.StreamLost):

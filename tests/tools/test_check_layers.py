@@ -79,7 +79,7 @@ def python(path: str, text: str) -> list[Violation]:
         ("runtime/cpp/gecos/access/lease_table.cpp", "<sys/socket.h>"),
         ("runtime/cpp/gecos/crypto/transport.cpp", "<fcntl.h>"),
         ("runtime/cpp/gecos/crypto/key_directory.hpp", "<unistd.h>"),
-        ("runtime/cpp/gecos/crypto/opening.cpp", '"gecos/wire/encoder.hpp"'),
+        ("runtime/cpp/gecos/crypto/handshake_initiator.cpp", '"gecos/wire/encoder.hpp"'),
         ("runtime/cpp/gecos/media/sealed/sender.cpp", "<sodium.h>"),
     ],
 )
@@ -105,7 +105,7 @@ def test_a_forbidden_include_is_found(path: str, header: str) -> None:
         ("runtime/cpp/gecos/media/shm/memory.cpp", '"gecos/media/medium.hpp"'),
         ("runtime/cpp/gecos/media/shm/memory.cpp", "<sys/mman.h>"),
         ("runtime/cpp/gecos/session/client/select.cpp", '"gecos/media/medium.hpp"'),
-        ("runtime/cpp/gecos/reserved.hpp", '"gecos/object_types.hpp"'),
+        ("runtime/cpp/gecos/builtin_operations.hpp", '"gecos/object_types.hpp"'),
         ("runtime/cpp/gecos/broker/broker.hpp", '"gecos/broker_server.hpp"'),
         ("runtime/cpp/gecos/session/protocol/packets.hpp", '"gecos/command.hpp"'),
         ("runtime/cpp/gecos/session/process/runtime.hpp", '"gecos/session/protocol/handshake.hpp"'),
@@ -219,7 +219,7 @@ def test_an_allowed_import_passes(path: str, statement: str) -> None:
     "text", ['_PING = Operation(3, "ping")', 'PING = interface.Operation(3, "ping")']
 )
 def test_an_operation_described_in_python_is_found(text: str) -> None:
-    (violation,) = python("runtime/python/gecos/reserved.py", f"{text}\n")
+    (violation,) = python("runtime/python/gecos/builtin_operations.py", f"{text}\n")
     assert "by hand" in violation.what
     assert python("runtime/python/gecos/interface.py", f"{text}\n") == []
     assert python("generated/python/gecos_idl/object.py", f"{text}\n") == []
@@ -250,7 +250,7 @@ def test_a_hand_written_codec_or_description_of_a_call_is_found(line: str) -> No
 @pytest.mark.parametrize(
     ("path", "line"),
     [
-        ("session/client/reserved.cpp", "const auto result = described.get();"),
+        ("session/client/builtin_calls.cpp", "const auto result = described.get();"),
         ("session/client/context.cpp", "void call(const OperationDescription& operation);"),
         ("session/server/object_host.cpp", "const OperationDescription* const asked = find(code);"),
         ("session/client/own_call.hpp", "[&](wire::Encoder& to) { arguments.encode(to); }, {});"),

@@ -84,7 +84,7 @@ class Refused {
 
 /// The base of every generated proxy: a copyable handle to a session with an object. Copies share
 /// the session. It has no public member of its own, so an interface may use any name; what every
-/// object answers is reached by the free functions of `gecos/reserved.hpp`.
+/// object answers is reached by the free functions of `gecos/builtin_operations.hpp`.
 class Object {
  protected:
   Object() : gecos_session_(session::nil_session()) {}

@@ -16,6 +16,12 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from gecos.broker import Broker as Broker
+    from gecos.builtin_operations import Outcome as Outcome
+    from gecos.builtin_operations import describe as describe
+    from gecos.builtin_operations import holders as holders
+    from gecos.builtin_operations import outcome as outcome
+    from gecos.builtin_operations import ping as ping
+    from gecos.builtin_operations import stop as stop
     from gecos.command import Command as Command
     from gecos.command import Progress as Progress
     from gecos.errors import Attempt as Attempt
@@ -42,12 +48,6 @@ if TYPE_CHECKING:
     from gecos.proxy import StreamAttribute as StreamAttribute
     from gecos.proxy import reference as reference
     from gecos.proxy import with_deadline as with_deadline
-    from gecos.reserved import Outcome as Outcome
-    from gecos.reserved import describe as describe
-    from gecos.reserved import holders as holders
-    from gecos.reserved import outcome as outcome
-    from gecos.reserved import ping as ping
-    from gecos.reserved import stop as stop
     from gecos.servant import Servant as Servant
     from gecos.server import Server as Server
     from gecos.server import serve as serve
@@ -64,7 +64,7 @@ _NAMES = {
     "lab": "Lab",
     "lease": "Lease actor master",
     "proxy": "Object StreamAttribute reference with_deadline",
-    "reserved": "Outcome describe holders outcome ping stop",
+    "builtin_operations": "Outcome describe holders outcome ping stop",
     "servant": "Servant",
     "server": "Server serve",
     "stream": "Sample Stream",

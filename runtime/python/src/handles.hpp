@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "fork_generation.hpp"
+#include "gecos/builtin_operations.hpp"
 #include "gecos/lab.hpp"
-#include "gecos/reserved.hpp"
 #include "waiting.hpp"
 
 /// Python's handles to the session. The GIL guards them; dropping one may say goodbye to a

@@ -20,8 +20,8 @@ TEST(Allocation, SealingOpeningRefusingAndChangingKeysTakeNoMemory) {
     pair.client.out.seal(header, frame);
     wrong += pair.server.in.open(header, frame) ? 0 : 1;
     wrong += pair.server.in.open(header, frame) ? 1 : 0;
-    pair.client.out.tend(gecos::testing::pair_opened + i * std::chrono::minutes{1});
-    pair.server.in.tend(gecos::testing::pair_opened + i * std::chrono::minutes{1});
+    pair.client.out.on_tick(gecos::testing::pair_opened + i * std::chrono::minutes{1});
+    pair.server.in.on_tick(gecos::testing::pair_opened + i * std::chrono::minutes{1});
     writer.seal(header, sample);
     wrong += reader.open(header, sample) ? 0 : 1;
   }

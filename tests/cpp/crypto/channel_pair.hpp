@@ -5,8 +5,8 @@
 #include <string>
 #include <string_view>
 
-#include "gecos/crypto/handshake_door.hpp"
-#include "gecos/crypto/opening.hpp"
+#include "gecos/crypto/handshake_acceptor.hpp"
+#include "gecos/crypto/handshake_initiator.hpp"
 
 namespace gecos::testing {
 
@@ -46,11 +46,11 @@ inline constexpr TimePoint pair_opened{std::chrono::hours{1}};
 inline ChannelPair open_pair(crypto::RekeyRule rule = {}) {
   const crypto::Identity client(crypto::KeyPair::draw());
   const crypto::Identity server(crypto::KeyPair::draw());
-  const auto opening = crypto::Opening::begin(client, server.public_key(), {}, {});
-  crypto::HandshakeDoor door(
+  const auto initiator = crypto::HandshakeInitiator::begin(client, server.public_key(), {}, {});
+  crypto::HandshakeAcceptor acceptor(
       server, [](const auto&) { return true; }, {}, rule);
-  auto answer = door.answer(opening->first(), {}, {}, pair_opened);
-  auto opened = opening->finish(answer->second, pair_opened, rule);
+  auto answer = acceptor.answer(initiator->first(), {}, {}, pair_opened);
+  auto opened = initiator->finish(answer->second, pair_opened, rule);
   return {std::move(opened->channel), std::move(*answer->channel)};
 }
 

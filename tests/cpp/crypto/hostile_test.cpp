@@ -143,20 +143,20 @@ TEST(Hostile, NoForgedHandshakeIsAnsweredAndNothingOfOneIsKept) {
   Attacker attacker(11);
   const Identity client(KeyPair::draw());
   const Identity server(KeyPair::draw());
-  HandshakeDoor door(server, [](const auto&) { return true; }, {.burst = 1'000'000'000});
-  const Bytes one = Opening::begin(client, server.public_key(), {}, {})->first();
-  const auto opening = Opening::begin(client, server.public_key(), {}, {});
+  HandshakeAcceptor acceptor(server, [](const auto&) { return true; }, {.burst = 1'000'000'000});
+  const Bytes one = HandshakeInitiator::begin(client, server.public_key(), {}, {})->first();
+  const auto initiator = HandshakeInitiator::begin(client, server.public_key(), {}, {});
   // X25519 makes these a hundred times dearer than packets.
   for (std::size_t i = 0; i < most_packets() / 50; ++i) {
-    ASSERT_FALSE(door.answer(attacker.spoil(opening->first(), one), {}, {}, TimePoint{}));
+    ASSERT_FALSE(acceptor.answer(attacker.spoil(initiator->first(), one), {}, {}, TimePoint{}));
   }
-  EXPECT_EQ(door.remembered(), 0U);
-  const auto answer = door.answer(opening->first(), {}, {}, TimePoint{});
+  EXPECT_EQ(acceptor.remembered(), 0U);
+  const auto answer = acceptor.answer(initiator->first(), {}, {}, TimePoint{});
   ASSERT_TRUE(answer);
   for (std::size_t i = 0; i < most_packets() / 50; ++i) {
-    ASSERT_FALSE(opening->finish(attacker.spoil(answer->second, one), TimePoint{}));
+    ASSERT_FALSE(initiator->finish(attacker.spoil(answer->second, one), TimePoint{}));
   }
-  EXPECT_TRUE(opening->finish(answer->second, TimePoint{}));
+  EXPECT_TRUE(initiator->finish(answer->second, TimePoint{}));
 }
 
 }  // namespace

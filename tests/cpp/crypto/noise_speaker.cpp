@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "gecos/crypto/handshake_door.hpp"
-#include "gecos/crypto/opening.hpp"
+#include "gecos/crypto/handshake_acceptor.hpp"
+#include "gecos/crypto/handshake_initiator.hpp"
 #include "json.hpp"
 
 namespace {
@@ -39,19 +39,19 @@ std::string hear() {
 }
 
 std::optional<Channel> initiate(const Identity& own, const std::string& peer, ByteView context) {
-  const auto opening =
-      Opening::begin(own, PublicKey::parse(peer).value(), context, from_hex(greeting));
-  say(to_hex(opening->first()));
-  auto opened = opening->finish(from_hex(hear()), TimePoint{}, rule);
+  const auto initiator =
+      HandshakeInitiator::begin(own, PublicKey::parse(peer).value(), context, from_hex(greeting));
+  say(to_hex(initiator->first()));
+  auto opened = initiator->finish(from_hex(hear()), TimePoint{}, rule);
   if (!opened) return std::nullopt;
   say("peer says " + to_hex(opened->payload));
   return std::move(opened->channel);
 }
 
 std::optional<Channel> respond(const Identity& own, ByteView context) {
-  HandshakeDoor door(
+  HandshakeAcceptor acceptor(
       own, [](const PublicKey&) { return true; }, {}, rule);
-  auto answer = door.answer(from_hex(hear()), context, from_hex(greeting), TimePoint{});
+  auto answer = acceptor.answer(from_hex(hear()), context, from_hex(greeting), TimePoint{});
   if (!answer) return std::nullopt;
   say(to_hex(answer->second));
   say("peer says " + to_hex(answer->payload));

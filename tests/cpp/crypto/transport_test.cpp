@@ -102,12 +102,12 @@ TEST(Transport, KeysMoveOnByCount) {
 
 TEST(Transport, KeysMoveOnByTimeWhenTheyWereUsed) {
   auto pair = open_pair({.after = 2min});
-  pair.client.out.tend(pair_opened + 3min);
+  pair.client.out.on_tick(pair_opened + 3min);
   EXPECT_EQ(pair.client.out.generation(), 0U) << "nothing was sealed with it";
   ASSERT_EQ(opened(pair.server.in, sealed(pair.client.out, "old")), "old");
-  pair.client.out.tend(pair_opened + 5min - 1ns);
+  pair.client.out.on_tick(pair_opened + 5min - 1ns);
   EXPECT_EQ(pair.client.out.generation(), 0U);
-  pair.client.out.tend(pair_opened + 5min);
+  pair.client.out.on_tick(pair_opened + 5min);
   EXPECT_EQ(pair.client.out.generation(), 1U);
   EXPECT_EQ(opened(pair.server.in, sealed(pair.client.out, "new")), "new");
 }
@@ -119,10 +119,10 @@ TEST(Transport, APacketThatTheNextKeyOvertookIsOpenedUntilThatKeyIsErased) {
   ASSERT_EQ(opened(pair.server.in, sealed(pair.client.out, "next key")), "next key");
   EXPECT_EQ(opened(pair.server.in, early), "early");
   EXPECT_EQ(opened(pair.server.in, early), "refused: delivered already");
-  pair.server.in.tend(pair_opened);
-  pair.server.in.tend(pair_opened + Opener::previous_kept - 1ns);
+  pair.server.in.on_tick(pair_opened);
+  pair.server.in.on_tick(pair_opened + Opener::previous_kept - 1ns);
   EXPECT_EQ(opened(pair.server.in, early), "refused: delivered already") << "its window is there";
-  pair.server.in.tend(pair_opened + Opener::previous_kept);
+  pair.server.in.on_tick(pair_opened + Opener::previous_kept);
   EXPECT_EQ(opened(pair.server.in, late), "refused: too old");
 }
 

@@ -37,7 +37,7 @@ struct Areas final : AreaMaker {
     reader.know(number, made.back());
     return made.back();
   }
-  bool give_back(std::uint64_t number) override {
+  bool release(std::uint64_t number) override {
     if (none_left) return false;
     reader.end(number);
     given_back = number;

@@ -19,9 +19,9 @@ TEST(Checked, OfDamagedPacketsNoneArrivesAndOfTheOthersAll) {
   const auto medium = make_checked(make_faulty(make_inproc(), {.corruption = 0.5}, clock));
   EXPECT_TRUE(medium->offer().intact);
   EXPECT_FALSE(medium->offer().reliable);
-  const auto door = medium->listen("RX90", false).value();
-  End client(std::move(*medium->connect(door->address())));
-  End server(door->accept());
+  const auto acceptor = medium->listen("RX90", false).value();
+  End client(std::move(*medium->connect(acceptor->address())));
+  End server(acceptor->accept());
   int arrived = 0;
   for (int i = 0; i < 1000; ++i) {
     const std::string text = "packet " + std::to_string(i);
@@ -36,8 +36,8 @@ TEST(Checked, OfDamagedPacketsNoneArrivesAndOfTheOthersAll) {
 
 TEST(Checked, ThePacketThatIsTooLargeByTheChecksumIsRefused) {
   const auto medium = make_checked(make_inproc());
-  const auto door = medium->listen("RX90", false).value();
-  End client(std::move(*medium->connect(door->address())));
+  const auto acceptor = medium->listen("RX90", false).value();
+  End client(std::move(*medium->connect(acceptor->address())));
   const std::size_t largest = medium->offer().largest_packet;
   EXPECT_EQ(largest, make_inproc()->offer().largest_packet - 4);
   EXPECT_TRUE(client.send(std::string(largest, 'x')));

@@ -53,28 +53,28 @@ class Conformance : public testing::TestWithParam<Candidate> {
  protected:
   void SetUp() override {
     medium_ = GetParam().make(directory_.path());
-    door_ = listen("RX90");
-    ASSERT_NE(door_, nullptr);
+    acceptor_ = listen("RX90");
+    ASSERT_NE(acceptor_, nullptr);
     client_ = connect();
     ASSERT_NE(client_.link, nullptr);
-    server_ = End(wait_for_client(*door_, *client_.link), door_.get());
+    server_ = End(wait_for_client(*acceptor_, *client_.link), acceptor_.get());
     ASSERT_NE(server_.link, nullptr);
   }
 
   std::unique_ptr<Acceptor> listen(std::string_view name, bool well_known = false) {
-    auto door = medium_->listen(name, well_known);
-    if (!door) ADD_FAILURE() << door.error().text;
-    return door ? std::move(*door) : nullptr;
+    auto acceptor = medium_->listen(name, well_known);
+    if (!acceptor) ADD_FAILURE() << acceptor.error().text;
+    return acceptor ? std::move(*acceptor) : nullptr;
   }
   End connect() {
-    auto link = medium_->connect(door_->address());
+    auto link = medium_->connect(acceptor_->address());
     if (!link) ADD_FAILURE() << link.error().text;
     return End(link ? std::move(*link) : nullptr);
   }
 
   const ScratchDirectory directory_;
   std::unique_ptr<Medium> medium_;
-  std::unique_ptr<Acceptor> door_;
+  std::unique_ptr<Acceptor> acceptor_;
   End client_{nullptr};
   End server_{nullptr};
 };
@@ -200,7 +200,7 @@ TEST_P(Conformance, ACloseWakesASleeper) {
 
 TEST_P(Conformance, LinksOutliveTheirAcceptor) {
   server_ = End(std::move(server_.link));
-  if (!medium_->offer().connectionless) door_.reset();
+  if (!medium_->offer().connectionless) acceptor_.reset();
   ASSERT_TRUE(server_.send("still here"));
   EXPECT_EQ(client_.receive(), "still here");
   EXPECT_EQ(client_.link->loss(), Loss::None);
@@ -212,7 +212,7 @@ TEST_P(Conformance, BeatsAreSeenWithoutPackets) {
   EXPECT_TRUE(server_.wait([&] {
     server_.link->receive();
     if (server_.link->beats_seen() > before) return true;
-    client_.link->beat();  // a beat wakes nobody: another one, as housekeeping sends them
+    client_.link->beat();  // a beat wakes nobody: another one, as maintenance sends them
     return server_.link->beats_seen() > before;
   }));
 }
@@ -363,17 +363,17 @@ TEST_P(Conformance, WhoAsksForALossTakesNoWakeUpFromASleeper) {
   ASSERT_TRUE(server_.link->prepare_to_sleep());
   ASSERT_TRUE(client_.send("before it has heard of the server"));
   EXPECT_EQ(server_.link->loss(), Loss::None)
-      << "as housekeeping asks, beside the thread that sleeps";
+      << "as maintenance asks, beside the thread that sleeps";
   std::vector<int> all(server_.link->descriptors().begin(), server_.link->descriptors().end());
-  all.insert(all.end(), door_->descriptors().begin(), door_->descriptors().end());
+  all.insert(all.end(), acceptor_->descriptors().begin(), acceptor_->descriptors().end());
   EXPECT_EQ(sleep_on(all, too_late()), Wake::Ready);
   server_.link->woke();
   EXPECT_EQ(server_.receive(), "before it has heard of the server");
 }
 
-TEST_P(Conformance, HousekeepingMayBeatBesideEverything) {
+TEST_P(Conformance, MaintenanceMayBeatBesideEverything) {
   std::atomic<bool> done{false};
-  std::thread housekeeping([&] {
+  std::thread maintenance([&] {
     while (!done.load()) {
       client_.link->beat();
       server_.link->beat();
@@ -389,7 +389,7 @@ TEST_P(Conformance, HousekeepingMayBeatBesideEverything) {
     ASSERT_EQ(server_.receive(), std::to_string(i));
   }
   done.store(true);
-  housekeeping.join();
+  maintenance.join();
 }
 
 TEST_P(Conformance, AnAcceptorHasManyLinksThatDoNotMix) {
@@ -399,9 +399,9 @@ TEST_P(Conformance, AnAcceptorHasManyLinksThatDoNotMix) {
   for (std::size_t i = 0; i < count; ++i) {
     clients.push_back(connect());
     ASSERT_TRUE(clients.back().send("I am " + std::to_string(i)));
-    auto link = wait_for_client(*door_, *clients.back().link);
+    auto link = wait_for_client(*acceptor_, *clients.back().link);
     ASSERT_NE(link, nullptr);
-    servers.emplace_back(std::move(link), door_.get());
+    servers.emplace_back(std::move(link), acceptor_.get());
     ASSERT_EQ(servers.back().receive(), "I am " + std::to_string(i));
   }
   for (std::size_t i = 0; i < count; ++i) {
@@ -417,7 +417,7 @@ TEST_P(Conformance, AnAcceptorHasManyLinksThatDoNotMix) {
 }
 
 TEST_P(Conformance, AStreamIsReadNewestFirstOrOneByOne) {
-  const auto writer = door_->make_stream(100, 4);
+  const auto writer = acceptor_->make_stream(100, 4);
   ASSERT_TRUE(server_.link->share(7, *writer));
   const auto reader = client_.wait_for_stream(7);
   ASSERT_NE(reader, nullptr);
@@ -442,7 +442,7 @@ TEST_P(Conformance, AStreamForWhichThisProcessHasNoDescriptorSaysSoAndCanBeShare
   if (medium_->offer().reach == Reach::Process && !medium_->offer().connectionless) {
     GTEST_SKIP() << "its samples lie in memory that both ends have: it needs none";
   }
-  const auto writer = door_->make_stream(100, 4);
+  const auto writer = acceptor_->make_stream(100, 4);
   ASSERT_EQ(client_.link->loss(), Loss::None) << "it has heard the server's answer";
   ASSERT_TRUE(server_.link->share(7, *writer));
   EXPECT_EQ(client_.link->why_no_stream(7), "");
@@ -461,7 +461,7 @@ TEST_P(Conformance, AStreamForWhichThisProcessHasNoDescriptorSaysSoAndCanBeShare
 }
 
 TEST_P(Conformance, ASlowReaderLosesOldSamplesAndSeesHowMany) {
-  const auto writer = door_->make_stream(100, 4);
+  const auto writer = acceptor_->make_stream(100, 4);
   ASSERT_TRUE(server_.link->share(1, *writer));
   const auto reader = client_.wait_for_stream(1);
   ASSERT_NE(reader, nullptr);
@@ -475,7 +475,7 @@ TEST_P(Conformance, ASlowReaderLosesOldSamplesAndSeesHowMany) {
 }
 
 TEST_P(Conformance, AStreamSharedLaterShowsItsLastSample) {
-  const auto writer = door_->make_stream(100, 4);
+  const auto writer = acceptor_->make_stream(100, 4);
   ASSERT_TRUE(writer->publish(bytes_of("a pose at rest"), 5));
   ASSERT_TRUE(server_.link->share(1, *writer));
   const auto reader = client_.wait_for_stream(1);
@@ -498,16 +498,16 @@ TEST_P(Conformance, AStreamSharedLaterShowsItsLastSample) {
 }
 
 TEST_P(Conformance, RefusesASampleThatIsTooLarge) {
-  const auto writer = door_->make_stream(10, 4);
+  const auto writer = acceptor_->make_stream(10, 4);
   EXPECT_EQ(writer->publish(bytes_of("eleven bytes"), 1).error(), SendProblem::TooLarge);
   EXPECT_TRUE(writer->publish(bytes_of("ten bytes."), 1));
 }
 
 TEST_P(Conformance, APublisherWakesItsSleepingReaders) {
-  const auto writer = door_->make_stream(16, 8);
+  const auto writer = acceptor_->make_stream(16, 8);
   ASSERT_TRUE(server_.link->share(1, *writer));
   End second = connect();
-  auto second_server = wait_for_client(*door_, *second.link);
+  auto second_server = wait_for_client(*acceptor_, *second.link);
   ASSERT_NE(second_server, nullptr);
   ASSERT_TRUE(second_server->share(9, *writer));
   const auto reader = client_.wait_for_stream(1);
@@ -534,7 +534,7 @@ TEST_P(Conformance, APublisherWakesItsSleepingReaders) {
 }
 
 TEST_P(Conformance, AfterUnshareNobodyOpensTheStream) {
-  const auto writer = door_->make_stream(16, 8);
+  const auto writer = acceptor_->make_stream(16, 8);
   ASSERT_TRUE(server_.link->share(1, *writer));
   ASSERT_NE(client_.wait_for_stream(1), nullptr);
   server_.link->unshare(1);
@@ -548,7 +548,7 @@ TEST_P(Conformance, AfterUnshareNobodyOpensTheStream) {
 }
 
 TEST_P(Conformance, ALinkMayGoWhileAStreamIsPublished) {
-  const auto writer = door_->make_stream(16, 8);
+  const auto writer = acceptor_->make_stream(16, 8);
   std::atomic<bool> done{false};
   std::thread publishing([&] {
     while (!done.load()) {
@@ -558,7 +558,7 @@ TEST_P(Conformance, ALinkMayGoWhileAStreamIsPublished) {
   });
   for (int i = 0; i < 20; ++i) {
     End client = connect();
-    auto server = wait_for_client(*door_, *client.link);
+    auto server = wait_for_client(*acceptor_, *client.link);
     ASSERT_NE(server, nullptr);
     ASSERT_TRUE(server->share(1, *writer));
     ASSERT_NE(client.wait_for_stream(1), nullptr);
@@ -571,7 +571,7 @@ TEST_P(Conformance, SamplesOfAClientGoInward) {
   const auto writer = client_.link->make_stream(100, 4);
   ASSERT_TRUE(client_.link->share(7, *writer));
   std::unique_ptr<StreamReader> reader;
-  ASSERT_TRUE(wait_tended(server_, client_, [&] {
+  ASSERT_TRUE(wait_ticking(server_, client_, [&] {
     server_.link->receive();
     reader = server_.link->open_stream(7);
     return reader != nullptr;
@@ -595,13 +595,13 @@ TEST_P(Conformance, SamplesOfAClientGoInward) {
 }
 
 TEST_P(Conformance, BothEndsShareStreamsUnderTheSameNumber) {
-  const auto outward = door_->make_stream(16, 4);
+  const auto outward = acceptor_->make_stream(16, 4);
   const auto inward = client_.link->make_stream(16, 4);
   ASSERT_TRUE(server_.link->share(1, *outward));
   ASSERT_TRUE(client_.link->share(1, *inward));
   const auto at_client = client_.wait_for_stream(1);
   std::unique_ptr<StreamReader> at_server;
-  ASSERT_TRUE(wait_tended(server_, client_, [&] {
+  ASSERT_TRUE(wait_ticking(server_, client_, [&] {
     server_.link->receive();
     at_server = server_.link->open_stream(1);
     return at_server != nullptr;
@@ -619,7 +619,7 @@ TEST_P(Conformance, BothEndsShareStreamsUnderTheSameNumber) {
   EXPECT_EQ(text_of(sample.bytes), "commanded");
 
   client_.link->unshare(1);
-  EXPECT_TRUE(wait_tended(server_, client_, [&] {
+  EXPECT_TRUE(wait_ticking(server_, client_, [&] {
     server_.link->receive();
     return server_.link->open_stream(1) == nullptr;
   }));
@@ -627,7 +627,7 @@ TEST_P(Conformance, BothEndsShareStreamsUnderTheSameNumber) {
 }
 
 TEST_P(Conformance, ASampleIsWrittenIntoLentMemoryAndReadInPlace) {
-  const auto writer = door_->make_stream(64, 4);
+  const auto writer = acceptor_->make_stream(64, 4);
   ASSERT_TRUE(server_.link->share(1, *writer));
   const auto reader = client_.wait_for_stream(1);
   ASSERT_NE(reader, nullptr);
@@ -666,7 +666,7 @@ TEST_P(Conformance, ASampleIsWrittenIntoLentMemoryAndReadInPlace) {
 }
 
 TEST_P(Conformance, AWriterNeverWaitsForAReaderThatHoldsASample) {
-  const auto writer = door_->make_stream(16, 2);
+  const auto writer = acceptor_->make_stream(16, 2);
   ASSERT_TRUE(server_.link->share(1, *writer));
   const auto reader = client_.wait_for_stream(1);
   ASSERT_NE(reader, nullptr);
@@ -694,16 +694,16 @@ TEST_P(Conformance, NobodyIsAtAnUnknownAddress) {
   if (medium_->offer().connectionless) GTEST_SKIP() << "silence is all that a datagram gets";
   EXPECT_FALSE(medium_->connect(medium_->well_known_address("NOBODY")));
   EXPECT_FALSE(medium_->connect("nonsense"));
-  const std::string address = door_->address();
-  door_.reset();
+  const std::string address = acceptor_->address();
+  acceptor_.reset();
   EXPECT_FALSE(medium_->connect(address));
 }
 
-TEST_P(Conformance, AClientThatWaitsAtADoorThatClosesIsTold) {
+TEST_P(Conformance, AClientOfAnAcceptorThatClosesIsTold) {
   if (medium_->offer().connectionless) GTEST_SKIP() << "silence is all that a datagram gets";
   End late = connect();
   ASSERT_TRUE(late.send("is anybody there?"));
-  door_.reset();
+  acceptor_.reset();
   EXPECT_EQ(late.wait_for_loss(), Loss::Closed);
 }
 
@@ -726,20 +726,20 @@ TEST_P(Conformance, TheWellKnownPlaceIsTakenOnce) {
 
 TEST_P(Conformance, NothingIsLeftOpen) {
   const auto once = [&] {
-    auto door = listen("LASER");
-    auto link = medium_->connect(door->address());
+    auto acceptor = listen("LASER");
+    auto link = medium_->connect(acceptor->address());
     ASSERT_TRUE(link);
     End client(std::move(*link));
-    End server(wait_for_client(*door, *client.link), door.get());
-    const auto writer = door->make_stream(100, 4);
+    End server(wait_for_client(*acceptor, *client.link), acceptor.get());
+    const auto writer = acceptor->make_stream(100, 4);
     ASSERT_TRUE(server.link->share(1, *writer));
     std::unique_ptr<StreamReader> reader;
-    ASSERT_TRUE(wait_tended(client, server, [&] {
+    ASSERT_TRUE(wait_ticking(client, server, [&] {
       reader = client.link->open_stream(1);
       return reader != nullptr;
     }));
     const std::string text(medium_->offer().reliable ? 1'000'000 : 1, 'x');
-    ASSERT_TRUE(wait_tended(server, client, [&] {
+    ASSERT_TRUE(wait_ticking(server, client, [&] {
       EXPECT_TRUE(client.send(text));
       return server.link->receive().has_value();
     }));
@@ -769,7 +769,7 @@ TEST_P(Conformance, AForkedChildFindsItsLinksDead) {
     client_.link->woke();
     client_.link.reset();  // must not say goodbye in the parent's name
     server_.link.reset();
-    door_.reset();
+    acceptor_.reset();
     ::_exit(wrong);
   }
   int status = 0;
@@ -781,7 +781,7 @@ TEST_P(Conformance, AForkedChildFindsItsLinksDead) {
   EXPECT_TRUE(client_.receive() == large);
   EXPECT_EQ(client_.link->loss(), Loss::None);
   auto another = connect();
-  EXPECT_NE(wait_for_client(*door_, *another.link), nullptr) << "the door is still open";
+  EXPECT_NE(wait_for_client(*acceptor_, *another.link), nullptr) << "the acceptor still accepts";
 }
 
 INSTANTIATE_TEST_SUITE_P(

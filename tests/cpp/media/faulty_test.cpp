@@ -18,9 +18,9 @@ using namespace std::chrono_literals;
 struct Line {
   explicit Line(const Faults& faults)
       : medium(make_faulty(make_inproc(), faults, clock)),
-        door(medium->listen("RX90", false).value()),
-        client(std::move(*medium->connect(door->address()))),
-        server(door->accept()) {}
+        acceptor(medium->listen("RX90", false).value()),
+        client(std::move(*medium->connect(acceptor->address()))),
+        server(acceptor->accept()) {}
 
   std::vector<std::string> arrived() {
     std::vector<std::string> all;
@@ -32,7 +32,7 @@ struct Line {
 
   FakeClock clock;
   std::unique_ptr<Medium> medium;
-  std::unique_ptr<Acceptor> door;
+  std::unique_ptr<Acceptor> acceptor;
   End client;
   End server;
 };
@@ -124,9 +124,9 @@ TEST(Faulty, DelaysLikeASatelliteAndWakesNobodyBefore) {
 TEST(Faulty, ASleeperIsWokenForADelayedPacket) {
   const SystemClock clock;
   const auto medium = make_faulty(make_inproc(), {.delay = 20ms}, clock);
-  const auto door = medium->listen("RX90", false).value();
-  End client(std::move(*medium->connect(door->address())));
-  End server(door->accept());
+  const auto acceptor = medium->listen("RX90", false).value();
+  End client(std::move(*medium->connect(acceptor->address())));
+  End server(acceptor->accept());
   const TimePoint sent = clock.now();
   ASSERT_TRUE(client.send("move"));
   EXPECT_EQ(server.receive(), "move");

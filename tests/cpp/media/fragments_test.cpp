@@ -136,19 +136,19 @@ TEST(Transfer, BelievesNoAnswerBeyondWhatItSends) {
 }
 
 /// Client and server over a medium with the layers that its offer asks for, and beats as
-/// housekeeping gives them.
+/// maintenance gives them.
 class Fragmented : public testing::Test {
  protected:
   explicit Fragmented(std::unique_ptr<Medium> medium)
       : medium_(with_layers(std::move(medium), clock_)),
-        door_(medium_->listen("CAMERA", false).value()),
-        client_(std::move(*medium_->connect(door_->address()))),
-        server_(wait_for_client(*door_, *client_)) {}
+        acceptor_(medium_->listen("CAMERA", false).value()),
+        client_(std::move(*medium_->connect(acceptor_->address()))),
+        server_(wait_for_client(*acceptor_, *client_)) {}
 
   /// Both ends look once at what has come; gives what came for `to`.
   std::optional<Bytes> look(const Link* to) {
     std::optional<Bytes> found;
-    door_->accept();
+    acceptor_->accept();
     for (Link* link : {client_.get(), server_.get()}) {
       const auto packet = link->receive();
       if (packet && link == to) found.emplace(packet->begin(), packet->end());
@@ -179,7 +179,7 @@ class Fragmented : public testing::Test {
 
   const SystemClock clock_;
   const std::unique_ptr<Medium> medium_;
-  const std::unique_ptr<Acceptor> door_;
+  const std::unique_ptr<Acceptor> acceptor_;
   const std::unique_ptr<Link> client_;
   const std::unique_ptr<Link> server_;
   TimePoint next_beat_{};

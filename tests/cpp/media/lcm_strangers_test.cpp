@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "gecos/crypto/opening.hpp"
+#include "gecos/crypto/handshake_initiator.hpp"
 #include "gecos/media/sealed/keys.hpp"
 #include "gecos/media/sealed/sender.hpp"
 #include "gecos/media/sealed/stream.hpp"
@@ -20,11 +20,11 @@ class LcmStrangers : public testing::Test {
           options.rekey = rekey;
           return options;
         }())),
-        door_(medium_->listen("RX90", false).value()),
-        where_(SealedAddress::parse(door_->address()).value()),
+        acceptor_(medium_->listen("RX90", false).value()),
+        where_(SealedAddress::parse(acceptor_->address()).value()),
         stranger_(where_.port, where_.channel),
-        client_(std::move(*medium_->connect(door_->address()))),
-        server_(wait_for_client(*door_, *client_.link), door_.get()) {}
+        client_(std::move(*medium_->connect(acceptor_->address()))),
+        server_(wait_for_client(*acceptor_, *client_.link), acceptor_.get()) {}
 
   void expect_an_honest_call() {
     ASSERT_TRUE(client_.send("an honest call"));
@@ -36,7 +36,7 @@ class LcmStrangers : public testing::Test {
 
   const ScratchDirectory directory_;
   const std::unique_ptr<Medium> medium_;
-  const std::unique_ptr<Acceptor> door_;
+  const std::unique_ptr<Acceptor> acceptor_;
   const SealedAddress where_;
   Recorder stranger_;
   End client_;
@@ -112,8 +112,8 @@ TEST_F(LcmStrangers, AFirstMessagePlayedBackMakesNoLink) {
   EXPECT_EQ(server_.wait_for_loss(), Loss::Closed);
   server_.link.reset();
   for (const Bytes& first : recorded) stranger_.say(where_.channel, first);
-  client_ = End(std::move(*medium_->connect(door_->address())));
-  server_ = End(wait_for_client(*door_, *client_.link), door_.get());
+  client_ = End(std::move(*medium_->connect(acceptor_->address())));
+  server_ = End(wait_for_client(*acceptor_, *client_.link), acceptor_.get());
   expect_an_honest_call();
   EXPECT_LE(open_descriptors(), before);
 }
@@ -126,13 +126,13 @@ TEST_F(LcmStrangers, FirstMessagesAloneHoldNoDescriptor) {
     Bytes first(DatagramHeader::bytes);
     DatagramHeader{DatagramKind::First, 20000, i}.write(
         std::span(first).first<DatagramHeader::bytes>());
-    const auto opening =
-        crypto::Opening::begin(keys->own, *where_.key, handshake_context(where_, first), {});
-    first.insert(first.end(), opening->first().begin(), opening->first().end());
+    const auto initiator = crypto::HandshakeInitiator::begin(keys->own, *where_.key,
+                                                             handshake_context(where_, first), {});
+    first.insert(first.end(), initiator->first().begin(), initiator->first().end());
     stranger_.say(where_.channel, first);
   }
   expect_an_honest_call();
-  EXPECT_EQ(door_->accept(), nullptr);
+  EXPECT_EQ(acceptor_->accept(), nullptr);
   EXPECT_EQ(open_descriptors(), before);
 }
 
@@ -142,14 +142,14 @@ TEST_F(LcmStrangers, AClientWhoseAnswerWasLostGetsTheSameOneAgain) {
   const std::uint16_t reply_port = draw_port();
   Recorder client(reply_port, channel_name("GC", number));
   SealedSender sender(LcmPort::open({}, where_.port).value(), where_.channel, number, reply_port);
-  const auto opening = crypto::Opening::begin(
+  const auto initiator = crypto::HandshakeInitiator::begin(
       keys->own, *where_.key, handshake_context(where_, sender.header(DatagramKind::First)), {});
-  ASSERT_TRUE(opening);
+  ASSERT_TRUE(initiator);
   for (std::size_t i = 1; i <= 3; ++i) {
-    ASSERT_TRUE(sender.send_bare(DatagramKind::First, opening->first()));
+    ASSERT_TRUE(sender.send_bare(DatagramKind::First, initiator->first()));
     const TimePoint end = too_late();
     while (client.all().size() < i && std::chrono::steady_clock::now() < end) {
-      EXPECT_EQ(door_->accept(), nullptr) << "it has shown nothing yet";
+      EXPECT_EQ(acceptor_->accept(), nullptr) << "it has shown nothing yet";
       client.look();
     }
   }
@@ -157,12 +157,12 @@ TEST_F(LcmStrangers, AClientWhoseAnswerWasLostGetsTheSameOneAgain) {
   ASSERT_EQ(answers.size(), 3u);
   EXPECT_EQ(answers[0], answers[1]);
   EXPECT_EQ(answers[0], answers[2]);
-  auto opened = opening->finish(ByteView(answers[2]).subspan(DatagramHeader::bytes), TimePoint{});
+  auto opened = initiator->finish(ByteView(answers[2]).subspan(DatagramHeader::bytes), TimePoint{});
   ASSERT_TRUE(opened);
   sender.open(std::move(opened->channel.out));
   Bytes memory;
   ASSERT_TRUE(sender.send({InnerKind::Packet, 1}, bytes_of("met"), {}, memory));
-  End met(wait_for_client(*door_), door_.get());
+  End met(wait_for_client(*acceptor_), acceptor_.get());
   ASSERT_NE(met.link, nullptr);
   EXPECT_EQ(met.receive(), "met");
   EXPECT_TRUE(met.others.empty()) << "three messages, one link";
@@ -176,30 +176,30 @@ TEST_F(LcmStrangers, AnotherChannelOfThePortIsNotHeard) {
 }
 
 TEST_F(LcmStrangers, AStreamThatWasRepeatedOrOvertakenNeverGoesBack) {
-  const auto writer = door_->make_stream(100, 4);
+  const auto writer = acceptor_->make_stream(100, 4);
   ASSERT_TRUE(server_.link->share(1, *writer));
   std::unique_ptr<StreamReader> reader;
-  ASSERT_TRUE(wait_tended(client_, server_, [&] {
+  ASSERT_TRUE(wait_ticking(client_, server_, [&] {
     reader = client_.link->open_stream(1);
     return reader != nullptr;
   }));
   ASSERT_TRUE(writer->publish(bytes_of("one"), 1));
   ASSERT_TRUE(writer->publish(bytes_of("two"), 2));
   StreamSample sample;
-  ASSERT_TRUE(wait_tended(client_, server_, [&] { return reader->latest(1, sample); }));
+  ASSERT_TRUE(wait_ticking(client_, server_, [&] { return reader->latest(1, sample); }));
   // Another reader opens it, so the last sample goes out again.
   ASSERT_TRUE(server_.link->share(1, *writer));
   const auto again = client_.link->open_stream(1);
   ASSERT_NE(again, nullptr);
   StreamSample same;
-  ASSERT_TRUE(wait_tended(client_, server_, [&] { return again->latest(0, same); }));
+  ASSERT_TRUE(wait_ticking(client_, server_, [&] { return again->latest(0, same); }));
   EXPECT_EQ(same.sequence, 2u);
   EXPECT_FALSE(reader->latest(2, sample));
   EXPECT_FALSE(reader->next(2, sample));
 }
 
 TEST_F(LcmStrangers, AReaderCannotForgeASampleToTheOthers) {
-  const auto writer = door_->make_stream(100, 4);
+  const auto writer = acceptor_->make_stream(100, 4);
   ASSERT_TRUE(server_.link->share(1, *writer));
   const auto reader = client_.wait_for_stream(1);
   ASSERT_NE(reader, nullptr);

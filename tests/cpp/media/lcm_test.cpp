@@ -6,7 +6,7 @@
 
 #include <random>
 
-#include "gecos/crypto/opening.hpp"
+#include "gecos/crypto/handshake_initiator.hpp"
 #include "gecos/media/lcm/port.hpp"
 #include "gecos/media/sealed/datagram.hpp"
 #include "gecos/media/sealed/receive_queue.hpp"

@@ -21,13 +21,13 @@ class LcmUsers : public testing::Test {
   }
   LcmOptions options(const std::string& whose) { return with_keys(directory_, whose); }
   /// What the client says of a server that it cannot meet.
-  std::string trouble(Acceptor& door, Link& client, const std::string& expected) {
+  std::string trouble(Acceptor& acceptor, Link& client, const std::string& expected) {
     const TimePoint end = too_late();
     while (client.loss_text().find(expected) == std::string::npos &&
            std::chrono::steady_clock::now() < end) {
       client.beat();
       EXPECT_EQ(client.loss(), Loss::None);
-      EXPECT_EQ(door.accept(), nullptr);
+      EXPECT_EQ(acceptor.accept(), nullptr);
     }
     return client.loss_text();
   }
@@ -38,10 +38,10 @@ class LcmUsers : public testing::Test {
 };
 
 TEST_F(LcmUsers, AServerWhoseKeyIsNotAdmittedIsRefusedAtOnce) {
-  const auto door = ada_->listen("RX90", false).value();
-  const auto refused = bob_->connect(door->address());
+  const auto acceptor = ada_->listen("RX90", false).value();
+  const auto refused = bob_->connect(acceptor->address());
   ASSERT_FALSE(refused);
-  const auto key = SealedAddress::parse(door->address())->key.value();
+  const auto key = SealedAddress::parse(acceptor->address())->key.value();
   EXPECT_NE(refused.error().text.find("its key " + key.short_name() + " is not admitted here"),
             std::string::npos)
       << refused.error().text;
@@ -50,23 +50,23 @@ TEST_F(LcmUsers, AServerWhoseKeyIsNotAdmittedIsRefusedAtOnce) {
 
 TEST_F(LcmUsers, AClientWhoseKeyIsNotAdmittedIsNotMetAndToldWhatToDo) {
   admit("ada", "bob");
-  const auto door = ada_->listen("RX90", false).value();
-  auto client = std::move(*bob_->connect(door->address()));
+  const auto acceptor = ada_->listen("RX90", false).value();
+  auto client = std::move(*bob_->connect(acceptor->address()));
   ASSERT_TRUE(client->send(bytes_of("let me in"), {}));
-  for (int i = 0; i < 20; ++i) EXPECT_EQ(door->accept(), nullptr);
-  const std::string text = trouble(*door, *client, "is not admitted there");
+  for (int i = 0; i < 20; ++i) EXPECT_EQ(acceptor->accept(), nullptr);
+  const std::string text = trouble(*acceptor, *client, "is not admitted there");
   EXPECT_NE(text.find(options("bob").key_directory + "/"), std::string::npos) << text;
   admit("bob", "ada");
-  EXPECT_NE(wait_for_client(*door, *client), nullptr) << "from now on, with the same link";
+  EXPECT_NE(wait_for_client(*acceptor, *client), nullptr) << "from now on, with the same link";
 }
 
 TEST_F(LcmUsers, AKeyFileThatIsDamagedIsNamedToWhoAdmitsByIt) {
   admit("ada", "bob");
-  const auto door = ada_->listen("RX90", false).value();
-  const auto key = SealedAddress::parse(door->address())->key.value();
+  const auto acceptor = ada_->listen("RX90", false).value();
+  const auto key = SealedAddress::parse(acceptor->address())->key.value();
   const std::string file = options("bob").key_directory + "/" + key.to_string() + ".public";
   std::filesystem::resize_file(file, 40);
-  const auto refused = bob_->connect(door->address());
+  const auto refused = bob_->connect(acceptor->address());
   ASSERT_FALSE(refused);
   EXPECT_NE(refused.error().text.find("is not admitted here: " + file +
                                       ": is cut short: copy it again, or remove it"),
@@ -98,10 +98,11 @@ TEST_F(LcmUsers, AKeyDirectoryThatOthersMayReadIsAnErrorThatSaysSo) {
   ASSERT_TRUE(std::filesystem::create_directory(options("eve").key_directory));
   ASSERT_EQ(::chmod(options("eve").key_directory.c_str(), 0755), 0);
   const auto medium = make_lcm(options("eve"));
-  const auto door = medium->listen("RX90", false);
-  ASSERT_FALSE(door);
-  EXPECT_NE(door.error().text.find("lcm needs a key"), std::string::npos) << door.error().text;
-  EXPECT_NE(door.error().text.find("chmod 700"), std::string::npos) << door.error().text;
+  const auto acceptor = medium->listen("RX90", false);
+  ASSERT_FALSE(acceptor);
+  EXPECT_NE(acceptor.error().text.find("lcm needs a key"), std::string::npos)
+      << acceptor.error().text;
+  EXPECT_NE(acceptor.error().text.find("chmod 700"), std::string::npos) << acceptor.error().text;
   ASSERT_EQ(::chmod(options("eve").key_directory.c_str(), 0700), 0);
   EXPECT_TRUE(medium->listen("RX90", false)) << "mended, it works without another medium";
 }
@@ -109,9 +110,9 @@ TEST_F(LcmUsers, AKeyDirectoryThatOthersMayReadIsAnErrorThatSaysSo) {
 TEST_F(LcmUsers, EachOfTwoUsersWhoAdmitEachOtherProvesItsKey) {
   admit("ada", "bob");
   admit("bob", "ada");
-  const auto door = ada_->listen("RX90", false).value();
-  End client(std::move(*bob_->connect(door->address())));
-  End server(wait_for_client(*door, *client.link), door.get());
+  const auto acceptor = ada_->listen("RX90", false).value();
+  End client(std::move(*bob_->connect(acceptor->address())));
+  End server(wait_for_client(*acceptor, *client.link), acceptor.get());
   ASSERT_NE(server.link, nullptr);
   const auto bob = SealedKeys::open(options("bob").key_directory).value()->own.public_key();
   EXPECT_TRUE(server.link->peer().description.starts_with("key " + bob.short_name()));
@@ -121,10 +122,10 @@ TEST_F(LcmUsers, EachOfTwoUsersWhoAdmitEachOtherProvesItsKey) {
 
 TEST_F(LcmUsers, BothSidesMayBeginAgain) {
   for (int life = 0; life < 3; ++life) {
-    const auto door = ada_->listen("BROKER", true).value();
+    const auto acceptor = ada_->listen("BROKER", true).value();
     for (int client_life = 0; client_life < 3; ++client_life) {
-      End client(std::move(*ada_->connect(door->address())));
-      End server(wait_for_client(*door, *client.link), door.get());
+      End client(std::move(*ada_->connect(acceptor->address())));
+      End server(wait_for_client(*acceptor, *client.link), acceptor.get());
       ASSERT_NE(server.link, nullptr);
       ASSERT_TRUE(client.send("hello"));
       ASSERT_EQ(server.receive(), "hello");
@@ -144,18 +145,18 @@ TEST_F(LcmUsers, ARecordingPlayedToTheNextLifeOfAServerMakesNoLink) {
   const SealedAddress place = SealedAddress::parse(ada_->well_known_address("BROKER")).value();
   Recorder stranger(place.port, place.channel);
   {
-    const auto door = ada_->listen("BROKER", true).value();
-    End client(std::move(*ada_->connect(door->address())));
-    End server(wait_for_client(*door, *client.link), door.get());
+    const auto acceptor = ada_->listen("BROKER", true).value();
+    End client(std::move(*ada_->connect(acceptor->address())));
+    End server(wait_for_client(*acceptor, *client.link), acceptor.get());
     ASSERT_TRUE(client.send("move"));
     ASSERT_EQ(server.receive(), "move");
     ASSERT_FALSE(stranger.of(DatagramKind::Sealed).empty());
     recorded = stranger.all();
   }
-  const auto door = ada_->listen("BROKER", true).value();
+  const auto acceptor = ada_->listen("BROKER", true).value();
   for (const Bytes& datagram : recorded) stranger.say(place.channel, datagram);
-  End client(std::move(*ada_->connect(door->address())));
-  End server(wait_for_client(*door, *client.link), door.get());
+  End client(std::move(*ada_->connect(acceptor->address())));
+  End server(wait_for_client(*acceptor, *client.link), acceptor.get());
   ASSERT_TRUE(client.send("hello"));
   EXPECT_EQ(server.receive(), "hello");
   EXPECT_TRUE(server.others.empty());

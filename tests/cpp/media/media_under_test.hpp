@@ -51,12 +51,12 @@ class NoDescriptorLeft {
 /// Nothing in these tests waits this long; who does has lost a wake-up.
 inline TimePoint too_late() { return std::chrono::steady_clock::now() + std::chrono::seconds(20); }
 
-/// One end of a link, waited on as its users do. `door` is the acceptor whose descriptors and
+/// One end of a link, waited on as its users do. `acceptor` is the acceptor whose descriptors and
 /// accept() feed it too, if any.
 class End {
  public:
-  explicit End(std::unique_ptr<Link> of, Acceptor* door = nullptr)
-      : link(std::move(of)), door_(door) {}
+  explicit End(std::unique_ptr<Link> of, Acceptor* acceptor = nullptr)
+      : link(std::move(of)), acceptor_(acceptor) {}
 
   /// Waits until `done`, looking again whenever something woke us. False: too late.
   bool wait(const std::function<bool()>& done) {
@@ -65,14 +65,14 @@ class End {
       bool in_time = true;
       if (link->prepare_to_sleep()) {
         std::vector<int> all(link->descriptors().begin(), link->descriptors().end());
-        if (door_ != nullptr) {
-          all.insert(all.end(), door_->descriptors().begin(), door_->descriptors().end());
+        if (acceptor_ != nullptr) {
+          all.insert(all.end(), acceptor_->descriptors().begin(), acceptor_->descriptors().end());
         }
         in_time = sleep_on(all, too_late()) != Wake::TimedOut;
         link->woke();
       }
-      if (door_ != nullptr) {
-        while (auto another = door_->accept()) others.push_back(std::move(another));
+      if (acceptor_ != nullptr) {
+        while (auto another = acceptor_->accept()) others.push_back(std::move(another));
       }
       if (!in_time) {
         ADD_FAILURE() << "nobody woke us; it is " << (done() ? "done" : "not done");
@@ -117,12 +117,12 @@ class End {
   std::vector<std::unique_ptr<Link>> others;  ///< that came while we waited
 
  private:
-  Acceptor* door_;
+  Acceptor* acceptor_;
 };
 
-/// Waits until `done`, while both ends do what their housekeeping would: on lcm what got lost is
+/// Waits until `done`, while both ends do what maintenance would: on lcm what got lost is
 /// said again with every beat. False: too late.
-inline bool wait_tended(End& one, End& other, const std::function<bool()>& done) {
+inline bool wait_ticking(End& one, End& other, const std::function<bool()>& done) {
   const TimePoint end = too_late();
   for (;;) {
     if (done()) return true;
@@ -143,24 +143,24 @@ inline std::uint16_t port_of_this_process() {
   return static_cast<std::uint16_t>(10'000 + ::getpid() % 10'000);
 }
 
-/// The next client of `door`, waited for. Null when none came in time.
-inline std::unique_ptr<Link> wait_for_client(Acceptor& door) {
+/// The next client of `acceptor`, waited for. Null when none came in time.
+inline std::unique_ptr<Link> wait_for_client(Acceptor& acceptor) {
   for (;;) {
-    if (auto link = door.accept()) return link;
-    if (sleep_on(door.descriptors(), too_late()) == Wake::TimedOut) return door.accept();
+    if (auto link = acceptor.accept()) return link;
+    if (sleep_on(acceptor.descriptors(), too_late()) == Wake::TimedOut) return acceptor.accept();
   }
 }
 
-/// The same where the client has to do its part, as its housekeeping would: on lcm it proves its
+/// The same where the client has to do its part, as maintenance would: on lcm it proves its
 /// key.
-inline std::unique_ptr<Link> wait_for_client(Acceptor& door, Link& client) {
+inline std::unique_ptr<Link> wait_for_client(Acceptor& acceptor, Link& client) {
   const TimePoint end = too_late();
   while (client.loss() == Loss::None) {
     client.beat();
-    if (auto link = door.accept()) return link;
+    if (auto link = acceptor.accept()) return link;
     const TimePoint now = std::chrono::steady_clock::now();
     if (now >= end) break;
-    std::vector<int> all(door.descriptors().begin(), door.descriptors().end());
+    std::vector<int> all(acceptor.descriptors().begin(), acceptor.descriptors().end());
     all.insert(all.end(), client.descriptors().begin(), client.descriptors().end());
     sleep_on(all, std::min<TimePoint>(end, now + std::chrono::milliseconds(20)));
   }

@@ -12,9 +12,9 @@
 #include <mutex>
 #include <utility>
 
+#include "gecos/base/descriptor.hpp"
+#include "gecos/base/event_fd.hpp"
 #include "gecos/base/system_error.hpp"
-#include "gecos/media/parts/descriptor.hpp"
-#include "gecos/media/parts/event_fd.hpp"
 #include "gecos/media/parts/fork_watch.hpp"
 #include "gecos/media/parts/mapping.hpp"
 #include "gecos/media/parts/stream_ring.hpp"

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "gecos/base/bytes.hpp"
-#include "gecos/media/parts/descriptor.hpp"
+#include "gecos/base/descriptor.hpp"
 
 namespace gecos::media {
 

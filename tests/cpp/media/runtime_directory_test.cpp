@@ -55,8 +55,8 @@ TEST(RuntimeDirectory, HasAPathOfFiftyCharactersAtTheMost) {
   const ScratchDirectory scratch;
   const std::string longest = scratch.path() + "/" + std::string(49 - scratch.path().size(), 'x');
   ASSERT_EQ(longest.size(), 50u);
-  const auto door = make_shm({.directory = longest})->listen(std::string(99, 'n'), false);
-  EXPECT_TRUE(door) << door.error().text;
+  const auto acceptor = make_shm({.directory = longest})->listen(std::string(99, 'n'), false);
+  EXPECT_TRUE(acceptor) << acceptor.error().text;
   const auto refused = shm::prepare_directory(longest + "x");
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().text,
@@ -115,11 +115,11 @@ void become(uid_t user) {
 ChildProcess broker_of(uid_t user) {
   return ChildProcess([user](const auto& say_ready) {
     become(user);
-    const auto door = make_shm()->listen("BROKER", true);
-    if (!door) return;
+    const auto acceptor = make_shm()->listen("BROKER", true);
+    if (!acceptor) return;
     say_ready();
     for (;;) {
-      End client(wait_for_client(**door));
+      End client(wait_for_client(**acceptor));
       if (client.receive() == "who?") static_cast<void>(client.send(std::to_string(user)));
     }
   });

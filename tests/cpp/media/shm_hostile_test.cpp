@@ -11,8 +11,8 @@
 #include <random>
 #include <thread>
 
+#include "gecos/base/event_fd.hpp"
 #include "gecos/media/parts/bulk.hpp"
-#include "gecos/media/parts/event_fd.hpp"
 #include "gecos/media/parts/ring.hpp"
 #include "gecos/media/parts/stream_ring.hpp"
 #include "gecos/media/shm/control.hpp"
@@ -53,32 +53,32 @@ class ShmHostile : public testing::Test {
 
   /// Whoever it was, it made no link, it holds no descriptor of ours, and others are served.
   void expect_refused() {
-    EXPECT_EQ(door_->accept(), nullptr);
-    EXPECT_EQ(door_->accept(), nullptr);
+    EXPECT_EQ(acceptor_->accept(), nullptr);
+    EXPECT_EQ(acceptor_->accept(), nullptr);
     expect_served();
   }
   void expect_served() {
-    End client(std::move(*medium_->connect(door_->address())));
-    End server(wait_for_client(*door_));
+    End client(std::move(*medium_->connect(acceptor_->address())));
+    End server(wait_for_client(*acceptor_));
     ASSERT_NE(server.link, nullptr);
     ASSERT_TRUE(client.send("an honest call"));
     EXPECT_EQ(server.receive(), "an honest call");
   }
   void expect_hello_refused(int memfd, int event) {
-    const Descriptor socket = connect_raw(door_->address());
+    const Descriptor socket = connect_raw(acceptor_->address());
     const std::array given{memfd, event};
     ASSERT_TRUE(shm::send_control(socket.get(), {.type = ControlType::Hello}, given));
     expect_refused();
   }
   void TearDown() override {
-    while (door_->accept() != nullptr) {
+    while (acceptor_->accept() != nullptr) {
     }
     EXPECT_EQ(open_descriptors(), before_) << "descriptors leaked";
   }
 
   const ScratchDirectory directory_;
   const std::unique_ptr<Medium> medium_ = make_shm({.directory = directory_.path()});
-  const std::unique_ptr<Acceptor> door_ = medium_->listen("RX90", false).value();
+  const std::unique_ptr<Acceptor> acceptor_ = medium_->listen("RX90", false).value();
   std::size_t before_ = 0;
 };
 
@@ -99,7 +99,7 @@ struct Scribbler {
 TEST_F(ShmHostile, GarbageOnTheSocketIsNoHello) {
   std::mt19937_64 random(1);
   for (const std::size_t size : {1u, 10u, 160u, 161u, 5000u}) {
-    const Descriptor socket = connect_raw(door_->address());
+    const Descriptor socket = connect_raw(acceptor_->address());
     std::string garbage(size, ' ');
     for (char& c : garbage) c = static_cast<char>(random());
     ASSERT_EQ(::send(socket.get(), garbage.data(), size, 0), static_cast<ssize_t>(size));
@@ -108,7 +108,7 @@ TEST_F(ShmHostile, GarbageOnTheSocketIsNoHello) {
 }
 
 TEST_F(ShmHostile, AHelloWithoutMemoryIsRefused) {
-  const Descriptor socket = connect_raw(door_->address());
+  const Descriptor socket = connect_raw(acceptor_->address());
   ASSERT_TRUE(shm::send_control(socket.get(), {.type = ControlType::Hello}));
   expect_refused();
 }
@@ -136,7 +136,7 @@ TEST_F(ShmHostile, AFileIsNoMemory) {
   expect_hello_refused(event_twice.get(), event.descriptor());
 }
 
-TEST_F(ShmHostile, ABellThatIsNoneIsNeverRung) {
+TEST_F(ShmHostile, AnEventFdThatIsNoneIsNeverNotified) {
   // A full pipe would block who writes to it: the socket is used instead.
   int ends[2];
   ASSERT_EQ(::pipe2(ends, O_CLOEXEC), 0);
@@ -148,23 +148,23 @@ TEST_F(ShmHostile, ABellThatIsNoneIsNeverRung) {
   }
   ASSERT_EQ(::fcntl(writing.get(), F_SETFL, 0), 0);
 
-  const Descriptor socket = connect_raw(door_->address());
+  const Descriptor socket = connect_raw(acceptor_->address());
   auto memory = shm::make_sealed("hostile", ring_bytes).value();
   RingMemory::at(memory.mapping.data(), usual_slot_count).control->asleep.store(1);
   const std::array given{memory.memfd.get(), writing.get()};
   ASSERT_TRUE(shm::send_control(socket.get(), {.type = ControlType::Hello}, given));
-  const auto link = wait_for_client(*door_);
+  const auto link = wait_for_client(*acceptor_);
   ASSERT_NE(link, nullptr);
   ASSERT_TRUE(link->send(bytes_of("wake up"), {}));
   shm::ReceivedControl got;
   ASSERT_EQ(shm::receive_control(socket.get(), got), shm::ControlRead::Message);
   EXPECT_EQ(got.message.type, ControlType::Welcome);
   ASSERT_EQ(shm::receive_control(socket.get(), got), shm::ControlRead::Message);
-  EXPECT_EQ(got.message.type, ControlType::Poke);
+  EXPECT_EQ(got.message.type, ControlType::Notify);
 }
 
 TEST_F(ShmHostile, AFloodOfDescriptorsIsClosed) {
-  const Descriptor socket = connect_raw(door_->address());
+  const Descriptor socket = connect_raw(acceptor_->address());
   std::array<int, 100> many;
   many.fill(socket.get());
   ControlMessage hello{.type = ControlType::Hello};
@@ -184,12 +184,12 @@ TEST_F(ShmHostile, AFloodOfDescriptorsIsClosed) {
   expect_refused();
 }
 
-TEST_F(ShmHostile, SilentGuestsDoNotKeepHonestOnesOut) {
+TEST_F(ShmHostile, SilentPeersDoNotKeepHonestOnesOut) {
   std::vector<Descriptor> silent;
   for (int i = 0; i < 200; ++i) {
-    silent.push_back(connect_raw(door_->address()));
+    silent.push_back(connect_raw(acceptor_->address()));
     if (i % 20 == 0) {
-      EXPECT_EQ(door_->accept(), nullptr);
+      EXPECT_EQ(acceptor_->accept(), nullptr);
     }
   }
   expect_served();
@@ -198,8 +198,8 @@ TEST_F(ShmHostile, SilentGuestsDoNotKeepHonestOnesOut) {
 TEST_F(ShmHostile, ALinkThatSendsGarbageLaterIsBroken) {
   for (const ControlType type : {ControlType::Hello, ControlType::Welcome, ControlType::Share,
                                  ControlType::Area, static_cast<ControlType>(99)}) {
-    const Scribbler scribbler(door_->address());
-    const auto link = wait_for_client(*door_);
+    const Scribbler scribbler(acceptor_->address());
+    const auto link = wait_for_client(*acceptor_);
     ASSERT_NE(link, nullptr);
     ASSERT_EQ(link->loss(), Loss::None);
     ASSERT_TRUE(shm::send_control(scribbler.socket.get(), {.type = type}));
@@ -209,12 +209,12 @@ TEST_F(ShmHostile, ALinkThatSendsGarbageLaterIsBroken) {
   }
 }
 
-TEST_F(ShmHostile, AFloodOfPokesDelaysButNeverHolds) {
-  const Scribbler scribbler(door_->address());
-  const auto link = wait_for_client(*door_);
+TEST_F(ShmHostile, AFloodOfNotificationsDelaysButNeverHolds) {
+  const Scribbler scribbler(acceptor_->address());
+  const auto link = wait_for_client(*acceptor_);
   ASSERT_NE(link, nullptr);
   for (int round = 0; round < 100; ++round) {
-    while (shm::send_control(scribbler.socket.get(), {.type = ControlType::Poke})) {
+    while (shm::send_control(scribbler.socket.get(), {.type = ControlType::Notify})) {
     }
     link->prepare_to_sleep();
     link->woke();
@@ -225,8 +225,8 @@ TEST_F(ShmHostile, AFloodOfPokesDelaysButNeverHolds) {
 TEST_F(ShmHostile, AScribbledRingGivesPacketsOrBreaksButHurtsNobody) {
   std::mt19937_64 random(11);
   for (int round = 0; round < 50; ++round) {
-    const Scribbler scribbler(door_->address());
-    const auto link = wait_for_client(*door_);
+    const Scribbler scribbler(acceptor_->address());
+    const auto link = wait_for_client(*acceptor_);
     ASSERT_NE(link, nullptr);
     for (int i = 0; i < 2000 && link->loss() == Loss::None; ++i) {
       auto* const words = reinterpret_cast<std::uint64_t*>(scribbler.memory.mapping.data());
@@ -249,8 +249,8 @@ TEST_F(ShmHostile, AScribbledRingGivesPacketsOrBreaksButHurtsNobody) {
 }
 
 TEST_F(ShmHostile, ASizeThatChangesWhileItIsReadHurtsNobody) {
-  const Scribbler scribbler(door_->address());
-  const auto link = wait_for_client(*door_);
+  const Scribbler scribbler(acceptor_->address());
+  const auto link = wait_for_client(*acceptor_);
   ASSERT_NE(link, nullptr);
   std::atomic<bool> done{false};
   std::thread scribbling([&] {
@@ -293,8 +293,8 @@ TEST_F(ShmHostile, AnAreaThatCouldHurtLaterBreaksTheLink) {
        {Case{area_bytes, 0}, Case{area_bytes, F_SEAL_GROW | F_SEAL_FUTURE_WRITE | F_SEAL_SEAL},
         Case{area_bytes, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL}, Case{area_bytes - 1, all},
         Case{0, all}, Case{std::size_t{1} << 40, all}}) {
-    BulkScribbler scribbler(door_->address());
-    const auto link = wait_for_client(*door_);
+    BulkScribbler scribbler(acceptor_->address());
+    const auto link = wait_for_client(*acceptor_);
     ASSERT_NE(link, nullptr);
     const Descriptor memfd = memfd_of(size, seals);
     ASSERT_TRUE(scribbler.show(memfd.get()));
@@ -306,8 +306,8 @@ TEST_F(ShmHostile, AnAreaThatCouldHurtLaterBreaksTheLink) {
 }
 
 TEST_F(ShmHostile, AnAreaThatWasAnnouncedButNeverShownBreaksTheLink) {
-  BulkScribbler scribbler(door_->address());
-  const auto link = wait_for_client(*door_);
+  BulkScribbler scribbler(acceptor_->address());
+  const auto link = wait_for_client(*acceptor_);
   ASSERT_NE(link, nullptr);
   scribbler.writer.announce({1, 0, 100});
   EXPECT_FALSE(link->receive());
@@ -315,12 +315,12 @@ TEST_F(ShmHostile, AnAreaThatWasAnnouncedButNeverShownBreaksTheLink) {
 }
 
 TEST_F(ShmHostile, AnAreaBehindAFullSocketIsFound) {
-  BulkScribbler scribbler(door_->address());
-  const auto link = wait_for_client(*door_);
+  BulkScribbler scribbler(acceptor_->address());
+  const auto link = wait_for_client(*acceptor_);
   ASSERT_NE(link, nullptr);
-  int pokes = 0;
-  while (shm::send_control(scribbler.socket.get(), {.type = ControlType::Poke})) ++pokes;
-  ASSERT_GT(pokes, 64);
+  int sent = 0;
+  while (shm::send_control(scribbler.socket.get(), {.type = ControlType::Notify})) ++sent;
+  ASSERT_GT(sent, 64);
   ASSERT_EQ(link->loss(), Loss::None);  // reads some of them, which makes room
   const auto area = shm::make_sealed("hostile", area_bytes).value();
   ASSERT_TRUE(scribbler.show(area.memfd.get()));
@@ -331,8 +331,8 @@ TEST_F(ShmHostile, AnAreaBehindAFullSocketIsFound) {
 }
 
 TEST_F(ShmHostile, PagesThatWereNeverWrittenAreReadAsZeros) {
-  BulkScribbler scribbler(door_->address());
-  const auto link = wait_for_client(*door_);
+  BulkScribbler scribbler(acceptor_->address());
+  const auto link = wait_for_client(*acceptor_);
   ASSERT_NE(link, nullptr);
   const auto area = shm::make_sealed("hostile", area_bytes).value();
   ASSERT_TRUE(scribbler.show(area.memfd.get()));
@@ -343,13 +343,13 @@ TEST_F(ShmHostile, PagesThatWereNeverWrittenAreReadAsZeros) {
 }
 
 TEST_F(ShmHostile, AreasThatComeAndEndWhileTheyAreReadHurtNobody) {
-  BulkScribbler scribbler(door_->address());
-  const auto link = wait_for_client(*door_);
+  BulkScribbler scribbler(acceptor_->address());
+  const auto link = wait_for_client(*acceptor_);
   ASSERT_NE(link, nullptr);
   const auto area = shm::make_sealed("hostile", area_bytes).value();
   std::atomic<bool> done{false};
-  // Housekeeping reads the socket in another thread than the one that copies.
-  std::thread housekeeping([&] {
+  // Maintenance reads the socket in another thread than the one that copies.
+  std::thread maintenance([&] {
     while (!done.load()) {
       link->loss();
       link->beat();
@@ -364,15 +364,15 @@ TEST_F(ShmHostile, AreasThatComeAndEndWhileTheyAreReadHurtNobody) {
     }
   }
   done.store(true);
-  housekeeping.join();
+  maintenance.join();
 }
 
 TEST_F(ShmHostile, ScribbledPlacesGivePacketsOrBreakButHurtNobody) {
   std::mt19937_64 random(17);
   const auto area = shm::make_sealed("hostile", area_bytes).value();
   for (int round = 0; round < 100; ++round) {
-    BulkScribbler scribbler(door_->address());
-    const auto link = wait_for_client(*door_);
+    BulkScribbler scribbler(acceptor_->address());
+    const auto link = wait_for_client(*acceptor_);
     ASSERT_NE(link, nullptr);
     ASSERT_TRUE(scribbler.show(area.memfd.get(), 1));
     for (int i = 0; i < 100 && link->loss() == Loss::None; ++i) {
@@ -388,8 +388,8 @@ TEST_F(ShmHostile, ScribbledPlacesGivePacketsOrBreakButHurtNobody) {
 }
 
 TEST_F(ShmHostile, WhoNeverTakesLargePacketsFillsOnlyItsOwnArea) {
-  BulkScribbler scribbler(door_->address());
-  const auto link = wait_for_client(*door_);
+  BulkScribbler scribbler(acceptor_->address());
+  const auto link = wait_for_client(*acceptor_);
   ASSERT_NE(link, nullptr);
   const Bytes image(2'000'000);
   const std::size_t before = open_descriptors();

@@ -39,9 +39,9 @@ class ShmProcess : public testing::Test {
 };
 
 /// A server that echoes until it has read "end".
-void echo(Acceptor& door, const std::function<void()>& say_ready) {
+void echo(Acceptor& acceptor, const std::function<void()>& say_ready) {
   say_ready();
-  End end(wait_for_client(door));
+  End end(wait_for_client(acceptor));
   for (std::string text; text != "end";) {
     text = end.receive();
     if (!end.send(text)) break;
@@ -68,9 +68,9 @@ TEST_F(ShmProcess, TwoProcessesAnswerEachOther) {
 
 TEST_F(ShmProcess, AKilledServerIsSeenByASleeperAtOnce) {
   ChildProcess server([&](const auto& say_ready) {
-    const auto door = listen();
+    const auto acceptor = listen();
     say_ready();
-    const End end(wait_for_client(*door));
+    const End end(wait_for_client(*acceptor));
     ::pause();
   });
   ASSERT_TRUE(server.wait_ready());
@@ -92,9 +92,9 @@ TEST_F(ShmProcess, AKilledServerIsSeenByASleeperAtOnce) {
 
 TEST_F(ShmProcess, WhatADeadServerTookAndAnsweredStaysKnown) {
   ChildProcess server([&](const auto& say_ready) {
-    const auto door = listen();
+    const auto acceptor = listen();
     say_ready();
-    End end(wait_for_client(*door));
+    End end(wait_for_client(*acceptor));
     for (int i = 0; i < 3; ++i) end.receive();
     [[maybe_unused]] const auto sent = end.send("answer");
     ::raise(SIGKILL);
@@ -126,9 +126,9 @@ std::size_t areas_seen() {
 TEST_F(ShmProcess, OfLargePacketsToOneThatDiesItIsKnownWhichItTook) {
   const std::string image(2'000'000, 'x');
   ChildProcess server([&](const auto& say_ready) {
-    const auto door = listen();
+    const auto acceptor = listen();
     say_ready();
-    End end(wait_for_client(*door));
+    End end(wait_for_client(*acceptor));
     for (int i = 0; i < 3; ++i) end.receive();
     [[maybe_unused]] const auto sent = end.send(image + "answer");
     ::raise(SIGKILL);
@@ -155,16 +155,16 @@ TEST_F(ShmProcess, AnAreaIsGivenBackToTheKernelWhenItIsNotUsed) {
     ASSERT_TRUE(client.receive() == image);
     EXPECT_EQ(areas_seen(), 2u);
     for (unsigned i = 0; i <= area_kept; ++i) client.link->beat();
-    EXPECT_EQ(areas_seen(), 1u) << "ours is gone; the server's housekeeping does not beat here";
+    EXPECT_EQ(areas_seen(), 1u) << "ours is gone; the server's maintenance does not beat here";
   }
   ASSERT_TRUE(client.send("end"));
   EXPECT_EQ(client.receive(), "end");
 }
 
 TEST_F(ShmProcess, AForkedChildHoldsNoArea) {
-  const auto door = listen();
+  const auto acceptor = listen();
   End client = connect();
-  End server(wait_for_client(*door));
+  End server(wait_for_client(*acceptor));
   const std::string image(2'000'000, 'x');
   ASSERT_TRUE(client.send(image));
   ASSERT_TRUE(server.receive() == image);
@@ -177,7 +177,7 @@ TEST_F(ShmProcess, AForkedChildHoldsNoArea) {
 
 TEST_F(ShmProcess, AServerThatDiedBeforeItAcceptedHasTakenNothing) {
   ChildProcess server([&](const auto& say_ready) {
-    const auto door = listen();
+    const auto acceptor = listen();
     say_ready();
     ::pause();
   });
@@ -190,7 +190,7 @@ TEST_F(ShmProcess, AServerThatDiedBeforeItAcceptedHasTakenNothing) {
 }
 
 TEST_F(ShmProcess, AKilledClientIsSeenByTheServer) {
-  const auto door = listen();
+  const auto acceptor = listen();
   ChildProcess client([&](const auto& say_ready) {
     End end = connect();
     [[maybe_unused]] const auto sent = end.send("hello");
@@ -198,7 +198,7 @@ TEST_F(ShmProcess, AKilledClientIsSeenByTheServer) {
     ::pause();
   });
   ASSERT_TRUE(client.wait_ready());
-  End server(wait_for_client(*door));
+  End server(wait_for_client(*acceptor));
   EXPECT_EQ(server.receive(), "hello");
   EXPECT_EQ(server.link->loss(), Loss::None);
   client.kill();
@@ -206,7 +206,7 @@ TEST_F(ShmProcess, AKilledClientIsSeenByTheServer) {
 }
 
 TEST_F(ShmProcess, AProcessThatExitsWithoutAWordHasDied) {
-  const auto door = listen();
+  const auto acceptor = listen();
   ChildProcess client([&](const auto& say_ready) {
     End end = connect();
     say_ready();
@@ -214,7 +214,7 @@ TEST_F(ShmProcess, AProcessThatExitsWithoutAWordHasDied) {
     ::_exit(0);
   });
   ASSERT_TRUE(client.wait_ready());
-  End server(wait_for_client(*door));
+  End server(wait_for_client(*acceptor));
   ASSERT_NE(server.link, nullptr);
   ASSERT_TRUE(server.send("go"));
   EXPECT_EQ(server.wait_for_loss(), Loss::Died);
@@ -222,9 +222,9 @@ TEST_F(ShmProcess, AProcessThatExitsWithoutAWordHasDied) {
 
 TEST_F(ShmProcess, AChildOfTheDeadServerThatHoldsItsSocketHidesNothing) {
   ChildProcess server([&](const auto& say_ready) {
-    const auto door = listen();
+    const auto acceptor = listen();
     say_ready();
-    End end(wait_for_client(*door));
+    End end(wait_for_client(*acceptor));
     end.receive();
     // Past the handlers of fork(), as a container's tool or another language's runtime may do it.
     if (::syscall(SYS_clone, SIGCHLD, nullptr, nullptr, nullptr, nullptr) == 0) {
@@ -263,10 +263,10 @@ TEST_F(ShmProcess, AStoppedPeerIsNotLost) {
 
 TEST_F(ShmProcess, AStreamOfADeadServerCanStillBeReadAndHoldsNobody) {
   ChildProcess server([&](const auto& say_ready) {
-    const auto door = listen();
+    const auto acceptor = listen();
     say_ready();
-    End end(wait_for_client(*door));
-    const auto writer = door->make_stream(64, 4);
+    End end(wait_for_client(*acceptor));
+    const auto writer = acceptor->make_stream(64, 4);
     [[maybe_unused]] const auto shared = end.link->share(1, *writer);
     for (;;) [[maybe_unused]] const auto published = writer->publish(bytes_of("pose"), 1);
   });
@@ -287,7 +287,7 @@ TEST_F(ShmProcess, AKilledServersSocketGivesWayToTheNext) {
   for (int life = 0; life < 3; ++life) {
     ChildProcess server([&](const auto& say_ready) {
       const auto medium = make_shm({.directory = directory_.path()});
-      const auto door = medium->listen("RX90", true).value();
+      const auto acceptor = medium->listen("RX90", true).value();
       const auto other = medium->listen("LASER", false).value();
       say_ready();
       ::pause();
@@ -311,33 +311,33 @@ TEST_F(ShmProcess, NothingIsNamedInDevShm) {
     return std::distance(begin(all), end(all));
   };
   const auto before = count();
-  const auto door = listen();
+  const auto acceptor = listen();
   End client = connect();
-  const auto server = wait_for_client(*door);
-  const auto writer = door->make_stream(64, 4);
+  const auto server = wait_for_client(*acceptor);
+  const auto writer = acceptor->make_stream(64, 4);
   EXPECT_EQ(count(), before);
 }
 
 TEST_F(ShmProcess, WhoStandsBehindManyThatAreSilentIsLetInThoughEventsAreEdges) {
-  const auto door = listen();
+  const auto acceptor = listen();
   const int watched = ::epoll_create1(EPOLL_CLOEXEC);
   epoll_event event{.events = EPOLLIN | EPOLLET, .data = {}};
-  ASSERT_EQ(::epoll_ctl(watched, EPOLL_CTL_ADD, door->descriptors()[0], &event), 0);
-  const std::string address = door->address();
+  ASSERT_EQ(::epoll_ctl(watched, EPOLL_CTL_ADD, acceptor->descriptors()[0], &event), 0);
+  const std::string address = acceptor->address();
   std::vector<Descriptor> silent;
   for (int i = 0; i < 200; ++i)
     silent.push_back(shm::connect_to(address.substr(address.find(':') + 1)));
   End client = connect();
   std::unique_ptr<Link> server;
-  while (!server && ::epoll_wait(watched, &event, 1, 0) == 1) server = door->accept();
+  while (!server && ::epoll_wait(watched, &event, 1, 0) == 1) server = acceptor->accept();
   EXPECT_NE(server, nullptr);
   ::close(watched);
 }
 
 TEST_F(ShmProcess, AClientIsTurnedAwayWhenNoDescriptorIsLeft) {
-  const auto door = listen();
+  const auto acceptor = listen();
   End first = connect();
-  auto first_server = wait_for_client(*door);
+  auto first_server = wait_for_client(*acceptor);
   ASSERT_NE(first_server, nullptr);
   ChildProcess clients([&](const auto& say_ready) {
     std::vector<End> ends;
@@ -355,11 +355,11 @@ TEST_F(ShmProcess, AClientIsTurnedAwayWhenNoDescriptorIsLeft) {
   const rlimit tight{open_descriptors() + 12, before.rlim_max};
   ::setrlimit(RLIMIT_NOFILE, &tight);
   std::vector<std::unique_ptr<Link>> links;
-  while (auto link = door->accept()) {
+  while (auto link = acceptor->accept()) {
     link->beat();
     links.push_back(std::move(link));
   }
-  EXPECT_EQ(sleep_on(door->descriptors(), TimePoint{}), Wake::TimedOut)
+  EXPECT_EQ(sleep_on(acceptor->descriptors(), TimePoint{}), Wake::TimedOut)
       << "who watches for edges comes once";
   ::setrlimit(RLIMIT_NOFILE, &before);
   EXPECT_EQ(clients.wait(), 0);
@@ -368,7 +368,7 @@ TEST_F(ShmProcess, AClientIsTurnedAwayWhenNoDescriptorIsLeft) {
 }
 
 TEST_F(ShmProcess, AClientHearsThatTheDescriptorsOfTheServerEndedWhileItWasLetIn) {
-  const auto door = listen();
+  const auto acceptor = listen();
   // For its socket, for what tells its death, its memory and its eventfd, our memory, our eventfd.
   for (const rlim_t left : {0, 1, 2, 3, 4}) {
     End client = connect();
@@ -376,7 +376,7 @@ TEST_F(ShmProcess, AClientHearsThatTheDescriptorsOfTheServerEndedWhileItWasLetIn
     ::getrlimit(RLIMIT_NOFILE, &before);
     const rlimit tight{open_descriptors() - 1 + left, before.rlim_max};  // one of them was to count
     ::setrlimit(RLIMIT_NOFILE, &tight);
-    EXPECT_EQ(door->accept(), nullptr);
+    EXPECT_EQ(acceptor->accept(), nullptr);
     ::setrlimit(RLIMIT_NOFILE, &before);
     EXPECT_TRUE(client.wait([&] { return client.link->loss() != Loss::None; }));
     const std::string why = client.link->loss_text();
@@ -385,23 +385,23 @@ TEST_F(ShmProcess, AClientHearsThatTheDescriptorsOfTheServerEndedWhileItWasLetIn
         << left << ": " << why;
   }
   End client = connect();
-  EXPECT_NE(wait_for_client(*door), nullptr) << "later ones are let in";
+  EXPECT_NE(wait_for_client(*acceptor), nullptr) << "later ones are let in";
 }
 
 TEST_F(ShmProcess, AClientForWhomNotEvenTheSpareDescriptorWasLeftIsLetInLater) {
-  const auto door = listen();
+  const auto acceptor = listen();
   End client = connect();
   // Also because UBSan looks with a pipe, which there is none of below, at objects it has not seen.
-  EXPECT_FALSE(door->short_of_descriptors());
+  EXPECT_FALSE(acceptor->short_of_descriptors());
   rlimit before{};
   ::getrlimit(RLIMIT_NOFILE, &before);
   const rlimit none{0, before.rlim_max};  // as when another thread was quicker
   ::setrlimit(RLIMIT_NOFILE, &none);
-  EXPECT_EQ(door->accept(), nullptr);
-  EXPECT_TRUE(door->short_of_descriptors());
+  EXPECT_EQ(acceptor->accept(), nullptr);
+  EXPECT_TRUE(acceptor->short_of_descriptors());
   ::setrlimit(RLIMIT_NOFILE, &before);
-  EXPECT_NE(wait_for_client(*door), nullptr);
-  EXPECT_FALSE(door->short_of_descriptors());
+  EXPECT_NE(wait_for_client(*acceptor), nullptr);
+  EXPECT_FALSE(acceptor->short_of_descriptors());
 }
 
 }  // namespace

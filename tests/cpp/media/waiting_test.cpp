@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "gecos/media/parts/event_fd.hpp"
+#include "gecos/base/event_fd.hpp"
 
 namespace gecos::media {
 namespace {

@@ -70,10 +70,10 @@ TEST(Intake, NothingWaitsForWhatItsClientHasGivenUp) {
   lossy.put_aside(packet(2), start);
   lossy.arrived({.counter = 5});
   lossy.put_aside(packet(5), start);
-  EXPECT_TRUE(lossy.given_up(4));
+  EXPECT_TRUE(lossy.abandon_up_to(4));
   EXPECT_FALSE(lossy.is_aside(2)) << "it was given up itself";
   EXPECT_EQ(taken(lossy), std::vector<std::uint64_t>{5});
-  EXPECT_FALSE(lossy.given_up(4)) << "that is known";
+  EXPECT_FALSE(lossy.abandon_up_to(4)) << "that is known";
   EXPECT_EQ(lossy.arrived({.counter = 3}), Verdict::Seen) << "it comes too late to start";
 }
 

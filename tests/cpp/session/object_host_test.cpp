@@ -108,9 +108,9 @@ TEST_F(ServedObjects, TakeAStatusBackUnderTheEpochItWasGivenHoweverOftenItsHolde
   EXPECT_EQ(reply_to(9), Detail::LeaseLost);
 
   acquire(10);
-  const Epoch new_hold = granted();
+  const Epoch new_epoch = granted();
   release(11, given);
-  call(12, probe::set_code, {}, new_hold);
+  call(12, probe::set_code, {}, new_epoch);
   EXPECT_EQ(reply_to(12), Detail::Done) << "what ended before is not given back again";
 }
 

@@ -27,7 +27,7 @@ class Arrivals:
         self._ahead.add(counter)
         self._close_up()
 
-    def given_up(self, upto: int) -> None:
+    def abandon_up_to(self, upto: int) -> None:
         """The client has no call up to it any more: it counts as arrived."""
         if upto > self.whole:
             self.whole = upto

@@ -169,7 +169,7 @@ class Session:
 
     def _acknowledge(self, upto: int) -> None:
         self.replies.acknowledge(upto)
-        self.arrivals.given_up(upto)
+        self.arrivals.abandon_up_to(upto)
         self._held = {counter: held for counter, held in self._held.items() if counter > upto}
         self._arrive_next()
 

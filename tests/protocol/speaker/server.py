@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 
-from . import reserved
+from . import builtin_operations
 from .broker import Entry
 from .frames import BEAT_S
 from .lcm import Loop
@@ -77,7 +77,7 @@ class Served:
             if self._answer_again(session, call, lost, counter):
                 return
         if call.code < 256:
-            session.answer(call, reserved.answer(session, call))
+            session.answer(call, builtin_operations.answer(session, call))
             return
         operation = self.operations.get(call.code)
         refusal = self._refusal(session, operation, call)

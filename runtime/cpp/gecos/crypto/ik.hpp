@@ -11,7 +11,8 @@
 
 /// The handshake Noise_IK_25519_ChaChaPoly_SHA256, bare: two messages, after which both sides know
 /// each other's public key and share two keys. The initiator knows the responder's public key
-/// beforehand. Repeating, admission and limits are of opening.hpp and handshake_door.hpp.
+/// beforehand. Repeating, admission and limits are of handshake_initiator.hpp and
+/// handshake_acceptor.hpp.
 namespace gecos::crypto {
 
 inline constexpr std::string_view noise_name = "Noise_IK_25519_ChaChaPoly_SHA256";

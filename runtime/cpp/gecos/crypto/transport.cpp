@@ -46,7 +46,7 @@ void Sealer::seal(ByteView associated, std::span<std::byte> frame) {
   aead_seal(key_, counter, associated, text_of(frame), frame.last<tag_bytes>());
 }
 
-void Sealer::tend(TimePoint now) {
+void Sealer::on_tick(TimePoint now) {
   if (now - since_ < rule_.after) return;
   since_ = now;
   if (number_ != 0) next_generation();  // one that was not used is as good as new
@@ -108,7 +108,7 @@ tl::expected<std::span<std::byte>, OpenProblem> Opener::open_newer(std::uint64_t
   return text;
 }
 
-void Opener::tend(TimePoint now) {
+void Opener::on_tick(TimePoint now) {
   if (!previous_) return;
   if (!previous_since_) {
     previous_since_ = now;

@@ -51,7 +51,7 @@ class Sealer {
   void seal(ByteView associated, std::span<std::byte> frame);
 
   /// Must be called regularly, at least every tenth of RekeyRule::after.
-  void tend(TimePoint now);
+  void on_tick(TimePoint now);
 
   std::uint32_t generation() const { return generation_; }
 
@@ -90,7 +90,7 @@ class Opener {
 
   /// Erases the previous key some time after it was replaced: previous_kept after the first call
   /// that follows. To be called with every beat.
-  void tend(TimePoint now);
+  void on_tick(TimePoint now);
 
   /// Whether anything was opened: the peer has the key, now and not in a recording.
   bool opened_any() const { return opened_any_; }

@@ -10,8 +10,8 @@
 #include <new>
 #include <utility>
 
+#include "gecos/base/event_fd.hpp"
 #include "gecos/media/parts/bulk.hpp"
-#include "gecos/media/parts/event_fd.hpp"
 #include "gecos/media/parts/fork_watch.hpp"
 #include "gecos/media/parts/mapping.hpp"
 #include "gecos/media/parts/ring.hpp"
@@ -67,7 +67,7 @@ class InprocAreas final : public AreaMaker {
       return nullptr;
     }
   }
-  bool give_back(std::uint64_t number) override {
+  bool release(std::uint64_t number) override {
     reader_.end(number);
     return true;
   }

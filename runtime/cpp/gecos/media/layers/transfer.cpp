@@ -73,7 +73,7 @@ void OutgoingTransfer::advance(TimePoint now, FunctionRef<void(const Piece&)> se
   const auto end = std::min<std::size_t>(pieces_.size(), std::size_t{all_before_} + window);
   for (std::size_t index = all_before_; index < end; ++index) {
     State& piece = pieces_[index];
-    const bool lost = silent || piece.sent_as + overtaken <= newest_arrived_;
+    const bool lost = silent || piece.sent_as + reordering_threshold <= newest_arrived_;
     if (piece.arrived || (piece.sent_as != 0 && !lost)) continue;
     piece.sent_as = ++sendings_;
     const std::size_t at = index * piece_bytes_;

@@ -49,8 +49,8 @@ class OutgoingTransfer {
       8;  ///< pieces under way; a usual socket buffer takes them
   /// After so long without a word the pieces under way are sent again.
   static constexpr Duration silence = std::chrono::milliseconds(20);
-  /// So many that were sent later have arrived: then it is lost, not overtaken.
-  static constexpr std::uint64_t overtaken = 3;
+  /// So many that were sent later have arrived: then it is lost, not reordered (RFC 9002, 6.1.1).
+  static constexpr std::uint64_t reordering_threshold = 3;
 
   /// `piece_bytes`: what each piece carries; the last has less.
   OutgoingTransfer(std::uint64_t number, Bytes packet, std::size_t piece_bytes);

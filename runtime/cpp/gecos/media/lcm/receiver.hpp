@@ -6,8 +6,8 @@
 #include <string>
 #include <string_view>
 
+#include "gecos/base/descriptor.hpp"
 #include "gecos/media/lcm/lcm.hpp"
-#include "gecos/media/parts/descriptor.hpp"
 
 namespace gecos::media {
 

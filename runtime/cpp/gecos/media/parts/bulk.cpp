@@ -88,7 +88,7 @@ std::uint64_t BulkWriter::send_placed() {
 void BulkWriter::beat() {
   const std::lock_guard lock(mutex_);
   if (!area_ || ++quiet_beats_ <= area_kept) return;
-  if (placed_ || ring_.taken() < last_packet_ || !maker_.give_back(number_)) return;
+  if (placed_ || ring_.taken() < last_packet_ || !maker_.release(number_)) return;
   area_.reset();
   held_.clear();
 }

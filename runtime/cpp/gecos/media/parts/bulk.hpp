@@ -38,7 +38,7 @@ class AreaMaker {
   /// Zeroed memory of area_bytes that the reader can know as `number`. Null: not now.
   virtual std::shared_ptr<Mapping> make_area(std::uint64_t number) = 0;
   /// Tells the reader that nothing more comes through it. False: not now.
-  virtual bool give_back(std::uint64_t number) = 0;
+  virtual bool release(std::uint64_t number) = 0;
 };
 
 /// write() belongs to who writes the ring.

@@ -62,8 +62,8 @@ std::optional<ByteView> SealedConnection::receive() {
 void SealedConnection::beat() {
   if (inherited() || queue_->closed()) return;
   const TimePoint now = options_.now();
-  sender_->tend(now);
-  queue_->tend(now);
+  sender_->on_tick(now);
+  queue_->on_tick(now);
   say(InnerKind::Beat);
 }
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "gecos/media/parts/descriptor.hpp"
+#include "gecos/base/descriptor.hpp"
 #include "gecos/media/parts/fork_watch.hpp"
 #include "gecos/media/sealed/initiator.hpp"
 #include "gecos/media/sealed/inward.hpp"

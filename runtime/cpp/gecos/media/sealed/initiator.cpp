@@ -34,8 +34,8 @@ void HandshakeInitiator::begin(TimePoint now) {
 
 void HandshakeInitiator::begin_with(const crypto::PublicKey& key) {
   const auto header = sender_->header(DatagramKind::First);
-  auto begun =
-      crypto::Opening::begin(keys_->own, key, handshake_context(address_, header), ByteView{});
+  auto begun = crypto::HandshakeInitiator::begin(keys_->own, key,
+                                                 handshake_context(address_, header), ByteView{});
   if (begun) handshake_.emplace(std::move(*begun));  // else no honest program has that key
 }
 

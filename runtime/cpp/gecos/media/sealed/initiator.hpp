@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "gecos/crypto/opening.hpp"
+#include "gecos/crypto/handshake_initiator.hpp"
 #include "gecos/media/sealed/keys.hpp"
 #include "gecos/media/sealed/network.hpp"
 #include "gecos/media/sealed/receive_queue.hpp"
@@ -51,7 +51,7 @@ class HandshakeInitiator {
   const std::shared_ptr<ReceiveQueue> queue_;
   std::atomic<bool> over_{false};  // tells advance() that nothing is left to do
   mutable std::mutex mutex_;       // guards what follows
-  std::optional<crypto::Opening> handshake_;
+  std::optional<crypto::HandshakeInitiator> handshake_;
   std::optional<Refused> not_admitted_;
   bool open_ = false;
   int said_ = 0;

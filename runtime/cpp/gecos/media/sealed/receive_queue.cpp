@@ -133,9 +133,9 @@ std::vector<ReceiveQueue::Notice> ReceiveQueue::notices() {
   return std::exchange(notices_, {});
 }
 
-void ReceiveQueue::tend(TimePoint now) {
+void ReceiveQueue::on_tick(TimePoint now) {
   const std::lock_guard lock(mutex_);
-  if (opener_) opener_->tend(now);
+  if (opener_) opener_->on_tick(now);
 }
 
 }  // namespace gecos::media

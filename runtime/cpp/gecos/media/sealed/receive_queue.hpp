@@ -9,8 +9,8 @@
 #include <optional>
 #include <vector>
 
+#include "gecos/base/event_fd.hpp"
 #include "gecos/crypto/transport.hpp"
-#include "gecos/media/parts/event_fd.hpp"
 #include "gecos/media/parts/sample_buffer.hpp"
 #include "gecos/media/parts/stream_ring.hpp"
 #include "gecos/media/sealed/datagram.hpp"
@@ -59,7 +59,7 @@ class ReceiveQueue final : public Sleeper {
   /// Whether an inward sample came that nobody has seen.
   bool new_samples();
   /// With every beat: keys that were replaced go.
-  void tend(TimePoint now);
+  void on_tick(TimePoint now);
 
   /// Something was opened: the peer has the channel's keys.
   bool heard() const { return beats() != 0; }

@@ -9,8 +9,8 @@
 #include <mutex>
 #include <optional>
 
-#include "gecos/crypto/handshake_door.hpp"
-#include "gecos/media/parts/event_fd.hpp"
+#include "gecos/base/event_fd.hpp"
+#include "gecos/crypto/handshake_acceptor.hpp"
 #include "gecos/media/sealed/keys.hpp"
 #include "gecos/media/sealed/network.hpp"
 #include "gecos/media/sealed/receive_queue.hpp"
@@ -81,7 +81,7 @@ class HandshakeResponder {
   EventFd event_;
   std::atomic<bool> closed_{false};  // the acceptor has gone: nobody comes in any more
   // Of whoever pumps, one at a time:
-  crypto::HandshakeDoor handshakes_;
+  crypto::HandshakeAcceptor handshakes_;
   Budget answers_{400};
   Budget warnings_{1};
   std::mutex mutex_;                    // guards what follows

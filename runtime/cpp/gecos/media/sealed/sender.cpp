@@ -63,9 +63,9 @@ std::array<std::byte, DatagramHeader::bytes> SealedSender::header(DatagramKind k
   return bytes;
 }
 
-void SealedSender::tend(TimePoint now) {
+void SealedSender::on_tick(TimePoint now) {
   const std::lock_guard lock(mutex_);
-  if (sealer_) sealer_->tend(now);
+  if (sealer_) sealer_->on_tick(now);
 }
 
 void SealedSender::write(InnerHeader what, ByteView head, ByteView body, Bytes& memory) const {

@@ -35,7 +35,7 @@ class SealedSender {
   /// The header of such a datagram, which the handshake is bound to.
   std::array<std::byte, DatagramHeader::bytes> header(DatagramKind kind) const;
   /// With every beat: goes over to the next key when it is due.
-  void tend(TimePoint now);
+  void on_tick(TimePoint now);
 
  private:
   void write(InnerHeader what, ByteView head, ByteView body, Bytes& memory) const;

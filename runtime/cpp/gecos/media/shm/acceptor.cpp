@@ -26,7 +26,7 @@
 namespace gecos::media::shm {
 namespace {
 
-constexpr std::size_t most_guests = 64;  // who connect and stay silent are dropped, oldest first
+constexpr std::size_t most_pending = 64;  // who connect and stay silent are dropped, oldest first
 constexpr int most_at_once = 64;
 constexpr std::size_t longest_name = 32;
 constexpr std::string_view no_descriptors = "the server has no descriptors left (ulimit -n)";
@@ -225,7 +225,8 @@ ShmAcceptor::~ShmAcceptor() {
   ::unlink(path_.c_str());
   while (let_in()) {  // those who wait outside hear it too
   }
-  for (const Guest& guest : guests_) say_goodbye(guest.socket.get(), "the server closed");
+  for (const PendingPeer& pending : pending_)
+    say_goodbye(pending.socket.get(), "the server closed");
 }
 
 const Offer& ShmAcceptor::offer() const { return shm_offer; }
@@ -237,42 +238,42 @@ std::unique_ptr<Link> ShmAcceptor::accept() {
   const int count = ::epoll_wait(epoll_.get(), events.data(), static_cast<int>(events.size()), 0);
   if (count <= 0) return nullptr;
   more_.drain();
-  for (std::size_t guest = guests_.size(); guest-- > 0;) {
-    if (auto link = hear(guest)) return link;
+  for (std::size_t pending = pending_.size(); pending-- > 0;) {
+    if (auto link = hear(pending)) return link;
   }
   // A client says Hello with the first breath, so most are let in and heard at once.
   for (int i = 0; i < most_at_once; ++i) {
     if (!let_in()) return nullptr;
-    if (guests_.empty()) continue;
-    if (auto link = hear(guests_.size() - 1)) return link;
+    if (pending_.empty()) continue;
+    if (auto link = hear(pending_.size() - 1)) return link;
   }
   more_.notify();  // who watches for edges would not come again
   return nullptr;
 }
 
 bool ShmAcceptor::let_in() {
-  Guest guest;
-  guest.socket =
+  PendingPeer pending;
+  pending.socket =
       Descriptor(::accept4(listener_.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
-  if (!guest.socket) return none_left(errno) && turn_away();
-  auto peer = peer_of(guest.socket.get());
+  if (!pending.socket) return none_left(errno) && turn_away();
+  auto peer = peer_of(pending.socket.get());
   if (!peer) {
-    say_goodbye(guest.socket.get(), "refused: " + peer.error());
+    say_goodbye(pending.socket.get(), "refused: " + peer.error());
     return true;
   }
   if (!other_users_ && peer->uid != ::geteuid() && peer->uid != 0u) {
-    say_goodbye(guest.socket.get(),
+    say_goodbye(pending.socket.get(),
                 "refused: this server meets only uid " + std::to_string(::geteuid()));
     return true;
   }
-  auto death = death_of_peer(guest.socket.get(), *peer->pid);
+  auto death = death_of_peer(pending.socket.get(), *peer->pid);
   if (!death) return true;  // nobody is there to be told
-  epoll_event event{EPOLLIN, {.fd = guest.socket.get()}};
-  if (::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, guest.socket.get(), &event) != 0) return true;
-  guest.peer = std::move(*peer);
-  guest.death = std::move(*death);
-  if (guests_.size() == most_guests) drop(0);  // all have been heard to be silent
-  guests_.push_back(std::move(guest));
+  epoll_event event{EPOLLIN, {.fd = pending.socket.get()}};
+  if (::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, pending.socket.get(), &event) != 0) return true;
+  pending.peer = std::move(*peer);
+  pending.death = std::move(*death);
+  if (pending_.size() == most_pending) drop(0);  // all have been heard to be silent
+  pending_.push_back(std::move(pending));
   return true;
 }
 
@@ -293,32 +294,32 @@ void ShmAcceptor::log_turned_away() const {
 }
 
 std::unique_ptr<Link> ShmAcceptor::hear(std::size_t index) {
-  Guest& guest = guests_[index];
+  PendingPeer& pending = pending_[index];
   ReceivedControl hello;
-  const ControlRead read = receive_control(guest.socket.get(), hello);
+  const ControlRead read = receive_control(pending.socket.get(), hello);
   if (read == ControlRead::Nothing) return nullptr;
   if (read != ControlRead::Message || hello.message.type != ControlType::Hello) {
     if (read == ControlRead::Garbage) {
-      say_goodbye(guest.socket.get(), "refused: another version of gecos, or not gecos at all");
+      say_goodbye(pending.socket.get(), "refused: another version of gecos, or not gecos at all");
     } else if (read == ControlRead::NoDescriptors) {
-      say_goodbye(guest.socket.get(), no_descriptors);
+      say_goodbye(pending.socket.get(), no_descriptors);
       log_turned_away();
     }
     drop(index);
     return nullptr;
   }
-  ::epoll_ctl(epoll_.get(), EPOLL_CTL_DEL, guest.socket.get(), nullptr);
-  const std::string who = guest.peer.description;
-  auto link = ShmLink::welcome(std::move(guest.socket), std::move(guest.peer),
-                               std::move(guest.death), hello);
-  guests_.erase(guests_.begin() + static_cast<std::ptrdiff_t>(index));
+  ::epoll_ctl(epoll_.get(), EPOLL_CTL_DEL, pending.socket.get(), nullptr);
+  const std::string who = pending.peer.description;
+  auto link = ShmLink::welcome(std::move(pending.socket), std::move(pending.peer),
+                               std::move(pending.death), hello);
+  pending_.erase(pending_.begin() + static_cast<std::ptrdiff_t>(index));
   if (link) return std::move(*link);
   log_warning("shm", path_ + " refused " + who + ": " + link.error());
   return nullptr;
 }
 
-void ShmAcceptor::drop(std::size_t guest) {
-  guests_.erase(guests_.begin() + static_cast<std::ptrdiff_t>(guest));
+void ShmAcceptor::drop(std::size_t pending) {
+  pending_.erase(pending_.begin() + static_cast<std::ptrdiff_t>(pending));
 }
 
 std::unique_ptr<StreamWriter> ShmAcceptor::make_stream(std::size_t largest, std::size_t depth) {
@@ -331,9 +332,9 @@ void ShmAcceptor::abandon() noexcept {
   epoll_.reset();
   more_.close();
   spare_.reset();
-  for (Guest& guest : guests_) {
-    guest.socket.reset();
-    guest.death.reset();
+  for (PendingPeer& pending : pending_) {
+    pending.socket.reset();
+    pending.death.reset();
   }
 }
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "gecos/media/parts/event_fd.hpp"
+#include "gecos/base/event_fd.hpp"
 #include "gecos/media/parts/fork_watch.hpp"
 #include "gecos/media/shm/control.hpp"
 #include "gecos/media/shm/shm.hpp"
@@ -31,7 +31,7 @@ class ShmAcceptor final : public Acceptor {
 
  private:
   /// Somebody who has connected and not yet said Hello.
-  struct Guest {
+  struct PendingPeer {
     Descriptor socket;
     Peer peer;
     Descriptor death;
@@ -39,8 +39,8 @@ class ShmAcceptor final : public Acceptor {
   bool let_in();
   bool turn_away();
   void log_turned_away() const;
-  std::unique_ptr<Link> hear(std::size_t guest);
-  void drop(std::size_t guest);
+  std::unique_ptr<Link> hear(std::size_t pending);
+  void drop(std::size_t pending);
   void abandon() noexcept;
 
   const std::string path_;
@@ -51,7 +51,7 @@ class ShmAcceptor final : public Acceptor {
   EventFd more_;      // rung by us: more may wait than are let in at once
   Descriptor spare_;  // given up for a moment to turn a client away when no other is left
   bool short_of_descriptors_ = false;
-  std::vector<Guest> guests_;
+  std::vector<PendingPeer> pending_;
   const std::array<int, 1> descriptors_;
   bool inherited_ = false;
   const ForkWatch fork_watch_;

@@ -34,7 +34,7 @@ std::shared_ptr<Mapping> ShmBulk::make_area(std::uint64_t number) {
   return std::make_shared<Mapping>(std::move(sealed->mapping));
 }
 
-bool ShmBulk::give_back(std::uint64_t number) {
+bool ShmBulk::release(std::uint64_t number) {
   return send_control(socket_, {.type = ControlType::AreaEnd, .largest = number});
 }
 

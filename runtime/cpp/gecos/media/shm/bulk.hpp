@@ -25,7 +25,7 @@ class ShmBulk final : private AreaMaker {
 
  private:
   std::shared_ptr<Mapping> make_area(std::uint64_t number) override;
-  bool give_back(std::uint64_t number) override;
+  bool release(std::uint64_t number) override;
 
   const int socket_;
   bool warned_ = false;

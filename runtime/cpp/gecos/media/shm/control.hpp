@@ -6,8 +6,8 @@
 #include <string>
 #include <string_view>
 
+#include "gecos/base/descriptor.hpp"
 #include "gecos/media/medium.hpp"
-#include "gecos/media/parts/descriptor.hpp"
 
 /// What goes over the socket of a connection: descriptors, and what is rare. Calls go through
 /// rings.
@@ -16,7 +16,7 @@ namespace gecos::media::shm {
 enum class ControlType : std::uint32_t {
   Hello = 1,  ///< client: here are my memory and my eventfd
   Welcome,    ///< server: and here are mine
-  Poke,       ///< look at the ring: instead of the eventfd, while it is unknown or not trusted
+  Notify,     ///< look at the ring: instead of the eventfd, while it is unknown or not trusted
   Share,      ///< server: stream `id` of `depth` samples of at most `largest` bytes; its memory
   Unshare,    ///< server: stream `id` ends for you
   Bye,        ///< the link is closed in order; `text` says why when the peer was refused
@@ -29,7 +29,7 @@ struct ControlMessage {
   static constexpr std::uint32_t this_version = 0x67630002;
   std::uint32_t version =
       this_version;  ///< rises with every change of this, of the ring, of the stream
-  ControlType type = ControlType::Poke;
+  ControlType type = ControlType::Notify;
   std::uint32_t id = 0;
   std::uint32_t reserved = 0;
   std::uint64_t largest = 0;

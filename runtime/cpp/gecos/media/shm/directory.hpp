@@ -2,8 +2,8 @@
 
 #include <string>
 
+#include "gecos/base/descriptor.hpp"
 #include "gecos/media/medium.hpp"
-#include "gecos/media/parts/descriptor.hpp"
 
 namespace gecos::media::shm {
 

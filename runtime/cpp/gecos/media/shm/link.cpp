@@ -52,7 +52,7 @@ void PeerEnd::wake() {
     notify_event_fd(event_.get());
   } else {
     // When the socket is full of these, the peer has enough to wake up for.
-    send_control(socket_.get(), ControlMessage{.type = ControlType::Poke});
+    send_control(socket_.get(), ControlMessage{.type = ControlType::Notify});
   }
 }
 
@@ -345,7 +345,7 @@ void ShmLink::take_control(ReceivedControl& control) {
   const ControlMessage& message = control.message;
   std::string problem;
   switch (message.type) {
-    case ControlType::Poke:
+    case ControlType::Notify:
       // Read here by who only asked for a loss, it is gone from the socket on which another sleeps.
       if (own_.control->asleep.load(std::memory_order_seq_cst) != 0) event_.notify();
       return;

@@ -9,7 +9,7 @@
 #include <optional>
 #include <string>
 
-#include "gecos/media/parts/event_fd.hpp"
+#include "gecos/base/event_fd.hpp"
 #include "gecos/media/parts/fork_watch.hpp"
 #include "gecos/media/parts/ring.hpp"
 #include "gecos/media/parts/stream_ring.hpp"

@@ -3,8 +3,8 @@
 #include <cstddef>
 #include <string>
 
+#include "gecos/base/descriptor.hpp"
 #include "gecos/media/medium.hpp"
-#include "gecos/media/parts/descriptor.hpp"
 #include "gecos/media/parts/mapping.hpp"
 
 namespace gecos::media::shm {

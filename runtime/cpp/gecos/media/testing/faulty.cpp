@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
+#include "gecos/base/descriptor.hpp"
 #include "gecos/base/system_error.hpp"
 #include "gecos/media/layers/layer.hpp"
-#include "gecos/media/parts/descriptor.hpp"
 
 namespace gecos::media {
 namespace {

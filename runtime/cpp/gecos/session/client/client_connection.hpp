@@ -188,8 +188,8 @@ class ClientConnection final : public ClientSession,
   LeaderLock leader_lock_;
   media::SpinPolicy spin_;        ///< the leader
   std::vector<int> descriptors_;  ///< the leader: reused
-  Wakeup leader_wakeup_;
-  std::atomic<bool> leader_called_{false};  // publishes nothing: spares a vain look at the wakeup
+  EventFd leader_event_;
+  std::atomic<bool> leader_called_{false};  // publishes nothing: spares a vain look at the event
   std::atomic<bool> lost_{false};           // publishes loss_text_
   std::atomic<bool> closed_{false};         // publishes nothing but itself
   std::atomic<bool> unreachable_{false};    // publishes nothing but itself

@@ -30,7 +30,7 @@ void ClientConnection::poll_once() {
     leader_lock_.drop();
   } else if (!repeats_ && leader_lock_.borrow()) {
     taken = read_all();  // the leader is rung by whoever sends what ends its wait
-    leader_lock_.give_back();
+    leader_lock_.release();
   }
   if (taken != 0) leader_lock_.notify(nullptr);
 }
@@ -101,7 +101,7 @@ bool ClientConnection::rest(FunctionRef<bool()> done, TimePoint deadline) {
   }
   quiet_leader();
   if (done()) return true;
-  const std::array woken_by{leader_wakeup_.descriptor()};
+  const std::array woken_by{leader_event_.descriptor()};
   media::sleep_on(woken_by, std::min(deadline, std::chrono::steady_clock::now() + rest_of_a_flood));
   return true;
 }
@@ -110,7 +110,7 @@ void ClientConnection::sleep(FunctionRef<bool()> done, TimePoint deadline) {
   quiet_leader();
   if (link_->prepare_to_sleep() && !done()) {
     descriptors_.assign(link_->descriptors().begin(), link_->descriptors().end());
-    descriptors_.push_back(leader_wakeup_.descriptor());
+    descriptors_.push_back(leader_event_.descriptor());
     leader_lock_.rest();
     media::sleep_on(descriptors_, deadline);
     leader_lock_.resume();
@@ -119,12 +119,12 @@ void ClientConnection::sleep(FunctionRef<bool()> done, TimePoint deadline) {
 }
 
 void ClientConnection::wake_leader() {
-  leader_wakeup_.ring();
+  leader_event_.notify();
   leader_called_.store(true);  // after the ring: a bell that nobody quiets would ring for ever
 }
 
 void ClientConnection::quiet_leader() {
-  if (leader_called_.exchange(false)) leader_wakeup_.quiet();
+  if (leader_called_.exchange(false)) leader_event_.drain();
 }
 
 std::size_t ClientConnection::read_all() {

@@ -13,7 +13,7 @@ void LeaderLock::resume() {
   while (!change(State::Resting, State::Held)) state_.wait(State::Borrowed);
 }
 
-void LeaderLock::give_back() {
+void LeaderLock::release() {
   state_.store(State::Resting, std::memory_order_release);
   state_.notify_one();
 }

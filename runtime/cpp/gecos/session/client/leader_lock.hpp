@@ -23,9 +23,9 @@ class LeaderLock {
   void rest() { state_.store(State::Resting, std::memory_order_release); }
   /// The leader is awake. Waits for a thread that reads in its place.
   void resume();
-  /// True: the leader sleeps, and the calling thread reads in its place until `give_back`.
+  /// True: the leader sleeps, and the calling thread reads in its place until `release`.
   bool borrow() { return change(State::Resting, State::Borrowed); }
-  void give_back();
+  void release();
 
   enum class Woken : std::uint8_t { Done, Notified, TimedOut };
   /// Sleeps until `done`, or notified (then look again and try to lead), or `deadline`. `subject`

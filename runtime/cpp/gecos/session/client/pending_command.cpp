@@ -18,9 +18,9 @@ namespace {
 /// Once for each operation of an object and way to fail: what fails in a loop fills no disk.
 bool first_of_its_kind(const std::string& about, Detail detail) {
   static Mutex& mutex = *new Mutex;  // commands may be dropped after the last static
-  static auto& told = *new std::set<std::pair<std::string, Detail>>;
+  static auto& reported = *new std::set<std::pair<std::string, Detail>>;
   const MutexLock lock(mutex);
-  return told.emplace(about, detail).second;
+  return reported.emplace(about, detail).second;
 }
 
 void tell_unasked(const std::string& about, const Failure& failure) {
@@ -107,8 +107,8 @@ void PendingCommand::cancel() {
 int PendingCommand::descriptor() {
   const MutexLock lock(mutex_);
   if (!exported_) {
-    exported_ = std::make_unique<Wakeup>();
-    if (terminal()) exported_->ring();
+    exported_ = std::make_unique<EventFd>();
+    if (terminal()) exported_->notify();
     watch_end();
   }
   return exported_->descriptor();
@@ -162,7 +162,7 @@ void PendingCommand::end(Detail detail, Publish publish) {
   released = std::move(session_);
   if (log_enabled(actor_ ? LogLevel::Info : LogLevel::Debug)) log_end(*released, detail);
   if (watched_) released->remove_watcher();
-  if (exported_) exported_->ring();
+  if (exported_) exported_->notify();
   if (again) again->attached.notify_all();
   for (auto& callback : callbacks_) released->runtime().callbacks().post(std::move(callback));
   callbacks_.clear();

@@ -5,11 +5,11 @@
 #include <memory>
 #include <vector>
 
+#include "gecos/base/event_fd.hpp"
 #include "gecos/base/mutex.hpp"
 #include "gecos/base/short_bytes.hpp"
 #include "gecos/command.hpp"
 #include "gecos/description.hpp"
-#include "gecos/session/process/wakeup.hpp"
 #include "gecos/session/protocol/handshake.hpp"
 
 namespace gecos::session {
@@ -115,7 +115,7 @@ class PendingCommand final : public CommandCore {
   std::string about_;  ///< "RX90.move"; written before it is terminal, where nobody has asked
   /// By maintenance of session_, for a thread that sleeps elsewhere.
   bool watched_ GECOS_GUARDED_BY(mutex_) = false;
-  std::unique_ptr<Wakeup> exported_ GECOS_GUARDED_BY(mutex_);
+  std::unique_ptr<EventFd> exported_ GECOS_GUARDED_BY(mutex_);
   std::vector<std::function<void()>> callbacks_ GECOS_GUARDED_BY(mutex_);
   /// Whose it is; null while it waits for failover. Publishes nothing: who waits there has to look
   /// elsewhere.

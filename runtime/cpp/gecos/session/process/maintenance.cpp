@@ -8,11 +8,11 @@
 #include <thread>
 #include <utility>
 
+#include "gecos/base/event_fd.hpp"
 #include "gecos/base/log.hpp"
 #include "gecos/base/mutex.hpp"
 #include "gecos/base/suspension.hpp"
 #include "gecos/base/thread.hpp"
-#include "gecos/session/process/wakeup.hpp"
 
 namespace gecos::session {
 
@@ -28,7 +28,7 @@ struct Maintenance::Shared {
   const Clock& clock;
   PauseWatch pauses;
   const pid_t owner = getpid();
-  Wakeup wakeup;
+  EventFd event;
   std::thread thread;
   std::atomic<bool> ended{false};  // publishes nothing but itself
   Mutex mutex;
@@ -63,7 +63,8 @@ void Maintenance::Shared::judge_pause(const std::vector<std::shared_ptr<TickTarg
 void Maintenance::Shared::run() {
   std::vector<pollfd> descriptors;
   for (;;) {
-    wakeup.quiet();  // before looking at what it was rung for, or a ring between the two is lost
+    event.drain();  // before looking at what it was notified for, or a notification between the two
+                    // is lost
     if (ended.load()) return;
     for (const auto& job : take_jobs()) job();
     auto alive = look_at();
@@ -78,7 +79,7 @@ void Maintenance::Shared::run() {
     const TimePoint looked = clock.since_boot();
     if (!pauses.due(idle ? TimePoint::max() : looked + rest, looked)) continue;
 
-    descriptors.assign(1, {wakeup.descriptor(), POLLIN, 0});
+    descriptors.assign(1, {event.descriptor(), POLLIN, 0});
     for (const auto& one : alive) one->watch(descriptors);
     std::vector<std::weak_ptr<TickTarget>> watched(alive.begin(), alive.end());
     alive.clear();  // whoever is dropped meanwhile ends at once, not after this sleep
@@ -95,7 +96,7 @@ Maintenance::Maintenance(const Clock& clock) : shared_(std::make_shared<Shared>(
 
 Maintenance::~Maintenance() {
   shared_->ended = true;
-  shared_->wakeup.ring();
+  shared_->event.notify();
   if (on_this_thread() || getpid() != shared_->owner) {  // a forked child has no such thread
     shared_->thread.detach();
   } else {
@@ -119,7 +120,7 @@ void Maintenance::post(std::function<void()> job) {
   wake();
 }
 
-void Maintenance::wake() { shared_->wakeup.ring(); }
+void Maintenance::wake() { shared_->event.notify(); }
 
 PauseWatch& Maintenance::pauses() { return shared_->pauses; }
 

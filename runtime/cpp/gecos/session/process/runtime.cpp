@@ -84,7 +84,7 @@ std::string nothing_left(std::string_view what_for, const std::system_error& why
 }
 
 IncarnationId process_incarnation() {
-  [[maybe_unused]] static const int told_of_forks =
+  [[maybe_unused]] static const int registered =
       ::pthread_atfork(nullptr, nullptr, [] { incarnation_of_this_process.store(0); });
   std::uint64_t known = incarnation_of_this_process.load();
   if (known == 0) {

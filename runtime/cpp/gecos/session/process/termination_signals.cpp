@@ -7,8 +7,8 @@
 #include <atomic>
 #include <cerrno>
 
+#include "gecos/base/event_fd.hpp"
 #include "gecos/base/mutex.hpp"
-#include "gecos/session/process/wakeup.hpp"
 
 namespace gecos::session {
 namespace {
@@ -16,9 +16,10 @@ namespace {
 constexpr std::array<int, 2> signals{SIGINT, SIGTERM};
 
 /// All that a handler may touch: set before it is installed, and never freed.
-std::atomic<Wakeup*> came{nullptr};
+std::atomic<EventFd*> came{nullptr};
 std::atomic<pid_t> owner{0};
-static_assert(std::atomic<Wakeup*>::is_always_lock_free && std::atomic<pid_t>::is_always_lock_free);
+static_assert(std::atomic<EventFd*>::is_always_lock_free &&
+              std::atomic<pid_t>::is_always_lock_free);
 
 Mutex mutex;
 int living GECOS_GUARDED_BY(mutex) = 0;
@@ -27,7 +28,7 @@ std::array<struct sigaction, signals.size()> before GECOS_GUARDED_BY(mutex);
 extern "C" void on_termination(int signal) {
   const int kept = errno;
   if (getpid() == owner) {
-    came.load()->ring();
+    came.load()->notify();
   } else {  // a forked child, which shares the descriptor with its parent
     ::signal(signal, SIG_DFL);
     raise(signal);
@@ -39,14 +40,14 @@ extern "C" void on_termination(int signal) {
 
 void TerminationSignals::prepare() {
   const MutexLock lock(mutex);
-  if (came == nullptr) came = new Wakeup();
+  if (came == nullptr) came = new EventFd();
 }
 
 TerminationSignals::TerminationSignals() {
   prepare();
   const MutexLock lock(mutex);
   if (living++ > 0) return;
-  came.load()->quiet();
+  came.load()->drain();
   owner = getpid();
   struct sigaction ours {};
   ours.sa_handler = on_termination;

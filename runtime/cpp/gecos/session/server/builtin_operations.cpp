@@ -222,10 +222,10 @@ void ObjectHost::stop(ServerSession& by, std::uint64_t counter) {
   const std::string why = "stopped by " + who(by.caller());
   log_info("server", name_ + ": " + why);
   leases_.stop(by.id(), why);
-  const bool still_holds = leases_.status_of(by.id()) != access::Status::Sensor;
+  const bool still_leased = leases_.status_of(by.id()) != access::Status::Sensor;
   end_commands([](const ServerCall&) { return true; }, Failure{Detail::Stopped, why, {}, {}});
   if (options_.on_stop) tell_user(options_.on_stop);
-  by.reply(counter, ByteView{}, still_holds ? leases_.epoch() : Epoch{});
+  by.reply(counter, ByteView{}, still_leased ? leases_.epoch() : Epoch{});
 }
 
 void ObjectHost::outcome(ServerSession& session, std::uint64_t counter, ByteView arguments) {

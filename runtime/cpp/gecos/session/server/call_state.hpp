@@ -23,7 +23,7 @@ class CallState {
     Answered,  ///< its handler has answered; the handler's thread has not returned
     Finished,  ///< nothing of it runs, and its caller knows its outcome
   };
-  enum class Told : std::uint8_t { Nothing, Canceling, Outcome };
+  enum class Reported : std::uint8_t { Nothing, Canceling, Outcome };
   enum class Event : std::uint8_t {
     Take,    ///< the queue gives it to a thread
     Begin,   ///< it is marked as started, directly before its handler begins
@@ -35,13 +35,13 @@ class CallState {
   };
   struct State {
     Phase phase = Phase::Queued;
-    Told told = Told::Nothing;
+    Reported reported = Reported::Nothing;
     bool returned = false;  ///< the thread came back without an answer: that follows
     bool operator==(const State&) const = default;
   };
   /// What an event has brought about.
   struct Change {
-    bool told = false;      ///< its caller is to be told the outcome now
+    bool report = false;    ///< its caller is to be told the outcome now
     bool finished = false;  ///< its successor may start
   };
 
@@ -55,7 +55,7 @@ class CallState {
     const auto next = after(state_, event);
     assert(next);
     if (!next) return {};
-    const Change change{next->told == Told::Outcome && state_.told != Told::Outcome,
+    const Change change{next->reported == Reported::Outcome && state_.reported != Reported::Outcome,
                         next->phase == Phase::Finished && state_.phase != Phase::Finished};
     state_ = *next;
     if (event == Event::Begin) begun_at_ = now;
@@ -65,8 +65,8 @@ class CallState {
   Phase phase() const { return state_.phase; }
   bool queued() const { return state_.phase == Phase::Queued; }
   /// Its caller knows its outcome.
-  bool ended() const { return state_.told == Told::Outcome; }
-  bool canceling() const { return state_.told == Told::Canceling; }
+  bool ended() const { return state_.reported == Reported::Outcome; }
+  bool canceling() const { return state_.reported == Reported::Canceling; }
   /// The thread that was given it holds its lane no longer.
   bool returned() const { return state_.returned || state_.phase == Phase::Finished; }
   /// When its handler began; nothing where it has not.
@@ -86,32 +86,32 @@ class CallState {
 
 constexpr std::optional<CallState::State> CallState::after(State state, Event event) {
   const bool with_handler = state.phase == Phase::Taken || state.phase == Phase::Running;
-  const bool ended = state.told == Told::Outcome;
+  const bool ended = state.reported == Reported::Outcome;
   switch (event) {
     case Event::Take:
       if (state.phase != Phase::Queued) return std::nullopt;
-      return State{Phase::Taken, state.told, false};
+      return State{Phase::Taken, state.reported, false};
     case Event::Begin:
       if (state.phase != Phase::Taken || ended) return std::nullopt;
-      return State{Phase::Running, state.told, state.returned};
+      return State{Phase::Running, state.reported, state.returned};
     case Event::Cancel:
-      if (!with_handler || state.told != Told::Nothing) return std::nullopt;
-      return State{state.phase, Told::Canceling, state.returned};
+      if (!with_handler || state.reported != Reported::Nothing) return std::nullopt;
+      return State{state.phase, Reported::Canceling, state.returned};
     case Event::End:
       if (ended) return std::nullopt;
-      if (state.phase == Phase::Queued) return State{Phase::Finished, Told::Outcome, false};
-      return State{state.phase, Told::Outcome, state.returned};
+      if (state.phase == Phase::Queued) return State{Phase::Finished, Reported::Outcome, false};
+      return State{state.phase, Reported::Outcome, state.returned};
     case Event::Answer:
       if (state.phase == Phase::Answered || state.phase == Phase::Finished) return state;
       if (!with_handler) return std::nullopt;
-      return State{state.returned ? Phase::Finished : Phase::Answered, Told::Outcome, false};
+      return State{state.returned ? Phase::Finished : Phase::Answered, Reported::Outcome, false};
     case Event::Return:
-      if (state.phase == Phase::Answered) return State{Phase::Finished, Told::Outcome, false};
+      if (state.phase == Phase::Answered) return State{Phase::Finished, Reported::Outcome, false};
       if (!with_handler || state.returned) return std::nullopt;
-      return State{state.phase, state.told, true};
+      return State{state.phase, state.reported, true};
     case Event::Drop:
       if (state.phase != Phase::Taken || state.returned || !ended) return std::nullopt;
-      return State{Phase::Finished, Told::Outcome, false};
+      return State{Phase::Finished, Reported::Outcome, false};
   }
   return std::nullopt;
 }

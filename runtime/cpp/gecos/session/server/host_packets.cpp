@@ -85,7 +85,7 @@ void ObjectHost::take_packet(const std::shared_ptr<ServerSession>& session, Byte
       session->left = true;
       // One that was sent while this process stood still may be of somebody who is dead by now.
       if (header.flags == withdraws || unheard_since_a_pause(*session)) withdraw(*session);
-      give_back_all(*session);
+      release_all(*session);
     }
     return say_goodbye(*session, header.session, "as you asked");
   }
@@ -108,7 +108,7 @@ void ObjectHost::take_packet(const std::shared_ptr<ServerSession>& session, Byte
 
 void ObjectHost::acknowledge(const std::shared_ptr<ServerSession>& session, std::uint64_t counter) {
   session->replies->acknowledged(counter);
-  if (session->intake.given_up(counter)) take_early(session);
+  if (session->intake.abandon_up_to(counter)) take_early(session);
 }
 
 void ObjectHost::greet(const std::shared_ptr<ServerSession>& session,

@@ -31,7 +31,7 @@ Intake::Verdict Intake::arrived(const Arrival& packet) {
   return Verdict::Ignore;
 }
 
-bool Intake::given_up(std::uint64_t counter) {
+bool Intake::abandon_up_to(std::uint64_t counter) {
   if (counter <= window_.cumulative_ack()) return false;
   early_.erase(early_.begin(), early_.upper_bound(counter));
   window_.abandoned(counter);

@@ -47,7 +47,7 @@ class Intake {
   }
   /// Its client has given up what has not arrived up to `counter`: nothing waits for that any more.
   /// True when `next` may have calls.
-  bool given_up(std::uint64_t counter);
+  bool abandon_up_to(std::uint64_t counter);
   /// What has not arrived under this counter counts as arrived from now on: it never starts.
   ReceiveWindow::Verdict reject_late(std::uint64_t counter) { return window_.arrived(counter); }
 

@@ -16,9 +16,9 @@
 namespace gecos::session {
 namespace {
 
-constexpr std::uint64_t wakeup_key = 0;
-constexpr std::uint64_t door_bit = std::uint64_t{1} << 63;
-constexpr Duration stays_hot = std::chrono::milliseconds(10);
+constexpr std::uint64_t event_key = 0;
+constexpr std::uint64_t endpoint_bit = std::uint64_t{1} << 63;
+constexpr Duration stays_active = std::chrono::milliseconds(10);
 /// Events are looked at after so many turns; one that found something counts as many of those that
 /// did not, so that who was silent waits long for neither.
 constexpr unsigned turns_between_events = 8192;
@@ -33,13 +33,13 @@ IoLoop::Epoll::~Epoll() { close(descriptor); }
 
 IoLoop::IoLoop(std::shared_ptr<Runtime> runtime)
     : runtime_(std::move(runtime)), spin_(system_clock()) {
-  add_descriptor(wakeup_.descriptor(), wakeup_key);
+  add_descriptor(event_.descriptor(), event_key);
   main_ = start_thread("gecos-io", [this] { run(); });
   try {
     standby_ = start_thread("gecos-standby", [this] { run_standby(); });
   } catch (...) {
     ended_.store(true);
-    wakeup_.ring();
+    event_.notify();
     main_.join();
     throw;
   }
@@ -51,22 +51,23 @@ void IoLoop::serve(std::shared_ptr<ObjectHost> object, std::shared_ptr<media::Ac
   object->streams().offer(acceptor);
   {
     const MutexLock list(list_mutex_);
-    new_doors_.push_back(std::make_unique<Door>(Door{std::move(object), std::move(acceptor)}));
+    new_endpoints_.push_back(
+        std::make_unique<Endpoint>(Endpoint{std::move(object), std::move(acceptor)}));
   }
-  wakeup_.ring();
+  event_.notify();
 }
 
-void IoLoop::open_doors() {
-  std::vector<std::unique_ptr<Door>> opened;
+void IoLoop::add_endpoints() {
+  std::vector<std::unique_ptr<Endpoint>> opened;
   {
     const MutexLock list(list_mutex_);
-    opened.swap(new_doors_);
+    opened.swap(new_endpoints_);
   }
-  for (auto& door : opened) {
-    const auto key = door_bit | doors_.size();
-    for (const int descriptor : door->acceptor->descriptors()) add_descriptor(descriptor, key);
-    doors_.push_back(std::move(door));
-    accept(*doors_.back());
+  for (auto& endpoint : opened) {
+    const auto key = endpoint_bit | endpoints_.size();
+    for (const int descriptor : endpoint->acceptor->descriptors()) add_descriptor(descriptor, key);
+    endpoints_.push_back(std::move(endpoint));
+    accept(*endpoints_.back());
   }
 }
 
@@ -86,7 +87,7 @@ void IoLoop::run() {
   main_id_ = std::this_thread::get_id();
   spin_.begin();
   while (!ended_.load()) turn();
-  wakeup_.ring();  // for a standby that sleeps on the same events
+  event_.notify();  // for a standby that sleeps on the same events
 }
 
 void IoLoop::run_standby() {
@@ -99,7 +100,7 @@ void IoLoop::run_standby() {
     if (ended_.load()) return;
     const MutexLock polling(polling_);
     while (!ended_.load() && main_is_inside()) turn();
-    wakeup_.ring();  // what it took from the main thread's sleep
+    event_.notify();  // what it took from the main thread's sleep
   }
 }
 
@@ -112,27 +113,27 @@ void IoLoop::run_handlers(ObjectHost& object, std::shared_ptr<ServerCall> starte
   object.run_ready(starter, std::move(started));
   if (main) handler_turn_.store(turn + 2, std::memory_order_release);
   if (polling_.try_lock()) return;
-  wakeup_.ring();  // a standby polls, and sleeps perhaps: it lets go of what is ours again
+  event_.notify();  // a standby polls, and sleeps perhaps: it lets go of what is ours again
   polling_.lock();
 }
 
 void IoLoop::turn() {
-  const bool busy = look_at_hot();
+  const bool busy = poll_active();
   turns_ += busy ? busy_turn : 1;
   if (turns_ >= turns_between_events) {
     turns_ = 0;
-    cool_down(runtime_->clock().now());
+    retire_idle(runtime_->clock().now());
     take_events(0);
   }
   if (busy) spin_.begin();
-  if (busy || (!hot_.empty() && spin_.again([this] {
+  if (busy || (!active_.empty() && spin_.again([this] {
         polling_.assert_held();
         return peers();
       }))) {
     return;
   }
   // The ring that came with the end may have been taken above.
-  if (arm_all() && !ended_.load()) {
+  if (prepare_all_to_sleep() && !ended_.load()) {
     woken_ = media::Woken::Early;
     rang_at_ = TimePoint{};
     take_events(-1);
@@ -148,7 +149,7 @@ media::Peers IoLoop::peers() const {
   bool here = false;
   bool elsewhere = false;
   bool unknown = false;
-  for (const auto& session : hot_) {
+  for (const auto& session : active_) {
     const media::Whereabouts client = session->link().peer_whereabouts();
     if (client.core == unknown_core) {
       unknown = true;
@@ -163,17 +164,17 @@ media::Peers IoLoop::peers() const {
   return unknown ? media::Peers::Unknown : media::Peers::Elsewhere;
 }
 
-bool IoLoop::look_at_hot() {
+bool IoLoop::poll_active() {
   bool something = false;
   // Behind a standby nobody polls while it is inside a handler: it leaves them to workers.
   const auto starter = std::this_thread::get_id() == main_id_ ? Starter::Poller : Starter::Other;
-  for (std::size_t at = 0; at < hot_.size(); ++at) {
-    ServerSession& session = *hot_[at];
+  for (std::size_t at = 0; at < active_.size(); ++at) {
+    ServerSession& session = *active_[at];
     std::shared_ptr<ServerCall> started;
     if (const auto packet = session.link().receive()) {
       something = true;
       session.quiet_looks = 0;
-      started = session.object()->take_and_start(hot_[at], *packet, starter);
+      started = session.object()->take_and_start(active_[at], *packet, starter);
     }
     // A standby may part from the session meanwhile: the call keeps it, or we keep the object.
     if (started) {
@@ -187,50 +188,50 @@ bool IoLoop::look_at_hot() {
   return something;
 }
 
-void IoLoop::cool_down(TimePoint now) {
-  const auto cold = [&](const std::shared_ptr<ServerSession>& session) {
+void IoLoop::retire_idle(TimePoint now) {
+  const auto idle = [&](const std::shared_ptr<ServerSession>& session) {
     if (session->quiet_looks == 0) session->last_heard = now;
     session->quiet_looks = 1;
     if (session->gone.load()) return true;
-    if (now - session->last_heard < stays_hot) return false;
+    if (now - session->last_heard < stays_active) return false;
     if (!session->link().prepare_to_sleep()) {
       session->link().woke();
       return false;
     }
-    session->hot = false;
+    session->active = false;
     return true;
   };
-  hot_.erase(std::remove_if(hot_.begin(), hot_.end(), cold), hot_.end());
+  active_.erase(std::remove_if(active_.begin(), active_.end(), idle), active_.end());
 }
 
 /// False when something arrived meanwhile.
-bool IoLoop::arm_all() {
-  for (const auto& session : hot_) {
-    session->hot = false;
+bool IoLoop::prepare_all_to_sleep() {
+  for (const auto& session : active_) {
+    session->active = false;
     if (session->gone.load() || session->link().prepare_to_sleep()) continue;
     session->link().woke();
     part_if_lost(session);
     if (session->gone.load()) continue;
-    session->hot = true;
-    still_hot_.push_back(session);
+    session->active = true;
+    still_active_.push_back(session);
   }
-  hot_.swap(still_hot_);
-  still_hot_.clear();
-  return hot_.empty();
+  active_.swap(still_active_);
+  still_active_.clear();
+  return active_.empty();
 }
 
-void IoLoop::heat(const std::shared_ptr<ServerSession>& session) {
+void IoLoop::activate(const std::shared_ptr<ServerSession>& session) {
   if (session->gone.load()) return;
-  if (session->hot) {
+  if (session->active) {
     session->link().loss();  // the event comes once, and prepare_to_sleep() does not ask the kernel
     return;
   }
   session->link().woke();
   woken_ = media::Woken::ByAnswer;
   rang_at_ = std::max(rang_at_, session->link().peer_whereabouts().rang_at);
-  session->hot = true;
+  session->active = true;
   session->quiet_looks = 0;
-  hot_.push_back(session);
+  active_.push_back(session);
 }
 
 void IoLoop::take_events(int milliseconds) {
@@ -243,15 +244,15 @@ void IoLoop::take_events(int milliseconds) {
   }
   for (int at = 0; at < count; ++at) {
     const std::uint64_t key = events[static_cast<std::size_t>(at)].data.u64;
-    if (key == wakeup_key) {
-      wakeup_.quiet();
-      open_doors();
+    if (key == event_key) {
+      event_.drain();
+      add_endpoints();
       if (somebody_waits_.exchange(false)) accept_all();
       part_from_suspects();
-    } else if ((key & door_bit) != 0) {
-      if (const auto& door = doors_[key & ~door_bit]) accept(*door);
+    } else if ((key & endpoint_bit) != 0) {
+      if (const auto& endpoint = endpoints_[key & ~endpoint_bit]) accept(*endpoint);
     } else if (const auto session = session_of(key)) {
-      heat(session);
+      activate(session);
     }
   }
 }
@@ -262,25 +263,25 @@ std::shared_ptr<ServerSession> IoLoop::session_of(std::uint64_t key) {
   return found == sessions_.end() ? nullptr : found->second;
 }
 
-void IoLoop::accept(Door& door) {
-  while (auto link = door.acceptor->accept()) {
+void IoLoop::accept(Endpoint& endpoint) {
+  while (auto link = endpoint.acceptor->accept()) {
     try {
-      watch(std::make_shared<ServerSession>(std::move(link), door.object));
+      watch(std::make_shared<ServerSession>(std::move(link), endpoint.object));
     } catch (const std::system_error& failed) {  // the client sees its link closed
-      log_warning("session", door.object->name() + " turned a client away: " + failed.what());
+      log_warning("session", endpoint.object->name() + " turned a client away: " + failed.what());
     }
   }
-  if (door.acceptor->short_of_descriptors()) somebody_waits_.store(true);
-  // A medium that loses packets brings those of its links through this door.
+  if (endpoint.acceptor->short_of_descriptors()) somebody_waits_.store(true);
+  // A medium that loses packets brings those of its links through this endpoint.
   const MutexLock list(list_mutex_);
   for (const auto& [key, session] : sessions_) {
-    if (session->repeats() && session->object() == door.object) heat(session);
+    if (session->repeats() && session->object() == endpoint.object) activate(session);
   }
 }
 
 void IoLoop::accept_all() {
-  for (const auto& door : doors_) {
-    if (door) accept(*door);
+  for (const auto& endpoint : endpoints_) {
+    if (endpoint) accept(*endpoint);
   }
 }
 
@@ -292,7 +293,7 @@ void IoLoop::watch(const std::shared_ptr<ServerSession>& session) {
     const MutexLock list(list_mutex_);
     sessions_.emplace(key, session);
   }
-  hot_.push_back(session);
+  active_.push_back(session);
   log_debug("media", session->object()->name() + ": a link over " +
                          std::string(session->link().offer().name) +
                          " is open: " + session->link().peer().description);
@@ -317,7 +318,7 @@ void IoLoop::part_if_lost(const std::shared_ptr<ServerSession>& session) {
 /// Maintenance saw that they are lost; what they sent before is still to be read, here.
 void IoLoop::part_from_suspects() {
   if (!suspects_.exchange(false)) return;
-  shut_doors();
+  drop_closed_endpoints();
   std::vector<std::shared_ptr<ServerSession>> gone;
   const MutexLock list(list_mutex_);
   for (auto at = sessions_.begin(); at != sessions_.end();) {
@@ -331,9 +332,9 @@ void IoLoop::part_from_suspects() {
   }
 }
 
-void IoLoop::shut_doors() {
-  for (auto& door : doors_) {
-    if (door && door->object->closed()) door.reset();
+void IoLoop::drop_closed_endpoints() {
+  for (auto& endpoint : endpoints_) {
+    if (endpoint && endpoint->object->closed()) endpoint.reset();
   }
 }
 
@@ -348,7 +349,7 @@ TimePoint IoLoop::on_tick(TimePoint now) {
     const MutexLock called(standby_mutex_);
     standby_wanted_ = true;
     standby_called_.notify_one();
-    wakeup_.ring();  // it may still sleep on events, from when it was wanted last
+    event_.notify();  // it may still sleep on events, from when it was wanted last
   }
   handler_seen_ = handler;
 
@@ -371,7 +372,7 @@ TimePoint IoLoop::on_tick(TimePoint now) {
         suspects || session->gone.load() || (beat && session->link().loss() != media::Loss::None);
   }
   if (suspects) suspects_.store(true);
-  if (suspects || (beat && somebody_waits_.load())) wakeup_.ring();
+  if (suspects || (beat && somebody_waits_.load())) event_.notify();
   return now + (handler % 2 == 1 ? Maintenance::tick : Maintenance::calm_tick);
 }
 
@@ -383,12 +384,12 @@ void IoLoop::withdraw(const ObjectHost& object) {
     }
   }
   suspects_.store(true);
-  wakeup_.ring();
+  event_.notify();
 }
 
 void IoLoop::end() {
   if (ended_.exchange(true)) return;
-  wakeup_.ring();
+  event_.notify();
   {
     const MutexLock called(standby_mutex_);
     standby_called_.notify_one();
@@ -396,15 +397,15 @@ void IoLoop::end() {
   main_.join();
   standby_.join();
   const MutexLock polling(polling_);
-  for (const auto& door : doors_) {
-    while (door && door->acceptor->accept()) {  // who comes now sees a link that closes
+  for (const auto& endpoint : endpoints_) {
+    while (endpoint && endpoint->acceptor->accept()) {  // who comes now sees a link that closes
     }
   }
   decltype(sessions_) sessions;
   {
     const MutexLock list(list_mutex_);
     sessions.swap(sessions_);
-    new_doors_.clear();
+    new_endpoints_.clear();
   }
   for (const auto& [key, session] : sessions) {
     // Over a medium that cannot tell what was taken, only an answer says that a call did not start.
@@ -419,8 +420,8 @@ void IoLoop::end() {
     header.kind = wire::PacketKind::Goodbye;
     session->send(header, {});
   }
-  hot_.clear();
-  doors_.clear();
+  active_.clear();
+  endpoints_.clear();
 }
 
 }  // namespace gecos::session

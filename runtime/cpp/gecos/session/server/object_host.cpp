@@ -230,7 +230,7 @@ void ObjectHost::take_answer(ServerCall& call, const Outcome& outcome) {
   {
     const MutexLock lock(mutex_);
     const auto change = call.state.on(CallState::Event::Answer);
-    if (change.told) tell_outcome(call, outcome);
+    if (change.report) tell_outcome(call, outcome);
     if (!change.finished) return;
     finished(call);
   }
@@ -416,10 +416,10 @@ void ObjectHost::look_at_time(TimePoint now) {
 void ObjectHost::await_sign_of_life(ServerSession& session) {
   const MutexLock lock(mutex_);
   session.liveness.await_heartbeat_after(session.link().beats_seen());
-  hold(session);
+  await_heartbeat(session);
 }
 
-void ObjectHost::hold(ServerSession& session) {
+void ObjectHost::await_heartbeat(ServerSession& session) {
   if (session.closed) return;  // no heartbeat of it can come any more to end the wait
   if (!std::exchange(session.awaited, true)) ++awaited_;
 }
@@ -453,7 +453,7 @@ bool ObjectHost::check_liveness(const std::shared_ptr<ServerSession>& session) {
     return false;
   }
   // Its client may have given up by the time at which it is heard again, and nothing can tell.
-  if (session->repeats()) hold(*session);
+  if (session->repeats()) await_heartbeat(*session);
   return verdict == PeerLiveness::Verdict::Dead;
 }
 
@@ -467,7 +467,7 @@ void ObjectHost::depart(const std::shared_ptr<ServerSession>& session, Departure
     leases_.forget(session->id());
     std::erase_if(waiting_, [&](const auto& waiting) { return waiting.session == session; });
     if (how == Departure::InOrder || session->left) {
-      give_back_all(*session);
+      release_all(*session);
     } else if (leases_.lose(session->id())) {
       lose_status(session->id(), "its holder (" + session->caller().program + ", pid " +
                                      std::to_string(session->caller().pid) + ") is gone");
@@ -501,7 +501,7 @@ void ObjectHost::lose_status(SessionId session, const std::string& why) {
       failure);
 }
 
-void ObjectHost::give_back_all(ServerSession& session) {
+void ObjectHost::release_all(ServerSession& session) {
   using Commands = access::LeaseTable::Commands;
   while (leases_.status_of(session.id()) != access::Status::Sensor &&
          !leases_.releasing(session.id())) {

@@ -190,7 +190,7 @@ class ObjectHost final : public Publisher, public std::enable_shared_from_this<O
   std::shared_ptr<QueueEntry> next_entry() GECOS_REQUIRES(mutex_);
   /// It must not start as the name stands.
   bool needs_name(const OperationDescription& operation) const GECOS_REQUIRES(mutex_);
-  void hold(ServerSession& session) GECOS_REQUIRES(mutex_);
+  void await_heartbeat(ServerSession& session) GECOS_REQUIRES(mutex_);
   void no_more_awaited(ServerSession& session) GECOS_REQUIRES(mutex_);
   bool may_start(ServerCall& call) GECOS_REQUIRES(mutex_);
   AdmittingObject as_asked() const GECOS_REQUIRES(mutex_) {
@@ -214,7 +214,7 @@ class ObjectHost final : public Publisher, public std::enable_shared_from_this<O
   void end_commands(const std::function<bool(const ServerCall&)>& which, const Failure& failure)
       GECOS_REQUIRES(mutex_);
   void lose_status(SessionId session, const std::string& why) GECOS_REQUIRES(mutex_);
-  void give_back_all(ServerSession& session) GECOS_REQUIRES(mutex_);
+  void release_all(ServerSession& session) GECOS_REQUIRES(mutex_);
   void tell_positions() GECOS_REQUIRES(mutex_);
   void tell(ServerCall& call, TimePoint now) GECOS_REQUIRES(mutex_);
   void note_ready() { ready_.store(true, std::memory_order_release); }

@@ -23,7 +23,7 @@ constexpr Duration answer_patience = std::chrono::seconds(1);
 constexpr Duration between_tries = std::chrono::milliseconds(200);
 constexpr Duration look_again_after = std::chrono::milliseconds(20);
 /// Server and broker are often started together.
-constexpr Duration before_told = std::chrono::seconds(1);
+constexpr Duration report_after = std::chrono::seconds(1);
 
 /// Others than this process, so that another server may be given the name.
 bool others_find(const Entry& entry, const ClientConnection& broker) {
@@ -58,7 +58,7 @@ void Registrar::note_broker(const std::string& missing) {
     return;
   }
   if (!missing_since_) missing_since_ = now;
-  if (reported_missing_ || now < *missing_since_ + before_told) return;
+  if (reported_missing_ || now < *missing_since_ + report_after) return;
   reported_missing_ = true;
   log_warning(
       "session",

@@ -74,7 +74,7 @@ class Server::Core {
   const std::shared_ptr<Context> lab_;
   Mutex mutex_;
   std::vector<std::shared_ptr<ObjectHost>> objects_ GECOS_GUARDED_BY(mutex_);
-  session::Wakeup ended_;
+  EventFd ended_;
   session::IoLoop io_;
   session::Registrar registrar_;
   std::shared_ptr<Upkeep> upkeep_;
@@ -211,7 +211,7 @@ void Server::Core::run() {
   }
 }
 
-void Server::Core::shut_down() { ended_.ring(); }
+void Server::Core::shut_down() { ended_.notify(); }
 
 Server::Server(Lab& lab) : core_(Core::make(lab.core())) {}
 Server::~Server() {

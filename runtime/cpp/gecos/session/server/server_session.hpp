@@ -63,7 +63,7 @@ class ServerSession {
   void unshare(std::uint32_t id);
 
   // The poller.
-  bool hot = true;
+  bool active = true;
   unsigned quiet_looks = 0;  ///< 0: something came since the last round of cooling
   TimePoint last_heard{};
 

@@ -42,13 +42,13 @@ std::string_view to_string(Refusal refusal);
 /// to drop it when nothing was opened within `answers_kept`.
 ///
 /// Reads no clock; one thread at a time.
-class HandshakeDoor {
+class HandshakeAcceptor {
  public:
   using Admission = std::function<bool(const PublicKey& peer)>;
 
   /// `own` must outlive it.
-  HandshakeDoor(const Identity& own, Admission is_admitted, HandshakeRule rule = {},
-                RekeyRule rekey = {});
+  HandshakeAcceptor(const Identity& own, Admission is_admitted, HandshakeRule rule = {},
+                    RekeyRule rekey = {});
 
   struct Answer {
     Bytes second;                    ///< to be sent back
@@ -59,7 +59,7 @@ class HandshakeDoor {
     Refusal why;
     std::optional<PublicKey> who;  ///< where it is proved
   };
-  /// `context`: see Opening. `payload` goes back to the client, encrypted.
+  /// `context`: see HandshakeInitiator. `payload` goes back to the client, encrypted.
   tl::expected<Answer, Refused> answer(ByteView first, ByteView context, ByteView payload,
                                        TimePoint now);
 

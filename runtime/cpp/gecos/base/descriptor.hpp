@@ -4,7 +4,7 @@
 
 #include <utility>
 
-namespace gecos::media {
+namespace gecos {
 
 /// Owns a file descriptor; -1 is none.
 class Descriptor {
@@ -31,4 +31,4 @@ class Descriptor {
   int fd_ = -1;
 };
 
-}  // namespace gecos::media
+}  // namespace gecos

@@ -35,7 +35,7 @@ class [[nodiscard("keep the lease: the status is given back when it is destroyed
   bool fresh() const;
 
  private:
-  void give_back(bool now);
+  void send_release(bool now);
 
   std::shared_ptr<session::ClientSession> session_;
   Grant grant_;

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "gecos/media/parts/descriptor.hpp"
+#include "gecos/base/descriptor.hpp"
 
-namespace gecos::media {
+namespace gecos {
 
 /// Makes the eventfd `descriptor` readable: what sleeps on it wakes up.
 void notify_event_fd(int descriptor);
@@ -23,4 +23,4 @@ class EventFd {
   Descriptor fd_;
 };
 
-}  // namespace gecos::media
+}  // namespace gecos

@@ -1,4 +1,4 @@
-#include "gecos/media/parts/event_fd.hpp"
+#include "gecos/base/event_fd.hpp"
 
 #include <sys/eventfd.h>
 #include <sys/uio.h>
@@ -8,7 +8,7 @@
 
 #include "gecos/base/system_error.hpp"
 
-namespace gecos::media {
+namespace gecos {
 
 EventFd::EventFd() : fd_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
   if (!fd_) throw_system_error("eventfd", errno);
@@ -28,4 +28,4 @@ void notify_event_fd(int descriptor) {
   [[maybe_unused]] const auto ignored = ::write(descriptor, &one, sizeof one);
 }
 
-}  // namespace gecos::media
+}  // namespace gecos

@@ -6,21 +6,23 @@ namespace gecos::crypto {
 
 /// A client's side of opening a channel.
 ///
-///     auto opening = Opening::begin(identity, server_key, context, payload);
-///     send(opening->first());      // repeated as it is, 20, 40, 80, then 160 ms apart, until
-///     auto opened = opening->finish(answer, now);   // succeeds, then `opened->channel` is ready
+///     auto initiator = HandshakeInitiator::begin(identity, server_key, context, payload);
+///     send(initiator->first());      // repeated as it is, 20, 40, 80, then 160 ms apart, until
+///     auto opened = initiator->finish(answer, now);   // succeeds, then `opened->channel` is ready
 ///
 /// Repeating the same bytes is what lets the server answer twice without a second channel. An
-/// opening that has no answer after the server's HandshakeRule::answers_kept (5 s) has to begin
+/// initiator that has no answer after the server's HandshakeRule::answers_kept (5 s) has to begin
 /// anew.
 ///
 /// `context` is what both sides know about where they meet (address, the datagram's header in
 /// clear); it is not sent, and a first message is worth nothing in any other context.
-class Opening {
+class HandshakeInitiator {
  public:
   /// `own` must outlive it. WeakKey when `server` is no key that an honest program has.
-  static tl::expected<Opening, HandshakeProblem> begin(const Identity& own, const PublicKey& server,
-                                                       ByteView context, ByteView payload);
+  static tl::expected<HandshakeInitiator, HandshakeProblem> begin(const Identity& own,
+                                                                  const PublicKey& server,
+                                                                  ByteView context,
+                                                                  ByteView payload);
 
   const Bytes& first() const { return first_; }
 
@@ -33,7 +35,7 @@ class Opening {
                                                 RekeyRule rule = {}) const;
 
  private:
-  Opening(IkInitiator handshake, const PublicKey& server, Bytes first);
+  HandshakeInitiator(IkInitiator handshake, const PublicKey& server, Bytes first);
 
   IkInitiator handshake_;
   PublicKey server_;

@@ -1,4 +1,4 @@
-#include "gecos/crypto/handshake_door.hpp"
+#include "gecos/crypto/handshake_acceptor.hpp"
 
 #include <sodium.h>
 
@@ -41,21 +41,19 @@ std::string_view to_string(Refusal refusal) {
   return "unknown";
 }
 
-HandshakeDoor::HandshakeDoor(const Identity& own, Admission is_admitted, HandshakeRule rule,
-                             RekeyRule rekey)
+HandshakeAcceptor::HandshakeAcceptor(const Identity& own, Admission is_admitted, HandshakeRule rule,
+                                     RekeyRule rekey)
     : own_(own),
       is_admitted_(std::move(is_admitted)),
       rule_(rule),
       rekey_(rekey),
       budget_(rule.burst) {
   if (rule.remembered == 0)
-    throw std::invalid_argument("a door must remember one message at least");
+    throw std::invalid_argument("a HandshakeAcceptor must remember at least one message");
 }
 
-tl::expected<HandshakeDoor::Answer, HandshakeDoor::Refused> HandshakeDoor::answer(ByteView first,
-                                                                                  ByteView context,
-                                                                                  ByteView payload,
-                                                                                  TimePoint now) {
+tl::expected<HandshakeAcceptor::Answer, HandshakeAcceptor::Refused> HandshakeAcceptor::answer(
+    ByteView first, ByteView context, ByteView payload, TimePoint now) {
   const auto refuse = [](Refusal why, std::optional<PublicKey> who = std::nullopt) {
     return tl::unexpected(Refused{why, who});
   };
@@ -78,7 +76,7 @@ tl::expected<HandshakeDoor::Answer, HandshakeDoor::Refused> HandshakeDoor::answe
                 responder->payload()};
 }
 
-bool HandshakeDoor::may_look(TimePoint now) {
+bool HandshakeAcceptor::may_look(TimePoint now) {
   if (budgeted_ && now > *budgeted_) {
     const std::chrono::duration<double> passed = now - *budgeted_;
     budget_ = std::min<double>(rule_.burst, budget_ + passed.count() * rule_.per_second);
@@ -89,7 +87,7 @@ bool HandshakeDoor::may_look(TimePoint now) {
   return true;
 }
 
-void HandshakeDoor::remember(const Digest& digest, Known known) {
+void HandshakeAcceptor::remember(const Digest& digest, Known known) {
   if (order_.size() == rule_.remembered) {
     known_.erase(order_.front());
     order_.pop_front();
@@ -99,7 +97,7 @@ void HandshakeDoor::remember(const Digest& digest, Known known) {
   order_.push_back(digest);
 }
 
-void HandshakeDoor::forget_answers(TimePoint now) {
+void HandshakeAcceptor::forget_answers(TimePoint now) {
   for (; forgotten_ < order_.size(); ++forgotten_) {
     Known& known = known_.at(order_[forgotten_]);
     if (now - known.when < rule_.answers_kept) return;

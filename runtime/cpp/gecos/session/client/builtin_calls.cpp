@@ -1,8 +1,7 @@
-#include "gecos/reserved.hpp"
-
 #include <ostream>
 
 #include "gecos/base/log.hpp"
+#include "gecos/builtin_operations.hpp"
 #include "gecos/object_interface.hpp"  // generated from idl/gecos/object.gidl
 #include "gecos/session/client/own_call.hpp"
 #include "gecos/session/protocol/packets.hpp"
@@ -73,11 +72,11 @@ bool Lease::fresh() const {
          session::system_clock().now() - since_ < at_once;
 }
 
-void Lease::release() { give_back(false); }
+void Lease::release() { send_release(false); }
 
-void Lease::release_now() { give_back(true); }
+void Lease::release_now() { send_release(true); }
 
-void Lease::give_back(bool now) {
+void Lease::send_release(bool now) {
   constexpr Duration patience = std::chrono::seconds(1);
   const auto session = std::exchange(session_, nullptr);
   if (session == nullptr) return;
