@@ -17,9 +17,9 @@ namespace gecos::session {
 /// Accepts clients and reads their packets; short handlers run here, between two looks.
 ///
 /// Only active connections are polled; one silent for 10 ms is prepared to sleep and costs nothing
-/// until its event arrives. One thread polls at a time. While it is inside a handler it gives polling up, and when
-/// the handler takes more than a tick a standby polls in its place, so nobody waits for a slow
-/// handler but its own callers.
+/// until its event arrives. One thread polls at a time. While it is inside a handler it gives
+/// polling up, and when the handler takes more than a tick a standby polls in its place, so nobody
+/// waits for a slow handler but its own callers.
 class IoLoop {
  public:
   explicit IoLoop(std::shared_ptr<Runtime> runtime);
