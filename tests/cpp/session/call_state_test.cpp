@@ -14,7 +14,7 @@ namespace {
 using Event = CallState::Event;
 using Phase = CallState::Phase;
 using State = CallState::State;
-using Told = CallState::Told;
+using Reported = CallState::Reported;
 
 constexpr std::array events{Event::Take,   Event::Begin,  Event::Cancel, Event::End,
                             Event::Answer, Event::Return, Event::Drop};
@@ -28,8 +28,8 @@ std::string name(const State& state) {
   if (state.phase == Phase::Taken || state.phase == Phase::Running) {
     text += state.returned ? "+" : "-";
   }
-  if (state.told == Told::Canceling) text += "c";
-  if (state.told == Told::Outcome) text += "!";
+  if (state.reported == Reported::Canceling) text += "c";
+  if (state.reported == Reported::Outcome) text += "!";
   return text;
 }
 
@@ -86,11 +86,11 @@ TEST(CallState, EveryEventInEveryStateLeadsWhereTheTableSays) {
 
 TEST(CallState, AnOutcomeIsToldOnceAndNeverTakenBack) {
   for (const State& state : reachable()) {
-    if (state.told != Told::Outcome) continue;
+    if (state.reported != Reported::Outcome) continue;
     for (const Event event : events) {
       const auto next = CallState::after(state, event);
       if (!next) continue;
-      EXPECT_EQ(next->told, Told::Outcome) << name(state);
+      EXPECT_EQ(next->reported, Reported::Outcome) << name(state);
     }
   }
 }
@@ -108,7 +108,7 @@ TEST(CallState, EveryCallCanStillFinish) {
 TEST(CallState, ACallThatEndsInTheQueueIsToldAndFinishedAtOnce) {
   CallState call;
   const auto change = call.on(Event::End);
-  EXPECT_TRUE(change.told);
+  EXPECT_TRUE(change.report);
   EXPECT_TRUE(change.finished);
   EXPECT_FALSE(call.begun_at());
 }
@@ -119,10 +119,10 @@ TEST(CallState, AnAnswerAfterTheEndIsNotToldAndFreesTheLane) {
   call.on(Event::Take);
   call.on(Event::Begin, begun);
   EXPECT_EQ(call.begun_at(), begun);
-  EXPECT_TRUE(call.on(Event::End).told);
+  EXPECT_TRUE(call.on(Event::End).report);
   EXPECT_FALSE(call.on(Event::Return).finished);
   const auto change = call.on(Event::Answer);
-  EXPECT_FALSE(change.told);
+  EXPECT_FALSE(change.report);
   EXPECT_TRUE(change.finished);
   EXPECT_FALSE(call.on(Event::Answer).finished) << "the second answer counts for nothing";
 }
