@@ -32,10 +32,10 @@ std::optional<Kind> kind_from(std::string_view name);
 std::optional<Kind> kind_of(std::string_view address);
 std::span<const Kind> all_kinds();
 Reach reach_of(Kind kind);
-/// Whether there are some and none leads out of this process.
+/// Whether `kinds` is not empty and none of them leads out of this process.
 bool within_process(std::span<const Kind> kinds);
 
-/// What is used in place of a medium.
+/// Returns the medium to use in place of the given one.
 using WrapMedium = std::function<std::unique_ptr<Medium>(std::unique_ptr<Medium>)>;
 
 /// Opens a medium with its usual settings and the layers that it needs, or says why it cannot be

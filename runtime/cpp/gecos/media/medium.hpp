@@ -20,10 +20,10 @@
 /// One conformance suite (tests/cpp/media) runs on every medium.
 ///
 /// Threads: of one link receive(), prepare_to_sleep() and woke() belong to one thread at a time,
-/// and send(), make_stream(), share() and unshare() to one at a time (the two may differ); its user
-/// sees to that. All the rest of a link any thread may call at any time, beat() of housekeeping
-/// also beside send(). An acceptor belongs to one thread at a time; its links need not be used by
-/// the same one.
+/// and send(), make_stream(), share() and unshare() to one at a time (the two may differ); the user
+/// of the link must ensure that. Any thread may call all other functions of a link at any time;
+/// maintenance may call beat() while another thread is in send(). An acceptor belongs to one thread
+/// at a time; its links need not be used by the same one.
 ///
 /// A forked child sees links and acceptors of its parent as dead (Broken); it makes its own.
 namespace gecos::media {
@@ -35,36 +35,35 @@ enum class Reach : std::uint8_t {
   Network,  ///< between hosts
 };
 
-/// What a medium can promise of a line, before anything is measured. Nothing asks for a medium by
-/// name what it can ask here.
+/// What a medium promises for a link, before anything is measured. Code must check these members
+/// instead of the medium's name.
 struct Offer {
   std::string_view name = "inproc";  ///< begins its addresses; of static storage
   Reach reach = Reach::Process;
   bool ordered = true;
-  bool reliable = true;            ///< nothing is lost or repeated while both ends live
-  bool intact = true;              ///< what arrives is what was sent; else wrap it (checked.hpp)
+  bool reliable = true;  ///< nothing is lost or repeated while both ends live
+  bool intact = true;  ///< packets arrive undamaged; else the medium must be wrapped (checked.hpp)
   bool real_time = true;           ///< no shared queue, no loss: fit for HARD_REALTIME
   bool reports_death = true;       ///< the kernel says when the peer has died
   bool authenticated = true;       ///< the peer's user is proved
   bool overheard = false;          ///< others receive what is sent: it must be sealed
-  bool connectionless = false;     ///< a server that is not there shows by its silence alone, and
-                                   ///< the acceptor receives for its links
+  bool connectionless = false;     ///< only silence shows that a server is absent, and the acceptor
+                                   ///< receives for its links
   bool shared_words = false;       ///< write_word() and peer_word() work
   std::size_t largest_packet = 0;  ///< bytes
-  std::size_t piece = 0;  ///< bytes that a packet in pieces has in each; 0: largest_packet, less
-                          ///< the header of a piece
+  std::size_t piece = 0;  ///< bytes of a packet in a piece; 0: largest_packet less a piece's header
 };
 
-/// Who is at the other end, as far as the medium itself knows.
+/// The peer at the other end, as far as the medium itself knows it.
 struct Peer {
-  std::optional<std::uint32_t> uid;  ///< named by the kernel; nothing where it cannot
+  std::optional<std::uint32_t> uid;  ///< reported by the kernel; nullopt when it cannot
   std::optional<std::int32_t> pid;
   std::string
       description;  ///< for people: "uid 1000, pid 4711", "key 3fa9c1d2, 239.255.76.67:20017"
 };
 
 enum class SendProblem : std::uint8_t {
-  Full,      ///< no room until the peer has taken something; nothing was sent, try again
+  Full,      ///< no room until the peer has taken packets; nothing was sent, try again
   TooLarge,  ///< never fits; nothing was sent
   Lost,      ///< the link is gone; nothing was sent
 };
@@ -76,14 +75,14 @@ enum class Loss : std::uint8_t {
   Broken,  ///< the peer broke the rules of the medium (text in Link::loss_text)
 };
 
-/// One sample of a stream as it lies in the medium.
+/// One sample of a stream as stored in the medium.
 struct StreamSample {
   std::uint64_t sequence = 0;  ///< 1 for the first of this stream, then rising by one
   std::int64_t stamp_ns = 0;   ///< when it was measured, Unix time in ns, by the writer's clock
   Bytes bytes;
 };
 
-/// A sample that is read where it lies.
+/// A sample that is read in place.
 struct LentSample {
   std::uint64_t sequence = 0;
   std::int64_t stamp_ns = 0;
@@ -133,8 +132,8 @@ class Link {
   virtual const Offer& offer() const = 0;
   virtual const Peer& peer() const = 0;
 
-  /// Sends head and body as one packet; both are copied before it returns. Never blocks. Gives the
-  /// packet's number on this link: 1 for the first, rising by one.
+  /// Sends head and body as one packet; both are copied before it returns. Never blocks. Returns
+  /// the packet's number on this link: 1 for the first, rising by one.
   virtual tl::expected<std::uint64_t, SendProblem> send(ByteView head, ByteView body) = 0;
 
   /// The next packet, when one is there. The bytes are a private copy and stay valid until the next
@@ -142,20 +141,22 @@ class Link {
   /// is there.
   virtual std::optional<ByteView> receive() = 0;
 
-  /// How long ago the packet was sent that receive() gave last, also where this process was stopped
-  /// meanwhile. Zero where the medium cannot know; there taken_by_peer() tells what was taken.
+  /// How long ago the packet that receive() returned last was sent, even when this process was
+  /// stopped meanwhile. Zero when the medium cannot know; taken_by_peer() then tells which packets
+  /// were taken.
   virtual Duration age() { return Duration::zero(); }
 
-  /// How much later our CLOCK_BOOTTIME reads than the peer's, plus what the quickest packet of the
-  /// peer has taken so far: the smallest difference seen. Nothing where both ends read one clock.
+  /// How much later our CLOCK_BOOTTIME reads than the peer's, plus the shortest transit time of a
+  /// packet of the peer so far: the smallest difference seen. nullopt when both ends read one
+  /// clock.
   virtual std::optional<Duration> clock_difference() { return std::nullopt; }
 
-  /// Number of packets of ours that the peer has taken; stays readable after the peer's death.
-  /// Nothing where the medium cannot know.
+  /// Number of our packets that the peer has taken; stays readable after the peer's death. nullopt
+  /// when the medium cannot know.
   virtual std::optional<std::uint64_t> taken_by_peer() = 0;
 
-  /// Announces that this end is about to sleep on `descriptors()`. False: something is there
-  /// already, or the link is lost: do not sleep. After waking call `woke()`.
+  /// Announces that this end is about to sleep on `descriptors()`. Returns false when a packet is
+  /// there already or the link is lost: do not sleep. In both cases call `woke()` afterwards.
   virtual bool prepare_to_sleep() = 0;
   virtual void woke() = 0;
   /// Readable when a packet or sample may be there or the link was lost. Valid for the link's life;
@@ -166,37 +167,39 @@ class Link {
   /// well, and call accept() when they are readable.
   virtual std::span<const int> descriptors() const = 0;
 
-  /// Words that this end writes and the peer reads in place, zero at first. No packet carries them
-  /// and neither end needs to run for the other to write or read: a process that stood still finds
-  /// them when it goes on. Sequentially consistent; any thread. @pre offer().shared_words and
-  /// `index` < shared_word_count
+  /// Words that this end writes and the peer reads in place, zero at first. No packet carries them,
+  /// and neither end needs to run for the other to write or read: a suspended process finds them
+  /// when it continues. Sequentially consistent; any thread. @pre offer().shared_words and `index`
+  /// < shared_word_count
   virtual void write_word(std::size_t index, std::uint64_t value);
-  /// A word of the peer's, whatever it wrote: believed only as far as it harms the peer itself.
+  /// A word of the peer, which may hold any value: trust it only where a wrong value harms the peer
+  /// alone.
   virtual std::uint64_t peer_word(std::size_t index);
 
-  /// Where the peer runs, read in place. Nothing known where no memory is shared. Any thread.
+  /// Where the peer runs, read in place. Unknown when no memory is shared. Any thread.
   virtual Whereabouts peer_whereabouts();
 
-  /// A sign of life, every 100 ms by housekeeping. Wakes nobody on shm and inproc.
+  /// Sends a heartbeat; maintenance calls it every 100 ms. On shm and inproc it does not wake the
+  /// peer.
   virtual void beat() = 0;
-  /// Number of signs of life seen (packets count as such on lcm). Silence is judged by the session,
-  /// with its own clock, from this number standing still.
+  /// Number of heartbeats seen; on lcm, packets count as heartbeats. The session detects silence,
+  /// with its own clock, when this number does not rise.
   virtual std::uint64_t beats_seen() = 0;
 
   /// Whether the peer is still there, asked of the kernel: a system call on shm, so for ticks and
   /// for waking up with nothing received, not for every packet. What the peer had sent before can
   /// still be received. The first loss stays.
   virtual Loss loss() = 0;
-  virtual std::string loss_text() const = 0;  ///< for people; on lcm also why nobody was met yet
+  virtual std::string loss_text() const = 0;  ///< on lcm also why no peer was found yet
 
-  /// A stream to this peer alone: how the samples of a client go inward. A stream for many readers
-  /// is made by the acceptor. `largest` in bytes, `depth` samples kept. Throws std::exception when
+  /// A stream to this peer alone, for samples from a client to the server. An acceptor makes
+  /// streams for many readers. `largest` in bytes, `depth` samples kept. Throws std::exception when
   /// no memory or no descriptor is left.
   virtual std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth) = 0;
   /// Lets the peer read `stream` under `id`, which the session chooses; each end numbers the
   /// streams that it shares. `stream` was made by this link or by its acceptor.
   virtual tl::expected<void, SendProblem> share(std::uint32_t id, StreamWriter& stream) = 0;
-  /// The peer's reading of `id` ends.
+  /// Ends the peer's access to the stream `id`.
   virtual void unshare(std::uint32_t id) = 0;
   /// The stream that the peer shared under `id`; null while it has not arrived.
   virtual std::unique_ptr<StreamReader> open_stream(std::uint32_t id) = 0;
@@ -205,19 +208,19 @@ class Link {
   virtual std::string why_no_stream(std::uint32_t id);
 };
 
-/// Server side of one object on one medium: makes links of the clients that come.
+/// Server side of one object on one medium: makes a link for each client that connects.
 class Acceptor {
  public:
-  virtual ~Acceptor() = default;  ///< nobody can connect afterwards; links live on
+  virtual ~Acceptor() = default;  ///< no client can connect afterwards; links stay open
   virtual const Offer& offer() const = 0;
   /// What a client passes to Medium::connect: "shm:/run/gecos/1f3a.sock".
   virtual const std::string& address() const = 0;
-  /// The next client that came, or null.
+  /// The link of the next client that has connected, or null.
   virtual std::unique_ptr<Link> accept() = 0;
-  /// Somebody waits whom it had no descriptor for: call accept() again in a while, nothing tells
-  /// when.
+  /// A client is waiting but the process is out of file descriptors. Retry accept() later; no event
+  /// will announce it.
   virtual bool short_of_descriptors() const { return false; }
-  /// Readable when somebody may have come. (lcm: also when packets for its links are there.)
+  /// Readable when a client may have connected. (lcm: also when packets for its links are there.)
   virtual std::span<const int> descriptors() const = 0;
   /// A stream that links of this acceptor can share. `largest` in bytes, `depth` samples kept.
   virtual std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth) = 0;
@@ -232,13 +235,13 @@ class Medium {
  public:
   virtual ~Medium() = default;
   virtual const Offer& offer() const = 0;
-  /// Opens a place for clients of one object. `name` is for people; addresses are unique anyway,
-  /// unless `well_known` asks for the one place of this host that everybody knows (the broker's).
+  /// Opens a place for clients of one object. `name` is only for diagnostics; addresses are unique
+  /// anyway, unless `well_known` requests the one well-known place of this host (the broker's).
   virtual tl::expected<std::unique_ptr<Acceptor>, MediumError> listen(std::string_view name,
                                                                       bool well_known) = 0;
-  /// Connects to what `Acceptor::address` said.
+  /// Connects to an address returned by `Acceptor::address`.
   virtual tl::expected<std::unique_ptr<Link>, MediumError> connect(std::string_view address) = 0;
-  /// The address of the well-known place, whether or not somebody is there.
+  /// The address of the well-known place, whether or not a server is there.
   virtual std::string well_known_address(std::string_view name) const = 0;
 };
 

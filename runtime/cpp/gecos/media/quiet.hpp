@@ -7,20 +7,20 @@
 /// Sending without waking the peer.
 namespace gecos::media {
 
-/// A link that can leave a sleeping peer asleep: both ends look at the same memory.
+/// A link that can leave a sleeping peer asleep, because both ends read the same memory.
 class QuietSender {
  public:
-  /// Like Link::send, and belongs to the same thread, but a peer that sleeps goes on sleeping: it
-  /// reads the packet when it looks next, and before any packet that wakes it. A packet that lies
-  /// beside the ring, and one that leaves the ring less than half free, wake the peer all the same,
-  /// so that quiet packets never take the room of others.
+  /// Like Link::send, on the same thread, but a sleeping peer stays asleep: it reads the packet at
+  /// its next poll, before any packet that wakes it. A packet stored beside the ring, and one that
+  /// leaves the ring less than half free, wake the peer all the same, so that quiet packets never
+  /// take the room of others.
   virtual tl::expected<std::uint64_t, SendProblem> send_quietly(ByteView head, ByteView body) = 0;
 
  protected:
   ~QuietSender() = default;
 };
 
-/// Sends a packet that ends no wait of the peer: quietly where `link` can, else as Link::send does.
+/// Sends a packet that ends no wait of the peer: quietly if `link` supports it, else by Link::send.
 inline tl::expected<std::uint64_t, SendProblem> send_quietly(Link& link, ByteView head,
                                                              ByteView body) {
   if (auto* const quiet = dynamic_cast<QuietSender*>(&link)) return quiet->send_quietly(head, body);

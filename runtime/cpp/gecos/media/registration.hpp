@@ -6,7 +6,7 @@
 
 namespace gecos::media {
 
-/// What a medium says of itself before it is opened. The folder of a medium `x` defines
+/// What is known of a medium before it is opened. The folder of a medium `x` defines
 /// `x_registration`.
 struct Registration {
   const Offer& offer;

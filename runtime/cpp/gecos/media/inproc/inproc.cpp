@@ -22,12 +22,12 @@
 namespace gecos::media {
 namespace {
 
-/// What one end writes and the other one looks at.
+/// What one end writes and the other one reads.
 struct Side {
   Mapping mapping = Mapping::anonymous(RingMemory::bytes(usual_slot_count));
   RingMemory ring = RingMemory::at(mapping.data(), usual_slot_count);
   EventFd event;                    // this side sleeps on it, the other one rings
-  BulkReader bulk{[] {}};           // of what the other side sends; it shows its areas at once
+  BulkReader bulk{[] {}};           // for packets of the other side, which shows its areas at once
   std::atomic<bool> closed{false};  // tells the other side; what was sent before is still there
 
   void wake_if_asleep() {
@@ -267,7 +267,7 @@ class InprocAcceptor final : public Acceptor {
       const std::lock_guard lock(backlogs.mutex);
       backlogs.by_address.erase(address_);
     }
-    while (accept() != nullptr) {  // those who still wait see the link closed
+    while (accept() != nullptr) {  // clients that still wait see their link closed
     }
   }
 

@@ -8,12 +8,12 @@
 
 namespace gecos::media {
 
-/// CRC-32C (Castagnoli), as iSCSI and ext4 use it: any one damage of up to 32 bits in a row is
-/// found, and of all others one in 2^32 is not.
+/// CRC-32C (Castagnoli), as iSCSI and ext4 use it: it detects every error burst of up to 32 bits,
+/// and misses one in 2^32 of all other errors.
 std::uint32_t crc32c(ByteView bytes, std::uint32_t before = 0);
 
-/// Wraps a medium that says of itself that packets may arrive damaged: each carries its checksum,
-/// and one whose checksum is wrong is as good as lost. Against damage, not against malice.
+/// Wraps a medium over which packets may arrive damaged: each packet carries a checksum, and a
+/// packet with a wrong checksum is dropped. Protects against damage, not against attacks.
 std::unique_ptr<Medium> make_checked(std::unique_ptr<Medium> inner);
 
 }  // namespace gecos::media

@@ -17,7 +17,7 @@ std::size_t piece_of(const Offer& offer) {
 
 Offer fragmented_offer(const Medium& inner) {
   Offer offer = inner.offer();
-  offer.ordered = false;  // small packets overtake large ones
+  offer.ordered = false;  // small packets may arrive before large ones
   offer.largest_packet = largest_transfer;
   return offer;
 }
@@ -41,7 +41,8 @@ class FragmentedLink final : public LinkLayer {
       return ++sent_;
     }
     if (inner().loss() != Loss::None) return tl::unexpected(SendProblem::Lost);
-    // One that arrived and is sent again was not taken up: it was too old by then, say.
+    // A packet that arrived and is sent again was not accepted, for example because it was too old
+    // by then.
     const bool under_way = transfer_ && !transfer_->complete();
     if (!under_way || !is_packet(transfer_->packet(), head, body)) {
       if (under_way) return tl::unexpected(SendProblem::Full);
@@ -105,9 +106,9 @@ class FragmentedLink final : public LinkLayer {
 
   const std::size_t piece_bytes_;
   const Clock& clock_;
-  IncomingTransfers incoming_;                // of who receives
+  IncomingTransfers incoming_;                // of the receiving thread
   Bytes current_;                             // likewise
-  std::mutex mutex_;                          // guards what follows, and who sends
+  std::mutex mutex_;                          // guards what follows, and sending
   std::optional<OutgoingTransfer> transfer_;  // under way, or the last that was
   std::uint64_t transfers_ = 0;
   std::uint64_t sent_ = 0;

@@ -7,7 +7,7 @@
 
 namespace gecos::media {
 
-/// A link on top of another: what a layer does not say itself goes to the one below as it is.
+/// A link on top of another: calls that a layer does not override go to the link below.
 class LinkLayer : public Link {
  public:
   LinkLayer(std::unique_ptr<Link> inner, const Offer& offer)
@@ -56,11 +56,11 @@ class LinkLayer : public Link {
 
 enum class Role : std::uint8_t { Client, Server };
 
-/// Puts the layer on a link of that role, which from then on promises what the Offer says. Any
+/// Puts the layer on a link of that role; the resulting link promises what the Offer says. Any
 /// thread may call it.
 using PutLayer = std::function<std::unique_ptr<Link>(std::unique_ptr<Link>, const Offer&, Role)>;
 
-/// A medium on top of `inner` whose links all wear the layer. Streams that an acceptor makes are
+/// A medium on top of `inner` whose links all have the layer. Streams that an acceptor makes are
 /// those of `inner`.
 std::unique_ptr<Medium> make_layer(std::unique_ptr<Medium> inner, const Offer& offer, PutLayer put);
 

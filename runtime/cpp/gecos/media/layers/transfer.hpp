@@ -9,9 +9,9 @@
 #include "gecos/base/clock.hpp"
 #include "gecos/base/function_ref.hpp"
 
-/// A large packet in pieces over a line that loses, repeats and reorders them. Only pieces that got
-/// lost are sent again. Pure: time is passed in, sending is the caller's. docs/protocol.md, "Large
-/// packets", is normative. One thread at a time.
+/// Transfers a large packet in pieces over a medium that loses, repeats and reorders them. Only
+/// pieces that got lost are sent again. Pure: time is passed in, sending is the caller's.
+/// docs/protocol.md, "Large packets", is normative. One thread at a time.
 namespace gecos::media {
 
 inline constexpr std::size_t largest_transfer = 8 * 1024 * 1024;
@@ -25,18 +25,18 @@ struct Piece {
   ByteView content;
 
   void write_head(std::span<std::byte, head_bytes> to) const;
-  /// Nothing for what is no piece, or contradicts itself. `piece_bytes`: what each but the last
-  /// has.
+  /// Returns nullopt for a packet that is no piece or contradicts itself. `piece_bytes`: the bytes
+  /// of each piece but the last.
   static std::optional<Piece> read(ByteView packet, std::size_t piece_bytes);
 };
 
-/// What its receiver has.
+/// The pieces that the receiver has.
 struct Received {
   static constexpr std::size_t bytes = 24;
   std::uint64_t transfer = 0;
-  std::uint32_t all_before =
-      0;                     ///< every piece before this one; the number of pieces when it is whole
-  std::uint32_t beyond = 0;  ///< bit i: piece all_before + 1 + i too
+  std::uint32_t all_before = 0;  ///< every piece before this one has arrived; the number of pieces
+                                 ///< when the packet is whole
+  std::uint32_t beyond = 0;      ///< bit i: piece all_before + 1 + i too
 
   void write(std::span<std::byte, bytes> to) const;
   static std::optional<Received> read(ByteView packet);
@@ -46,10 +46,11 @@ struct Received {
 class OutgoingTransfer {
  public:
   static constexpr std::uint32_t window =
-      8;  ///< pieces under way; a usual socket buffer takes them
-  /// After so long without a word the pieces under way are sent again.
+      8;  ///< maximum number of pieces in flight; a usual socket buffer takes them
+  /// After this time without an acknowledgement, the pieces in flight are sent again.
   static constexpr Duration silence = std::chrono::milliseconds(20);
-  /// So many that were sent later have arrived: then it is lost, not reordered (RFC 9002, 6.1.1).
+  /// A piece counts as lost, not reordered, when so many that were sent later have arrived (RFC
+  /// 9002, 6.1.1).
   static constexpr std::uint64_t reordering_threshold = 3;
 
   /// `piece_bytes`: what each piece carries; the last has less.
@@ -63,7 +64,7 @@ class OutgoingTransfer {
 
  private:
   struct State {
-    std::uint64_t sent_as = 0;  // the how manieth sending it was; 0: not under way
+    std::uint64_t sent_as = 0;  // number of the sending among all sendings; 0: not in flight
     bool arrived = false;
   };
   const std::uint64_t number_;
@@ -76,14 +77,14 @@ class OutgoingTransfer {
   TimePoint last_word_{};
 };
 
-/// Puts one packet after the other together.
+/// Reassembles one packet after the other.
 class IncomingTransfers {
  public:
   explicit IncomingTransfers(std::size_t piece_bytes) : piece_bytes_(piece_bytes) {}
 
-  /// What the sender is to be told of this piece; `whole()` may have become true.
+  /// Returns the acknowledgement to send for this piece; `whole()` may then return the packet.
   Received take(const Piece& piece);
-  /// The packet that the last piece completed: once.
+  /// The packet that the last piece completed; returned once only.
   std::optional<Bytes> whole();
 
  private:

@@ -18,7 +18,7 @@ namespace {
 /// What lcm_create opens at most. LCM crashes when descriptors run out within it.
 constexpr std::size_t descriptors_needed = 16;
 
-/// Nothing for a group that multicast knows.
+/// Returns nullopt when `group` is a multicast group; else the error.
 std::optional<MediumError> no_group(const std::string& group) {
   in_addr address{};
   if (::inet_pton(AF_INET, group.c_str(), &address) == 1 && IN_MULTICAST(ntohl(address.s_addr))) {
@@ -30,8 +30,8 @@ std::optional<MediumError> no_group(const std::string& group) {
                      LcmOptions{}.group};
 }
 
-/// Nothing where packets can be sent to `port` of the group; else the reason why not. LCM looks
-/// too, and writes fifteen lines of its own to stderr each time.
+/// Returns nullopt when packets can be sent to `port` of the group; else the reason why not. LCM
+/// checks too, but writes fifteen lines to stderr each time.
 std::optional<MediumError> no_route(const LcmOptions& options, std::uint16_t port) {
   sockaddr_in place{};
   place.sin_family = AF_INET;

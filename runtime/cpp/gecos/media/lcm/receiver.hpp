@@ -16,13 +16,13 @@ struct LcmMessage {
   std::string_view channel;
   ByteView content;
 
-  /// Nothing for a piece of a larger message, or for what is none of LCM's.
+  /// Returns nullopt for a piece of a larger message, and for a datagram that is not LCM's.
   static std::optional<LcmMessage> read(ByteView datagram);
 };
 
-/// Hears a UDP port of a multicast group. LCM's own receiver runs a thread for each port, which
-/// hands every message on through a pipe: two wake-ups where one will do. This one is a socket,
-/// read by who waits for it. One thread at a time.
+/// Receives on a UDP port of a multicast group. LCM's own receiver runs a thread for each port,
+/// which passes every message on through a pipe: two wake-ups where one will do. This one is a
+/// socket, read by the thread that waits for it. One thread at a time.
 class LcmReceiver {
  public:
   /// Fails with a text that says what to do.

@@ -15,8 +15,9 @@ constexpr int most_looks = 16;  // a socket full of other messages is read in fe
 
 std::size_t whole_pages(std::size_t bytes) { return (bytes + page - 1) / page * page; }
 
-/// Has the kernel bring the pages now, and say so when it cannot: a page missed later kills us.
-/// Also quicker than one fault for each page. Before Linux 5.14 each is faulted in.
+/// Makes the kernel back the pages now and report failure; a page that cannot be backed later would
+/// kill this process. It is also quicker than one fault per page. Before Linux 5.14 each page is
+/// faulted in.
 bool bring(const std::byte* at, std::size_t bytes, int how) {
   int done = 0;
   do {

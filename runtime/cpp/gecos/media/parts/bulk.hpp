@@ -15,19 +15,19 @@
 
 /// Packets that are too large for a ring.
 ///
-/// From its first large packet on, a side has beside its ring an *area*: memory that it alone
-/// writes. The packet is written there, and a slot of the ring says in its place where. So large
-/// and small packets keep one order and are counted in one way, and what the reader has taken from
-/// the ring is free here as well: nothing travels back, and a dead reader owes nothing.
+/// From its first large packet on, a side has an *area* beside its ring: memory that it alone
+/// writes. The packet is written there, and a slot of the ring says where. So large and small
+/// packets keep one order and are counted in one way, and what the reader has taken from the ring
+/// is free in the area as well: the reader sends nothing back, and a dead reader holds nothing.
 ///
-/// Packets lie as low as there is room. One at a time lies always in the same memory, which stays
-/// in the caches; pages above what was ever needed at once are never touched and cost nothing. An
-/// area that was not used for `area_kept` beats is given back.
+/// Each packet is placed at the lowest free offset. With one packet at a time the same memory is
+/// used, which stays in the caches; pages above the highest use so far are never touched and cost
+/// nothing. An area that was not used for `area_kept` beats is released.
 namespace gecos::media {
 
 inline constexpr std::size_t largest_bulk_packet = std::size_t{32} << 20;
-/// As much as one tick of housekeeping (10 ms) moves at the speed of memory: a sender that found no
-/// room and is tried again with the next tick does not limit the flow.
+/// As much as memory bandwidth moves in one maintenance tick (10 ms): a sender that found no room
+/// and retries at the next tick does not limit the throughput.
 inline constexpr std::size_t area_bytes = std::size_t{64} << 20;
 inline constexpr unsigned area_kept = 100;  ///< 10 s
 
@@ -35,18 +35,19 @@ inline constexpr unsigned area_kept = 100;  ///< 10 s
 class AreaMaker {
  public:
   virtual ~AreaMaker() = default;
-  /// Zeroed memory of area_bytes that the reader can know as `number`. Null: not now.
+  /// Makes zeroed memory of area_bytes that the reader knows as `number`. Null: not possible now.
   virtual std::shared_ptr<Mapping> make_area(std::uint64_t number) = 0;
-  /// Tells the reader that nothing more comes through it. False: not now.
+  /// Notifies the reader that the area is not used any more. Returns false when that is not
+  /// possible now.
   virtual bool release(std::uint64_t number) = 0;
 };
 
-/// write() belongs to who writes the ring.
+/// Only the thread that writes the ring may call write().
 class BulkWriter {
  public:
   BulkWriter(RingWriter& ring, AreaMaker& maker) : ring_(ring), maker_(maker) {}
 
-  /// As RingWriter::write(). Full also when the memory cannot be had.
+  /// As RingWriter::write(). Fails with Full also when memory cannot be allocated.
   tl::expected<std::uint64_t, SendProblem> write(ByteView head, ByteView body);
   /// The same in two steps, so that the packet is made where it lies: memory of `size` bytes, none
   /// when there is no room now; then, with nothing written to the ring in between, the packet in it
@@ -63,7 +64,7 @@ class BulkWriter {
   struct Held {
     std::size_t offset = 0;
     std::size_t bytes = 0;
-    std::uint64_t until = 0;  // free when the reader has taken so many slots
+    std::uint64_t until = 0;  // free once the reader has taken so many slots
   };
   bool find_room(std::size_t bytes);
   bool back(std::size_t end);
@@ -72,29 +73,29 @@ class BulkWriter {
   AreaMaker& maker_;
   std::mutex mutex_;  // guards all below against beat()
   std::shared_ptr<Mapping> area_;
-  std::uint64_t number_ = 0;           // of the area
-  std::size_t backed_ = 0;             // bytes from the start that the kernel has given
-  std::vector<Held> held_;             // by offset
-  std::optional<std::size_t> placed_;  // index in held_ of what is not sent yet
+  std::uint64_t number_ = 0;  // of the area
+  std::size_t backed_ = 0;    // bytes from the start that the kernel has backed with memory
+  std::vector<Held> held_;    // by offset
+  std::optional<std::size_t> placed_;  // index in held_ of the packet that is not sent yet
   std::size_t placed_size_ = 0;
   std::uint64_t last_packet_ = 0;
   unsigned quiet_beats_ = 0;
 };
 
-/// copy() and rest() belong to who reads the ring, all else to any thread.
+/// Only the thread that reads the ring may call copy() and rest(); any thread may call the rest.
 class BulkReader final : public BulkSource {
  public:
-  /// `look` takes up what the writer has said of its areas so far.
+  /// `look` processes what the writer has announced of its areas so far.
   explicit BulkReader(std::function<void()> look) : look_(std::move(look)) {}
 
-  /// From now on `area` is number `number`, and the one before is over. @pre it has area_bytes
+  /// Makes `area` number `number`; it replaces the area before. @pre `area` has area_bytes
   void know(std::uint64_t number, std::shared_ptr<const Mapping> area);
-  /// The writer has given it back.
+  /// The writer has released the area `number`.
   void end(std::uint64_t number);
 
   std::optional<ByteView> copy(const BulkPlace& place) override;
-  /// Before its thread sleeps: frees the copy, if the area that it was copied from has been given
-  /// back.
+  /// Must be called before the reading thread sleeps: frees the copy if the area that it was copied
+  /// from has been released.
   void rest() {
     if (ended_.load(std::memory_order_relaxed)) free_copy();
   }

@@ -2,11 +2,12 @@
 
 namespace gecos::media {
 
-/// Tells its owner, in a forked child, that the descriptors and memory it sees belong to the
+/// Notifies its owner, in a forked child, that the owner's descriptors and memory belong to the
 /// parent.
 ///
 /// A child shares the parent's sockets and rings: using them would corrupt the parent's packets,
-/// and only holding them hides the parent's death from its peers. Make it the owner's last member.
+/// and merely holding them hides the parent's death from its peers. A ForkWatch must be its owner's
+/// last member.
 class ForkWatch {
  public:
   using Abandon = void (*)(void* owner) noexcept;

@@ -11,7 +11,7 @@ class Mapping {
   Mapping() = default;
   /// Private zeroed memory. Throws std::bad_alloc.
   static Mapping anonymous(std::size_t size);
-  /// Memory of a memfd, shared with whoever else maps it. Empty when the kernel refuses.
+  /// Memory of a memfd, shared with all processes that map it. Empty when the kernel refuses.
   static Mapping shared(int memfd, std::size_t size, bool writable);
 
   Mapping(Mapping&& other) noexcept
@@ -23,8 +23,8 @@ class Mapping {
   std::byte* data() const { return data_; }
   std::size_t size() const { return size_; }
 
-  /// In a forked child: puts private zeroes in its place, so that nothing is shared any more and
-  /// what still reads it sees an empty ring. No allocation.
+  /// In a forked child: replaces the memory by private zeroes, so that nothing is shared any more
+  /// and code that still reads it sees an empty ring. Does not allocate.
   void forget();
 
  private:

@@ -67,7 +67,7 @@ std::uint64_t RingWriter::publish(std::size_t size, std::size_t slots) {
   first.stamp_ms.store(coarse_milliseconds(), std::memory_order_relaxed);
   first.sequence.store(position_ + 1, std::memory_order_seq_cst);
   position_ += slots;
-  // The next packet's first line comes here while nobody waits for it.
+  // Fetches the first cache line of the next packet while no thread waits for it.
   __builtin_prefetch(&own_.slots[position_ & mask_], 1);
 
   const std::uint64_t number = written_.load(std::memory_order_relaxed) + 1;

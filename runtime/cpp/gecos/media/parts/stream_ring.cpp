@@ -12,8 +12,9 @@ using Word = std::atomic<std::uint64_t>;
 static_assert(sizeof(Word) == 8 && Word::is_always_lock_free);
 
 // A slot: version (2·sequence, one less while it is written), stamp, size, sample in whole words.
-// All are atomic words, written with release and read with acquire. So whoever read anything of a
-// newer sample also sees, looking again, that the version has moved; it costs nothing on x86.
+// All are atomic words, written with release and read with acquire. So a reader that read any word
+// of a newer sample also sees, when it checks again, that the version has changed; this costs
+// nothing on x86.
 constexpr std::size_t sample_at = 3;
 constexpr int most_tries = 8;
 
@@ -49,7 +50,7 @@ bool read_sample(const StreamMemory& memory, std::uint64_t sequence, StreamSampl
   if (slot[0].load(std::memory_order_acquire) != complete) return false;
   const auto stamp = static_cast<std::int64_t>(slot[1].load(std::memory_order_acquire));
   const std::uint64_t size = slot[2].load(std::memory_order_acquire);
-  if (size > memory.largest) return false;  // torn, or written by somebody who means harm
+  if (size > memory.largest) return false;  // torn, or written by a malicious peer
   into.bytes.resize(size);
   read_words(slot + sample_at, into.bytes);
   if (slot[0].load(std::memory_order_acquire) != complete) return false;
@@ -160,7 +161,7 @@ std::optional<LentSample> StreamRingReader::lend_latest(std::uint64_t after) {
     const Word* const slot = memory.slot(newest);
     const auto stamp = static_cast<std::int64_t>(slot[1].load(std::memory_order_acquire));
     const std::uint64_t size = slot[2].load(std::memory_order_acquire);
-    if (size > memory.largest) continue;  // torn, or written by a peer that means harm
+    if (size > memory.largest) continue;  // torn, or written by a malicious peer
     const auto* const bytes = reinterpret_cast<const std::byte*>(slot + sample_at);
     const LentSample sample{newest, stamp, ByteView(bytes, size)};
     if (intact(sample)) return sample;

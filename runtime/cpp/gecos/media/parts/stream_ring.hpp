@@ -9,14 +9,15 @@
 
 #include "gecos/media/medium.hpp"
 
-/// A stream in memory: one writer, any number of readers that only look.
+/// A stream in memory: one writer, any number of readers that never write.
 ///
-/// Each sample has a slot with a version, odd while it is written. A reader copies and looks again;
-/// it tries a bounded number of times, so a writer that died in the middle cannot hold it. Readers
-/// write nothing, so they can neither slow the writer nor disturb each other.
+/// Each sample has a slot with a version, odd while it is written. A reader copies the sample and
+/// checks the version again. The number of tries is bounded, so a writer that died while writing
+/// cannot block a reader. Readers write nothing, so they can neither slow the writer nor disturb
+/// each other.
 namespace gecos::media {
 
-/// Where a stream lies.
+/// The memory of a stream.
 struct StreamMemory {
   std::byte* base = nullptr;
   std::size_t largest = 0;  ///< bytes of a sample
@@ -33,7 +34,7 @@ struct StreamMemory {
   std::atomic<std::uint64_t>* slot(std::uint64_t sequence) const;
 };
 
-/// Somebody who may sleep while a stream goes on.
+/// A reader that may sleep while a stream continues.
 class Sleeper {
  public:
   virtual ~Sleeper() = default;
@@ -41,7 +42,7 @@ class Sleeper {
   virtual void wake_if_asleep() = 0;
 };
 
-/// Those who are woken by a stream. Thread-safe; forgets who is gone.
+/// The readers that a stream wakes. Thread-safe; forgets destroyed readers.
 class SleeperList {
  public:
   void add(std::weak_ptr<Sleeper> sleeper);
@@ -75,12 +76,12 @@ class StreamRingWriter : public StreamWriter {
   std::size_t lent_ = 0;  ///< bytes
 };
 
-/// What a link knows of a stream that somebody reads through it.
+/// What a link knows of a stream that is read through it.
 struct StreamWatch {
   StreamMemory memory;
   std::shared_ptr<void> owner;
-  /// What was written before the newest when the reader came is past: a memory of many subscribers
-  /// holds what earlier ones read.
+  /// Samples up to this number were written before the newest one when this reader came, and are
+  /// not returned: the memory is shared and holds samples for earlier subscribers.
   std::uint64_t past = 0;
   /// The newest sample that the reader or prepare_to_sleep() has seen; tells prepare_to_sleep()
   /// whether there is another.
@@ -103,8 +104,8 @@ class StreamRingReader : public StreamReader {
 class StreamWatches {
  public:
   std::unique_ptr<StreamReader> open(StreamMemory memory, std::shared_ptr<void> owner);
-  /// A sample came that neither its reader nor an earlier call has seen. Ordered after the writing
-  /// of `asleep`.
+  /// True when a sample has arrived that neither its reader nor an earlier call has seen. Ordered
+  /// after the write of `asleep`.
   bool anything_new();
 
  private:

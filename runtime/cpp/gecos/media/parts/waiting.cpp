@@ -47,7 +47,7 @@ bool SpinPolicy::crowded() const {
          clock_.now() < crowded_until_;
 }
 
-/// Some looks come first: a quick answer needs no reading of the clock.
+/// Some polls come before the first reading of the clock, so a quick answer needs none.
 bool SpinPolicy::look(State as) {
   if (std::exchange(state_, as) == as) {
     const TimePoint now = clock_.now();

@@ -6,10 +6,10 @@
 #include "gecos/base/clock.hpp"
 #include "gecos/media/core.hpp"
 
-/// How to wait: look while that is cheaper than being woken, then sleep on descriptors.
+/// How to wait: poll while that is cheaper than being woken, then sleep on descriptors.
 namespace gecos::media {
 
-/// Where those peers run that may send what a thread waits for.
+/// Where the peers run that may send what a thread waits for.
 enum class Peers : std::uint8_t {
   Unknown,    ///< the medium cannot tell
   Here,       ///< on this core: they need it to send anything
@@ -20,10 +20,10 @@ enum class Peers : std::uint8_t {
 /// Where one peer runs.
 Peers place_of(const Whereabouts& peer);
 
-/// What a sleep ended with.
+/// What ended a sleep.
 enum class Woken : std::uint8_t {
-  ByAnswer,  ///< with what the thread waits for
-  Early,     ///< with something else, which may come late
+  ByAnswer,  ///< the event that the thread waits for
+  Early,     ///< another event; the awaited one may come late
 };
 
 struct SpinOptions {
@@ -42,7 +42,7 @@ struct SpinOptions {
   std::uint32_t looks_alone = 256;     ///< looks between two readings of the clock
 };
 
-/// Decides, look by look, whether to look again or to sleep.
+/// Decides after each fruitless poll whether to poll again or to sleep.
 ///
 ///     for (;;) {
 ///       if (auto packet = link.receive()) return packet;
@@ -54,18 +54,17 @@ struct SpinOptions {
 ///
 /// Two facts decide, and neither is guessed from the time that a yield takes.
 ///
-/// *Where the peers run.* A peer on this core needs the core to answer: every look is followed by a
-/// yield. Peers on other cores gain nothing from a yield; it could only give the core to a stranger
-/// for a whole time slice.
+/// *Where the peers run.* A peer on this core needs the core to answer: every poll is followed by a
+/// yield. Peers on other cores gain nothing from a yield; it could only give the core to an
+/// unrelated program for a whole time slice.
 ///
-/// *What a wake-up costs here and now*: the mean time from the ring of the peer to the end of the
-/// sleep.
-/// A wait looks for as long as a wake-up costs and then sleeps, so it is never worse than twice the
-/// better of the two. Time in which another program had the core does not count. A wait that lasts
-/// long halves the budget, so that long waits cost next to nothing.
+/// *What a wake-up costs here and now*: the mean time from the peer's notification to the end of
+/// the sleep. A wait polls for as long as a wake-up costs and then sleeps, so it is never worse
+/// than twice the better of the two. Time in which another program had the core does not count. A
+/// wait that lasts long halves the budget, so that long waits cost next to nothing.
 ///
-/// A yield that takes `lost_core` went to a stranger. For a while afterwards a wait for a peer on
-/// this core sleeps at once: a wake-up takes the core back, a yield does not.
+/// A yield that takes `lost_core` gave the core to an unrelated program. For a while afterwards a
+/// wait for a peer on this core sleeps at once: a wake-up takes the core back, a yield does not.
 ///
 /// One thread at a time; keep one per waiting thread, for what it has learned.
 class SpinPolicy {
@@ -73,14 +72,15 @@ class SpinPolicy {
   explicit SpinPolicy(const Clock& clock, SpinOptions options = {},
                       const Core& core = Core::real());
 
-  /// A new wait begins. Costs nothing until the first look was in vain.
+  /// Begins a new wait. Costs nothing until the first poll was in vain.
   void begin() {
     if (state_ == State::Crowded) vain_ = 0;
     state_ = State::Fresh;
     looks_ = 0;
   }
-  /// After a look in vain. True: look again. False: sleep; false again until begin(). `ask_peers`
-  /// gives Peers; it is called before the second look of a wait and now and then later.
+  /// Must be called after a poll in vain. Returns true: poll again. Returns false: sleep; then
+  /// false again until begin(). `ask_peers` returns Peers; it is called before the second poll of a
+  /// wait and now and then later.
   template <class AskPeers>
   bool again(AskPeers ask_peers) {
     if (looks_ > 0) {
@@ -89,15 +89,16 @@ class SpinPolicy {
     }
     return state_ != State::Over && go_on(ask_peers());
   }
-  /// After the sleep of a wait, and before the next begin(). `rang_at`: when the peer rang, as the
-  /// peer says.
+  /// Must be called after the sleep of a wait and before the next begin(). `rang_at`: when the peer
+  /// notified us, by its own statement.
   void woke(TimePoint rang_at, Woken woken);
 
-  /// How long a wait looks before it sleeps.
+  /// How long a wait polls before it sleeps.
   Duration budget() const { return budget_; }
-  /// The wait sleeps at once because its peer and a stranger need this core.
+  /// True when the wait sleeps at once because its peer and an unrelated program need this core.
   bool gave_way() const { return gave_way_; }
-  /// Until when there are no yields on the core that lost a slice; in the past when there are.
+  /// Until when there are no yields on the core that lost a time slice; a past time when yields are
+  /// allowed.
   TimePoint crowded_until() const { return crowded_until_; }
 
  private:
@@ -115,7 +116,7 @@ class SpinPolicy {
   const SpinOptions options_;
   const Core& core_;
   State state_ = State::Fresh;
-  std::uint32_t looks_ = 0;  ///< before the clock is read, or the core given away
+  std::uint32_t looks_ = 0;  ///< polls left before the clock is read or the core is yielded
   bool gave_way_ = false;
 
   Duration budget_;
@@ -139,7 +140,7 @@ class SpinPolicy {
 enum class Wake : std::uint8_t {
   Ready,        ///< a descriptor is readable
   TimedOut,     ///< the deadline has passed
-  Interrupted,  ///< a signal was handled: look at what it asked for, then sleep on
+  Interrupted,  ///< a signal was handled: check what it asked for, then sleep again
 };
 
 /// Sleeps until one of `descriptors` is readable or `deadline` (steady clock; TimePoint::max() is

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t most_streams = 1024;  // of one link; a peer that shares more means harm
 
-/// For people: "key 3fa9c1d2, 239.255.76.67:20017".
+/// Readable text: "key 3fa9c1d2, 239.255.76.67:20017".
 std::string peer_text(const std::optional<crypto::PublicKey>& key, const DatagramNetwork& network,
                       std::uint16_t port) {
   return (key ? "key " + key->short_name() + ", " : "") + network.name() + ":" +

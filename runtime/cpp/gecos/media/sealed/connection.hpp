@@ -39,7 +39,7 @@ class SealedConnection : public Link {
   SealedConnection(std::shared_ptr<ReceiveQueue> queue, std::shared_ptr<SealedSender> sender,
                    const SealedOptions& options, Peer peer);
 
-  /// Takes what has arrived, into the queue and from there what is no packet.
+  /// Reads arrived datagrams into the queue and handles those that are no packets.
   virtual void pump() = 0;
   void say(InnerKind kind, std::uint64_t number = 0, ByteView body = {});
   const std::shared_ptr<SealedSender>& sender() const { return sender_; }
@@ -88,7 +88,7 @@ class SealedClient final : public SealedConnection {
   };
   struct Inward {
     std::weak_ptr<InwardStream> stream;
-    bool opened = false;  ///< until then the server is told again with every beat
+    bool opened = false;  ///< until then the share is announced again with every beat
   };
   void pump() override;
   bool new_samples();
@@ -100,8 +100,8 @@ class SealedClient final : public SealedConnection {
   const std::shared_ptr<HandshakeInitiator> initiator_;
   const Descriptor streams_;  // an epoll of the ports of streams, which come later
   const std::array<int, 3> descriptors_;
-  /// Since somebody looked for a stream one was told of, maybe by a look for something else:
-  /// whoever is about to sleep looks once more. Publishes nothing but itself.
+  /// A stream was announced since the last search for one, perhaps read by another call: a thread
+  /// that is about to sleep polls once more. Publishes nothing but itself.
   std::atomic<bool> heard_of_streams_{false};
   std::mutex mutex_;  // guards what follows
   std::map<std::uint32_t, Arrived> arrived_;
@@ -132,7 +132,7 @@ class SealedServer final : public SealedConnection {
  private:
   struct Shared {
     std::weak_ptr<SealedStream> stream;
-    bool opened = false;  // until then it is told again with every beat
+    bool opened = false;  // until then the stream is announced again with every beat
   };
   /// A stream that the client has shared.
   struct Inward {

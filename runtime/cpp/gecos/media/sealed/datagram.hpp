@@ -12,9 +12,9 @@
 #include "gecos/crypto/stream_seal.hpp"
 #include "gecos/crypto/transport.hpp"
 
-/// What is in a datagram of a sealed medium: a header of 16 bytes in clear, then one frame that the
-/// header is bound to. docs/protocol.md, sections "Datagrams" to "Streams", is normative; integers
-/// are big-endian. Pure: bytes in, bytes out.
+/// The content of a datagram of a sealed medium: a header of 16 bytes in clear, then one frame to
+/// which the header is bound. docs/protocol.md, sections "Datagrams" to "Streams", is normative;
+/// integers are big-endian. Pure: bytes in, bytes out.
 namespace gecos::media {
 
 enum class DatagramKind : std::uint8_t {
@@ -33,7 +33,7 @@ struct DatagramHeader {
   std::uint64_t client = 0;      ///< drawn for each connection; 0 of a sample
 
   void write(std::span<std::byte, bytes> to) const;
-  /// Nothing for bytes that are no datagram of ours.
+  /// Returns nullopt for bytes that are no datagram of ours.
   static std::optional<DatagramHeader> read(ByteView from);
 };
 
@@ -60,7 +60,7 @@ struct InnerHeader {
   static std::optional<InnerHeader> read(ByteView from);
 };
 
-/// Where a shared stream is to be heard, and what opens it. Travels sealed.
+/// The channel of a shared stream, and the key that opens it. Sent sealed.
 struct SharedStream {
   static constexpr std::uint16_t most_depth = 1024;
   static constexpr std::size_t bytes = 20 + crypto::StreamKey::bytes;
@@ -101,7 +101,7 @@ struct InwardSampleHead {
   std::int64_t stamp_ns = 0;
 
   void write(std::span<std::byte, bytes> to) const;
-  /// Nothing when `from` is shorter; the sample is what follows.
+  /// Returns nullopt when `from` is shorter; the sample follows the head.
   static std::optional<InwardSampleHead> read(ByteView from);
 };
 
@@ -124,8 +124,8 @@ struct SealedAddress {
   static std::optional<SealedAddress> parse(std::string_view text);
 };
 
-/// What both sides know of a handshake without saying it: medium and version, place, and the header
-/// in clear of its first message.
+/// What both sides know of a handshake without sending it: medium and version, place, and the clear
+/// header of its first message.
 Bytes handshake_context(const SealedAddress& address, ByteView first_header);
 
 }  // namespace gecos::media

@@ -94,7 +94,7 @@ void HandshakeInitiator::take_second(ByteView frame, TimePoint now) {
   handshake_.reset();
   open_ = true;
   said_ = 0;
-  speak(now);  // the server takes nobody in before it has heard something sealed
+  speak(now);  // the server accepts a client only after a sealed packet from it
 }
 
 std::string HandshakeInitiator::trouble() const {

@@ -14,23 +14,24 @@
 
 namespace gecos::media {
 
-/// A client's way to an open channel: asks for the server's key where the address has none, repeats
-/// the handshake's first message until it is answered, and then a beat until the server is heard.
-/// Waits for nothing: whoever holds the link calls advance() often. Any thread.
+/// Opens a client's channel: asks for the server's key if the address has none, repeats the first
+/// handshake message until it is answered, and then a beat until the server is heard. Never waits:
+/// the owner of the link must call advance() often. Any thread.
 class HandshakeInitiator {
  public:
-  /// After so long without an answer it begins anew, as the server has forgotten by then.
+  /// Time without an answer after which the handshake starts again, because the server has
+  /// forgotten it by then.
   static constexpr Duration begins_anew_after = std::chrono::seconds{5};
 
   HandshakeInitiator(std::shared_ptr<const SealedKeys> keys, const SealedOptions& options,
                      SealedAddress address, std::shared_ptr<SealedSender> sender,
                      std::shared_ptr<ReceiveQueue> queue);
 
-  /// Sends what is due. Costs nothing once the server was heard.
+  /// Sends the messages that are due. Costs nothing once the server was heard.
   void advance();
-  /// What the server says before there is a channel: Key, Second.
+  /// Takes a message of the server from before the channel is open: Key or Second.
   void take(const DatagramHeader& header, ByteView frame);
-  /// Why there is no channel, for people; empty when there is one.
+  /// Readable text why there is no channel; empty when there is one.
   std::string trouble() const;
 
  private:

@@ -19,13 +19,13 @@ class InwardStream {
   InwardStream(std::shared_ptr<SealedSender> sender, const SealedOptions& options,
                std::size_t largest, std::size_t depth);
 
-  /// What the server is told of it, under `id` from now on.
+  /// The announcement of this stream to the server, under `id` from now on.
   InwardShare shared_as(std::uint32_t id);
   std::size_t largest() const { return where_.largest; }
   tl::expected<void, SendProblem> publish(ByteView sample, std::int64_t stamp_ns);
-  /// For a reader that opened the stream after its last sample.
+  /// Sends the last sample again, for a reader that opened the stream after it.
   void repeat_last();
-  /// The connection is closed: nothing is sent any more.
+  /// Must be called when the connection is closed: no sample is sent any more.
   void end() { ended_.store(true); }
 
  private:
@@ -40,7 +40,7 @@ class InwardStream {
   std::int64_t stamp_ns_ = 0;
   Bytes last_;
   Bytes datagram_;
-  /// Also in a forked child, which would seal under the counters of its parent.
+  /// Also set in a forked child, which would seal under the counters of its parent.
   std::atomic<bool> ended_{false};
   const ForkWatch fork_watch_;
 };

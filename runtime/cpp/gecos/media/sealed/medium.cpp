@@ -26,9 +26,9 @@ std::string channel_of_name(std::string_view name) {
   return channel;
 }
 
-/// Says to this host that a place is served. Multicast lets anybody listen beside us, so a name in
-/// the kernel's table of abstract sockets stands for the place: it goes with the process that holds
-/// it.
+/// Claims a place on this host. Multicast lets other processes listen beside us, so a name in the
+/// kernel's table of abstract sockets stands for the place; the kernel removes it with the process
+/// that holds it.
 class Claim {
  public:
   static tl::expected<std::unique_ptr<Claim>, MediumError> stake(const SealedAddress& place) {
@@ -74,7 +74,7 @@ class SealedAcceptor final : public Acceptor {
 
   std::unique_ptr<Link> accept() override {
     responder_->event().drain();
-    if (responder_->pump()) responder_->event().notify();  // for who watches edges
+    if (responder_->pump()) responder_->event().notify();  // for edge-triggered polling
     while (auto pending = responder_->next_pending()) {
       const std::uint64_t client = pending->client;
       auto link = SealedServer::welcome(responder_, std::move(*pending));

@@ -41,7 +41,8 @@ void ReceiveQueue::put_locked(Bytes frame, TimePoint now) {
   const auto header = InnerHeader::read(text_in(frame));
   if (!header) return;
   const Duration age = clock_.age(header->sent_ns, now);
-  // One that waited here while this process stood still says nothing of the peer's life now.
+  // A packet that waited here while this process was suspended does not show that the peer is alive
+  // now.
   if (age < oldest_sign_of_life) beats_.fetch_add(1, std::memory_order_relaxed);
   switch (header->kind) {
     case InnerKind::Beat:

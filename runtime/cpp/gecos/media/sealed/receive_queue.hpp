@@ -18,11 +18,12 @@
 
 namespace gecos::media {
 
-/// What has arrived for one end of a link, put in by whoever pumps the port: opened first, so that
-/// nothing counts which is not the peer's. Thread-safe.
+/// The packets that have arrived for one end of a link, put in by the thread that pumps the port.
+/// They are opened first, so that only packets of the peer count. Thread-safe.
 class ReceiveQueue final : public Sleeper {
  public:
-  /// More is dropped, as a network drops: whoever sends is told by the missing answer.
+  /// Packets beyond these bounds are dropped, as on a network: the sender notices the missing
+  /// answer.
   static constexpr std::size_t most_bytes = 8 * 1024 * 1024;
   static constexpr std::size_t most_packets = 16 * 1024;
 
@@ -30,9 +31,10 @@ class ReceiveQueue final : public Sleeper {
   ReceiveQueue() = default;
   explicit ReceiveQueue(const crypto::Opener& opener) : opener_(opener) {}
 
-  /// From now on what arrives can be opened; before, it is dropped. Once.
+  /// From now on arriving packets can be opened; before, they are dropped. Must be called at most
+  /// once.
   void open(const crypto::Opener& opener);
-  /// A sealed datagram of the peer, read at `now`: its header, and the frame behind it.
+  /// Takes a sealed datagram of the peer, read at `now`: its header, and the frame after it.
   void take(ByteView header, ByteView frame, TimePoint now);
   /// A frame that was opened in place.
   void put(Bytes frame, TimePoint now);
@@ -41,7 +43,7 @@ class ReceiveQueue final : public Sleeper {
     Bytes frame;       ///< opened; packet_in() says where in it the packet is
     TimePoint sent{};  ///< by our clock
   };
-  /// The next packet. What `packet` held before is used again.
+  /// The next packet. Reuses the memory of `packet`.
   bool pop(Packet& packet);
   static ByteView packet_in(const Bytes& frame);
   bool has_packets();
@@ -54,14 +56,14 @@ class ReceiveQueue final : public Sleeper {
     InwardShare inward;
   };
   std::vector<Notice> notices();
-  /// From now on inward samples of `id` go to `samples`, while somebody holds it.
+  /// From now on inward samples of `id` go to `samples`, as long as it exists.
   void collect(std::uint32_t id, std::weak_ptr<SampleBuffer> samples);
-  /// Whether an inward sample came that nobody has seen.
+  /// Whether an inward sample has arrived that no reader and no earlier call has seen.
   bool new_samples();
-  /// With every beat: keys that were replaced go.
+  /// Called with every beat: deletes keys that were replaced.
   void on_tick(TimePoint now);
 
-  /// Something was opened: the peer has the channel's keys.
+  /// True once a packet was opened: the peer has the channel's keys.
   bool heard() const { return beats() != 0; }
   std::uint64_t beats() const { return beats_.load(std::memory_order_relaxed); }
   bool closed() const { return closed_.load(std::memory_order_acquire); }
@@ -79,7 +81,7 @@ class ReceiveQueue final : public Sleeper {
   void put_sample(const InnerHeader& header, ByteView body);
 
   EventFd event_;
-  std::atomic<bool> asleep_{false};  // tells whoever pumps to ring
+  std::atomic<bool> asleep_{false};  // tells the pumping thread to notify
   std::atomic<bool> closed_{false};  // the peer said goodbye
   std::atomic<std::uint64_t> beats_{0};
   std::atomic<std::uint64_t> dropped_{0};

@@ -53,7 +53,7 @@ void HandshakeResponder::take(ByteView datagram) {
     if (header->kind == DatagramKind::Ask && !address_.key) {
       answer(*header, DatagramKind::Key, keys_->own.public_key().bytes, now);
     }
-  } catch (const std::system_error& failed) {  // who polls serves the others
+  } catch (const std::system_error& failed) {  // keep serving the other clients
     log_warning(address_.medium, std::string("cannot let a client in: ") + failed.what());
   }
 }
@@ -119,7 +119,7 @@ void HandshakeResponder::confirm(const DatagramHeader& header, ByteView datagram
 void HandshakeResponder::answer(const DatagramHeader& to, DatagramKind kind, ByteView frame,
                                 TimePoint now) {
   if (!answers_.take(now)) return;
-  // Opened for this one answer: who has not shown its keys holds nothing here.
+  // Opened for this one answer: a client that has not proved its keys must hold nothing here.
   auto out = options_.network->open(to.reply_port);
   if (!out) {
     if (warnings_.take(now))

@@ -17,12 +17,12 @@
 
 namespace gecos::media {
 
-/// What the acceptor of an object and its links share: the port where all clients' datagrams come
-/// in, and the handshake. A client has come once something was opened that it sealed; what was
-/// played back never gets so far, displaces nobody, and holds no descriptor.
+/// What the acceptor of an object and its links share: the port that receives the datagrams of all
+/// clients, and the handshake. A client counts as connected once a packet that it sealed was
+/// opened. A replayed handshake never gets so far, displaces no client, and holds no descriptor.
 class HandshakeResponder {
  public:
-  /// A client that has come and was not yet accepted.
+  /// A client that has connected and was not yet accepted.
   struct PendingPeer {
     std::uint64_t client = 0;
     std::uint16_t reply_port = 0;
@@ -34,7 +34,8 @@ class HandshakeResponder {
                      std::unique_ptr<DatagramPort> in, SealedAddress address);
 
   tl::expected<void, MediumError> open();
-  /// Puts what has arrived into the queues of links and pending peers. True: there may be more.
+  /// Puts arrived datagrams into the queues of links and pending peers. Returns true when there may
+  /// be more.
   bool pump() { return in_->pump(); }
   std::optional<PendingPeer> next_pending();
   void forget(std::uint64_t client);
@@ -43,14 +44,14 @@ class HandshakeResponder {
   std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth);
 
   int descriptor() const { return in_->descriptor(); }
-  /// Rung by pump() when a client has come.
+  /// pump() notifies it when a client has connected.
   EventFd& event() { return event_; }
   const SealedOptions& options() const { return options_; }
   const SealedAddress& address() const { return address_; }
   void close() { closed_.store(true); }
 
  private:
-  /// So many in each second.
+  /// Allows a limited number of actions per second.
   class Budget {
    public:
     explicit Budget(unsigned per_second) : per_second_(per_second) {}
@@ -61,7 +62,7 @@ class HandshakeResponder {
     std::optional<TimePoint> since_;
     unsigned taken_ = 0;
   };
-  /// A handshake that was answered; who began it has yet to show that it has the keys.
+  /// A handshake that was answered; its initiator has yet to prove that it has the keys.
   struct Unconfirmed {
     std::uint64_t client = 0;
     std::uint16_t reply_port = 0;
@@ -79,8 +80,8 @@ class HandshakeResponder {
   const std::unique_ptr<DatagramPort> in_;
   const SealedAddress address_;
   EventFd event_;
-  std::atomic<bool> closed_{false};  // the acceptor has gone: nobody comes in any more
-  // Of whoever pumps, one at a time:
+  std::atomic<bool> closed_{false};  // the acceptor has gone: no client is let in any more
+  // Used by the thread that pumps, one at a time:
   crypto::HandshakeAcceptor handshakes_;
   Budget answers_{400};
   Budget warnings_{1};

@@ -13,10 +13,10 @@
 
 namespace gecos::media {
 
-/// Where one end of a link sends: seals and publishes. Any thread.
+/// The sending side of one end of a link: seals and publishes. Any thread.
 class SealedSender {
  public:
-  /// What is sent before the channel is open waits for it, up to these; more is lost, as on a
+  /// Packets sent before the channel is open are held up to these bounds; more are lost, as on a
   /// network.
   static constexpr std::size_t most_held = 64;
   static constexpr std::size_t most_bytes_held = 1024 * 1024;
@@ -24,17 +24,17 @@ class SealedSender {
   SealedSender(std::shared_ptr<DatagramPort> port, std::string channel, std::uint64_t client,
                std::uint16_t reply_port);
 
-  /// From now on `sealer` seals; what was held goes out. Once.
+  /// From now on `sealer` seals; packets that were held are sent. Must be called at most once.
   void open(crypto::Sealer sealer);
   bool is_open();
-  /// Seals head and body in `memory` and sends them; holds packets while it is not open, and drops
-  /// everything else. False when the kernel refused it.
+  /// Seals head and body in `memory` and sends them; holds packets while the channel is not open,
+  /// and drops everything else. Returns false when the kernel refused the datagram.
   bool send(InnerHeader what, ByteView head, ByteView body, Bytes& memory);
-  /// Sends what no handshake has sealed, with the same header.
+  /// Sends an unsealed datagram of the handshake, with the same header.
   bool send_bare(DatagramKind kind, ByteView frame);
   /// The header of such a datagram, which the handshake is bound to.
   std::array<std::byte, DatagramHeader::bytes> header(DatagramKind kind) const;
-  /// With every beat: goes over to the next key when it is due.
+  /// Called with every beat: changes to the next key when it is due.
   void on_tick(TimePoint now);
 
  private:

@@ -9,18 +9,18 @@
 
 namespace gecos::media {
 
-/// Tells how long packets have waited, from what the sender's clock said when each was sent. The
-/// two clocks need only go at the same pace: the packet that took least is held to have taken
-/// nothing, so an age is too small by what the quickest way takes, and never too large. One thread
-/// at a time.
+/// Computes the age of packets from the sender's time stamps. The two clocks need only run at the
+/// same rate: the transit time of the quickest packet is taken as zero, so an age is too small by
+/// that time, and never too large. One thread at a time.
 class SendersClock {
  public:
   /// What two clocks may drift apart: one part in so many.
   static constexpr std::int64_t drift = 2000;
-  /// What two clocks are held to differ at most, 73 years: no number that a peer sends upsets us.
+  /// The assumed maximum difference between two clocks, 73 years. Times sent by a peer are clamped
+  /// to it.
   static constexpr Duration longest{std::int64_t{1} << 61};
 
-  /// How old a packet is that said `sent_ns` and was read at `now`.
+  /// The age of a packet with the time stamp `sent_ns` that was read at `now`.
   Duration age(std::int64_t sent_ns, TimePoint now) {
     const auto here = static_cast<std::uint64_t>(now.time_since_epoch().count());
     const Duration took =
@@ -35,7 +35,7 @@ class SendersClock {
     return took - *least_ - (now - since_) / drift;
   }
 
-  /// How much later our clock reads, and what the quickest way took: the smallest difference of the
+  /// How much later our clock reads, plus the shortest transit time: the smallest difference of the
   /// last five to ten minutes, in which clocks drift apart by less than packets are delayed.
   std::optional<Duration> difference() const {
     return before_ && smallest_ ? std::min(before_, smallest_) : smallest_;

@@ -58,7 +58,7 @@ void SampleQueue::take(ByteView datagram) {
     // The first sample of a stream has number 1, and counter 0.
     const std::uint64_t sequence =
         crypto::read_u64(sealed.first<crypto::StreamSealer::text_at>()) + 1;
-    if (sequence <= samples_.newest()) return;  // repeated, or overtaken by a newer one
+    if (sequence <= samples_.newest()) return;  // repeated, or reordered after a newer one
     frame_.assign(sealed.begin(), sealed.end());
     const auto text = opener_.open(datagram.first(DatagramHeader::bytes), frame_);
     if (!text) return;

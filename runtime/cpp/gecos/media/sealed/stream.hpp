@@ -20,7 +20,8 @@ class SealedStream {
 
   const SharedStream& where() const { return where_; }
   tl::expected<void, SendProblem> publish(ByteView sample, std::int64_t stamp_ns);
-  /// For who came late. Readers who have it already see nothing new. Any thread.
+  /// Sends the last sample again for readers that came late. Readers that have it already ignore
+  /// it. Any thread.
   void repeat_last();
 
  private:
@@ -45,7 +46,7 @@ class SealedStreamWriter final : public CopyingWriter {
   const std::shared_ptr<SealedStream> stream_;
 };
 
-/// The newest samples of a stream that is being read, filled by whoever pumps `port`.
+/// The newest samples of a stream that is being read, filled by the thread that pumps `port`.
 class SampleQueue {
  public:
   /// `sleeper` is woken with every new sample.
@@ -54,7 +55,7 @@ class SampleQueue {
 
   void take(ByteView datagram);
   bool read(std::uint64_t after, bool newest, StreamSample& into);
-  /// A sample came that neither the reader nor an earlier call has seen.
+  /// True when a sample has arrived that neither the reader nor an earlier call has seen.
   bool anything_new();
 
  private:
@@ -82,7 +83,7 @@ class SealedStreamReader final : public CopyingReader {
 
 /// "GS0123456789abcdef"
 std::string channel_name(std::string_view prefix, std::uint64_t number);
-/// A number that nobody else has drawn.
+/// A random number that no other program has drawn.
 std::uint64_t draw_number();
 /// A port below the kernel's own choices, from a range that is wide enough to be mostly alone.
 std::uint16_t draw_port();

@@ -67,7 +67,7 @@ bool server_is_dead(const std::string& path) {
   return is_socket(path) && !connect_to(path) && errno == ECONNREFUSED;
 }
 
-/// The reason why nobody else can listen at `path`, which exists, and how to mend it.
+/// Why we cannot listen at `path`, which exists, and how to correct that.
 std::string occupied(const std::string& path) {
   const std::string elsewhere = "name a directory of your own in GECOS_RUNTIME_DIR";
   const Descriptor their = connect_to(path);
@@ -223,7 +223,7 @@ ShmAcceptor::ShmAcceptor(std::string path, Descriptor listener, bool other_users
 ShmAcceptor::~ShmAcceptor() {
   if (inherited_) return;
   ::unlink(path_.c_str());
-  while (let_in()) {  // those who wait outside hear it too
+  while (let_in()) {  // clients that still wait in the backlog are notified too
   }
   for (const PendingPeer& pending : pending_)
     say_goodbye(pending.socket.get(), "the server closed");
@@ -241,13 +241,13 @@ std::unique_ptr<Link> ShmAcceptor::accept() {
   for (std::size_t pending = pending_.size(); pending-- > 0;) {
     if (auto link = hear(pending)) return link;
   }
-  // A client says Hello with the first breath, so most are let in and heard at once.
+  // A client sends Hello right after it connects, so most clients are accepted and read at once.
   for (int i = 0; i < most_at_once; ++i) {
     if (!let_in()) return nullptr;
     if (pending_.empty()) continue;
     if (auto link = hear(pending_.size() - 1)) return link;
   }
-  more_.notify();  // who watches for edges would not come again
+  more_.notify();  // an edge-triggered watcher would get no further event
   return nullptr;
 }
 
@@ -267,19 +267,19 @@ bool ShmAcceptor::let_in() {
     return true;
   }
   auto death = death_of_peer(pending.socket.get(), *peer->pid);
-  if (!death) return true;  // nobody is there to be told
+  if (!death) return true;  // no client is there to be notified
   epoll_event event{EPOLLIN, {.fd = pending.socket.get()}};
   if (::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, pending.socket.get(), &event) != 0) return true;
   pending.peer = std::move(*peer);
   pending.death = std::move(*death);
-  if (pending_.size() == most_pending) drop(0);  // all have been heard to be silent
+  if (pending_.size() == most_pending) drop(0);  // all have been read and were silent
   pending_.push_back(std::move(pending));
   return true;
 }
 
-/// False when nobody was there, or another thread took the spare descriptor meanwhile.
+/// Returns false when no client was waiting, or another thread took the spare descriptor meanwhile.
 bool ShmAcceptor::turn_away() {
-  // Left in the queue the client would keep us awake for ever.
+  // Left in the backlog, the client would keep us awake for ever.
   spare_.reset();
   const Descriptor unwanted(::accept4(listener_.get(), nullptr, nullptr, SOCK_CLOEXEC));
   short_of_descriptors_ = !unwanted && none_left(errno);

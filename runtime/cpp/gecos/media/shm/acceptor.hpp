@@ -12,7 +12,7 @@
 
 namespace gecos::media::shm {
 
-/// Listens at a Unix socket in the runtime directory. What dead servers left there is removed.
+/// Listens at a Unix socket in the runtime directory. Removes the sockets of dead servers there.
 class ShmAcceptor final : public Acceptor {
  public:
   static tl::expected<std::unique_ptr<Acceptor>, MediumError> open(const ShmOptions& options,
@@ -30,7 +30,7 @@ class ShmAcceptor final : public Acceptor {
   ShmAcceptor(std::string path, Descriptor listener, bool other_users);
 
  private:
-  /// Somebody who has connected and not yet said Hello.
+  /// A client that has connected and not yet sent Hello.
   struct PendingPeer {
     Descriptor socket;
     Peer peer;
@@ -48,8 +48,8 @@ class ShmAcceptor final : public Acceptor {
   const bool other_users_;
   Descriptor listener_;
   Descriptor epoll_;
-  EventFd more_;      // rung by us: more may wait than are let in at once
-  Descriptor spare_;  // given up for a moment to turn a client away when no other is left
+  EventFd more_;      // notified by us: more clients may wait than are accepted at once
+  Descriptor spare_;  // closed for a moment to refuse a client when no other descriptor is left
   bool short_of_descriptors_ = false;
   std::vector<PendingPeer> pending_;
   const std::array<int, 1> descriptors_;
@@ -57,7 +57,7 @@ class ShmAcceptor final : public Acceptor {
   const ForkWatch fork_watch_;
 };
 
-/// Where the socket named `name` of everybody's knowledge lies.
+/// The path of the well-known socket named `name`.
 std::string well_known_path(const std::string& directory, std::string_view name);
 /// A socket connected to `path`; none and errno when that fails.
 Descriptor connect_to(const std::string& path);

@@ -9,11 +9,11 @@
 
 namespace gecos::media::shm {
 
-/// The areas of one link: each in sealed memory of its own, which goes over the socket before the
-/// first packet in it is announced.
+/// The areas of one link: each in sealed memory of its own, whose descriptor is sent over the
+/// socket before the first packet in it is announced.
 class ShmBulk final : private AreaMaker {
  public:
-  /// `look` reads the socket, also what another thread reads of it just now.
+  /// `look` reads the socket, and waits for what another thread is reading from it.
   ShmBulk(int socket, RingWriter& ring, std::function<void()> look)
       : out(ring, *this), in(std::move(look)), socket_(socket) {}
 

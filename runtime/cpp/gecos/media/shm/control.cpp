@@ -89,7 +89,8 @@ ControlRead receive_control(int socket, ReceivedControl& into) {
   ssize_t got = -1;
   do {
     got = ::recvmsg(socket, &header, MSG_DONTWAIT | MSG_CMSG_CLOEXEC);
-    // A reset is told before what the peer had sent, once; its last words are still to be read.
+    // The kernel reports a reset once, before data that the peer had sent; that data is still to be
+    // read.
   } while (got < 0 && (errno == EINTR || errno == ECONNRESET));
   if (got < 0) {
     return errno == EAGAIN || errno == EWOULDBLOCK ? ControlRead::Nothing : ControlRead::Ended;
@@ -127,7 +128,8 @@ tl::expected<Descriptor, std::string> death_of_peer(int socket, std::int32_t pid
   int fd = -1;
   socklen_t size = sizeof fd;
   if (::getsockopt(socket, SOL_SOCKET, so_peerpidfd, &fd, &size) == 0) return Descriptor(fd);
-  // Older kernels: the number may belong to somebody else by now; the socket's end tells then.
+  // Older kernels: the pid may belong to another process by now; then the end of the socket reports
+  // the death.
   fd = static_cast<int>(::syscall(SYS_pidfd_open, pid, 0));
   if (fd < 0 && errno == ESRCH) return tl::unexpected<std::string>("its process has ended");
   return Descriptor(fd);

@@ -9,7 +9,7 @@
 #include "gecos/base/descriptor.hpp"
 #include "gecos/media/medium.hpp"
 
-/// What goes over the socket of a connection: descriptors, and what is rare. Calls go through
+/// The messages on the socket of a connection: descriptors, and rare events. Calls go through
 /// rings.
 namespace gecos::media::shm {
 
@@ -24,7 +24,7 @@ enum class ControlType : std::uint32_t {
   AreaEnd,    ///< nothing more comes through the `largest`-th
 };
 
-/// Both ends run on one kernel, so it travels as it lies in memory.
+/// Both ends run on one kernel, so the struct is sent as it is in memory.
 struct ControlMessage {
   static constexpr std::uint32_t this_version = 0x67630002;
   std::uint32_t version =
@@ -58,11 +58,11 @@ bool send_control(int socket, const ControlMessage& message, std::span<const int
 /// Never blocks. Garbage: anything that is no message of ours, or brings too many descriptors.
 ControlRead receive_control(int socket, ReceivedControl& into);
 
-/// Who is at the other end of a connected socket, as the kernel says. Fails for those that it
+/// The peer of a connected socket, as the kernel reports it. Fails for a peer that the kernel
 /// cannot name here: another user or process namespace.
 tl::expected<Peer, std::string> peer_of(int socket);
-/// Becomes readable when the process at the other end dies. Fails when it has died already; holds
-/// none where the kernel has no such.
+/// A descriptor that becomes readable when the process at the other end dies. Fails when that
+/// process has died already; empty when the kernel does not support it.
 tl::expected<Descriptor, std::string> death_of_peer(int socket, std::int32_t pid);
 /// True for an eventfd, which cannot be anything whose writing runs code of the peer.
 bool is_event_fd(int descriptor);

@@ -175,7 +175,8 @@ std::optional<ByteView> ShmLink::receive() {
 }
 
 std::optional<std::uint64_t> ShmLink::taken_by_peer() {
-  // A server takes nothing before it has answered: who died without an answer has taken nothing.
+  // A server reads no packet before it has answered, so a server that died without an answer has
+  // read none.
   if (!other_->known()) read_control();
   return writer_.taken();
 }
@@ -322,7 +323,7 @@ void ShmLink::read_control() {
       if (control.message.type == ControlType::Share &&
           not_opened_.size() < most_streams_of(peer_role())) {
         not_opened_[control.message.id] = why;
-        event_.notify();  // who waits for this stream may sleep in another thread
+        event_.notify();  // a thread that waits for this stream may be asleep
       } else {
         note_loss(Loss::Broken, why);
       }
@@ -346,7 +347,8 @@ void ShmLink::take_control(ReceivedControl& control) {
   std::string problem;
   switch (message.type) {
     case ControlType::Notify:
-      // Read here by who only asked for a loss, it is gone from the socket on which another sleeps.
+      // When a call of loss() reads it here, it is gone from the socket on which another thread
+      // sleeps.
       if (own_.control->asleep.load(std::memory_order_seq_cst) != 0) event_.notify();
       return;
     case ControlType::Bye: {
@@ -399,7 +401,7 @@ void ShmLink::take_stream(ReceivedControl& control) {
   auto held = std::make_shared<Mapping>(std::move(*mapping));
   not_opened_.erase(message.id);
   arrived_[message.id] = {{held->data(), message.largest, message.depth}, held};
-  event_.notify();  // who waits for this stream may sleep in another thread
+  event_.notify();  // a thread that waits for this stream may be asleep
 }
 
 void ShmLink::note_loss(Loss loss, std::string text) {

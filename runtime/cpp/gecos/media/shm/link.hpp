@@ -27,14 +27,15 @@ class PeerEnd final : public Sleeper {
   explicit PeerEnd(Descriptor socket) : socket_(std::move(socket)) {}
 
   int socket() const { return socket_.get(); }
-  /// From here on the peer's memory is known. Without an eventfd the socket is used.
+  /// Sets the memory of the peer. Without an eventfd the socket is used to wake the peer.
   void know(Mapping mapping, Descriptor event);
   bool known() const { return known_.load(std::memory_order_acquire); }
   /// @pre known()
   RingMemory ring() const { return RingMemory::at(mapping_.data(), usual_slot_count); }
   void wake();
   void wake_if_asleep() override;
-  /// Makes the peer's end of the socket see the end, although others may still hold this.
+  /// Shuts the socket down, so that the peer sees the end although this object may still be
+  /// referenced.
   void hang_up();
   void forget();
 
@@ -45,7 +46,8 @@ class PeerEnd final : public Sleeper {
   std::atomic<bool> known_{false};  // publishes mapping_ and event_
 };
 
-/// One end of a connection; both ends are the same but for who says Hello and who Welcome.
+/// One end of a connection; both ends are the same except that the client sends Hello and the
+/// server Welcome.
 class ShmLink final : public Link, public QuietSender {
  public:
   enum class Role : std::uint8_t { Client, Server };

@@ -11,7 +11,7 @@
 ///
 /// A client connects to the server's Unix socket; the kernel names both users. Each side makes its
 /// own sealed memory, which the other one maps read-only; calls go through rings in it, without the
-/// kernel. Whoever sleeps does so on descriptors: its eventfd, the socket, the peer's death.
+/// kernel. A thread sleeps on descriptors: its eventfd, the socket, the peer's death.
 ///
 /// The peer is not trusted with our memory, our time or our descriptors. Only a peer of the same
 /// user (who could kill us anyway) is given an eventfd or notified through its own, since a hostile

@@ -9,24 +9,24 @@
 
 namespace gecos::media {
 
-/// How bad a line is. Rates are from 0 to 1, each packet is judged by itself.
+/// The faults of a link. Rates are from 0 to 1 and apply to each packet independently.
 struct Faults {
   std::uint64_t seed = 1;  ///< the same seed and the same packets give the same faults
   double loss = 0;
   double duplication = 0;
   double corruption = 0;  ///< of one bit
-  double reordering = 0;  ///< held back by `reordering_delay`, so that later ones overtake it
+  double reordering = 0;  ///< held back by `reordering_delay`, so later packets arrive first
   Duration reordering_delay = std::chrono::milliseconds(2);
   Duration delay{};  ///< of every packet: a satellite is 250 ms away
-  /// Nothing arrives, neither packets nor beats, while this says so. Not owned; may be null.
+  /// While true, neither packets nor heartbeats arrive. Not owned; may be null.
   const std::atomic<bool>* cut = nullptr;
 };
 
 /// Wraps a medium: packets that its links receive suffer the faults. Wrapped on both sides, both
 /// directions suffer. Streams pass as they are.
 ///
-/// Delays are judged by `clock`. Who sleeps on a link is woken for a delayed packet in real time;
-/// with a fake clock look again after every step. A test double.
+/// Delays are measured by `clock`. A thread that sleeps on a link is woken for a delayed packet in
+/// real time; with a fake clock, poll again after every step. A test double.
 std::unique_ptr<Medium> make_faulty(std::unique_ptr<Medium> inner, Faults faults,
                                     const Clock& clock);
 

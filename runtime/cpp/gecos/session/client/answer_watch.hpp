@@ -6,8 +6,8 @@
 
 namespace gecos::session {
 
-/// Whether a server that gives signs of life still answers. A process can go on beating while what
-/// it should answer is lost: its thread hangs, or its memory was damaged. Time is passed in.
+/// Detects a server that sends heartbeats but no longer answers, because its thread hangs or its
+/// memory was damaged. Time is passed in.
 class AnswerWatch {
  public:
   AnswerWatch(Duration ask_after, Duration give_up_after, TimePoint now)
@@ -15,8 +15,8 @@ class AnswerWatch {
 
   enum class Verdict : std::uint8_t {
     Fine,
-    Ask,   ///< ask what became of the calls that were open at the last such verdict
-    Mute,  ///< calls are open, and nothing at all has come for `give_up_after`
+    Ask,   ///< query the state of the calls that were open at the last such verdict
+    Mute,  ///< calls are open, and no packet has come for `give_up_after`
   };
   /// `heard`: a number that rises with each packet of the server.
   Verdict judge(bool calls_are_open, std::uint64_t heard, TimePoint now) {

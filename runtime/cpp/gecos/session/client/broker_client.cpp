@@ -15,7 +15,7 @@ std::string listed(const std::vector<std::string>& names) {
   return text.empty() ? "nothing is registered" : "known are " + text;
 }
 
-/// Of what a broker says; more than a minute is nonsense.
+/// The time that a broker reported, limited to a minute; a longer one is not plausible.
 Duration longest_provisional(double seconds) {
   return std::chrono::duration_cast<Duration>(
       std::chrono::duration<double>(seconds > 0 ? std::min(seconds, 60.0) : 0.0));

@@ -14,8 +14,8 @@
 namespace gecos::session {
 namespace {
 
-/// A server is UNREACHABLE earlier than it ends our status for our silence, so that its commands
-/// have ended `grace` + `lease_ttl` after its death, with time to notice it.
+/// A server becomes UNREACHABLE before it would end our status for our silence, so that its
+/// commands have ended `grace` + `lease_ttl` after its death, detection included.
 PeerLiveness::Bounds bounds_of_server(const LabOptions& options) {
   const Duration suspect =
       std::max(options.lease_ttl - 2 * options.heartbeat, 2 * options.heartbeat);
@@ -34,8 +34,9 @@ ClientConnection::ClientConnection(std::shared_ptr<Runtime> runtime,
       differing_(std::move(differing)),
       repeats_(!link_->offer().reliable),
       spin_(system_clock()),
-      // All that has arrived is read before it is judged, so a judge who was kept from running for
-      // as long as this still judges rightly, and on a busy machine not later than promised.
+      // All packets that have arrived are read before the server is judged, so the verdict is right
+      // even when this thread was kept from running for `lease_ttl`, and on a busy machine not
+      // later than promised.
       liveness_clock_(runtime_->clock().now(), runtime_->options().lease_ttl),
       liveness_(bounds_of_server(runtime_->options())),
       answers_(runtime_->options().lease_ttl,
@@ -54,7 +55,7 @@ ObjectRef ClientConnection::reference() const {
 }
 
 ClientConnection::~ClientConnection() {
-  if (watching_) leader_lock_.drop();  // maintenance slept for it, and cannot give it back any more
+  if (watching_) leader_lock_.drop();  // maintenance sleeps as leader and cannot drop it now
   close(runtime_->maintenance().on_this_thread() ? Duration{} : runtime_->options().heartbeat * 2);
 }
 
@@ -87,7 +88,7 @@ std::shared_ptr<CommandCore> ClientConnection::call(const OperationDescription& 
   const std::size_t most = most_open(operation.safety || is_builtin(operation.code));
   auto sent = send_call(header, most, size, encode, command);
   if (!sent && sent.error() == media::SendProblem::Full) {
-    poll_once();  // replies that wait may make room
+    poll_once();  // taking waiting replies may make room
     sent = send_call(header, most, size, encode, command);
   }
   if (!sent) command->fail(not_sent(operation.name, size, sent.error()));
@@ -136,13 +137,14 @@ tl::expected<void, media::SendProblem> ClientConnection::send_call(
   return {};
 }
 
-/// To who is silent nothing is sent: it would wait there until nobody knows of it any more.
+/// Sends nothing to a silent server: the call would wait there until its client has given it up.
 tl::expected<std::uint64_t, media::SendProblem> ClientConnection::send_first(ByteView packet) {
   if (repeats_ && unreachable()) return tl::unexpected(media::SendProblem::Full);
   return link_->send(packet, {});
 }
 
-/// What it would read is not what was meant, so nothing is sent.
+/// Fails an operation that the server defines differently: it would decode something else, so
+/// nothing is sent.
 std::optional<Failure> ClientConnection::differs(FunctionCode code, std::string_view name) const {
   if (!std::binary_search(differing_.begin(), differing_.end(), code)) return std::nullopt;
   return Failure{Detail::Refused,
@@ -260,24 +262,26 @@ void ClientConnection::lose(Ending how, const std::string& text) {
     if (lost_.load(std::memory_order_relaxed)) return;
     loss_text_ = text;
     lost_.store(true, std::memory_order_release);
-    // A goodbye that the server acknowledged drains: what is queued there still runs. So does one
-    // that nobody waited for: a proxy was dropped, and its commands are meant to go on.
+    // After a goodbye that the server acknowledged, the calls queued there still run. The same
+    // holds for a goodbye without a wait: a proxy was dropped, and its commands are meant to
+    // continue.
     const bool drains =
         how == Ending::ByUs && (goodbye_heard_.load(std::memory_order_relaxed) || !awaits_goodbye_);
     goes_on = drains;
     if (link_->offer().shared_words && !drains) {
       link_->write_word(withdrawn_word, next_counter_ - 1);
-      withdrawn_ = true;  // before any of them is reported: none of them starts any more
+      withdrawn_ = true;  // before any call is reported: none of them can start any more
     } else if (!drains) {
       withdraw_by_packet();
     }
-    // A loss that is reported leaves them `grace`; after silence that is over already.
+    // After a reported loss, calls have `grace` for failover; after silence, `grace` is over
+    // already.
     if (how == Ending::Died || how == Ending::Closed) pending = detach(how, text);
     open = calls_.take_all();
   }
   log_info("client", "the session with " + welcome_.object + " ended: " + text);
   for (const auto& [counter, command] : open) {
-    if (goes_on) command->observe();  // whoever closed the session meant it to
+    if (goes_on) command->observe();  // the program closed the session on purpose
     Failure failure;
     {
       const MutexLock lock(mutex_);
@@ -290,7 +294,8 @@ void ClientConnection::lose(Ending how, const std::string& text) {
   if (!pending.empty()) failover_->take(shared_from_this(), std::move(pending));
 }
 
-/// Nobody is there later to repeat it. A server that stands still reads it when it goes on.
+/// Sends several copies, because no thread repeats it later. A suspended server reads them when it
+/// continues.
 void ClientConnection::withdraw_by_packet() {
   constexpr int copies = 3;
   wire::PacketHeader header;
@@ -315,10 +320,10 @@ Failure ClientConnection::failure_of(const PendingCommand& command, Ending how,
       Detail::OutcomeUnknown, text + "; whether the command was carried out is not known", {}, {}};
 }
 
-/// False where it is proved that the server has not started it and will not. Where the medium has
-/// words: after the withdrawal.
+/// Returns false only when it is proved that the server has not started the call and never will.
+/// With shared words, must be called after the withdrawal is written.
 bool ClientConnection::may_have_started(const PendingCommand& command, Ending how) const {
-  if (how == Ending::Broken) return true;  // then its words prove nothing
+  if (how == Ending::Broken) return true;  // the server's words prove nothing then
   if (withdrawn_ && command.marked_words != 0) {
     for (std::size_t word = 0; word < media::shared_word_count; ++word) {
       const bool may_stand_here = (command.marked_words >> word & 1U) != 0;
@@ -326,7 +331,7 @@ bool ClientConnection::may_have_started(const PendingCommand& command, Ending ho
     }
     return false;
   }
-  // A peer that is gone takes nothing any more; one that is only silent may still.
+  // A peer that is gone reads no more packets; one that is only silent still may.
   if (how != Ending::Died && how != Ending::Closed) return true;
   const auto taken = link_->taken_by_peer();
   return !taken || command.sent_as <= *taken;

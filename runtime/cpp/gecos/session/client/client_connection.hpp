@@ -27,9 +27,9 @@ class ClientStream;
 
 /// Client side of a session over one link.
 ///
-/// Sending takes the mutex; receiving belongs to the leader. A session that was lost
-/// stays lost: every later call is CONNECTION_FAILED, and `Lab::create` makes a new one. Only
-/// `@idempotent` readings go on, in one that follows it (failover.hpp).
+/// Sending takes the mutex; only the leader receives. A session that was lost stays lost: every
+/// later call is CONNECTION_FAILED, and `Lab::create` makes a new session. Only `@idempotent`
+/// readings continue, in a successor session (failover.hpp).
 class ClientConnection final : public ClientSession,
                                public Closable,
                                public TickTarget,
@@ -45,10 +45,10 @@ class ClientConnection final : public ClientSession,
       std::shared_ptr<Runtime> runtime, std::unique_ptr<media::Link> link,
       const InterfaceDescription& wanted, TimePoint deadline);
 
-  /// `differing`: operations that are not to the server what they are to this program, sorted.
+  /// `differing`: operations that server and client define differently, sorted.
   ClientConnection(std::shared_ptr<Runtime> runtime, std::unique_ptr<media::Link> link,
                    SessionId id, Welcome welcome, std::vector<FunctionCode> differing);
-  ~ClientConnection() override;  ///< says goodbye: what was issued still runs
+  ~ClientConnection() override;  ///< says goodbye: commands that were issued still run
 
   std::shared_ptr<CommandCore> call(const OperationDescription& operation, std::size_t size,
                                     FunctionRef<void(wire::Encoder&)> encode,
@@ -64,45 +64,46 @@ class ClientConnection final : public ClientSession,
   std::uint64_t issued() override;
 
   Runtime& runtime() { return *runtime_; }
-  /// The address that it was opened at; said before it is shared.
+  /// Sets the address at which the session was opened; must be called before the session is shared.
   void found_at(std::string address) { place_ = std::move(address); }
   const std::string& place() const { return place_; }
   const Welcome& welcome() const { return welcome_; }
   bool lost() const { return lost_.load(std::memory_order_acquire); }
-  /// This program has closed it, or is about to.
+  /// This program has closed the session, or is about to.
   bool closed() const { return closed_.load(std::memory_order_relaxed); }
   bool unreachable() const { return unreachable_.load(std::memory_order_relaxed); }
 
-  // For the sending again of what may be.
-  /// How another session with its object is found; said before it is shared.
+  // For calls that may be sent again.
+  /// Sets how another session with the object is found; must be called before this one is shared.
   void set_failover(std::shared_ptr<Failover> failover, ConnectTarget target);
   const ConnectTarget& connect_target() const { return *connect_target_; }
-  /// The session that was opened in its place, if it still lives.
+  /// The session that was opened in place of this one, if it still lives.
   std::shared_ptr<ClientConnection> successor();
   void set_successor(std::shared_ptr<ClientConnection> successor);
-  /// Sends it here; false when there is no room, or this is lost too. It is nobody else's
-  /// meanwhile.
+  /// Sends `command` in this session; returns false when there is no room, or this session is lost
+  /// too. @pre no other thread or session has `command`
   tl::expected<bool, Failure> send_again(const std::shared_ptr<PendingCommand>& command);
-  /// Lets go of all that may be sent again elsewhere.
+  /// Detaches all commands that may be sent again in another session.
   std::vector<PendingFailover> detach_repeatable();
 
-  /// Ends the session in order. Waits at most `patience` until the server has acknowledged it: what
-  /// was sent then still runs. Without acknowledgement what has not started never starts, where the
-  /// medium lets that be said.
+  /// Ends the session in order. Waits at most `patience` for the server's acknowledgement, after
+  /// which the commands that were sent still run. Without acknowledgement, commands that have not
+  /// started never start, if the medium can report that.
   void close(Duration patience) override;
 
   // For commands and streams.
-  /// What the server's CLOCK_BOOTTIME said, in ours; between hosts at most a round trip too early,
-  /// never too late.
+  /// Converts a time of the server's CLOCK_BOOTTIME to ours; between hosts at most a round trip too
+  /// early, never too late.
   TimePoint by_our_clock(TimePoint theirs);
   /// Reads what has arrived, unless another thread is reading. Never waits.
   void poll_once();
-  /// Reads, or waits for who reads, until `done` or `deadline`; gives `done()`.
+  /// Reads, or waits for the thread that reads, until `done` or `deadline`; returns `done()`.
   bool wait(const void* subject, FunctionRef<bool()> done, TimePoint deadline);
-  /// False when it is not here under this counter, or not any more.
+  /// Returns false when this session does not have `command` under this counter, or no longer has
+  /// it.
   bool cancel(PendingCommand& command, std::uint64_t counter);
-  /// Somebody sleeps on a descriptor: until `remove_watcher` packets are read though nobody waits
-  /// here.
+  /// A thread sleeps on a descriptor: until `remove_watcher`, maintenance reads packets even when
+  /// no thread waits here.
   void add_watcher() {
     watchers_.fetch_add(1, std::memory_order_relaxed);
     wake_maintenance();
@@ -136,8 +137,8 @@ class ClientConnection final : public ClientSession,
                                                const CallOptions& options);
   tl::expected<void, media::SendProblem> send_repeatable(
       const std::shared_ptr<PendingCommand>& command);
-  /// How many calls may be open when another one is sent. A client without credits can still stop
-  /// what it started and give back what it holds, so an urgent call has a quarter more.
+  /// How many calls may be open when another one is sent. An urgent call has a quarter more, so
+  /// that a client without credits can still stop what it started and release its status.
   std::size_t most_open(bool urgent) const {
     return welcome_.credits + (urgent ? welcome_.credits / 4 : 0);
   }
@@ -170,7 +171,7 @@ class ClientConnection final : public ClientSession,
   void check_liveness(TimePoint now);
   void judge_answers(TimePoint now);
   void ask_after_calls();
-  /// When the next look is due.
+  /// Returns when the next tick is due.
   TimePoint repeat(TimePoint now);
   void wake_maintenance();
   bool everything_arrived();
@@ -183,26 +184,27 @@ class ClientConnection final : public ClientSession,
   const std::vector<FunctionCode> differing_;
   const bool repeats_;                                   ///< the medium may lose packets
   std::shared_ptr<Failover> failover_;                   ///< null: nothing is sent again
-  std::unique_ptr<const ConnectTarget> connect_target_;  ///< there is one with failover_
+  std::unique_ptr<const ConnectTarget> connect_target_;  ///< set together with failover_
 
   LeaderLock leader_lock_;
   media::SpinPolicy spin_;        ///< the leader
   std::vector<int> descriptors_;  ///< the leader: reused
   EventFd leader_event_;
-  std::atomic<bool> leader_called_{false};  // publishes nothing: spares a vain look at the event
+  std::atomic<bool> leader_called_{false};  // publishes nothing: saves reading the event in vain
   std::atomic<bool> lost_{false};           // publishes loss_text_
   std::atomic<bool> closed_{false};         // publishes nothing but itself
   std::atomic<bool> unreachable_{false};    // publishes nothing but itself
   std::atomic<TimePoint> silent_since_{};   // publishes nothing but itself; while it is unreachable
   std::atomic<int> watchers_{0};            // publishes nothing but itself
-  std::atomic<bool> loss_look_due_{false};  // of the next leader; publishes nothing
+  std::atomic<bool> loss_look_due_{false};  // for the next leader; publishes nothing
   std::atomic<bool> goodbye_heard_{false};  // publishes nothing but itself
   std::atomic<bool> answer_lost_{false};    // publishes nothing but itself
   std::atomic<std::uint64_t> heard_{0};     // packets, by the leader; publishes nothing
   std::atomic<std::uint64_t> epoch_{0};     // publishes nothing but itself
 
-  Mutex subscribing_;  ///< taken before mutex_: so that no subscription is ended by another's end
-  /// Of each stream.
+  Mutex subscribing_;  ///< taken before mutex_, so that the end of one subscription does not end
+                       ///< another
+  /// The number of subscriptions of each stream.
   std::map<FunctionCode, std::size_t> subscriptions_ GECOS_GUARDED_BY(subscribing_);
 
   FutexMutex mutex_;
@@ -210,25 +212,25 @@ class ClientConnection final : public ClientSession,
   CallTable<PendingCommand> calls_ GECOS_GUARDED_BY(mutex_);
   Bytes packet_ GECOS_GUARDED_BY(mutex_);  ///< sending: reused
   std::string loss_text_ GECOS_GUARDED_BY(mutex_);
-  /// This program closes it, and waits for the server to know.
+  /// This program is closing the session and waits for the server's goodbye.
   bool awaits_goodbye_ GECOS_GUARDED_BY(mutex_) = false;
-  /// The server starts nothing more of this session.
+  /// The server starts no more calls of this session.
   bool withdrawn_ GECOS_GUARDED_BY(mutex_) = false;
   std::shared_ptr<ClientConnection> successor_ GECOS_GUARDED_BY(mutex_);
-  bool cancels_waiting_ GECOS_GUARDED_BY(mutex_) = false;  ///< one found no room
+  bool cancels_waiting_ GECOS_GUARDED_BY(mutex_) = false;  ///< a cancel packet found no room
   /// Of a medium that loses packets.
   Duration quickest_answer_ GECOS_GUARDED_BY(mutex_) = std::chrono::seconds(1);
-  /// How many there were; leases of the newest count.
+  /// The number of statuses acquired so far; `leases_` counts the leases of the newest.
   std::uint64_t statuses_ GECOS_GUARDED_BY(mutex_) = 0;
-  std::uint64_t leases_ GECOS_GUARDED_BY(mutex_) = 0;  ///< of the newest, not given back
+  std::uint64_t leases_ GECOS_GUARDED_BY(mutex_) = 0;  ///< of the newest status, not released
 
   // Maintenance thread only.
   bool watching_ = false;
-  SuspendAwareClock liveness_clock_;  ///< the server is judged by it
+  SuspendAwareClock liveness_clock_;  ///< for the time-outs of the server
   PeerLiveness liveness_;
   TimePoint next_beat_{};
   AnswerWatch answers_;
-  std::uint64_t open_when_asked_ = 0;  ///< the newest call when it was last asked after calls
+  std::uint64_t open_when_asked_ = 0;  ///< the newest call when the calls were last queried
 };
 
 }  // namespace gecos::session

@@ -28,7 +28,8 @@ ClientStream::ClientStream(std::shared_ptr<ClientConnection> session, FunctionCo
 
 ClientStream::~ClientStream() { session_->unsubscribe(code_); }
 
-/// What only a server that means harm, or is broken, sends without its time decodes as nothing.
+/// A sample without its time comes only from a malicious or broken server; it is emptied, so it
+/// does not decode.
 void ClientStream::finish(RawSample& sample) const {
   constexpr std::int64_t farthest = std::int64_t{1} << 62;
   sample.stamp_ns = std::clamp(sample.stamp_ns, -farthest, farthest);
@@ -38,7 +39,7 @@ void ClientStream::finish(RawSample& sample) const {
 }
 
 bool ClientStream::latest(RawSample& into) {
-  if (lost()) return false;  // the medium would still give samples
+  if (lost()) return false;  // the medium would still return samples
   if (reader_->latest(into.sequence, into)) finish(into);
   return into.sequence != 0;
 }

@@ -1,4 +1,4 @@
-// The client side of a session whose @idempotent readings go on in another when it is lost.
+// The client side of failover: @idempotent readings of a lost session continue in another one.
 #include <algorithm>
 
 #include "gecos/base/recycling_allocator.hpp"
@@ -15,13 +15,13 @@ void ClientConnection::set_failover(std::shared_ptr<Failover> failover, ConnectT
   connect_target_ = std::make_unique<const ConnectTarget>(std::move(target));
 }
 
-/// Of those that followed one another the last counts; those between are let go.
+/// Returns the last session of the chain of successors and drops those in between.
 std::shared_ptr<ClientConnection> ClientConnection::successor() {
   const auto first = next();
   auto last = first;
   while (last && last->lost()) last = last->next();
   if (last == first) return last;
-  auto between = first;  // ends without the mutex
+  auto between = first;  // destroyed without the mutex held
   const MutexLock lock(mutex_);
   if (successor_ == first) successor_ = last;
   return last;
@@ -85,7 +85,7 @@ tl::expected<void, media::SendProblem> ClientConnection::send_repeatable(
   if (again.deadline != TimePoint::max()) {
     header.deadline = std::max(again.deadline - runtime_->clock().since_boot(), Duration{1});
   }
-  // To another process it is a new call; the same one may know what became of it.
+  // For another server process this is a new call; the same process may know its outcome.
   const bool known = again.sessions != 0 && command->incarnation == welcome_.incarnation;
   if (known) header.flags = sent_again;
   return send_call(
@@ -127,7 +127,7 @@ std::vector<PendingFailover> ClientConnection::detach_repeatable() {
   return pending;
 }
 
-/// Commands that were canceled stay.
+/// Detaches the commands that may be sent again, except canceled ones.
 std::vector<PendingFailover> ClientConnection::detach(Ending how, const std::string& text) {
   std::vector<PendingFailover> pending;
   if (failover_ == nullptr) return pending;

@@ -12,7 +12,8 @@ namespace {
 
 using NotOpened = ClientConnection::NotOpened;
 
-/// Why no welcome came: what the other end or the medium said of the loss, else nobody spoke.
+/// Why no welcome came: the loss as reported by the peer or the medium, else that there was no
+/// answer.
 NotOpened unanswered(media::Link& link) {
   const std::string& who = link.peer().description;
   const bool lost = link.loss() != media::Loss::None;
@@ -21,7 +22,7 @@ NotOpened unanswered(media::Link& link) {
   return {Detail::NoServer, who + " did not answer" + (why.empty() ? "" : ": " + why)};
 }
 
-/// Those that both have, and that are not the same to both. Says so once, by name.
+/// The operations that client and server both have but define differently. Logs their names once.
 std::vector<FunctionCode> differing_operations(const InterfaceDescription& wanted,
                                                const Welcome& welcome) {
   std::vector<FunctionCode> differing;
@@ -41,7 +42,7 @@ std::vector<FunctionCode> differing_operations(const InterfaceDescription& wante
   return differing;
 }
 
-/// The next packet before `deadline`; nothing when there was none, or the link is lost.
+/// The next packet before `deadline`; nullopt when there was none, or the link is lost.
 std::optional<wire::PacketView> next_packet(media::Link& link, TimePoint deadline) {
   for (;;) {
     while (const auto bytes = link.receive()) {

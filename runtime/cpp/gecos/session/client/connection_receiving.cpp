@@ -1,4 +1,4 @@
-// How a client's session waits and what it does with what arrives: the leader's part.
+// How a client's session waits, and how the leader handles the packets that arrive.
 #include <algorithm>
 #include <array>
 #include <utility>
@@ -12,9 +12,9 @@ namespace gecos::session {
 
 namespace {
 
-/// From so many unanswered calls on a client rests …
+/// A client with at least this many unanswered calls rests …
 constexpr std::size_t calls_of_a_flood = 32;
-/// … about as long as the looks in vain took that are behind it.
+/// … for about as long as its fruitless polls before took.
 constexpr Duration rest_of_a_flood = std::chrono::microseconds(400);
 
 }  // namespace
@@ -29,7 +29,8 @@ void ClientConnection::poll_once() {
     }
     leader_lock_.drop();
   } else if (!repeats_ && leader_lock_.borrow()) {
-    taken = read_all();  // the leader is rung by whoever sends what ends its wait
+    taken = read_all();  // the sender of a packet that ends the leader's wait notifies the leader
+                         // itself
     leader_lock_.release();
   }
   if (taken != 0) leader_lock_.notify(nullptr);
@@ -41,7 +42,7 @@ bool ClientConnection::wait(const void* subject, FunctionRef<bool()> done, TimeP
     if (leader_lock_.try_take()) {
       const bool finished = lead(done, deadline);
       leader_lock_.drop();
-      if (has_watchers()) wake_maintenance();  // it reads on for who sleeps elsewhere
+      if (has_watchers()) wake_maintenance();  // it reads on for the watchers
       return finished;
     }
     switch (leader_lock_.follow(subject, done, deadline)) {
@@ -71,7 +72,7 @@ bool ClientConnection::lead(FunctionRef<bool()> done, TimePoint deadline) {
     if (finished) return true;
     if (taken != 0) {
       leader_lock_.notify(nullptr);
-      // Others' answers may go on coming for as long as they call.
+      // Answers to other threads may keep coming for as long as those threads call.
       if (deadline != TimePoint::max() && std::chrono::steady_clock::now() >= deadline)
         return false;
       rested = false;
@@ -90,9 +91,9 @@ bool ClientConnection::lead(FunctionRef<bool()> done, TimePoint deadline) {
   }
 }
 
-/// Who keeps many calls going beside its server on one core leaves it the core for a while: woken
-/// by each answer, it would take the core from the server for one call, and from all its other
-/// clients.
+/// A client with many calls in flight that shares a core with its server leaves the server the core
+/// for a while. Woken by each answer, it would take the core from the server, and from all other
+/// clients, for one call.
 bool ClientConnection::rest(FunctionRef<bool()> done, TimePoint deadline) {
   if (!spin_.gave_way()) return false;
   {
@@ -120,7 +121,7 @@ void ClientConnection::sleep(FunctionRef<bool()> done, TimePoint deadline) {
 
 void ClientConnection::wake_leader() {
   leader_event_.notify();
-  leader_called_.store(true);  // after the ring: a bell that nobody quiets would ring for ever
+  leader_called_.store(true);  // after notify(), or the event might never be drained
 }
 
 void ClientConnection::quiet_leader() {
@@ -139,7 +140,7 @@ std::size_t ClientConnection::read_all() {
 void ClientConnection::look_for_loss() {
   const media::Loss loss = link_->loss();
   if (loss == media::Loss::None || lost()) return;
-  read_all();  // what it answered before it went
+  read_all();  // answers that the server sent before the loss
   const std::string who = welcome_.object + " (" + link_->peer().description + ")";
   switch (loss) {
     case media::Loss::Died:
@@ -160,7 +161,7 @@ void ClientConnection::take_packet(ByteView bytes) {
   switch (packet->header.kind) {
     case wire::PacketKind::Reply:
     case wire::PacketKind::Progress:
-      if (packet->header.counter == 0) return;  // counts no call: damage, or malice
+      if (packet->header.counter == 0) return;  // no call has it: damage, or an attack
       return packet->header.kind == wire::PacketKind::Reply ? take_reply(*packet)
                                                             : take_progress(*packet);
     case wire::PacketKind::Goodbye:
@@ -169,7 +170,7 @@ void ClientConnection::take_packet(ByteView bytes) {
       return lose(Ending::Closed,
                   "the server closed the session with " + welcome_.object + text_of(packet->body));
     default:
-      return;  // newer kinds, and answers to what is over
+      return;  // newer packet kinds, and answers to a greeting that is over
   }
 }
 
@@ -182,12 +183,13 @@ void ClientConnection::take_reply(const wire::PacketView& packet) {
     if (repeats_) {
       quickest_answer_ = std::min(quickest_answer_, runtime_->clock().now() - command->retry.first);
     }
-    if (packet.header.epoch != Epoch{} && leases_ != 0) {  // a stop renewed it
+    if (packet.header.epoch != Epoch{} && leases_ != 0) {  // a stop renewed the status
       epoch_.store(number(packet.header.epoch), std::memory_order_relaxed);
     }
   }
   const auto detail = detail_from(static_cast<std::uint8_t>(packet.header.flags));
-  // Where nothing is lost, an answer that the server has no more was lost: the medium is broken.
+  // Over a medium that loses nothing, the server has answered this call and the answer was lost:
+  // the medium is broken.
   if (!repeats_ && detail == Detail::OutcomeUnknown) answer_lost_.store(true);
   if (detail == Detail::Done) {
     command->finish(packet.body);

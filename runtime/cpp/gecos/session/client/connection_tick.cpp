@@ -10,7 +10,8 @@
 namespace gecos::session {
 namespace {
 
-/// Between looks at open calls where nothing is lost: a packet that came quietly waits no longer.
+/// Maximum time between two polls while calls are open over a medium that loses nothing: a packet
+/// that was sent without a notification waits no longer.
 constexpr Duration longest_sleep = std::chrono::milliseconds(50);
 
 }  // namespace
@@ -19,7 +20,7 @@ void ClientConnection::wake_maintenance() { runtime_->maintenance().wake(); }
 
 TimePoint ClientConnection::on_tick(TimePoint now) {
   if (lost()) return TimePoint::max();
-  // Each look costs a wake-up, so a beat that is due soon goes out with this one if it is no
+  // Each tick costs a wake-up, so a heartbeat that is due soon is sent in this one, unless it is a
   // packet.
   const Duration early = repeats_ ? Duration{} : Maintenance::calm_tick;
   const bool beat = now + early >= next_beat_;
@@ -53,7 +54,8 @@ void ClientConnection::check_liveness(TimePoint now) {
                            ") has been silent for " + std::to_string(milliseconds) + " ms");
 }
 
-/// One that beats need not answer: no call waits longer than that for it.
+/// A server that sends heartbeats may still not answer: no call waits for it longer than
+/// AnswerWatch allows.
 void ClientConnection::judge_answers(TimePoint now) {
   const std::string who = welcome_.object + " (" + link_->peer().description + ")";
   if (answer_lost_.load()) {
@@ -83,8 +85,8 @@ void ClientConnection::judge_answers(TimePoint now) {
   }
 }
 
-/// Where nothing is lost a call is not repeated. One that is open for long is asked after all the
-/// same: its answer may have been damaged in shared memory.
+/// Over a medium that loses nothing, calls are not repeated. A call that is open for long is
+/// queried all the same: its answer may have been damaged in shared memory.
 void ClientConnection::ask_after_calls() {
   if (repeats_) return;
   const MutexLock lock(mutex_);
@@ -98,12 +100,11 @@ void ClientConnection::ask_after_calls() {
   open_when_asked_ = next_counter_ - 1;
 }
 
-/// Until a call's outcome is known it is asked for again under its own counter: in full while it
-/// may not have arrived, then without its arguments.
+/// Until the outcome of a call is known, the call is sent again under its own counter: in full
+/// while it may not have arrived, then without its arguments.
 TimePoint ClientConnection::repeat(TimePoint now) {
   const MutexLock lock(mutex_);
-  // With nothing open the next sign of life is all that is due: many idle clients shall cost
-  // nothing.
+  // Without open calls only the next heartbeat is due: many idle clients must cost nothing.
   if (!repeats_ && calls_.size() == 0) return next_beat_;
   if (!repeats_ && !cancels_waiting_) return std::min(next_beat_, now + longest_sleep);
   const TimePoint soon = now + Maintenance::tick;

@@ -87,7 +87,7 @@ tl::expected<std::shared_ptr<ClientConnection>, std::string> Context::broker(Tim
                           (missing_.empty() ? std::string() : "; before it, " + missing_));
   }
   if (knows_broker()) return broker_;
-  const auto lost = std::exchange(broker_, nullptr);  // ends when nobody waits for us
+  const auto lost = std::exchange(broker_, nullptr);  // destroyed when no thread waits for us
   looking_ = true;
   lock.unlock();
   tl::expected<std::shared_ptr<ClientConnection>, std::string> found;

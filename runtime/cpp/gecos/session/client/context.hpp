@@ -12,8 +12,8 @@ namespace gecos::session {
 class ClientConnection;
 class Failover;
 
-/// A lab as its servers and clients share it: what they stand on, and the session with the broker,
-/// which ends with it. Thread-safe.
+/// The part of a lab that its servers and clients share: the runtime, and the session with the
+/// broker, which ends with the lab. Thread-safe.
 class Context : public std::enable_shared_from_this<Context> {
  public:
   explicit Context(std::shared_ptr<Runtime> runtime);
@@ -21,21 +21,23 @@ class Context : public std::enable_shared_from_this<Context> {
 
   const std::shared_ptr<Runtime>& runtime() const { return runtime_; }
   const std::shared_ptr<Failover>& failover() const { return failover_; }
-  /// The session with this lab's broker, opened when there is none; else what was tried.
+  /// The session with this lab's broker, opened when there is none. Fails with what was tried.
   tl::expected<std::shared_ptr<ClientConnection>, std::string> broker(TimePoint deadline);
 
-  /// `session` belongs to a proxy: it ends with `close`. False once that was called.
+  /// Keeps `session`, which belongs to a proxy, to be ended by `close`. Returns false after `close`
+  /// was called.
   bool keep(const std::shared_ptr<ClientConnection>& session);
   bool closed() const;
-  /// Says goodbye in every session that is kept, for which it takes at most about `patience`; what
-  /// waits in them ends. No more are kept. Servers go on, and so does the session with the broker.
+  /// Says goodbye in every kept session, within about `patience`; commands that wait in them end.
+  /// No more sessions are kept. Servers continue, and so does the session with the broker.
   void close(Duration patience);
 
  private:
-  /// Where a broker may be. Adds to `tried` why a medium that leads to one cannot be had here.
+  /// The addresses at which a broker may be. Adds to `tried` why a medium that leads to one is not
+  /// available here.
   std::vector<std::string> broker_addresses(std::string& tried);
   tl::expected<std::shared_ptr<ClientConnection>, std::string> look_for_broker(TimePoint deadline);
-  /// There is a session with a broker; looked for last.
+  /// True when there is a session with a broker that is not lost.
   bool knows_broker() const GECOS_REQUIRES(mutex_);
   void note_broker(std::shared_ptr<ClientConnection> found, std::string missing);
 
@@ -46,7 +48,7 @@ class Context : public std::enable_shared_from_this<Context> {
   /// One thread at a time looks for the broker.
   bool looking_ GECOS_GUARDED_BY(mutex_) = false;
   std::shared_ptr<ClientConnection> broker_ GECOS_GUARDED_BY(mutex_);
-  /// Why there was none when one was looked for last.
+  /// Why the last search found no broker.
   std::string missing_ GECOS_GUARDED_BY(mutex_);
 
   mutable Mutex keeping_;

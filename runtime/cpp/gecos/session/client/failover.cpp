@@ -16,7 +16,7 @@ namespace gecos::session {
 namespace {
 
 constexpr Duration between_searches = std::chrono::milliseconds(30);
-/// Who does not answer so long holds up the search for others.
+/// A server that does not answer for so long delays the search for others.
 constexpr Duration longest_look = std::chrono::milliseconds(250);
 
 void end_as(PendingFailover& pending, const std::string& more) {
@@ -136,7 +136,7 @@ TimePoint Failover::on_tick(TimePoint now) {
 void Failover::run() {
   MutexLock lock(mutex_);
   while (!ended_) {
-    std::vector<Search> done;  // may be the last to have their sessions, which take a while to end
+    std::vector<Search> done;  // destroyed unlocked: may end sessions, which takes a while
     const auto is_done = [](const Search& search) {
       return search.commands.empty() && (search.from->lost() || !search.from->unreachable());
     };
@@ -174,7 +174,7 @@ void Failover::look(std::shared_ptr<ClientConnection> from) {
     append(commands, std::exchange(search_of(from).commands, {}));
     const MutexUnlock unlocked(mutex_);
     commands = send_to(**found, std::move(commands));
-    found->reset();  // its end takes a while
+    found->reset();  // its destruction takes a while
   }
   Search& search = search_of(from);
   append(search.commands, std::move(commands));
@@ -200,7 +200,7 @@ tl::expected<std::shared_ptr<ClientConnection>, std::string> Failover::find(
   return std::move(*created);
 }
 
-/// Gives back those that it could not take.
+/// Returns the commands that `found` could not take.
 std::vector<PendingFailover> Failover::send_to(ClientConnection& found,
                                                std::vector<PendingFailover> commands) {
   std::vector<PendingFailover> back;

@@ -20,7 +20,7 @@ class Context;
 class ClientConnection;
 class PendingCommand;
 
-/// What a session was opened for, so that another can be opened in its place.
+/// What a session connects to, so that another can be opened in its place.
 struct ConnectTarget {
   std::string name;
   const InterfaceDescription& wanted;
@@ -35,24 +35,27 @@ struct PendingFailover {
 };
 
 /// Sends `@idempotent` readings again whose session was lost before they had ended: looks for their
-/// object, opens a new session with it underneath, and sends them there. What finds no server
-/// within `grace`, or its deadline, ends as it would have without. One of a lab; its thread starts
-/// with the first loss. Thread-safe.
+/// object, opens a new session with it, and sends them there. A reading that finds no server within
+/// `grace`, or its deadline, ends as it would have without failover. There is one per lab; its
+/// thread starts with the first loss. Thread-safe.
 class Failover final : public TickTarget, public std::enable_shared_from_this<Failover> {
  public:
-  /// In so many sessions a command is sent: one that kills its server does not do so for ever.
+  /// Maximum number of sessions in which a command is sent: a command that kills its server must
+  /// not do so for ever.
   static constexpr int most_sessions = 4;
-  /// So many of one session wait for a server.
+  /// Maximum number of commands of one session that wait for a server.
   static constexpr std::size_t most_pending = 256;
 
   explicit Failover(Context& lab);
   ~Failover() override;
 
-  /// Has to be sent again: `from` is lost. They belong to nobody else.
+  /// Takes over `commands` of the lost session `from`, to send them again. @pre no other thread or
+  /// session has them
   void take(const std::shared_ptr<ClientConnection>& from, std::vector<PendingFailover> commands);
-  /// `from` is UNREACHABLE: when another server has its object, what may go there goes there.
+  /// `from` is UNREACHABLE. If another server now serves its object, its idempotent calls are sent
+  /// there.
   void look_for_another(const std::shared_ptr<ClientConnection>& from);
-  /// Ends those whose time is over.
+  /// Ends the commands whose time is over.
   TimePoint on_tick(TimePoint now) override;
   /// The lab ends: commands that wait for failover end now.
   void end();
@@ -62,13 +65,14 @@ class Failover final : public TickTarget, public std::enable_shared_from_this<Fa
     std::shared_ptr<ClientConnection> from;
     std::vector<PendingFailover> commands;
     TimePoint next{};
-    std::string why;  ///< nothing was found so far
+    std::string why;  ///< why no server was found so far
   };
-  /// False when no thread can be had for it. @pre not after the end
+  /// Returns false when no thread can be created. @pre not after the end
   bool started() GECOS_REQUIRES(mutex_);
   Search& search_of(const std::shared_ptr<ClientConnection>& from) GECOS_REQUIRES(mutex_);
   void run();
-  /// Gives the mutex up meanwhile, in which the search may end. `from` is a copy therefore.
+  /// Releases the mutex while it searches; the entry in `searches_` may be removed meanwhile, so
+  /// `from` is a copy.
   void look(std::shared_ptr<ClientConnection> from) GECOS_REQUIRES(mutex_);
   tl::expected<std::shared_ptr<ClientConnection>, std::string> find(ClientConnection& from);
   std::vector<PendingFailover> send_to(ClientConnection& found,

@@ -10,13 +10,14 @@
 
 namespace gecos::session {
 
-/// Who reads a link. One thread at a time leads and completes everybody's commands; the others
-/// follow: they sleep until the leader has something for them or leaves. While the leader sleeps
-/// for a packet that wakes it, another thread may read what came quietly (media/quiet.hpp).
+/// Decides which thread reads a link. One thread at a time leads and completes the commands of all
+/// threads; the others follow: they sleep until the leader notifies them or leaves. While the
+/// leader sleeps until a packet wakes it, another thread may read packets that were sent quietly
+/// (media/quiet.hpp).
 class LeaderLock {
  public:
   bool try_take() { return change(State::Free, State::Held); }
-  /// Leaves it to a follower, if there is one.
+  /// Leaves the lead to a follower, if there is one.
   void drop();
 
   /// The leader sleeps from now on, and another thread may read in its place.
@@ -29,10 +30,11 @@ class LeaderLock {
 
   enum class Woken : std::uint8_t { Done, Notified, TimedOut };
   /// Sleeps until `done`, or notified (then look again and try to lead), or `deadline`. `subject`
-  /// is what `notify` names; null for whoever wants to look at everything that arrives.
+  /// is what `notify` names; null to be notified of every packet that arrives.
   Woken follow(const void* subject, FunctionRef<bool()> done, TimePoint deadline);
 
-  /// Wakes those who wait for `subject`. Call it after what they wait for is published.
+  /// Wakes the threads that wait for `subject`. Must be called after the event that they wait for
+  /// is published.
   void notify(const void* subject);
   void notify_all();
 

@@ -3,7 +3,7 @@
 namespace gecos::session {
 namespace {
 
-/// A session with nobody: whatever is asked of it ends at once and says why.
+/// A session without a server: every call and subscription fails at once with the reason.
 class NilSession final : public ClientSession {
  public:
   explicit NilSession(std::string reason) : reason_(std::move(reason)) {}

@@ -15,7 +15,7 @@
 namespace gecos::session {
 namespace {
 
-/// Once for each operation of an object and way to fail: what fails in a loop fills no disk.
+/// True once per object, operation and detail, so that a failure in a loop does not fill the disk.
 bool first_of_its_kind(const std::string& about, Detail detail) {
   static Mutex& mutex = *new Mutex;  // commands may be dropped after the last static
   static auto& reported = *new std::set<std::pair<std::string, Detail>>;
@@ -139,8 +139,6 @@ void PendingCommand::report(Detail detail, const ProgressBody& body) {
   if (!body.feedback.empty()) feedback_ = body.feedback;
 }
 
-/// Publishing the terminal state is the last touch: the waiter may drop the command at once. What
-/// keeps this call alive is its caller's reference.
 void PendingCommand::log_end(const ClientConnection& in, Detail detail) const {
   std::ostringstream line;
   line << name_in(in) << " ended ";
@@ -152,6 +150,8 @@ void PendingCommand::log_end(const ClientConnection& in, Detail detail) const {
   log(actor_ ? LogLevel::Info : LogLevel::Debug, "client", std::move(line).str());
 }
 
+/// Publishes the terminal state last, because a waiting thread may drop the command at once. The
+/// caller's reference keeps the command alive during this function.
 template <class Publish>
 void PendingCommand::end(Detail detail, Publish publish) {
   std::shared_ptr<ClientConnection> released;
@@ -177,7 +177,7 @@ void PendingCommand::finish(ByteView result) {
 }
 
 void PendingCommand::fail(Failure failure) {
-  // What a later session proves does not hold of an earlier one.
+  // Proof from a later session does not hold for an earlier one.
   if (again && again->may_have_started && failure.state() == State::ConnectionFailed) {
     failure.detail = Detail::OutcomeUnknown;
   }

@@ -16,8 +16,8 @@ namespace gecos::session {
 
 class ClientConnection;
 
-/// A call on its way. Its session keeps it until it is terminal, and it keeps its session as long;
-/// ending cuts both ties, so a dropped command still runs and nothing is kept afterwards.
+/// A call that was issued. The session and the command keep each other alive until the command is
+/// terminal, so a command that its user drops still runs, and neither is kept afterwards.
 class PendingCommand final : public CommandCore {
  public:
   PendingCommand(std::shared_ptr<ClientConnection> session, const OperationDescription& operation)
@@ -25,9 +25,9 @@ class PendingCommand final : public CommandCore {
         actor_(operation.status != access::Status::Sensor),
         home_(session.get()),
         session_(std::move(session)) {}
-  /// One that ended before it was sent.
+  /// A command that ended before it was sent.
   explicit PendingCommand(Failure failure);
-  /// Logs a failure that nobody has asked for.
+  /// Logs a failure that the program has not asked for.
   ~PendingCommand() override;
   PendingCommand(const PendingCommand&) = delete;
   PendingCommand& operator=(const PendingCommand&) = delete;
@@ -43,8 +43,8 @@ class PendingCommand final : public CommandCore {
   void when_ended(std::function<void()> then) override;
   std::string about() const override;
 
-  /// Asked by who has just said that he follows the leader, so in one order with that
-  /// (LeaderLock::notify).
+  /// Sequentially consistent, because a follower checks it right after it has registered with the
+  /// leader (LeaderLock::notify).
   bool terminal() const {
     return project(detail_.load(std::memory_order_seq_cst)) != State::Running;
   }
@@ -59,10 +59,10 @@ class PendingCommand final : public CommandCore {
   std::uint64_t incarnation = 0;
   std::uint64_t sent_as = 0;      ///< the packet's number on the link; written before it is shared
   std::uint8_t marked_words = 0;  ///< where the server marks its start; written before it is shared
-  /// It was sent in `session`, its first or another; with that session's mutex.
+  /// The command was sent in `session`, its first or another one. With that session's mutex held.
   void attach(const std::shared_ptr<ClientConnection>& session, const CommandId& id,
               std::uint64_t as);
-  /// Its session has it no more; with that session's mutex.
+  /// Its session no longer has the command. With that session's mutex held.
   void detach() { home_.store(nullptr, std::memory_order_release); }
 
   /// What a medium that loses packets needs; guarded by the session's mutex.
@@ -73,19 +73,19 @@ class PendingCommand final : public CommandCore {
     TimePoint deadline = TimePoint::max();
     int sent = 1;
     bool on_its_way = false;  ///< sent at least once
-    bool arrived = false;     ///< the server has it: only its outcome is asked for
+    bool arrived = false;     ///< the server has the call: only its outcome is queried
     bool cancel = false;
   } retry;
 
-  /// What it takes to send it again in another session; set before it is shared, but for the last
-  /// three.
+  /// Data for sending the command again in another session; set before it is shared, except the
+  /// last three.
   struct Again {
     FunctionCode code{};
     std::string_view name;
     Bytes arguments;
     TimePoint deadline = TimePoint::max();
-    int sessions = 0;                      ///< it was sent in; of who sends it
-    bool may_have_started = false;         ///< in a session that it is not in any more
+    int sessions = 0;  ///< number of sessions in which it was sent; used by its sender only
+    bool may_have_started = false;         ///< in a session that no longer has it
     std::condition_variable_any attached;  ///< or terminal: ends a wait during failover
   };
   std::unique_ptr<Again> again;  ///< null: it may not be sent again
@@ -112,13 +112,13 @@ class PendingCommand final : public CommandCore {
   Bytes feedback_ GECOS_GUARDED_BY(mutex_);
   ShortBytes result_;  ///< written once, before it is terminal, as failure_
   Failure failure_;
-  std::string about_;  ///< "RX90.move"; written before it is terminal, where nobody has asked
-  /// By maintenance of session_, for a thread that sleeps elsewhere.
+  std::string about_;  ///< "RX90.move"; written before it is terminal, unless observed
+  /// Maintenance of session_ watches it, for a thread that sleeps elsewhere.
   bool watched_ GECOS_GUARDED_BY(mutex_) = false;
   std::unique_ptr<EventFd> exported_ GECOS_GUARDED_BY(mutex_);
   std::vector<std::function<void()>> callbacks_ GECOS_GUARDED_BY(mutex_);
-  /// Whose it is; null while it waits for failover. Publishes nothing: who waits there has to look
-  /// elsewhere.
+  /// The session that has the command; null while it waits for failover. Publishes nothing but
+  /// itself: a thread that waits in that session must then wait elsewhere.
   std::atomic<const ClientConnection*> home_{nullptr};
   std::shared_ptr<ClientConnection> session_ GECOS_GUARDED_BY(mutex_);  ///< null once terminal
 };

@@ -14,7 +14,7 @@ qos::LineOffer line_of(const media::Offer& offer) {
   line.between_hosts = offer.reach == media::Reach::Network;
   line.reliable = true;  // where the medium loses packets the session repeats them
   line.real_time = offer.real_time;
-  // Within one process nobody outlives the other, so nobody has to be told.
+  // Within one process neither end outlives the other, so no death must be reported.
   line.reports_death = offer.reports_death || offer.reach == media::Reach::Process;
   return line;
 }

@@ -9,7 +9,7 @@
 namespace gecos::session {
 
 /// The addresses of an object that meet `asked`, best first; or a text with every medium and each
-/// term that it violates. This is the one place that knows which medium is for whom.
+/// term that it violates. Only this function knows which medium suits which client.
 tl::expected<std::vector<std::string>, std::string> select(Runtime& runtime, const Entry& entry,
                                                            const qos::Quality& asked,
                                                            std::optional<media::Kind> only);

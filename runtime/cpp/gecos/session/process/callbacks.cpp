@@ -25,7 +25,7 @@ void run_callback(const std::function<void()>& callback) {
   }
 }
 
-/// What the thread needs; it outlives a Callbacks that is destroyed by one of its callbacks.
+/// The state of the thread; it outlives a Callbacks that is destroyed by one of its callbacks.
 struct Callbacks::Shared {
   void run();
 

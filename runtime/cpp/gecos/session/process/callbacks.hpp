@@ -5,15 +5,16 @@
 
 namespace gecos::session {
 
-/// Runs it. What it throws is logged, as nobody waits for it that could be told.
+/// Runs `callback` and logs what it throws, because no caller waits for it.
 void run_callback(const std::function<void()>& callback);
 
-/// Runs what users hung on the ends of their commands: one after another, on a thread of its own
-/// that starts with the first. They may block; only other callbacks wait for them.
+/// Runs the completion callbacks of commands one after another, on a thread of its own that starts
+/// with the first callback. Callbacks may block; only other callbacks wait for them.
 class Callbacks {
  public:
   Callbacks();
-  /// Runs what is left, then ends. From a callback: its thread goes on until nothing is left.
+  /// Runs the callbacks that are left, then ends. When destroyed by a callback, the thread
+  /// continues until none is left.
   ~Callbacks();
   Callbacks(const Callbacks&) = delete;
   Callbacks& operator=(const Callbacks&) = delete;

@@ -4,21 +4,21 @@
 
 #include "gecos/binding.hpp"
 
-/// Which handler runs on which thread of this process, so that a call that it makes and waits for
-/// without a bound can be told to its object.
+/// Records which handler runs on which thread of this process, so that the object of a handler
+/// learns for which call the handler waits without a time-out.
 namespace gecos::session {
 
-/// A call of an object of this process whose handler runs.
+/// A call whose handler runs in this process.
 class HandlerHere {
  public:
   virtual ~HandlerHere() = default;
   virtual std::shared_ptr<HandlerHere> shared() = 0;
-  /// Its thread waits for `command` without a bound, until `goes_on`.
+  /// The thread of the handler waits for `command` without a time-out, until `goes_on`.
   virtual void waits(const CommandCore& command) = 0;
   virtual void goes_on() = 0;
 };
 
-/// While it lives, the handler of `call` runs on this thread.
+/// While this object lives, the handler of `call` runs on this thread.
 class RunsHere {
  public:
   explicit RunsHere(HandlerHere& call);

@@ -16,7 +16,7 @@
 
 namespace gecos::session {
 
-/// What the thread needs; it outlives a Maintenance that is destroyed on its own thread.
+/// The state of the thread; it outlives a Maintenance that is destroyed on its own thread.
 struct Maintenance::Shared {
   explicit Shared(const Clock& its_clock) : clock(its_clock) {}
 
@@ -63,7 +63,7 @@ void Maintenance::Shared::judge_pause(const std::vector<std::shared_ptr<TickTarg
 void Maintenance::Shared::run() {
   std::vector<pollfd> descriptors;
   for (;;) {
-    event.drain();  // before looking at what it was notified for, or a notification between the two
+    event.drain();  // before checking what it was notified for, or a notification between the two
                     // is lost
     if (ended.load()) return;
     for (const auto& job : take_jobs()) job();
@@ -82,7 +82,7 @@ void Maintenance::Shared::run() {
     descriptors.assign(1, {event.descriptor(), POLLIN, 0});
     for (const auto& one : alive) one->watch(descriptors);
     std::vector<std::weak_ptr<TickTarget>> watched(alive.begin(), alive.end());
-    alive.clear();  // whoever is dropped meanwhile ends at once, not after this sleep
+    alive.clear();  // a target that is dropped meanwhile is destroyed at once, not after this sleep
     poll(descriptors.data(), descriptors.size(), idle ? -1 : static_cast<int>(rest.count()));
     for (const auto& one : watched) {
       if (const auto still = one.lock()) still->unwatch();

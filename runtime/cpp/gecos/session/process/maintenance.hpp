@@ -11,17 +11,18 @@
 
 namespace gecos::session {
 
-/// Something that needs a look now and then: heartbeats, silence, timers.
+/// An object with periodic work: heartbeats, peer time-outs, timers.
 class TickTarget {
  public:
   virtual ~TickTarget() = default;
-  /// On the maintenance thread. Must not block and must not run a handler of a user. Gives when
-  /// the next look is due; it may come sooner, and comes at the earliest after a
-  /// `Maintenance::tick`.
+  /// On the maintenance thread. Must not block and must not run a handler of a user. Returns when
+  /// the next tick is due, at the earliest after a `Maintenance::tick`; it may come sooner when the
+  /// thread is woken.
   virtual TimePoint on_tick(TimePoint now) = 0;
-  /// Before that, where this process stood still for so long. Until it returns nothing starts.
+  /// Called before `on_tick` after this process was suspended for `stood_still`. No call starts
+  /// until it has returned.
   virtual void after_pause(Duration stood_still) { static_cast<void>(stood_still); }
-  /// Adds descriptors to sleep on until the next look; `unwatch` follows after the sleep.
+  /// Adds descriptors to sleep on until the next tick; `unwatch` follows after the sleep.
   virtual void watch(std::vector<pollfd>& into) { static_cast<void>(into); }
   virtual void unwatch() {}
 };
@@ -30,23 +31,23 @@ class TickTarget {
 class Maintenance {
  public:
   static constexpr Duration tick = std::chrono::milliseconds(10);
-  /// Between looks at what has nothing on its way.
+  /// Time between two ticks of a target that has no work pending.
   static constexpr Duration calm_tick = std::chrono::milliseconds(25);
 
   explicit Maintenance(const Clock& clock);
-  /// Ends the thread and waits for it, unless it is this very thread.
+  /// Ends the thread and waits for it, unless called on that thread.
   ~Maintenance();
   Maintenance(const Maintenance&) = delete;
   Maintenance& operator=(const Maintenance&) = delete;
 
-  /// Calls its `on_tick` until it is gone.
+  /// Calls `on_tick` of `target` until `target` is destroyed.
   void add(std::weak_ptr<TickTarget> target);
-  /// Runs it once, soon. Must not block.
+  /// Runs `job` once, soon, on the maintenance thread. `job` must not block.
   void post(std::function<void()> job);
-  /// Looks again now.
+  /// Makes the next tick of all targets due now.
   void wake();
   bool on_this_thread() const;
-  /// Whether this process stood still, as this thread's ticks tell.
+  /// Detects from the ticks of this thread whether this process was suspended.
   PauseWatch& pauses();
 
  private:

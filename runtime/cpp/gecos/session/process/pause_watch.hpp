@@ -13,28 +13,29 @@ namespace gecos::session {
 /// "stood still for 3.1 s"
 std::string stood_still_for(Duration pause);
 
-/// Notices that this process stood still: SIGSTOP, a suspended machine, a core that was taken away.
+/// Detects that this process was suspended: SIGSTOP, a suspended machine, a core that was taken
+/// away.
 ///
-/// The maintenance thread says at each tick by when the next one is due. A tick that is late by
-/// more than `longest_gap`, or would be if it came now, is a pause. Between the end of a pause and
-/// the moment at which maintenance has judged it nothing may start: what lies in the rings is as
-/// old as the pause, and nobody knows yet who died meanwhile. Times are of CLOCK_BOOTTIME.
+/// At each tick the maintenance thread sets when the next one is due. A tick that is late by more
+/// than `longest_gap`, or would be if it came now, means a pause. After a pause no call may start
+/// until maintenance has judged the pause: packets in the rings are as old as the pause, and peers
+/// that died meanwhile are not known yet. Times are of CLOCK_BOOTTIME.
 class PauseWatch {
  public:
   static constexpr Duration longest_gap = std::chrono::milliseconds(500);
 
-  /// Maintenance, at each tick. The length of the pause that ends here, if there was one; then
-  /// nothing starts until judged().
+  /// Called by maintenance at each tick. Returns the length of the pause that ends here, if there
+  /// was one; then no call starts until judged().
   std::optional<Duration> tick(TimePoint now) {
     const TimePoint due = due_.load(std::memory_order_relaxed);
     if (due == TimePoint::max() || now - due <= longest_gap) {
-      due_.store(now, std::memory_order_relaxed);  // its work may be where a pause falls
+      due_.store(now, std::memory_order_relaxed);  // a pause may fall into the work of this tick
       return std::nullopt;
     }
     judging_.store(true, std::memory_order_relaxed);
     return now - due;
   }
-  /// Maintenance: sessions and commands are as the pause left them to be.
+  /// Called by maintenance after it has applied the pause to all sessions and commands.
   void judged(TimePoint next_due) {
     {
       const MutexLock lock(mutex_);
@@ -43,8 +44,8 @@ class PauseWatch {
     }
     judged_.notify_all();
   }
-  /// For the maintenance thread before it sleeps. TimePoint::max(): until it is woken. False: there
-  /// was a pause since its tick, and the next tick is due now.
+  /// Called by the maintenance thread before it sleeps until `next`. TimePoint::max(): until it is
+  /// woken. Returns false when there was a pause since its tick; the next tick is then due now.
   [[nodiscard]] bool due(TimePoint next, TimePoint now) {
     if (suspected(now)) return false;
     due_.store(next, std::memory_order_relaxed);
@@ -57,12 +58,12 @@ class PauseWatch {
     return judging_.load(std::memory_order_acquire) ||
            (due != TimePoint::max() && now - due > longest_gap);
   }
-  /// When a thread that asks often found no pause.
+  /// The last check of a thread that checks often, if it found no pause.
   struct Checked {
     Moment moment;
     TimePoint at{};  ///< at most a tick of the kernel ago
   };
-  /// Likewise, and reads the clock only now and then.
+  /// As above, but does not read the clock at every call.
   bool suspected(const Clock& clock, Checked& checked, Moment now = Moment::now()) const {
     if (judging_.load(std::memory_order_acquire)) return true;
     if (now == checked.moment) return false;
@@ -71,17 +72,17 @@ class PauseWatch {
     checked.moment = suspicious || !clock.real() ? Moment{} : now;
     return suspicious;
   }
-  /// Waits until it is judged. Never on the maintenance thread.
+  /// Waits until the pause is judged. Must not be called on the maintenance thread.
   void await_judgement(const Clock& clock) {
     if (!suspected(clock.since_boot())) return;
     MutexLock lock(mutex_);
-    // A tick that came as late as is just no pause tells nobody.
+    // A tick that is late, but not late enough for a pause, sends no notification.
     while (suspected(clock.since_boot())) judged_.wait_for(lock, longest_gap / 50);
   }
 
  private:
   std::atomic<TimePoint> due_{TimePoint::max()};  // publishes nothing but itself
-  std::atomic<bool> judging_{false};              // cleared: publishes what the judge did
+  std::atomic<bool> judging_{false};  // clearing it publishes the work of the maintenance thread
   Mutex mutex_;
   ConditionVariable judged_;
 };

@@ -32,7 +32,7 @@ std::string host_name() {
   return gethostname(name, sizeof name - 1) == 0 ? name : "?";
 }
 
-/// Every runtime of this process, so that its sessions part in order when it exits.
+/// Every runtime of this process, so that its sessions close in order when the process exits.
 class OpenRuntimes {
  public:
   static OpenRuntimes& instance() {
@@ -101,7 +101,7 @@ Runtime::~Runtime() = default;
 
 tl::expected<std::shared_ptr<Runtime>, NoLab> Runtime::make(LabOptions options,
                                                             const Clock& clock) {
-  OpenRuntimes& open = OpenRuntimes::instance();  // first: so it ends after whatever uses it
+  OpenRuntimes& open = OpenRuntimes::instance();  // first, so that it is destroyed after its users
   try {
     auto runtime = std::make_shared<Runtime>(std::move(options), clock);
     open.add(runtime);
@@ -139,8 +139,8 @@ Hello Runtime::introduce(const InterfaceDescription& wanted) const {
   hello.incarnation = number(process_incarnation());
   hello.interface_name = wanted.name;
   hello.interface_hash = wanted.hash;
-  // Nothing is sent to who is UNREACHABLE, and who stays so for `grace` is given up. A quarter is
-  // for what the clocks of two hosts may disagree on.
+  // A client sends nothing to an UNREACHABLE server and gives it up after `grace`. A quarter is for
+  // the difference between the clocks of two hosts.
   hello.accept_within = options_.grace * 3 / 4;
   return hello;
 }

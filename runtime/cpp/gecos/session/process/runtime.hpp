@@ -26,12 +26,12 @@ class Closable {
   virtual void close(Duration patience) = 0;
 };
 
-/// What sessions and servers of one lab stand on: settings, the clock, the media and the
-/// maintenance thread. It lives as long as the last of them. Thread-safe.
+/// What sessions and servers of one lab share: settings, the clock, the media and the maintenance
+/// thread. It lives as long as the last of them. Thread-safe.
 class Runtime : public std::enable_shared_from_this<Runtime> {
  public:
-  /// When the program exits, however its labs are dropped, its sessions say goodbye.
-  /// Fails when this process has no thread or descriptor left for it.
+  /// Creates a runtime whose sessions say goodbye when the program exits, however its labs are
+  /// dropped. Fails when this process has no thread or descriptor left for it.
   static tl::expected<std::shared_ptr<Runtime>, NoLab> make(LabOptions options, const Clock& clock);
 
   Runtime(LabOptions options, const Clock& clock);
@@ -41,21 +41,21 @@ class Runtime : public std::enable_shared_from_this<Runtime> {
   const Clock& clock() const { return clock_; }
   Maintenance& maintenance() { return maintenance_; }
   Callbacks& callbacks() { return callbacks_; }
-  /// Silence after which a session ends, and with it what a server enlisted with a broker.
+  /// Silence after which a session ends, and with it what a server registered with a broker.
   Duration registration_ttl() const { return options_.lease_ttl + options_.grace; }
 
-  /// The medium of this kind, opened at first use, or why it cannot be had here now.
+  /// The medium of this kind, opened at first use, or why it is not available here now.
   tl::expected<media::Medium*, media::MediumError> medium(media::Kind kind);
-  /// Which host this is, as far as shared memory reaches: the folder that this runtime meets
-  /// others in is part of it.
+  /// Identifies this host as far as shared memory reaches: the folder in which this runtime finds
+  /// others is part of it.
   const std::string& host_identity();
-  /// What this program says of itself to `interface_name`.
+  /// How this program introduces itself to an object of the interface `wanted`.
   Hello introduce(const InterfaceDescription& wanted) const;
 
-  /// It is closed when this program exits, should it still live.
+  /// Closes `session` when this program exits, if it still lives.
   void close_at_exit(const std::shared_ptr<Closable>& session);
-  /// Closes one after the other within `patience`, and two heartbeats more for each that does not
-  /// answer: who is stuck takes no other's share.
+  /// Closes the sessions one after the other within `patience`, plus two heartbeats for each that
+  /// does not answer, so that a stuck session takes no time from the others.
   void close_all(const std::vector<std::shared_ptr<Closable>>& sessions, Duration patience) const;
   /// Says goodbye in every open session.
   void close_sessions(Duration patience);

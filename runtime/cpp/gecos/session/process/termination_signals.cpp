@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::array<int, 2> signals{SIGINT, SIGTERM};
 
-/// All that a handler may touch: set before it is installed, and never freed.
+/// The only data that the signal handler may touch: set before it is installed, and never freed.
 std::atomic<EventFd*> came{nullptr};
 std::atomic<pid_t> owner{0};
 static_assert(std::atomic<EventFd*>::is_always_lock_free &&

@@ -2,13 +2,14 @@
 
 namespace gecos::session {
 
-/// While one lives, SIGINT and SIGTERM make a descriptor readable instead of ending the process,
-/// whichever thread they are delivered to. Handlers that were there before come back afterwards; a
-/// signal that the process ignores (SIGINT under `nohup … &`) stays ignored. In a forked child the
-/// signals do again what they do by default.
+/// While an instance lives, SIGINT and SIGTERM make a descriptor readable instead of ending the
+/// process, whichever thread they are delivered to. Handlers that were there before come back
+/// afterwards; a signal that the process ignores (SIGINT under `nohup … &`) stays ignored. In a
+/// forked child the signals do again what they do by default.
 class TerminationSignals {
  public:
-  /// Takes the descriptor that all of them share, or throws std::system_error. None fails after it.
+  /// Opens the descriptor that all instances share, or throws std::system_error. No constructor
+  /// fails after it.
   static void prepare();
   TerminationSignals();  ///< as `prepare`
   ~TerminationSignals();

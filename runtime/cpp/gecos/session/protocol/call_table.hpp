@@ -25,7 +25,7 @@ class CallTable {
     ++size_;
   }
 
-  /// Null when it is not there. The pointer is valid until the table changes.
+  /// Null when there is no call with this counter. The pointer is valid until the table changes.
   const std::shared_ptr<Call>* find(std::uint64_t counter) const {
     for (std::size_t at = home(counter);; at = next(at)) {
       if (slots_[at].counter == 0) return nullptr;  // first: nothing is called 0
@@ -33,7 +33,7 @@ class CallTable {
     }
   }
 
-  /// Takes it out; null when it is not there.
+  /// Removes and returns the call; null when there is none with this counter.
   std::shared_ptr<Call> take(std::uint64_t counter) {
     std::size_t at = home(counter);
     for (;; at = next(at)) {
@@ -56,7 +56,7 @@ class CallTable {
     return least;
   }
 
-  /// Takes out all, in the order of their counters.
+  /// Removes and returns all calls, in the order of their counters.
   std::vector<std::pair<std::uint64_t, std::shared_ptr<Call>>> take_all();
   /// In the order of their counters.
   std::vector<std::pair<std::uint64_t, std::shared_ptr<Call>>> all() const;
@@ -84,7 +84,7 @@ class CallTable {
     }
   }
 
-  /// Moves up what was placed behind `gap` only because its home was taken.
+  /// Moves up the calls that stand after `gap` only because their home slot was occupied.
   void close_gap(std::size_t gap) {
     for (std::size_t at = next(gap); slots_[at].counter != 0; at = next(at)) {
       const std::size_t distance_home = (at - home(slots_[at].counter)) & (slots_.size() - 1);

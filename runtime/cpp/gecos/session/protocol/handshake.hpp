@@ -1,4 +1,5 @@
-// Bodies of the packets that are not calls: opening a session, and what became of a command.
+// Bodies of the packets that are not calls: opening a session, and progress and failure of
+// commands.
 #pragma once
 
 #include <cstdint>
@@ -11,8 +12,8 @@
 
 namespace gecos::session {
 
-/// Who asks for a session, and what it believes the object to be. What the medium proves about the
-/// peer counts more than what is claimed here.
+/// The client that asks for a session, and the interface that it expects. What the medium proves
+/// about the peer overrides what is claimed here.
 struct Hello {
   std::string user;
   std::string host;
@@ -21,17 +22,17 @@ struct Hello {
   std::uint64_t incarnation = 0;
   std::string interface_name;
   std::uint64_t interface_hash = 0;
-  /// Calls that are older when the server reads them are not taken up: the client has given them
-  /// up, or sends them again. 0: however old.
+  /// Maximum age of a call when the server reads it. The server does not accept older calls: the
+  /// client has given them up, or sends them again. 0: no limit.
   Duration accept_within{0};
 
   std::size_t encoded_size() const;
   void encode(wire::Encoder& to) const;
   bool decode(wire::Decoder& from);
-  static std::int64_t fingerprint() { return 0; }  // travels in an envelope, never alone
+  static std::int64_t fingerprint() { return 0; }  // sent in an envelope, never alone
 };
 
-/// What travels in the calls of one operation, in a number.
+/// A hash of what is encoded in the calls of one operation.
 struct OperationHash {
   FunctionCode code{};
   std::uint64_t hash = 0;

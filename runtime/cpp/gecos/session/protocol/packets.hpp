@@ -1,4 +1,4 @@
-// Packets as the session writes them: one buffer, reused, head and body behind each other.
+// Packets as the session writes them: head and body one after the other, in one reused buffer.
 #pragma once
 
 #include <optional>
@@ -23,26 +23,26 @@ struct SentBefore {
     return from.get(session, "session") && from.get(counter, "counter");
   }
 };
-/// Flags of a Goodbye after which nothing of the session starts any more: its client waited in vain
-/// for the answer to one without.
+/// Flags of a Goodbye after which no call of the session may start: its client got no answer to a
+/// Goodbye without this flag.
 inline constexpr std::int8_t withdraws = 1;
 
 void write_packet(Bytes& into, const wire::PacketHeader& header, ByteView body);
-/// With a body that takes `size` bytes.
+/// As above, with a body of `size` bytes that `encode` writes.
 void write_packet(Bytes& into, const wire::PacketHeader& header, std::size_t size,
                   FunctionRef<void(wire::Encoder&)> encode);
 
 /// The terminal outcome of a call as a packet.
 void write_failure(Bytes& into, wire::PacketHeader header, const Failure& failure);
-/// What `write_failure` wrote. A detail that is not known, or that ends no call at a server, counts
-/// as FAULT.
+/// Decodes what `write_failure` wrote. A detail that is unknown, or with which a server must not
+/// end a call, counts as FAULT.
 Failure failure_from(std::optional<Detail> detail, ByteView body);
 /// The body of a Goodbye that gives a reason.
 Bytes goodbye_body(const std::string& why);
 /// ": why", from the body of a Goodbye; empty when it gives no reason.
 std::string text_of(ByteView goodbye);
 
-/// The clock of real waits; policies use the lab's.
+/// The clock of real waits; policies use the lab's clock.
 const Clock& system_clock();
 
 }  // namespace gecos::session

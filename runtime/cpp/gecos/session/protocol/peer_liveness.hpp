@@ -9,7 +9,7 @@ namespace gecos::session {
 
 /// Whether the other side of a session lives, judged by its heartbeats alone. The server judges its
 /// clients by it and the client its server. Time is passed in: that of a SuspendAwareClock, by
-/// which a peer is not silent while this process does not run. Not thread-safe.
+/// which a peer does not grow silent while this process does not run. Not thread-safe.
 class PeerLiveness {
  public:
   struct Bounds {
@@ -28,7 +28,7 @@ class PeerLiveness {
 
   /// The peer gave a sign of life other than a heartbeat.
   void heard(TimePoint now) { last_heard_ = now; }
-  /// Of the heartbeats, only one after these `heartbeats` is a sign of life.
+  /// Only a heartbeat after the first `heartbeats` ones counts as a sign of life.
   void await_heartbeat_after(std::uint64_t heartbeats) { heartbeats_ = heartbeats; }
   /// `heartbeats`: how many have come so far.
   Verdict check(std::uint64_t heartbeats, TimePoint now);

@@ -42,7 +42,7 @@ void ReplyCache::keep(std::uint64_t counter, Bytes packet) {
   crowd_out();
 }
 
-/// The newest stays.
+/// Drops the oldest replies beyond the limits. The newest reply always stays.
 void ReplyCache::crowd_out() {
   while (kept_.size() > 1 && (kept_.size() > most_replies || bytes_ > room_)) {
     bytes_ -= kept_.front().packet.size();

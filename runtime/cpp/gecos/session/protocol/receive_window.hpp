@@ -16,13 +16,15 @@ class ReceiveWindow {
   enum class Verdict : std::uint8_t {
     New,
     Seen,
-    Beyond,  ///< too far ahead of what is missing: it cannot be remembered, so it has not arrived
+    Beyond,  ///< too far ahead of the first missing counter to be recorded: it counts as not
+             ///< arrived
   };
   /// Notes that `counter` arrived.
   Verdict arrived(std::uint64_t counter);
   /// Likewise, over a medium that neither loses nor repeats: all before it arrived too.
   void arrived_in_order(std::uint64_t counter) { cumulative_ack_ = counter; }
-  /// Who sends has given up what has not arrived up to `counter`: from now on it counts as arrived.
+  /// The sender has given up the packets up to `counter` that have not arrived; they now count as
+  /// arrived.
   void abandoned(std::uint64_t counter);
   bool seen(std::uint64_t counter) const;
   /// Highest counter up to which all arrived.
@@ -47,7 +49,8 @@ class ReplyCache {
   bool awaited(std::uint64_t counter) const { return counter > acknowledged_; }
   /// Null when it was acknowledged or crowded out.
   const Bytes* find(std::uint64_t counter) const;
-  /// Its session is lost: from now on it keeps little, in case it is asked for in another.
+  /// Reduces the cache after its session was lost; its client may still ask for replies in another
+  /// session.
   void shrink();
 
  private:

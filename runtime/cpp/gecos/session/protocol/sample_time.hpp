@@ -1,4 +1,4 @@
-// When a sample was measured, by a clock that nobody sets: the wall clock is for people.
+// When a sample was measured, by CLOCK_BOOTTIME, which nobody sets; the wall clock is for display.
 #pragma once
 
 #include <algorithm>
@@ -13,10 +13,11 @@
 
 namespace gecos::session {
 
-/// What two clocks are held to differ at most, 36 years: no number that a peer sends upsets us.
+/// The assumed maximum difference between two clocks, 36 years. Times sent by a peer are clamped to
+/// it.
 inline constexpr Duration longest_age{std::int64_t{1} << 60};
 
-/// When it was measured, by the clock that people read and by the one that nobody sets.
+/// When a sample was measured: as wall-clock time in ns, and by CLOCK_BOOTTIME.
 struct SampleTime {
   std::int64_t stamp_ns = 0;
   TimePoint measured{};
@@ -32,8 +33,8 @@ inline SampleTime sample_time(std::int64_t stamp_ns, const Clock& clock) {
   return {stamp_ns, now - std::clamp(wall - stamp, Duration::zero(), longest_age)};
 }
 
-/// A sample travels with these bytes behind it: when it was measured, in ns of the server's
-/// CLOCK_BOOTTIME.
+/// The number of bytes appended to each sample that is sent: when it was measured, in ns of the
+/// server's CLOCK_BOOTTIME.
 inline constexpr std::size_t measured_bytes = 8;
 
 inline void append_measured(Bytes& sample, TimePoint measured) {
@@ -43,7 +44,7 @@ inline void append_measured(Bytes& sample, TimePoint measured) {
       .put(static_cast<std::int64_t>(measured.time_since_epoch().count()));
 }
 
-/// Takes them off; nothing where they are missing.
+/// Removes the appended bytes and returns their time; nullopt when they are missing.
 inline std::optional<TimePoint> take_measured(Bytes& sample) {
   if (sample.size() < measured_bytes) return std::nullopt;
   const std::size_t size = sample.size() - measured_bytes;

@@ -13,21 +13,21 @@ enum class CallLane : std::uint8_t { None, Safety, Sensor, Actor };
 
 }  // namespace gecos::session
 
-/// What client and server tell each other about starts without a packet (media::Link::write_word),
-/// so that neither needs the other to run.
+/// How client and server exchange starts and withdrawals through shared words
+/// (media::Link::write_word), without a packet, so that neither needs the other to run.
 ///
 /// The server writes the counter of a call before it starts it: the *mark*. The client writes the
 /// counter of its last call before it reports how its calls ended: the *withdrawal*. Each then
-/// reads the other's word. In the one order of all four, a call whose mark the client does not see
-/// was marked after the withdrawal or never, and a server that marks after a withdrawal sees it and
-/// does not start the call.
+/// reads the other's word. All four accesses are sequentially consistent: a call whose mark the
+/// client does not see was marked after the withdrawal or never, and a server that marks after a
+/// withdrawal sees it and does not start the call.
 namespace gecos::session {
 
-/// Of the client: no call up to this counter may start any more.
+/// The client's word: no call up to this counter may start any more.
 inline constexpr std::size_t withdrawn_word = 0;
 
-/// Of the server: the highest counter that was started in this lane. Counters of one client start
-/// in their order there, but for handlers that run beside each other.
+/// The server's word: the highest counter that was started in this lane. Calls of one client start
+/// there in the order of their counters, except handlers that run in parallel.
 constexpr std::size_t marked_word(CallLane lane) { return static_cast<std::size_t>(lane); }
 
 /// The words in which the mark of a call of `operation` may stand, one bit each. None for a

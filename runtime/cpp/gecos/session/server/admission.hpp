@@ -12,7 +12,8 @@
 /// Whether a call may be queued, and later whether it may start. Pure: time is passed in.
 namespace gecos::session {
 
-/// It makes its object act, so the object's name must be certain (NameClaim).
+/// True when `operation` makes its object act. The object's name must then be confirmed
+/// (NameClaim).
 bool commands_the_object(const OperationDescription& operation);
 
 /// A call that asks for admission.
@@ -22,33 +23,33 @@ struct CallRequest {
   Epoch epoch{};  ///< of the status under which it was issued
 };
 
-/// The object that is asked; `now` by the clock of its leases.
+/// The object that is called; `now` is a time of its lease clock.
 struct AdmittingObject {
   std::string_view name;
   const access::LeaseTable& leases;
   TimePoint now{};
 };
 
-/// Whether it may be queued as far as its object is concerned; the queue has bounds of its own.
-/// Nothing: it may. `closing`: the server is about to end.
+/// Why `call` must not be queued; nullopt when it may be. ObjectQueue::push checks the bounds of
+/// the queue. `closing`: the server is about to end.
 std::optional<Failure> refusal_to_queue(const CallRequest& call, const AdmittingObject& object,
                                         const NameClaim& claim, const ObjectQueue& queue,
                                         bool closing);
 
-/// What has become of a call's session since it was queued.
+/// The state of the session of a queued call.
 struct CallerState {
   bool gone = false;       ///< its link was lost
-  bool withdrawn = false;  ///< it has given up what has not started
-  bool unheard = false;    ///< no heartbeat came since this process stood still, or for too long
+  bool withdrawn = false;  ///< its client gave up all calls that have not started
+  bool unheard = false;    ///< no heartbeat came since this process was suspended, or for too long
 };
 
-/// Whether it may start: what was true when it was queued need not be true any more. Nothing: it
-/// may. `expired`: its deadline has passed.
+/// Why a queued call must not start; nullopt when it may. The conditions can have changed since it
+/// was queued. `expired`: its deadline has passed.
 std::optional<Failure> refusal_to_start(const CallRequest& call, const AdmittingObject& object,
                                         const CallerState& caller, bool expired);
 
-/// When a call expires that has `left`, by the clock of `since_boot`. Zero, and centuries, mean
-/// never: TimePoint::max().
+/// The time, by the clock of `since_boot`, at which a call with `left` until its deadline expires.
+/// TimePoint::max(), never, when `left` is zero or centuries.
 TimePoint expiry(Duration left, TimePoint since_boot);
 
 }  // namespace gecos::session

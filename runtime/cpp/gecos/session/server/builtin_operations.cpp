@@ -1,4 +1,4 @@
-// What every object answers, whatever its interface says: gecos::GecosObject.
+// The built-in operations of every object, whatever its interface: gecos::GecosObject.
 #include <unistd.h>
 
 #include <algorithm>
@@ -46,7 +46,7 @@ Failure undecodable(const wire::DecodeError& why) {
   return {Detail::BadParameter, why.message(), {}, {}};
 }
 
-/// Shorter than a client waits for any answer.
+/// Must be shorter than a client waits for an answer.
 constexpr Duration longest_wait_for_status = std::chrono::seconds(1);
 
 Failure refusal(std::string reason, std::vector<Holder> holders) {
@@ -202,7 +202,7 @@ void ObjectHost::release(ServerSession& session, std::uint64_t counter, ByteView
   std::uint64_t epoch = asked->epoch;
   const std::uint64_t held_now = number(leases_.epoch());
   if (session.held_from <= epoch && epoch < held_now)
-    epoch = held_now;  // stops of its own renewed it
+    epoch = held_now;  // its own stops renewed its status
   if (now && Epoch{epoch} == leases_.epoch() &&
       leases_.status_of(session.id()) != access::Status::Sensor) {
     end_commands([&](const ServerCall& call) { return call.client == session.id(); },
@@ -217,7 +217,7 @@ void ObjectHost::release(ServerSession& session, std::uint64_t counter, ByteView
   session.reply(counter, ByteView{});
 }
 
-/// Acted on here, whatever a handler is doing: status, queue and interruption are the session's.
+/// Takes effect at once, whatever the handlers do: it only needs leases, queue and interrupt flags.
 void ObjectHost::stop(ServerSession& by, std::uint64_t counter) {
   const std::string why = "stopped by " + who(by.caller());
   log_info("server", name_ + ": " + why);

@@ -10,10 +10,10 @@
 
 namespace gecos::session {
 
-/// Where one call stands at its server, from the queue until its handler has answered and returned.
-/// It has a phase, which its handler moves, and its caller knows its outcome or not yet: a call can
-/// end for its caller (stopped, lease lost, deadline over) while its handler goes on. Pure: time is
-/// passed in.
+/// The state of one call at its server, from the queue until its handler has answered and returned.
+/// The phase follows the handler; `reported` is what the caller was sent. A call can end for its
+/// caller (stopped, lease lost, deadline passed) while its handler continues. Pure: time is passed
+/// in.
 class CallState {
  public:
   enum class Phase : std::uint8_t {
@@ -21,31 +21,31 @@ class CallState {
     Taken,     ///< has left the queue; its handler has not begun
     Running,   ///< its handler has begun and has not answered
     Answered,  ///< its handler has answered; the handler's thread has not returned
-    Finished,  ///< nothing of it runs, and its caller knows its outcome
+    Finished,  ///< its handler does not run, and its caller was sent its outcome
   };
   enum class Reported : std::uint8_t { Nothing, Canceling, Outcome };
   enum class Event : std::uint8_t {
-    Take,    ///< the queue gives it to a thread
-    Begin,   ///< it is marked as started, directly before its handler begins
-    Cancel,  ///< its caller wants its handler to end
-    End,     ///< its caller is told an outcome that is not its handler's
-    Answer,  ///< its handler answers. The first answer counts, and not after another outcome
-    Return,  ///< the thread of its handler comes back
-    Drop,    ///< its handler does not begin: its caller was told why
+    Take,    ///< the queue hands the call to a thread
+    Begin,   ///< the call is marked as started, directly before its handler begins
+    Cancel,  ///< its caller requests cancellation
+    End,     ///< its caller is sent an outcome that is not from its handler
+    Answer,  ///< its handler answers; reported only if no outcome was reported before
+    Return,  ///< the thread of its handler returns
+    Drop,    ///< its handler will not begin; its caller was sent the reason
   };
   struct State {
     Phase phase = Phase::Queued;
     Reported reported = Reported::Nothing;
-    bool returned = false;  ///< the thread came back without an answer: that follows
+    bool returned = false;  ///< the handler's thread returned before the call was answered
     bool operator==(const State&) const = default;
   };
-  /// What an event has brought about.
+  /// The effect of an event.
   struct Change {
-    bool report = false;    ///< its caller is to be told the outcome now
+    bool report = false;    ///< the outcome must be sent to the caller now
     bool finished = false;  ///< its successor may start
   };
 
-  /// The state after `event`; nothing where that cannot happen.
+  /// The state after `event`; nullopt when `event` cannot happen in `state`.
   static constexpr std::optional<State> after(State state, Event event);
 
   /// `deadline` by the clock of `since_boot`; TimePoint::max(): none.
@@ -64,16 +64,16 @@ class CallState {
 
   Phase phase() const { return state_.phase; }
   bool queued() const { return state_.phase == Phase::Queued; }
-  /// Its caller knows its outcome.
+  /// The outcome was reported to the caller.
   bool ended() const { return state_.reported == Reported::Outcome; }
   bool canceling() const { return state_.reported == Reported::Canceling; }
-  /// The thread that was given it holds its lane no longer.
+  /// The thread that took the call no longer occupies its lane.
   bool returned() const { return state_.returned || state_.phase == Phase::Finished; }
-  /// When its handler began; nothing where it has not.
+  /// When the handler began; nullopt before that.
   std::optional<TimePoint> begun_at() const { return begun_at_; }
   bool has_deadline() const { return deadline_ != TimePoint::max(); }
   bool overdue(TimePoint since_boot) const { return has_deadline() && since_boot >= deadline_; }
-  /// What its caller reads of it. @pre !ended()
+  /// The detail shown to the caller. @pre !ended()
   Detail detail() const {
     return canceling() ? Detail::Canceling : queued() ? Detail::Queued : Detail::Executing;
   }
@@ -116,10 +116,10 @@ constexpr std::optional<CallState::State> CallState::after(State state, Event ev
   return std::nullopt;
 }
 
-/// What the caller of a running call knows of its progress. Pure: time is passed in.
+/// The progress of a running call, as reported to its caller. Pure: time is passed in.
 class CallProgress {
  public:
-  /// Between two reports; of what comes more often the newest is sent.
+  /// Minimum time between two reports; of more frequent progress only the newest is sent.
   static constexpr Duration between = std::chrono::milliseconds(2);
 
   void note(double fraction, ByteView feedback) {

@@ -10,11 +10,11 @@
 
 namespace gecos::session {
 
-/// The threads of one object's handlers that take long. An idle one takes the next job, else a new
-/// one is started, up to `most_threads`; none before the first job.
+/// The thread pool for one object's long handlers. An idle thread takes the next job, else a new
+/// thread is started, up to `most_threads`. No thread exists before the first job.
 class Executor {
  public:
-  /// More handlers than these wait for one of them to return.
+  /// At this limit a further handler waits until another one returns.
   static constexpr std::size_t most_threads = 256;
 
   explicit Executor(std::string name) : name_(std::move(name)) {}
@@ -22,7 +22,8 @@ class Executor {
   Executor(const Executor&) = delete;
   Executor& operator=(const Executor&) = delete;
 
-  /// Runs it soon; false, and it is not run, after `join` began or when not one thread can be had.
+  /// Queues `job` for a thread. Returns false, and does not run `job`, after `join` began or when
+  /// the pool has no thread and cannot create one.
   bool post(std::function<void()> job);
   /// Waits until all that was posted has run. @pre not on one of these threads.
   void join();
@@ -36,7 +37,7 @@ class Executor {
   std::deque<std::function<void()>> jobs_ GECOS_GUARDED_BY(mutex_);
   std::vector<std::thread> threads_ GECOS_GUARDED_BY(mutex_);
   std::size_t idle_ GECOS_GUARDED_BY(mutex_) = 0;
-  /// The system gave none when one was asked for last.
+  /// The last attempt to create a thread failed.
   bool without_thread_ GECOS_GUARDED_BY(mutex_) = false;
   bool ended_ GECOS_GUARDED_BY(mutex_) = false;
 };

@@ -24,7 +24,7 @@ Sessions& sessions() {
 
 using Calls = std::vector<std::shared_ptr<ServerCall>>;
 
-/// What has to come to an end before `call` can.
+/// The calls that must end before `call` can end.
 Calls awaited_by(ServerCall& call) {
   const auto awaited = call.object().awaited_by(call);
   if (!awaited) return call.object().held_up_by(call);
@@ -33,7 +33,8 @@ Calls awaited_by(ServerCall& call) {
   return found == nullptr ? Calls{} : Calls{std::move(found)};
 }
 
-/// Whether `way.front()` is among what the last of `way` waits for. Then `way` is the circle.
+/// Whether the last call of `way` waits, directly or through others, for `way.front()`. If so,
+/// `way` is extended to the whole cycle.
 bool leads_back(Calls& way) {
   for (auto& next : awaited_by(*way.back())) {
     if (next == way.front()) return true;

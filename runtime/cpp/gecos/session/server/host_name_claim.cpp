@@ -1,4 +1,4 @@
-// What a served object does as its broker confirms its name, does not answer, or has given the name
+// How an object reacts when the broker confirms its name, does not answer, or has assigned the name
 // to another server.
 #include "gecos/base/log.hpp"
 #include "gecos/session/server/object_host.hpp"
@@ -50,7 +50,7 @@ void ObjectHost::name_unanswered(std::uint64_t question, const std::string& why)
   log_warning("session", text);
 }
 
-/// What runs is told to stop, whatever its policy for the loss of a lease is.
+/// Interrupts running commands, whatever their policy for the loss of a lease.
 void ObjectHost::name_taken(const std::string& by) {
   std::string why;
   {

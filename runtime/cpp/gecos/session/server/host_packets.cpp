@@ -47,7 +47,7 @@ SessionId new_session_id() {
   return SessionId{id};
 }
 
-/// The kernel's word counts more than the client's.
+/// The user according to the kernel if it is known, else the user that the client claims.
 std::string user_of(const media::Peer& peer, const std::string& claimed) {
   if (!peer.uid) return claimed;
   passwd entry{};
@@ -83,7 +83,7 @@ void ObjectHost::take_packet(const std::shared_ptr<ServerSession>& session, Byte
   if (header.kind == wire::PacketKind::Goodbye) {
     if (theirs) {
       session->left = true;
-      // One that was sent while this process stood still may be of somebody who is dead by now.
+      // The sender of a Goodbye that was sent while this process was suspended may be dead by now.
       if (header.flags == withdraws || unheard_since_a_pause(*session)) withdraw(*session);
       release_all(*session);
     }
@@ -93,7 +93,7 @@ void ObjectHost::take_packet(const std::shared_ptr<ServerSession>& session, Byte
     return say_goodbye(*session, header.session, "it is not known here");
 
   if (session->repeats()) acknowledge(session, header.acknowledged);
-  if (header.counter == 0) return;  // counts no call: damage, or malice
+  if (header.counter == 0) return;  // no call has counter 0: the packet is damaged or malicious
   switch (header.kind) {
     case wire::PacketKind::Call:
       return arrive(session, *packet);
@@ -102,7 +102,7 @@ void ObjectHost::take_packet(const std::shared_ptr<ServerSession>& session, Byte
     case wire::PacketKind::Query:
       return answer_again(*session, header.counter);
     default:
-      return;  // a newer client's
+      return;  // a packet kind of a newer client
   }
 }
 
@@ -165,15 +165,15 @@ void ObjectHost::greet(const std::shared_ptr<ServerSession>& session,
   session->send(header, wire::to_bytes(welcome));
 }
 
-/// Whatever was read of it may be older than the pause.
+/// True when packets read from the session may be older than a pause of this process.
 bool ObjectHost::unheard_since_a_pause(const ServerSession& session) const {
   return session.awaited ||
          runtime_->maintenance().pauses().suspected(runtime_->clock().since_boot());
 }
 
-/// Its client has given up what has not started.
+/// Ends the calls of `session` that have not started, because its client has given them up.
 void ObjectHost::withdraw(ServerSession& session) {
-  session.intake.withdraw();  // also for what waits for its thread
+  session.intake.withdraw();  // also for calls that wait for a thread
   while (const auto counter = session.intake.first_aside()) {
     end_early(session, *counter, Detail::NotStarted, not_started);
   }
@@ -195,7 +195,8 @@ void ObjectHost::say_goodbye(ServerSession& session, SessionId to, const std::st
 void ObjectHost::arrive(const std::shared_ptr<ServerSession>& session,
                         const wire::PacketView& packet) {
   const std::uint64_t counter = packet.header.counter;
-  // What was issued before a release still runs: until all of it is here, it has not arrived.
+  // Commands issued before a release still run, so the release counts as arrived only after all of
+  // them.
   const bool release = packet.header.code == GecosObjectInterface::release.code;
   const bool unheard = session->awaited;
   const bool judged = session->intake.judges_age(unheard);
@@ -220,7 +221,8 @@ void ObjectHost::arrive(const std::shared_ptr<ServerSession>& session,
   take_early(session);
 }
 
-/// While this process was stopped, say: its client has been told that nobody knows, or asks again.
+/// Refuses a call that lay unread for too long, for example while this process was suspended. Its
+/// client has reported OUTCOME_UNKNOWN, or asks again.
 void ObjectHost::refuse_late(ServerSession& session, std::uint64_t counter) {
   const std::string why =
       "it was not started: it lay unread for more than " +
@@ -249,15 +251,16 @@ void ObjectHost::take_call(const std::shared_ptr<ServerSession>& session,
   }
   const std::size_t most =
       ObjectQueue::most_of_object + (operation->safety ? ObjectQueue::most_of_object / 4 : 0);
-  if (session->calls.size() + session->intake.aside() >= most) {  // which no client of ours does
+  if (session->calls.size() + session->intake.aside() >= most) {  // no correct client does
     return session->reply(
         counter, Failure{Detail::QueueFull, "more calls are unanswered than were granted", {}, {}});
   }
   if (!too_early(*session, packet, *operation)) admit(session, packet, *operation);
 }
 
-/// Over a medium that loses packets a command may arrive before one that was issued before it; it
-/// waits for that one, or an arm would move to its second goal first. True: it was put aside.
+/// A medium that loses packets may reorder commands. A command that arrives early waits for those
+/// before it, or an arm would move to its second goal first. Returns true when the command was put
+/// aside, or refused for lack of room.
 bool ObjectHost::too_early(ServerSession& session, const wire::PacketView& packet,
                            const OperationDescription& operation) {
   const bool keeps_place = operation.status != access::Status::Sensor || operation.ordered;
@@ -278,7 +281,7 @@ void ObjectHost::end_early(ServerSession& session, std::uint64_t counter, Detail
   session.reply(counter, Failure{how, why, {}, {}});
 }
 
-/// Those that nothing is missing before any more.
+/// Takes the calls put aside for which no earlier call is missing any more.
 void ObjectHost::take_early(const std::shared_ptr<ServerSession>& session) {
   if (session->intake.aside() == 0) return;
   const TimePoint now = runtime_->clock().since_boot();
@@ -342,8 +345,8 @@ void ObjectHost::answer_again(ServerSession& session, std::uint64_t counter) {
   if (const Bytes* kept = session.replies->find(counter)) return session.send_again(*kept);
   const auto* found = session.calls.find(counter);
   if (found == nullptr) {
-    // Never seen: its call is on the way again. Acknowledged: a packet that was late. Early: it has
-    // not arrived yet as far as its caller shall know.
+    // No answer to a call that was never seen (the client sends it again), was acknowledged (this
+    // query is late), or was put aside (its caller must take it for not arrived).
     if (session.intake.is_aside(counter) || waits_for_status(session, counter)) return;
     if (!session.intake.seen(counter) || !session.replies->awaited(counter)) return;
     return session.reply(counter,

@@ -1,12 +1,12 @@
-// A call that its client sends again because it lost the session in which it had sent it.
+// Calls that a client sends again because it lost the session in which they were sent first.
 #include "gecos/session/protocol/packets.hpp"
 #include "gecos/session/server/object_host.hpp"
 
 namespace gecos::session {
 
-/// What it was then it still is, as long as that is known: a call that runs is told of here, one
-/// that has ended is answered again, one that never came does not come any more. Else it is a new
-/// one.
+/// Takes a call that was first sent in a lost session. While that session is known, a running call
+/// is reported in `session` and an ended call is answered again. A call that has not arrived is
+/// barred in the lost session and starts as a new call here.
 void ObjectHost::take_again(const std::shared_ptr<ServerSession>& session,
                             const wire::PacketView& packet) {
   wire::Decoder from(packet.body);
@@ -36,7 +36,7 @@ void ObjectHost::take_again(const std::shared_ptr<ServerSession>& session,
   take_call(session, call);
 }
 
-/// From now on it is told of in `session`.
+/// From now on progress and outcome of `call` are reported in `session`.
 void ObjectHost::resume(const std::shared_ptr<ServerSession>& session,
                         const wire::PacketView& packet, std::shared_ptr<ServerCall> call) {
   if (call->operation().code != packet.header.code) {
@@ -50,7 +50,7 @@ void ObjectHost::resume(const std::shared_ptr<ServerSession>& session,
   session->report(*call, call->state.detail(), queue_.position(*call).value_or(0));
 }
 
-/// Should it still come in its own session, it is too late.
+/// Keeps the call from starting if it still arrives in its first session.
 void ObjectHost::reject_late(const std::shared_ptr<ServerSession>& before, std::uint64_t counter) {
   if (before->closed || !before->repeats()) return;
   if (before->intake.is_aside(counter)) {

@@ -1,4 +1,4 @@
-// Handlers that wait: what describe() shows of them, and the end of what would wait for ever.
+// Waiting handlers: what describe() shows of them, and how waits that would never end are ended.
 #include <algorithm>
 
 #include "gecos/base/log.hpp"
@@ -36,7 +36,7 @@ std::vector<std::shared_ptr<ServerCall>> ObjectHost::held_up_by(const ServerCall
   const MutexLock lock(mutex_);
   std::vector<std::shared_ptr<ServerCall>> holding;
   if (call.state.begun_at() || call.state.ended() || call.state.has_deadline()) return {};
-  if (!call.state.queued()) {  // it is queued by a servant that begins its calls itself
+  if (!call.state.queued()) {  // a servant that begins its calls itself has queued it
     for (ServerCall* const handler : handlers_) {
       if (!servant_.gecos_share_thread(handler->operation(), call.operation())) continue;
       holding.push_back(handler->shared_from_this());
@@ -56,8 +56,8 @@ std::vector<std::shared_ptr<ServerCall>> ObjectHost::held_up_by(const ServerCall
   return holding;
 }
 
-/// A circle of handlers that wait for each other without a bound stays one: it is certain. What has
-/// just begun to wait may wait for what ends this very moment.
+/// Handlers that wait for each other in a cycle without a time-out never return. Waits younger than
+/// `certain_after` are not checked: the awaited call may be ending at this moment.
 void ObjectHost::end_endless_waits(TimePoint now) {
   constexpr Duration certain_after = std::chrono::milliseconds(200);
   std::vector<std::shared_ptr<ServerCall>> waiting;

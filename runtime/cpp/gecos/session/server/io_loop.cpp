@@ -19,8 +19,8 @@ namespace {
 constexpr std::uint64_t event_key = 0;
 constexpr std::uint64_t endpoint_bit = std::uint64_t{1} << 63;
 constexpr Duration stays_active = std::chrono::milliseconds(10);
-/// Events are looked at after so many turns; one that found something counts as many of those that
-/// did not, so that who was silent waits long for neither.
+/// Number of turns between two checks for events. A turn that found a packet counts as `busy_turn`
+/// turns, so a client that was silent waits long in neither case.
 constexpr unsigned turns_between_events = 8192;
 constexpr unsigned busy_turn = 128;
 
@@ -87,7 +87,7 @@ void IoLoop::run() {
   main_id_ = std::this_thread::get_id();
   spin_.begin();
   while (!ended_.load()) turn();
-  event_.notify();  // for a standby that sleeps on the same events
+  event_.notify();  // wakes a standby that sleeps on the same events
 }
 
 void IoLoop::run_standby() {
@@ -100,7 +100,7 @@ void IoLoop::run_standby() {
     if (ended_.load()) return;
     const MutexLock polling(polling_);
     while (!ended_.load() && main_is_inside()) turn();
-    event_.notify();  // what it took from the main thread's sleep
+    event_.notify();  // the standby may have drained events for which the main thread sleeps
   }
 }
 
@@ -113,7 +113,7 @@ void IoLoop::run_handlers(ObjectHost& object, std::shared_ptr<ServerCall> starte
   object.run_ready(starter, std::move(started));
   if (main) handler_turn_.store(turn + 2, std::memory_order_release);
   if (polling_.try_lock()) return;
-  event_.notify();  // a standby polls, and sleeps perhaps: it lets go of what is ours again
+  event_.notify();  // a standby polls and may sleep; wake it so that it releases polling
   polling_.lock();
 }
 
@@ -132,7 +132,7 @@ void IoLoop::turn() {
       }))) {
     return;
   }
-  // The ring that came with the end may have been taken above.
+  // The notification that came with `ended_` may have been drained above.
   if (prepare_all_to_sleep() && !ended_.load()) {
     woken_ = media::Woken::Early;
     rang_at_ = TimePoint{};
@@ -142,8 +142,8 @@ void IoLoop::turn() {
   spin_.begin();
 }
 
-/// A client elsewhere that sleeps sends nothing soon. One here may have been woken a moment ago by
-/// our answer and wait for this core.
+/// A sleeping client on another core sends nothing soon. A sleeping client on this core may just
+/// have been woken by our answer and be waiting for the core.
 media::Peers IoLoop::peers() const {
   const std::int32_t mine = running_core();
   bool here = false;
@@ -166,7 +166,7 @@ media::Peers IoLoop::peers() const {
 
 bool IoLoop::poll_active() {
   bool something = false;
-  // Behind a standby nobody polls while it is inside a handler: it leaves them to workers.
+  // No thread would poll while a standby ran a handler, so a standby leaves handlers to workers.
   const auto starter = std::this_thread::get_id() == main_id_ ? Starter::Poller : Starter::Other;
   for (std::size_t at = 0; at < active_.size(); ++at) {
     ServerSession& session = *active_[at];
@@ -176,7 +176,8 @@ bool IoLoop::poll_active() {
       session.quiet_looks = 0;
       started = session.object()->take_and_start(active_[at], *packet, starter);
     }
-    // A standby may part from the session meanwhile: the call keeps it, or we keep the object.
+    // A standby may disconnect the session meanwhile: `started` keeps it alive, or we keep the
+    // object.
     if (started) {
       run_handlers(*session.object(), std::move(started), starter);
     } else if (session.object()->ready()) {
@@ -204,7 +205,7 @@ void IoLoop::retire_idle(TimePoint now) {
   active_.erase(std::remove_if(active_.begin(), active_.end(), idle), active_.end());
 }
 
-/// False when something arrived meanwhile.
+/// Returns false when a packet arrived meanwhile.
 bool IoLoop::prepare_all_to_sleep() {
   for (const auto& session : active_) {
     session->active = false;
@@ -272,7 +273,7 @@ void IoLoop::accept(Endpoint& endpoint) {
     }
   }
   if (endpoint.acceptor->short_of_descriptors()) somebody_waits_.store(true);
-  // A medium that loses packets brings those of its links through this endpoint.
+  // Over a medium that loses packets, the packets of all links arrive through this endpoint.
   const MutexLock list(list_mutex_);
   for (const auto& [key, session] : sessions_) {
     if (session->repeats() && session->object() == endpoint.object) activate(session);
@@ -308,14 +309,14 @@ void IoLoop::part_if_lost(const std::shared_ptr<ServerSession>& session) {
   session->gone = true;
   log_debug("media",
             session->object()->name() + ": a link is lost: " + session->link().loss_text());
-  // In order where it said goodbye. A client that closes its link without one has given up its
-  // calls.
+  // `depart` treats a client that said goodbye as departed in order. A client that closes its link
+  // without a goodbye has given up its calls.
   session->object()->depart(session, ObjectHost::Departure::Lost);
   if (session->object()->ready())
-    session->object()->run_ready(Starter::Other);  // what it sent last
+    session->object()->run_ready(Starter::Other);  // calls that the client sent last
 }
 
-/// Maintenance saw that they are lost; what they sent before is still to be read, here.
+/// Disconnects the sessions that maintenance found lost, after reading the packets sent before.
 void IoLoop::part_from_suspects() {
   if (!suspects_.exchange(false)) return;
   drop_closed_endpoints();
@@ -349,7 +350,7 @@ TimePoint IoLoop::on_tick(TimePoint now) {
     const MutexLock called(standby_mutex_);
     standby_wanted_ = true;
     standby_called_.notify_one();
-    event_.notify();  // it may still sleep on events, from when it was wanted last
+    event_.notify();  // the standby may still sleep on events since it was wanted last
   }
   handler_seen_ = handler;
 
@@ -398,7 +399,7 @@ void IoLoop::end() {
   standby_.join();
   const MutexLock polling(polling_);
   for (const auto& endpoint : endpoints_) {
-    while (endpoint && endpoint->acceptor->accept()) {  // who comes now sees a link that closes
+    while (endpoint && endpoint->acceptor->accept()) {  // new clients see their link close
     }
   }
   decltype(sessions_) sessions;
@@ -408,7 +409,8 @@ void IoLoop::end() {
     new_endpoints_.clear();
   }
   for (const auto& [key, session] : sessions) {
-    // Over a medium that cannot tell what was taken, only an answer says that a call did not start.
+    // Over a medium that cannot tell which packets were read, only an answer tells the client that
+    // a call did not start.
     while (session->repeats() && !session->gone.load()) {
       const auto packet = session->link().receive();
       if (!packet) break;

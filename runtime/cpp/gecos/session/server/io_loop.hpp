@@ -14,12 +14,12 @@
 
 namespace gecos::session {
 
-/// Accepts clients and reads their packets; short handlers run here, between two looks.
+/// Accepts clients and reads their packets. Short handlers run on its thread, between two polls.
 ///
-/// Only active connections are polled; one silent for 10 ms is prepared to sleep and costs nothing
-/// until its event arrives. One thread polls at a time. While it is inside a handler it gives
-/// polling up, and when the handler takes more than a tick a standby polls in its place, so nobody
-/// waits for a slow handler but its own callers.
+/// Only active connections are polled; a connection silent for 10 ms is prepared to sleep and costs
+/// nothing until its event arrives. One thread polls at a time. It releases polling while it runs a
+/// handler; when the handler takes more than a tick, a standby thread polls in its place, so only
+/// the callers of a slow handler wait for it.
 class IoLoop {
  public:
   explicit IoLoop(std::shared_ptr<Runtime> runtime);
@@ -27,15 +27,15 @@ class IoLoop {
 
   /// Accepts clients of `object` from now on.
   void serve(std::shared_ptr<ObjectHost> object, std::shared_ptr<media::Acceptor> acceptor);
-  /// Parts from the clients of `object` and lets no more in. @pre it is closed
+  /// Disconnects the clients of `object` and accepts no more. @pre `object` is closed
   void withdraw(const ObjectHost& object);
-  /// After a pause of this process: each session's calls wait for a heartbeat that comes from now
-  /// on. On the maintenance thread.
+  /// Must be called after a pause of this process: the calls of each session then wait for a
+  /// heartbeat that arrives from now on. On the maintenance thread.
   void await_signs_of_life();
-  /// Heartbeats, silence and lost links; wakes the standby. On the maintenance thread. Gives when
-  /// the next look is due.
+  /// Sends heartbeats, detects silent clients and lost links, wakes the standby. On the maintenance
+  /// thread. Returns when the next tick is due.
   TimePoint on_tick(TimePoint now);
-  /// Waits until the threads have ended, a running handler included; then parts from the clients.
+  /// Waits until the threads have ended, a running handler included; then disconnects the clients.
   void end();
 
  private:
@@ -51,14 +51,14 @@ class IoLoop {
 
   void run();
   void run_standby();
-  /// Gives polling up meanwhile.
+  /// Releases `polling_` while the handlers run.
   void run_handlers(ObjectHost& object, std::shared_ptr<ServerCall> started, Starter starter)
       GECOS_REQUIRES(polling_);
   bool main_is_inside() const { return handler_turn_.load() % 2 == 1; }
-  /// One look at every active session; sleeps when nothing is.
+  /// Polls every active session once; sleeps when none is active any more.
   void turn() GECOS_REQUIRES(polling_);
   bool poll_active() GECOS_REQUIRES(polling_);
-  /// Where the clients are that may send next.
+  /// Whether the clients that may send next run on this core or on others.
   media::Peers peers() const GECOS_REQUIRES(polling_);
   bool prepare_all_to_sleep() GECOS_REQUIRES(polling_);
   void retire_idle(TimePoint now) GECOS_REQUIRES(polling_);
@@ -78,16 +78,16 @@ class IoLoop {
   const Epoll epoll_;
   EventFd event_;
   std::atomic<bool> ended_{false};              // publishes nothing but itself
-  std::atomic<std::uint64_t> handler_turn_{0};  // main's alone: odd while it is in a handler
+  std::atomic<std::uint64_t> handler_turn_{0};  // written by main_: odd while it runs a handler
 
   FutexMutex polling_;  ///< held by the thread that polls
   media::SpinPolicy spin_ GECOS_GUARDED_BY(polling_);
-  /// Null where an object was withdrawn.
+  /// An element is null after its object was withdrawn.
   std::vector<std::unique_ptr<Endpoint>> endpoints_ GECOS_GUARDED_BY(polling_);
   std::vector<std::shared_ptr<ServerSession>> active_ GECOS_GUARDED_BY(polling_);
-  /// Of prepare_all_to_sleep: kept, so that a wake-up needs no memory.
+  /// Scratch list of prepare_all_to_sleep, kept so that it does not allocate.
   std::vector<std::shared_ptr<ServerSession>> still_active_ GECOS_GUARDED_BY(polling_);
-  /// By whom the last sleep ended, and when the client rang.
+  /// What ended the last sleep, and when the client sent its notification.
   media::Woken woken_ GECOS_GUARDED_BY(polling_) = media::Woken::Early;
   TimePoint rang_at_ GECOS_GUARDED_BY(polling_){};
   std::uint64_t next_key_ GECOS_GUARDED_BY(polling_) = 1;
@@ -98,13 +98,13 @@ class IoLoop {
   std::unordered_map<std::uint64_t, std::shared_ptr<ServerSession>> sessions_
       GECOS_GUARDED_BY(list_mutex_);  ///< by watch key
   std::vector<std::unique_ptr<Endpoint>> new_endpoints_ GECOS_GUARDED_BY(list_mutex_);
-  std::atomic<bool> somebody_waits_{false};  // at an endpoint, and no descriptor was left for it
-  std::atomic<bool> suspects_{false};        // tells who polls that some sessions may be gone
+  std::atomic<bool> somebody_waits_{false};  // a client waits, but no descriptor was left for it
+  std::atomic<bool> suspects_{false};  // tells the polling thread that some sessions may be gone
 
   Mutex standby_mutex_;
   ConditionVariable standby_called_;
   bool standby_wanted_ GECOS_GUARDED_BY(standby_mutex_) = false;
-  std::uint64_t handler_seen_ = 0;  ///< maintenance: which handler ran at the last tick
+  std::uint64_t handler_seen_ = 0;  ///< maintenance thread only: `handler_turn_` at the last tick
   TimePoint next_beat_{};
   std::thread main_;
   std::thread standby_;

@@ -5,12 +5,12 @@
 
 namespace gecos::session {
 
-/// What a server knows of the claim of one of its objects to its name.
+/// Whether an object of this server still holds its name, as far as the server knows.
 ///
-/// Actor commands start only while the claim is held, or where no broker was ever told of it: after
-/// a long pause another server may have the name, and two servers must not move one robot. Each
-/// question to the broker has a number, and a pause begins a new one: an answer to an older
-/// question says nothing about what came after it. No time-out opens it. Pure.
+/// Actor commands start only while the broker confirms the name, or when no other process can have
+/// it: after a long pause another server may have the name, and two servers must not move one
+/// robot. Each question to the broker has a number, and a pause begins a new question: an answer to
+/// an older one says nothing about the time after it. No time-out permits commands. Pure.
 class NameClaim {
  public:
   enum class Standing : std::uint8_t {
@@ -24,19 +24,19 @@ class NameClaim {
   Standing standing() const { return standing_; }
   /// The number of the question that has to be answered.
   std::uint64_t question() const { return question_; }
-  /// From now on an answer is needed, and those to earlier questions do not count.
+  /// Begins a new question; answers to earlier questions are ignored.
   void ask() {
     ++question_;
     if (standing_ != Standing::Taken) standing_ = Standing::Asked;
   }
 
-  // Answers. Each gives whether that is news.
+  // Answers of the broker. Each function returns whether the standing changed.
   bool held(std::uint64_t question) {
     if (question != question_ || standing_ == Standing::Unregistered) return false;
     why_.clear();
     return change(Standing::Held);
   }
-  /// A broker answers, and may still give the name to another object.
+  /// A broker answered, but may still assign the name to another object.
   bool provisional() { return standing_ == Standing::Unanswered && change(Standing::Asked); }
   bool unanswered(std::uint64_t question, std::string why) {
     const bool needed = standing_ == Standing::Asked || standing_ == Standing::Unanswered;
@@ -53,7 +53,7 @@ class NameClaim {
   bool waits() const { return standing_ == Standing::Asked; }
   /// Actor commands end NOT_STARTED.
   bool refuses() const { return standing_ == Standing::Unanswered || standing_ == Standing::Taken; }
-  /// For people: why actor commands do not start, or that they do.
+  /// Readable text: why actor commands do not start, or that they do.
   std::string text() const;
 
  private:

@@ -14,7 +14,7 @@ namespace gecos::session {
 
 namespace {
 
-/// What the user gave, where no caller could be told that it threw.
+/// Runs a callback of the user and logs what it throws, because no caller waits for it.
 void run_for_user(const std::string& object, const std::function<void()>& what) {
   try {
     what();
@@ -68,7 +68,7 @@ std::shared_ptr<ServerCall> ObjectHost::execute(const std::shared_ptr<ServerCall
   try {
     const RunsHere here(*call);
     servant_.gecos_dispatch(IncomingCall(call));
-  } catch (...) {  // dropped unanswered, the call has ended as FAULT
+  } catch (...) {  // the call was dropped unanswered, so it has ended as FAULT
     log_error("session", name_ + ": the servant threw while it dispatched '" +
                              std::string(call->operation().name) +
                              "'; catch it there and fail the call with its text");
@@ -85,8 +85,8 @@ std::shared_ptr<ServerCall> ObjectHost::execute(const std::shared_ptr<ServerCall
   return start_next(starter);
 }
 
-/// False for one that was ended before a thread came to it, or may not start any more: its caller
-/// was told, so it does not begin.
+/// Returns false for a call that ended before a thread took it, or that may no longer start: its
+/// caller was notified, so its handler must not begin.
 bool ObjectHost::begins(ServerCall& call) {
   const MutexLock lock(mutex_);
   const TimePoint now = await_judgement();
@@ -106,8 +106,8 @@ bool ObjectHost::begin(ServerCall& call) {
   return may_start(call) && marked(call, now);
 }
 
-/// Gives the time, of CLOCK_BOOTTIME, at which no pause was to be judged: with the mutex, so that
-/// whoever marks a call then has not waited for anything since.
+/// Returns the CLOCK_BOOTTIME at which no pause was left to judge. The mutex is held from then on,
+/// so a thread that marks a call with this time has not waited since.
 TimePoint ObjectHost::await_judgement() {
   PauseWatch& pauses = runtime_->maintenance().pauses();
   for (;;) {
@@ -118,7 +118,8 @@ TimePoint ObjectHost::await_judgement() {
   }
 }
 
-/// All was ended before, or there is no thread for it.
+/// Drops a call that the executor refused: all calls were ended before, or no thread can be
+/// created.
 void ObjectHost::not_begun(ServerCall& call) {
   const MutexLock lock(mutex_);
   if (!call.state.ended()) {
@@ -140,7 +141,7 @@ void ObjectHost::never_began(ServerCall& call) {
 std::shared_ptr<ServerCall> ObjectHost::start_next(Starter starter) {
   ready_.store(false, std::memory_order_relaxed);
   if (runtime_->maintenance().pauses().suspected(runtime_->clock(), pause_)) {
-    note_ready();  // maintenance starts what may start once it has judged the pause
+    note_ready();  // maintenance starts these calls once it has judged the pause
     return nullptr;
   }
   while (auto entry = next_entry()) {
@@ -165,7 +166,7 @@ std::shared_ptr<QueueEntry> ObjectHost::next_entry() {
   });
 }
 
-/// Ends it when it may not.
+/// Whether `call` may start; ends the call when it may not.
 bool ObjectHost::may_start(ServerCall& call) {
   if (call.state.ended()) return false;
   const ServerSession& caller = call.listener();
@@ -180,8 +181,8 @@ bool ObjectHost::may_start(ServerCall& call) {
   return !refusal;
 }
 
-/// Marks it as started, directly before its handler begins. False when its caller has withdrawn it,
-/// and so has been told, or will be, that it did not start.
+/// Marks `call` as started; must be called directly before its handler begins. Returns false when
+/// its client has withdrawn it, and so reports it as not started.
 bool ObjectHost::marked(ServerCall& call, TimePoint now) {
   call.note_mark(now);
   if (!withdrawn(call)) {
@@ -198,7 +199,7 @@ bool ObjectHost::marked(ServerCall& call, TimePoint now) {
   return false;
 }
 
-/// Where client and server share memory, what the client has withdrawn is read after the mark.
+/// When client and server share memory, the client's withdrawal is read after the mark is written.
 bool ObjectHost::withdrawn(const ServerCall& call) {
   ServerSession& session = call.listener();
   if (!session.link().offer().shared_words) return false;
@@ -237,7 +238,8 @@ void ObjectHost::take_answer(ServerCall& call, const Outcome& outcome) {
   run_ready(Starter::Other);
 }
 
-/// What ran through a pause ends as the judgement says, however quick its handler is afterwards.
+/// Waits until a pause is judged, so that a command that ran through it ends as the judgement says,
+/// even when its handler answers at once.
 void ObjectHost::let_pause_be_judged(const ServerCall& call) {
   if (!runs_long(call.operation()) || call.lane != CallLane::Actor) return;
   Maintenance& maintenance = runtime_->maintenance();
@@ -261,8 +263,8 @@ void ObjectHost::tell_outcome(ServerCall& call, const Failure& failure) {
   call.listener().reply(call.counter_in(call.listener()), failure);
 }
 
-/// Before the reply, so that a client that saw its last command end can acquire the status.
-/// Commands of the next holder still wait for the handler to return.
+/// Must be called before the reply, so that a client that saw its last command end can acquire the
+/// status. Commands of the next holder still wait for the handler to return.
 void ObjectHost::settle(ServerCall& call, Detail detail, const std::string& text) {
   if (log_enabled(level_of(call.operation()))) log_end(call, detail, text, runtime_->clock().now());
   call.session->calls.take(call.counter);
@@ -276,7 +278,7 @@ void ObjectHost::list(ServerCall& call) {
   if (!std::exchange(call.listed, true)) open_.push_back(call.shared_from_this());
 }
 
-/// Its handler has returned and answered: the lane is free.
+/// The handler of `call` has returned and answered: its lane is free.
 void ObjectHost::finished(ServerCall& call) {
   queue_.ended(call);
   if (call.state.begun_at()) std::erase(handlers_, &call);
@@ -300,7 +302,7 @@ void ObjectHost::tell_user(std::function<void()> what) {
   });
 }
 
-/// Those that have not ended, in the order in which they start.
+/// The running and waiting actor commands, in the order in which they start.
 std::vector<std::shared_ptr<ServerCall>> ObjectHost::actor_commands() const {
   std::vector<std::shared_ptr<ServerCall>> commands;
   for (QueueEntry* entry : queue_.running()) {
@@ -370,7 +372,8 @@ void ObjectHost::tell_positions() {
 TimePoint ObjectHost::on_tick(TimePoint now) {
   look_at_time(now);
   end_endless_waits(now);
-  // What has become free, and what nobody else looks at: its client is gone, its poller sleeps.
+  // Starts calls that can start now and that no other thread starts: the client is gone, the poller
+  // sleeps.
   if (ready()) run_ready(Starter::Other);
   const MutexLock lock(mutex_);
   const bool calm = queue_.idle() && open_.empty();
@@ -420,7 +423,7 @@ void ObjectHost::await_sign_of_life(ServerSession& session) {
 }
 
 void ObjectHost::await_heartbeat(ServerSession& session) {
-  if (session.closed) return;  // no heartbeat of it can come any more to end the wait
+  if (session.closed) return;  // no heartbeat can come any more to end the wait
   if (!std::exchange(session.awaited, true)) ++awaited_;
 }
 
@@ -452,7 +455,7 @@ bool ObjectHost::check_liveness(const std::shared_ptr<ServerSession>& session) {
     leases_.renew(session->id(), now);
     return false;
   }
-  // Its client may have given up by the time at which it is heard again, and nothing can tell.
+  // The client may give its calls up before it is heard again, and the server cannot know that.
   if (session->repeats()) await_heartbeat(*session);
   return verdict == PeerLiveness::Verdict::Dead;
 }
@@ -472,7 +475,7 @@ void ObjectHost::depart(const std::shared_ptr<ServerSession>& session, Departure
       lose_status(session->id(), "its holder (" + session->caller().program + ", pid " +
                                      std::to_string(session->caller().pid) + ") is gone");
     }
-    // What was missing before them does not come any more.
+    // The calls that are missing before these will not arrive any more.
     while (const auto counter = session->intake.first_aside()) {
       end_early(*session, *counter, Detail::Rejected,
                 "it was not started: the session ended before what was issued before it arrived");
@@ -522,7 +525,7 @@ void ObjectHost::close() {
     waiting.session->reply(waiting.counter,
                            Failure{Detail::Rejected, "the server is about to end", {}, {}});
   }
-  const auto open = open_;  // what is left reads, and is answered later
+  const auto open = open_;  // the calls left are sensor operations that are answered later
   for (const auto& call : open) {
     interrupt(*call);
     if (!call->state.ended()) end(*call, failure);

@@ -31,7 +31,7 @@ enum class Starter : std::uint8_t {
 };
 
 /// One object of a server: admits calls, keeps its leases, queues commands, runs handlers, answers.
-/// Every call that was taken is answered exactly once, by its handler or by what ended it.
+/// Every accepted call is answered exactly once, by its handler or by the event that ended it.
 class ObjectHost final : public Publisher, public std::enable_shared_from_this<ObjectHost> {
  public:
   ObjectHost(std::shared_ptr<Runtime> runtime, std::string name, Servant& servant,
@@ -48,30 +48,37 @@ class ObjectHost final : public Publisher, public std::enable_shared_from_this<O
   // The poller.
   /// Takes one packet of `session`. Handlers that it makes ready run in `run_ready`.
   void take(const std::shared_ptr<ServerSession>& session, ByteView packet);
-  /// Likewise, and starts what may start now: it is to be passed to `run_ready` soon.
+  /// As `take`, and returns the call that may start now, or null. The call must be passed to
+  /// `run_ready` soon.
   std::shared_ptr<ServerCall> take_and_start(const std::shared_ptr<ServerSession>& session,
                                              ByteView packet, Starter starter);
-  /// Runs the handler of `started`, if it is one, and of all that may start.
+  /// Runs the handler of `started`, unless it is null, and the handlers of all calls that may
+  /// start.
   void run_ready(Starter starter, std::shared_ptr<ServerCall> started = nullptr);
   /// True when `run_ready` may have something to do; a hint that spares the lock.
   bool ready() const { return ready_.load(std::memory_order_acquire); }
 
   // Any thread.
-  /// The link is gone. In order: its commands go on, its status drains.
+  /// How the link of a session ended. InOrder: the commands of the session continue, its status
+  /// drains.
   enum class Departure : std::uint8_t { InOrder, Lost };
   void depart(const std::shared_ptr<ServerSession>& session, Departure how);
-  /// This process stood still: nothing of `session` starts before its next heartbeat.
+  /// Must be called after this process was suspended: no call of `session` starts before its next
+  /// heartbeat.
   void await_sign_of_life(ServerSession& session);
-  /// Ends the actor commands that ran meanwhile; after a long pause the name has to be confirmed.
+  /// Ends the actor commands that ran during the pause; after a long pause the broker must confirm
+  /// the name.
   void after_pause(Duration stood_still);
-  /// Heartbeat seen from it, or not, judged every tick. True: it ends, silent for so long or deaf.
+  /// Checks the heartbeats of `session`, at every tick. Returns true when the session must end: the
+  /// client was silent for too long or does not take its answers.
   bool check_liveness(const std::shared_ptr<ServerSession>& session);
-  /// Deadlines, leases, progress that waits to be told, and what may start and nobody looks at. On
-  /// the maintenance thread. Gives when the next look is due.
+  /// Handles deadlines, leases and pending progress reports, and starts calls that no other thread
+  /// starts. On the maintenance thread. Returns when the next tick is due.
   TimePoint on_tick(TimePoint now);
 
-  // The name, as the broker answers for it (name_claim.hpp).
-  /// It will be enlisted where others find it: from now on a broker has to confirm the name.
+  // The name, as the broker confirms or denies it (name_claim.hpp).
+  /// The object will be registered where other processes find it: from now on a broker must confirm
+  /// the name.
   void claim_name();
   std::uint64_t name_question();
   void name_held(std::uint64_t question);
@@ -80,32 +87,34 @@ class ObjectHost final : public Publisher, public std::enable_shared_from_this<O
   /// Ends the leases and stops the object.
   void name_taken(const std::string& by);
 
-  /// Directly before the handler of a call begins, where that is not in gecos_dispatch: marks it
-  /// as started. False: it has ended meanwhile or may not start; drop it.
+  /// Marks `call` as started. Must be called directly before its handler begins, if that is not in
+  /// gecos_dispatch. Returns false when the call has ended meanwhile or may not start; then drop
+  /// it.
   bool begin(ServerCall& call);
   void answered(ServerCall& call, ByteView result);
   void answered(ServerCall& call, Failure failure);
   void progressed(ServerCall& call, double fraction, ByteView feedback);
-  /// Sleeps until `call` is interrupted or `deadline`; true when it is.
+  /// Sleeps until `call` is interrupted or until `deadline`; returns true when it is interrupted.
   bool wait_interrupted(const ServerCall& call, TimePoint deadline);
   void publish(const StreamDescription& stream, ByteView sample, std::int64_t stamp_ns) override;
   ObjectStreams& streams() { return streams_; }
 
   // What handlers wait for (handler_waits.hpp); any thread.
-  /// The handler of `call` waits for another call, which is called `name`, without a bound.
+  /// The handler of `call` waits without a time-out for the call `awaited`, which `name` describes.
   void waits(ServerCall& call, const CommandId& awaited, std::string name);
   void goes_on(ServerCall& call);
   std::optional<CommandId> awaited_by(const ServerCall& call);
-  /// Null when it has not arrived, or has ended.
+  /// The call with this id; null when it has not arrived or has ended.
   std::shared_ptr<ServerCall> find(const CommandId& call);
-  /// What has to return before `call` can start; nothing where it has, or ends by itself.
+  /// The calls that must return before `call` can start; empty when `call` has started, has ended
+  /// or has a deadline.
   std::vector<std::shared_ptr<ServerCall>> held_up_by(const ServerCall& call);
 
-  /// Ends all calls as STOPPED and takes no more.
+  /// Ends all calls as STOPPED and accepts no more.
   void close();
   bool closed();
-  /// Waits until the handlers have returned. From then on the servant and what else the user gave
-  /// is called by no other thread. @pre closed, and not in one of them
+  /// Waits until the handlers have returned. After that no other thread calls the servant or the
+  /// user's callbacks. @pre closed, and not called from a handler
   void join();
 
  private:
@@ -166,8 +175,8 @@ class ObjectHost final : public Publisher, public std::enable_shared_from_this<O
                ByteView arguments) GECOS_REQUIRES(mutex_);
   void grant(ServerSession& session, std::uint64_t counter, const Acquire& what)
       GECOS_REQUIRES(mutex_);
-  /// A command that has ended for its caller, whose handler goes on; null unless nobody holds a
-  /// status. Nobody gets one before it has returned.
+  /// A command that has ended for its caller while its handler continues; null when a client holds
+  /// a status. No client is granted a status before that handler has returned.
   const ServerCall* outlives_its_status() const GECOS_REQUIRES(mutex_);
   void grant_to_waiting() GECOS_REQUIRES(mutex_);
   void refuse_waiting(TimePoint now) GECOS_REQUIRES(mutex_);
@@ -188,7 +197,7 @@ class ObjectHost final : public Publisher, public std::enable_shared_from_this<O
   std::shared_ptr<ServerCall> start_next(Starter starter) GECOS_REQUIRES(mutex_);
   std::vector<std::shared_ptr<ServerCall>> actor_commands() const GECOS_REQUIRES(mutex_);
   std::shared_ptr<QueueEntry> next_entry() GECOS_REQUIRES(mutex_);
-  /// It must not start as the name stands.
+  /// True when a call of `operation` must not start because the name is not confirmed.
   bool needs_name(const OperationDescription& operation) const GECOS_REQUIRES(mutex_);
   void await_heartbeat(ServerSession& session) GECOS_REQUIRES(mutex_);
   void no_more_awaited(ServerSession& session) GECOS_REQUIRES(mutex_);
@@ -201,7 +210,8 @@ class ObjectHost final : public Publisher, public std::enable_shared_from_this<O
   void not_begun(ServerCall& call);
   void never_began(ServerCall& call) GECOS_REQUIRES(mutex_);
   bool withdrawn(const ServerCall& call) GECOS_REQUIRES(mutex_);
-  /// Tells its caller, and takes it out of the queue where it has not started.
+  /// Ends `call` with `failure`, notifies its caller, and removes it from the queue if it has not
+  /// started.
   void end(ServerCall& call, const Failure& failure) GECOS_REQUIRES(mutex_);
   void tell_outcome(ServerCall& call, const Failure& failure) GECOS_REQUIRES(mutex_);
   void tell_outcome(ServerCall& call, ByteView result) GECOS_REQUIRES(mutex_);
@@ -209,8 +219,7 @@ class ObjectHost final : public Publisher, public std::enable_shared_from_this<O
   void list(ServerCall& call) GECOS_REQUIRES(mutex_);
   void finished(ServerCall& call) GECOS_REQUIRES(mutex_);
   void preempt(const ServerCall& by) GECOS_REQUIRES(mutex_);
-  /// Ends those of the actor commands that `which` picks: drops the waiting, interrupts the
-  /// running.
+  /// Ends the actor commands that `which` selects: drops waiting ones, interrupts running ones.
   void end_commands(const std::function<bool(const ServerCall&)>& which, const Failure& failure)
       GECOS_REQUIRES(mutex_);
   void lose_status(SessionId session, const std::string& why) GECOS_REQUIRES(mutex_);
@@ -222,11 +231,12 @@ class ObjectHost final : public Publisher, public std::enable_shared_from_this<O
   template <class Outcome>
   void take_answer(ServerCall& call, const Outcome& outcome);
   bool begins(ServerCall& call);
-  /// Gives what may start after it.
+  /// Returns the call that may start next, or null.
   std::shared_ptr<ServerCall> execute(const std::shared_ptr<ServerCall>& call, Starter starter);
   void interrupt(ServerCall& call) GECOS_REQUIRES(mutex_);
   void let_pause_be_judged(const ServerCall& call);
-  /// Runs what the user gave soon, on maintenance, unless the server has ended by then.
+  /// Posts a callback of the user to the maintenance thread; dropped if the server has ended by
+  /// then.
   void tell_user(std::function<void()> what);
   bool runs_long(const OperationDescription& operation) const {
     return operation.cancelable || options_.blocking;
@@ -246,16 +256,16 @@ class ObjectHost final : public Publisher, public std::enable_shared_from_this<O
   std::condition_variable_any interrupted_;
   /// Calls that have a deadline or may take long.
   std::vector<std::shared_ptr<ServerCall>> open_ GECOS_GUARDED_BY(mutex_);
-  /// Handlers that have begun and are not over; how many of them wait without a bound.
+  /// Handlers that have begun and have not finished; the number of them that wait without a
+  /// time-out.
   std::vector<ServerCall*> handlers_ GECOS_GUARDED_BY(mutex_);
   std::size_t waiting_handlers_ GECOS_GUARDED_BY(mutex_) = 0;
-  SuspendAwareClock lease_clock_ GECOS_GUARDED_BY(mutex_);  ///< leases and silence are judged by it
-  PauseWatch::Checked pause_ GECOS_GUARDED_BY(mutex_);      ///< by whoever starts calls
-  std::vector<WaitingForStatus> waiting_ GECOS_GUARDED_BY(mutex_);  ///< the first asked first
+  SuspendAwareClock lease_clock_ GECOS_GUARDED_BY(mutex_);  ///< for leases and peer time-outs
+  PauseWatch::Checked pause_ GECOS_GUARDED_BY(mutex_);      ///< by the thread that starts calls
+  std::vector<WaitingForStatus> waiting_ GECOS_GUARDED_BY(mutex_);  ///< in order of request
   std::size_t awaited_ GECOS_GUARDED_BY(mutex_) = 0;  ///< sessions whose calls wait for a heartbeat
   bool closed_ GECOS_GUARDED_BY(mutex_) = false;
-  std::atomic<bool> ready_{
-      false};  // a hint: something was queued or ended since it was last looked
+  std::atomic<bool> ready_{false};  // a hint: a call was queued or ended since the last check
   ObjectStreams streams_;
 
   Mutex user_mutex_;

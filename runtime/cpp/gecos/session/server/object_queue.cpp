@@ -5,7 +5,7 @@
 namespace gecos::session {
 namespace {
 
-/// The commands before it end when it is queued, so their room is its own.
+/// A preempting command ends the commands before it when it is queued, so it may use their room.
 bool replaces(const QueueEntry& entry) { return entry.operation.on_new == OnNew::Preempt; }
 
 bool beside_each_other(const QueueEntry& one, const QueueEntry& other) {
@@ -59,7 +59,7 @@ std::optional<ObjectQueue::Full> ObjectQueue::too_large(const QueueEntry& entry)
   return std::nullopt;
 }
 
-/// An @ordered reading queues behind the commands of its own caller.
+/// An @ordered reading queues after the commands of its own caller.
 bool ObjectQueue::keeps_place(const QueueEntry& entry) const {
   if (!entry.operation.ordered) return false;
   const auto same_client = [&](const auto& other) { return other->client == entry.client; };

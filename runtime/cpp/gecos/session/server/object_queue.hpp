@@ -23,7 +23,7 @@ struct QueueEntry {
 
   const SessionId client;
   const OperationDescription& operation;
-  const std::size_t bytes;  ///< its arguments take
+  const std::size_t bytes;  ///< size of its arguments
 
   CallLane lane = CallLane::None;
 };
@@ -33,15 +33,16 @@ enum class LaneThreads : std::uint8_t {
   Many,  ///< the servant takes calls on several threads
 };
 
-/// The order in which one object's calls start: one bounded FIFO for what moves it, a lane beside
-/// it for reading, and safety before both. Actor commands run one at a time, unless the interface
-/// says otherwise. Pure and not thread-safe.
+/// The order in which one object's calls start: a bounded FIFO lane for actor commands, a lane for
+/// sensor operations, and a safety lane before both. Actor commands run one at a time, unless the
+/// interface says otherwise. Pure and not thread-safe.
 class ObjectQueue {
  public:
   static constexpr std::size_t most_of_object = 256;
   static constexpr std::size_t most_of_client = 64;
-  /// What the arguments of calls may take that have not ended: of one client, and of all. A call
-  /// alone is taken whatever it takes; those below `small` are bounded by their number.
+  /// Limits in bytes for the arguments of calls that have not ended: of one client, and of all. A
+  /// call that is alone is accepted whatever its size; calls below `small` are limited by number
+  /// only.
   static constexpr std::size_t most_bytes_of_client = 16 * 1024 * 1024;
   static constexpr std::size_t most_bytes_of_object = 64 * 1024 * 1024;
   static constexpr std::size_t small = 4096;
@@ -49,31 +50,31 @@ class ObjectQueue {
   explicit ObjectQueue(LaneThreads threads) : threads_(threads) {}
 
   enum class Full : std::uint8_t { Object, Client, BytesOfObject, BytesOfClient };
-  /// One that preempts needs no room beside the commands that it replaces; its owner ends them
-  /// then.
+  /// A preempting command needs no room beside the commands that it replaces; the caller of `push`
+  /// must then end those.
   tl::expected<void, Full> push(std::shared_ptr<QueueEntry> entry);
 
   /// Takes the next call that may start now. Null when none may.
   std::shared_ptr<QueueEntry> next();
-  /// Likewise, of those that `wanted` picks. Actor commands keep their order: one that is not
-  /// wanted holds up those behind it.
+  /// As above, among the calls that `wanted` selects. Actor commands keep their order: one that is
+  /// not selected blocks those after it.
   std::shared_ptr<QueueEntry> next(FunctionRef<bool(const QueueEntry&)> wanted);
-  /// Its handler's thread came back. The call may be answered later.
+  /// The thread of the handler returned. The call may be answered later.
   void returned(const QueueEntry& entry);
-  /// It is answered and its handler has returned: its successor may start.
+  /// The call is answered and its handler has returned: the next call may start.
   void ended(const QueueEntry& entry);
-  /// Takes it out before it started; false when it is not queued.
+  /// Removes a call that has not started; returns false when it is not queued.
   bool remove(const QueueEntry& entry);
-  /// Takes out all that has not started.
+  /// Removes and returns all calls that have not started.
   std::vector<std::shared_ptr<QueueEntry>> drop();
 
   /// Actor commands that wait, first to start first.
   const std::deque<std::shared_ptr<QueueEntry>>& waiting() const { return actor_; }
   /// Actor commands that started and have not ended.
   const std::vector<QueueEntry*>& running() const { return running_; }
-  /// Nothing waits and no handler is inside.
+  /// No call waits, and no call runs.
   bool idle() const;
-  /// Those of them that the next one waits for.
+  /// The running actor commands for which the first waiting one must wait.
   std::vector<QueueEntry*> holding_up() const;
   std::optional<std::size_t> position(const QueueEntry& entry) const;
 
@@ -90,8 +91,8 @@ class ObjectQueue {
   Lane sensor_;
   Lane actor_;
   std::vector<QueueEntry*> running_;
-  std::size_t inside_ = 0;                ///< handlers whose thread has not come back
-  std::vector<const QueueEntry*> large_;  ///< not below `small`, that have not ended
+  std::size_t inside_ = 0;                ///< handlers whose thread has not returned
+  std::vector<const QueueEntry*> large_;  ///< calls of at least `small` bytes that have not ended
 };
 
 }  // namespace gecos::session

@@ -18,9 +18,9 @@ class ObjectStreams {
 
   /// Clients of this acceptor may subscribe.
   void offer(std::shared_ptr<media::Acceptor> acceptor);
-  /// What is published from now on reaches nobody.
+  /// Samples published from now on reach no client.
   void close();
-  /// Shares the stream with the client of `link`. Gives the id that it has there.
+  /// Shares the stream with the client of `link`. Returns the id of the stream on that link.
   tl::expected<std::uint32_t, std::string> share(const StreamDescription& stream,
                                                  media::Link& link);
   /// Ignores a stream that the interface does not have.

@@ -16,8 +16,8 @@ namespace gecos::session {
 
 class ServerSession;
 
-/// What became of an object's actor commands, kept for callers that lost their connection before
-/// they were told. Bounded: the last outcomes, the last sessions.
+/// The outcomes of an object's actor commands, kept for callers that lost their connection before
+/// they were notified. Bounded: the last outcomes, the last sessions.
 class OutcomeLog {
  public:
   struct Entry {
@@ -26,27 +26,28 @@ class OutcomeLog {
     Detail detail = Detail::OutcomeUnknown;
     std::string text;
   };
-  OutcomeLog() { entries_.reserve(most_entries); }  // the end of a command does not wait for memory
+  OutcomeLog() { entries_.reserve(most_entries); }  // no reallocation when a command ends
   void ended(Entry entry);
   const Entry* find(SessionId session, std::uint64_t counter) const;
 
   void opened(SessionId id, std::weak_ptr<ServerSession> session);
   std::shared_ptr<ServerSession> open(SessionId id) const;
-  /// It sends nothing any more: what has not arrived never starts. `lost`: itself, when its client
-  /// may ask for its answers in another session.
+  /// The session receives no more packets: calls that have not arrived never start. `lost`: the
+  /// session itself when its client may ask for its answers in another session, else null.
   void closed(SessionId id, const ReceiveWindow& arrived,
               const std::shared_ptr<ServerSession>& lost);
-  /// Open, or lost and with calls that have not ended.
+  /// The session if it is open, or lost with calls that have not ended; else null.
   std::shared_ptr<ServerSession> session(SessionId id) const;
-  /// How a call of a lost session was answered; null when that is not known, or not any more.
+  /// The reply to a call of a lost session; null when it is unknown or no longer kept.
   const Bytes* reply(SessionId id, std::uint64_t counter) const;
-  /// Whether `counter` arrived; nothing when the session is not known, or not any more.
+  /// Whether `counter` arrived in a closed session; nullopt when the session is unknown or no
+  /// longer kept.
   std::optional<bool> had_arrived(SessionId id, std::uint64_t counter) const;
 
  private:
   static constexpr std::size_t most_entries = 1024;
   static constexpr std::size_t most_sessions = 256;
-  static constexpr std::size_t most_lost = 32;  ///< whose answers are kept
+  static constexpr std::size_t most_lost = 32;  ///< lost sessions whose answers are kept
   static constexpr std::size_t longest_text = 256;
 
   struct Closed {

@@ -18,14 +18,14 @@ namespace gecos::session {
 namespace {
 
 constexpr Duration patience = std::chrono::seconds(2);
-/// Of our thread: as long as this, commands may wait before it is said that no broker answers.
+/// For our thread: how long commands may wait before they are refused because no broker answers.
 constexpr Duration answer_patience = std::chrono::seconds(1);
 constexpr Duration between_tries = std::chrono::milliseconds(200);
 constexpr Duration look_again_after = std::chrono::milliseconds(20);
 /// Server and broker are often started together.
 constexpr Duration report_after = std::chrono::seconds(1);
 
-/// Others than this process, so that another server may be given the name.
+/// Whether other processes find the entry, so that another server may be given the name.
 bool others_find(const Entry& entry, const ClientConnection& broker) {
   const auto elsewhere = [](const std::string& address) {
     const auto kind = media::kind_of(address);
@@ -103,9 +103,9 @@ tl::expected<void, std::string> Registrar::add(const std::shared_ptr<ObjectHost>
   return {};
 }
 
-/// A broker that goes while it is asked may be back soon, and takes the same entry again. So does
-/// one that has not noticed yet that who had the name before has ended: a server that is started
-/// again after it was killed may be quicker.
+/// Tries again when the broker is lost while it is asked: it may be back soon and accepts the same
+/// entry again. Tries again also while the broker has not noticed that the last holder of the name
+/// has ended: a server that is restarted after it was killed may be quicker.
 tl::expected<Duration, std::string> Registrar::register_first(Registration& registration,
                                                               TimePoint deadline) {
   for (;;) {
@@ -133,7 +133,7 @@ tl::expected<Duration, std::string> Registrar::register_first(Registration& regi
 
 bool Registrar::holder_has_ended(const std::string& name, TimePoint deadline) const {
   const auto holder = session::look_up(*lab_, name, deadline);
-  if (!holder) return true;  // it was dropped meanwhile
+  if (!holder) return true;  // the entry was removed meanwhile
   return holder->host == lab_->runtime()->host_identity() && holder->pid > 0 &&
          ::kill(holder->pid, 0) != 0 && errno == ESRCH;
 }
@@ -181,7 +181,8 @@ Duration Registrar::ask(const std::vector<Registration>& registrations) {
   for (const auto& one : registrations) questions.push_back(one.object->name_question());
   const TimePoint deadline = deadline_after(answer_patience);
   auto answers = ask_broker(registrations, deadline);
-  // It had ended our session while this process stood still, say. Another session may be had.
+  // The broker may have ended our session, for example while this process was suspended. A new
+  // session may work.
   while (answers.lost && lab_->runtime()->clock().now() < deadline) {
     answers = ask_broker(registrations, deadline);
   }
@@ -207,7 +208,7 @@ Duration Registrar::ask(const std::vector<Registration>& registrations) {
                     " runs on and is not findable: " + enlisted.error().text;
     }
   }
-  if (!answers.missing.empty()) unreported.clear();  // told already
+  if (!answers.missing.empty()) unreported.clear();  // logged already
   if (unreported != std::exchange(reported_, unreported) && !unreported.empty())
     log_warning("session", unreported);
   return rest;
@@ -236,8 +237,8 @@ Duration Registrar::served_for(const Registration& registration) const {
   return lab_->runtime()->clock().since_boot() - registration.since;
 }
 
-/// At the place of the first one, once there was one: a broker elsewhere does not know what that
-/// one has promised.
+/// Only at the place of the first broker, once there was one: a broker elsewhere does not know
+/// which names the first one has assigned.
 tl::expected<Registrar::Broker, std::string> Registrar::find_broker(TimePoint deadline) {
   std::string place;
   {
@@ -264,7 +265,7 @@ void Registrar::end() {
     ended_ = true;
   }
   changed_.notify_all();
-  thread_.join();  // it may just have enlisted them with another broker
+  thread_.join();  // the thread may just have registered the objects with another broker
   Broker broker;
   std::vector<Registration> registrations;
   {

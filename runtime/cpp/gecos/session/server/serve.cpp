@@ -34,7 +34,7 @@ bool came(const TerminationSignals& signals) {
   return media::sleep_on(descriptors, std::chrono::steady_clock::now()) == media::Wake::Ready;
 }
 
-/// Waits for the broker, but not after the user has had enough: false then.
+/// Waits for the broker. Returns false when a termination signal comes first.
 tl::expected<bool, ServeError> broker_found(Server& server, const std::vector<Serving>& objects,
                                             const TerminationSignals& signals) {
   Duration patience{};
@@ -56,7 +56,7 @@ int serve_until_signal(Lab& lab, const std::vector<Serving>& objects, const Serv
   Server server(lab);
   std::shared_ptr<void> started;
   const TerminationSignals
-      signals;  // ends first: while the others end, the next signal ends the program
+      signals;  // destroyed first: while the others are destroyed, the next signal ends the program
   const auto found = broker_found(server, objects, signals);
   if (!found) return fail(options, objects.front().name + " is not served: " + found.error().text);
   if (!*found) return 0;

@@ -23,7 +23,8 @@ using session::ObjectHost;
 
 namespace {
 
-/// What is open at once, at the most, while a client is let in: LCM takes so many to send to one.
+/// Maximum number of descriptors open at once while a client is accepted: LCM takes this many to
+/// send to one client.
 constexpr std::size_t descriptors_of_a_client = 16;
 
 bool within_process(const std::shared_ptr<media::Acceptor>& acceptor) {
@@ -54,7 +55,8 @@ class Server::Core {
   bool inherited() const { return getpid() != owner_; }
 
  private:
-  /// What maintenance holds: it lets go of the server before the server's parts end.
+  /// The object that maintenance ticks; it drops its pointer to the server before the server's
+  /// parts are destroyed.
   struct Upkeep final : session::TickTarget {
     explicit Upkeep(Core& its_core) : core(&its_core) {}
     TimePoint on_tick(TimePoint now) override;
@@ -133,7 +135,8 @@ tl::expected<Server::Core::Opened, ServeError> Server::Core::open_places(
     auto acceptor = [&]() -> tl::expected<std::unique_ptr<media::Acceptor>, media::MediumError> {
       const auto medium = lab_->runtime()->medium(kind);
       if (!medium) return tl::unexpected(medium.error());
-      // A host has one such place; between hosts it is somebody else's, or there is no network.
+      // A host has one well-known place per medium. Between hosts, another host may have it, or
+      // there is no network.
       needed = needed || (options.well_known && (*medium)->offer().reach != media::Reach::Network);
       try {
         return (*medium)->listen(name, options.well_known);
@@ -215,7 +218,7 @@ void Server::Core::shut_down() { ended_.notify(); }
 
 Server::Server(Lab& lab) : core_(Core::make(lab.core())) {}
 Server::~Server() {
-  // A forked child leaves what is its parent's, with all it holds.
+  // A forked child leaks the core, which belongs to its parent.
   if (core_ && (*core_)->inherited()) static_cast<void>(core_->release());
 }
 

@@ -16,7 +16,7 @@ namespace gecos::session {
 class ObjectHost;
 class ServerSession;
 
-/// The thread of a handler waits for another call without a bound.
+/// The thread of a handler waits for another call without a time-out.
 struct HandlerWait {
   CommandId command;
   std::string name;
@@ -47,10 +47,11 @@ class ServerCall final : public CallCore,
   void waits(const CommandCore& command) override;
   void goes_on() override;
 
-  /// Before its mark is written; with the object's mutex.
+  /// Must be called before the mark of the call is written, with the object's mutex held.
   void note_mark(TimePoint now) { marked_at_.store(now, std::memory_order_relaxed); }
 
-  /// Who is told how it goes, and under which number; with the object's mutex.
+  /// The session to which this call is reported, and the counter of the call there. With the
+  /// object's mutex held.
   ServerSession& listener() const { return resumed_in ? *resumed_in : *session; }
   std::uint64_t counter_in(const ServerSession& teller) const {
     return resumed_in.get() == &teller ? resumed_counter : counter;
@@ -58,7 +59,7 @@ class ServerCall final : public CallCore,
   ObjectHost& object() const;
   /// "'move' of RX90"
   std::string title() const;
-  /// Who waits for it is woken by its object.
+  /// Only sets the flag; ObjectHost::interrupt wakes the waiting threads.
   void interrupt() { interrupted_.store(true, std::memory_order_release); }
 
   const std::shared_ptr<ServerSession> session;
@@ -67,12 +68,12 @@ class ServerCall final : public CallCore,
 
   // Guarded by the object's mutex.
   std::shared_ptr<ServerSession>
-      resumed_in;  ///< in which it was sent again, because its own was lost
+      resumed_in;  ///< the session in which the call was sent again, because its own was lost
   std::uint64_t resumed_counter = 0;
   CallState state;
   CallProgress reported;
   std::size_t position_sent = 0;
-  TimePoint arrived{};  ///< where that is logged
+  TimePoint arrived{};  ///< set only when it is logged
   std::optional<HandlerWait> waits_for;
   bool listed = false;  ///< among the object's open calls
 

@@ -13,7 +13,7 @@ namespace {
 
 /// An answer to each granted call, and as many goodbyes; the rest is room for repetitions.
 constexpr std::size_t most_backlog = 4 * ObjectQueue::most_of_object;
-/// What they may take before a result is given up rather than kept.
+/// Bytes that the backlog may take; a result beyond it is dropped, and the call fails.
 constexpr std::size_t most_backlog_bytes = 128 * 1024 * 1024;
 
 wire::PacketHeader reply_to(std::uint64_t counter) {
@@ -24,7 +24,7 @@ wire::PacketHeader reply_to(std::uint64_t counter) {
   return header;
 }
 
-/// What still can be told of a failure that no packet holds: its kind, and how its text begins.
+/// A failure cut to what fits into a packet: its detail, and the beginning of its text.
 Failure shortened(const Failure& failure, std::size_t takes, std::size_t carried) {
   constexpr std::size_t longest_text = 1024;
   std::size_t cut = std::min(failure.text.size(), longest_text);
@@ -133,14 +133,14 @@ bool ServerSession::report(const ServerCall& call, Detail detail, std::size_t po
   const MutexLock lock(send_mutex_);
   if (!backlog_.empty()) return false;
   write_packet(packet_, header, body.encoded_size(), [&](wire::Encoder& to) { body.encode(to); });
-  // No wait ends with it: a caller that sleeps until the end of its call is not woken for it.
+  // Progress ends no wait: a caller that sleeps until the end of its call is not woken for it.
   return media::send_quietly(*link_, packet_, {}).has_value();
 }
 
 void ServerSession::send_again(const Bytes& packet) {
   const MutexLock lock(send_mutex_);
   if (std::ranges::find(backlog_, packet) != backlog_.end())
-    return;  // it has not gone for the first time
+    return;  // its first copy has not been sent yet
   deliver(packet);
 }
 

@@ -13,8 +13,8 @@
 
 namespace gecos::session {
 
-/// Where one outward stream of an object is published: a writer per medium from the first
-/// subscription on. A stream without subscribers only keeps its latest sample.
+/// Publishes one outward stream of an object, with a writer per medium from the first subscription
+/// on. A stream without subscribers only keeps its latest sample.
 ///
 /// Publishing takes no lock of the object, touches no session, and allocates nothing once a sample
 /// of its size was published. Thread-safe.
@@ -30,7 +30,7 @@ class StreamPort {
   /// the reason.
   tl::expected<void, std::string> share(std::uint32_t id, media::Link& link,
                                         media::Acceptor& acceptor);
-  /// From now on samples reach nobody.
+  /// Samples published from now on reach no client.
   void close();
 
  private:
@@ -43,7 +43,7 @@ class StreamPort {
   Mutex mutex_;
   std::map<std::string_view, std::unique_ptr<media::StreamWriter>> writers_
       GECOS_GUARDED_BY(mutex_);
-  Bytes latest_ GECOS_GUARDED_BY(mutex_);  ///< as it travels
+  Bytes latest_ GECOS_GUARDED_BY(mutex_);  ///< as it is sent, with the time of measurement appended
   std::int64_t latest_stamp_ns_ GECOS_GUARDED_BY(mutex_) = 0;
   bool published_ GECOS_GUARDED_BY(mutex_) = false;
   bool complained_ GECOS_GUARDED_BY(mutex_) = false;
