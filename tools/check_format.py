@@ -1,4 +1,4 @@
-"""Is all C++ laid out as clang-format does it? `make format` does it."""
+"""Checks that all C++ is formatted by clang-format. `make format` formats it."""
 
 import subprocess
 import sys

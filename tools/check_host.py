@@ -1,4 +1,4 @@
-"""Looks whether this machine has what the media need, and names what mends the rest."""
+"""Checks that this machine supports the media, and says how to fix each missing requirement."""
 
 import os
 import socket

@@ -1,4 +1,4 @@
-"""Checks who may know whom: direct includes and imports of all that is built or generated.
+"""Checks the layer rules: direct includes and imports of all built and generated files.
 
 The rules are tables, in layers_cpp.py and layers_python.py; docs/architecture.md gives the reasons.
 """

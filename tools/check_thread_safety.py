@@ -30,7 +30,7 @@ def includes(file: Path) -> set[str]:
 
 
 def headers_with_mutexes() -> set[str]:
-    """As other files include them: by their path from runtime/cpp, or from the tree."""
+    """Headers as other files include them: by their path from runtime/cpp, or from the tree."""
     found = {MUTEX}
     for root in ROOTS:
         for header in (TREE / root).rglob("*.hpp"):
@@ -41,7 +41,7 @@ def headers_with_mutexes() -> set[str]:
 
 
 def kept(arguments: list[str]) -> tuple[str, ...]:
-    """Those that every compiler takes."""
+    """The arguments that every compiler accepts."""
     flags: list[str] = []
     for at, argument in enumerate(arguments):
         if argument.startswith(("-I", "-D", "-std=")):
@@ -60,7 +60,7 @@ def compiled(file: Path) -> list[Path]:
 
 
 def sources(build: Path) -> dict[tuple[str, ...], list[Path]]:
-    """By the flags that they are compiled with."""
+    """The sources to check, grouped by the flags they are compiled with."""
     commands = json.loads((build / "compile_commands.json").read_text(encoding="utf-8"))
     mutexes = headers_with_mutexes()
     wanted = {

@@ -14,7 +14,7 @@ ROOTS = ("runtime/cpp", "runtime/python/src", "devices", "generated/cpp", *PROGR
 SUFFIXES = (".hpp", ".cpp", ".h", ".cc")
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
-# What media's users see: the contract, how to wait, and the header that opens a medium.
+# The headers for users of media: the contract, how to wait, and the header that opens a medium.
 CONTRACT = re.compile(r"^gecos/media/(?:(?:core|medium|quiet|parts/waiting)\.[hc]pp|kinds\.hpp)$")
 # What an interface is in the words of the session; it stands below all of its modules.
 DESCRIPTION = re.compile(r"^gecos/description\.[hc]pp$")

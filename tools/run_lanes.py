@@ -1,9 +1,9 @@
-"""Runs every lane of `make test`, and says at the end what each of them said last.
+"""Runs every lane of `make test`, and prints a summary line of each lane at the end.
 
-A lane is one runner (ctest, pytest, mypy, …). Of the lanes that talk over the network two at a time
-run where each may have a network of its own, all others in turn. All lanes run, whatever the
-others said; the exit status is 0 exactly when all of them passed. A lane that cannot run on this
-machine fails: nothing is skipped.
+A lane is one runner (ctest, pytest, mypy, …). Lanes that use the network run two at a time if each
+can have a network of its own; all others run in turn. All lanes run even when one fails; the exit
+status is 0 exactly when all of them passed. A lane that cannot run on this machine fails: nothing
+is skipped.
 """
 
 import argparse
@@ -104,8 +104,8 @@ def shown(text: str) -> None:
 
 
 def run(lane: Lane, limit: float = LONGEST_LANE, show: Callable[[str], object] = shown) -> Verdict:
-    """Runs `lane`, its output passed to `show` as it comes; after `limit` seconds ends all of
-    it."""
+    """Runs `lane` and passes its output to `show` as it comes. After `limit` seconds kills it with
+    all its processes."""
     show(f"\n──── {lane.name}: {' '.join(lane.command)}\n")
     started = time.monotonic()
     try:
@@ -150,8 +150,8 @@ def run(lane: Lane, limit: float = LONGEST_LANE, show: Callable[[str], object] =
 
 
 def run_together(lanes: Sequence[Lane]) -> list[Verdict]:
-    """The first beside the others, which run in turn. Its output is passed on as it comes, that of
-    the others after its end."""
+    """Runs the first lane in parallel with the others, which run in turn. Its output is shown as it
+    comes, that of the others after its end."""
     held: list[list[str]] = [[] for _ in lanes[1:]]
     with ThreadPoolExecutor(1) as beside:
         others = [
@@ -173,8 +173,8 @@ def has_own_networks() -> bool:
 
 
 def in_steps(lanes: Sequence[Lane]) -> list[list[Lane]]:
-    """The lanes of a step run two at a time: those that share the network, where each of them may
-    have one of its own."""
+    """Groups lanes into steps. Lanes that share the network form one step and run two at a time, if
+    each can have a network of its own."""
     sharing = [lane for lane in lanes if lane.shares_network]
     if len(sharing) < 2 or not has_own_networks():
         return [[lane] for lane in lanes]

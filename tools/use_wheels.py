@@ -1,4 +1,4 @@
-"""Uses the wheels gidl and robcl where nothing else of the tree is, from a .gidl file to a call.
+"""Tests the wheels gidl and robcl without the rest of the tree, from a .gidl file to a call.
 
 Run by tools/wheels.sh with the interpreter of an environment that holds them, in an empty folder.
 """

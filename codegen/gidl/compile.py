@@ -1,4 +1,4 @@
-"""The whole way from files to a checked model, in one call."""
+"""Compiles files to a checked model, in one call."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Compiled:
     model: Model
     findings: tuple[Finding, ...]  # in the order of files and lines
     sources: dict[str, Source]
-    has_errors: bool  # then the model lacks what was wrong, and nothing may be generated from it
+    has_errors: bool  # then the model is incomplete, and nothing may be generated from it
 
 
 def compile_files(
@@ -61,7 +61,7 @@ def _compile(wanted: list[str], search: list[str], wide: bool, defines: Iterable
 
 @contextmanager
 def room_for_nesting() -> Iterator[None]:
-    """The parser bounds nesting at 200 levels; this lets them through, ten calls each."""
+    """Raises Python's recursion limit for the 200 levels that the parser allows, ten calls each."""
     usual = sys.getrecursionlimit()
     sys.setrecursionlimit(max(usual, 20_000))
     try:

@@ -20,8 +20,8 @@ class Computed:
 
 @dataclass(frozen=True, slots=True)
 class Arithmetic:
-    """How integers are computed: every step stays within `bits`, signed or not. What the standard
-    says of `~` needs to know whether an unsigned value is wanted."""
+    """How integers are computed: every step must fit `bits`, signed or not. The value of `~`
+    depends on whether an unsigned value is wanted, as the standard says."""
 
     bits: int = 64
     unsigned: bool = False
@@ -37,9 +37,9 @@ def compute(
     findings: Findings,
     arithmetic: Arithmetic = Arithmetic(),
 ) -> Computed | None:
-    """Value of the expression; None (and a finding) where it has none.
+    """Returns the value of the expression; None (and a finding) if it has none.
 
-    `look_up` gives the value of a constant or enumerator, or reports and gives None.
+    `look_up` returns the value of a constant or enumerator, or reports a finding and returns None.
     """
     try:
         return _Calculator(look_up, findings, arithmetic).value(expression)
@@ -63,7 +63,7 @@ def computed(value: Value) -> Computed:
 
 
 def is_character(value: Value) -> bool:
-    """Whether a `char` holds it: one character of Latin-1, NUL included."""
+    """Whether `value` fits a `char`: one character of Latin-1, NUL included."""
     return isinstance(value, str) and len(value) == 1 and ord(value) < 256
 
 
@@ -99,7 +99,7 @@ class _Calculator:
                 return self._chain(expression)
 
     def _chain(self, expression: Binary) -> Computed:
-        """`a + b + c ...`, however long, without recursion: the operators group to the left."""
+        """Computes `a + b + c ...` of any length without recursion; operators group to the left."""
         chain: list[Binary] = []
         first: Expression = expression
         while isinstance(first, Binary):

@@ -12,7 +12,7 @@ from enum import Enum
 from gidl.model import Location
 from gidl.source import Source, Span
 
-MAX_FINDINGS = 100  # printed; a file that is not .gidl at all does not need more
+MAX_FINDINGS = 100  # printed; enough for a file that is not .gidl at all
 _MAX_WIDTH = 140  # characters of a quoted source line
 
 
@@ -34,7 +34,7 @@ class Finding:
     code: str  # "G0102"; `gidl explain` has a page on it
     severity: Severity
     message: str
-    location: Location | None  # None: about no line of a source
+    location: Location | None  # None: not about a line of a source
     length: int = 0  # characters to underline; 0: the word at the location
     help: tuple[str, ...] = ()
     notes: tuple[Note, ...] = ()
@@ -76,24 +76,24 @@ class Findings:
         self._add(code, Severity.WARNING, at, message, help_lines, notes)
 
     def warning_once(self, code: str, at: Span | Location, message: str, *help_lines: str) -> None:
-        """The first of its code in a run."""
+        """Adds a warning unless the run already has a finding with this code."""
         if all(finding.code != code for finding in self.found):
             self.warning(code, at, message, *help_lines)
 
     def take(self, others: Findings, without: Iterable[range]) -> None:
-        """All of another's but those in some lines."""
+        """Adds the findings of `others`, except those in the lines `without`."""
         for finding in others.found:
             place = finding.location
             if place is None or not any(place.line in lines for lines in without):
                 self._keep(finding)
 
     def forget_after(self, count: int) -> None:
-        """Keeps the first `count` findings; the others may be found again."""
+        """Keeps the first `count` findings; the dropped ones may be added again."""
         self._seen.difference_update(map(_key, self.found[count:]))
         del self.found[count:]
 
     def file_error(self, code: str, shown: str, message: str, *help_lines: str) -> None:
-        """About a file as a whole, for instance one that cannot be read."""
+        """Adds an error about a whole file, for instance one that cannot be read."""
         self._keep(Finding(code, Severity.ERROR, message, None, 0, help_lines, (), shown))
 
     def _add(
@@ -202,7 +202,7 @@ def _quote(location: Location, length: int, sources: Mapping[str, Source]) -> st
 
 
 def _printable(text: str) -> str:
-    """Tabs widened, whatever a terminal might act on replaced."""
+    """`text` with tabs expanded and control characters for terminals replaced."""
     return "".join(
         c if c.isprintable() else "    " if c == "\t" else "\N{REPLACEMENT CHARACTER}" for c in text
     )

@@ -1,4 +1,4 @@
-"""Prints the files of a model. The one place that knows jinja2."""
+"""Prints the files of a model. The only module that uses jinja2."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def render(model: Model, layout: Layout, languages: Collection[str] = LANGUAGES)
 def render_mock(
     model: Model, layout: Layout, language: str, interfaces: Sequence[Interface]
 ) -> str:
-    """A server that stands in for objects of these interfaces, all of one file."""
+    """The text of a mock server for objects of these interfaces, which are all of one file."""
     path = model.file_of(interfaces[0].name)
     view: object
     if language == "cpp":

@@ -13,7 +13,7 @@ _HEAD = re.compile(r"^## (G\d{4}) (.+)$", re.MULTILINE)
 
 
 def page(code: str) -> str | None:
-    """Title and text of a code, in any spelling of it ("g102" too)."""
+    """Title and text of the page of a code; other spellings of the code ("g102") are accepted."""
     found = _pages().get(_normal(code))
     if found is None:
         return None

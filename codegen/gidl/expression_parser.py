@@ -19,8 +19,8 @@ _ESCAPES = {
 class ExpressionParser(TokenReader):
     """One function per rule; each is called with its first token next."""
 
-    _in_angles = False  # then `>>` closes two brackets and is no shift
-    _in_annotation = False  # between its parentheses
+    _in_angles = False  # then `>>` is two closing brackets, not a shift
+    _in_annotation = False  # between the parentheses of an annotation
     _wide = False  # wide text is read as text
     _wide_refused = False  # `wchar` or `wstring` was refused
 
@@ -105,7 +105,7 @@ class ExpressionParser(TokenReader):
             case "wide_char":
                 return self._wide_character(token)
         text = self._part(token)
-        while self._now.kind in ("string", "wide_string"):  # neighbours are one string
+        while self._now.kind in ("string", "wide_string"):  # adjacent literals are one string
             text += self._part(self._advance())
         return Literal(text, "string", self._since(token))
 
@@ -115,7 +115,7 @@ class ExpressionParser(TokenReader):
         return self._unescape(token)
 
     def _refuse_wide(self, token: Token) -> None:
-        """A literal of a type that is refused already is the same mistake."""
+        """Reports a wide literal, unless a wide type was reported: that is the same mistake."""
         if self._wide or self._wide_refused:
             return
         self._refuse(
@@ -178,7 +178,7 @@ def _integer(text: str) -> int:
 
 
 def _escape(rest: str) -> tuple[str | None, int]:
-    """Value and width of the escape at the start of `rest`, which follows the backslash."""
+    """Value and width of the escape at the start of `rest`, the text after the backslash."""
     if not rest:
         return None, 0
     if rest[0] in _ESCAPES:

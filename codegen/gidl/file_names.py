@@ -1,7 +1,7 @@
-"""Which files are interfaces, and what the files that are generated from them are called.
+"""Finds interface files, and names the files that are generated from them.
 
-Everything that turns the path of an interface file into the name of an output, a header or a Python
-module asks here.
+All code that needs the name of an output, a header or a Python module for the path of an interface
+file must use this module.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from gidl.source import Source
 from gidl.standard_modules import OURS, STANDARD
 
 SUFFIXES = (".gidl", ".idl")
-_PACKAGES = {"gecos": "gecos_idl"}  # the name gecos is the runtime's own
+_PACKAGES = {"gecos": "gecos_idl"}  # the package name gecos is the runtime's
 _SHARED = frozenset(("robcl", "gecos_idl"))  # packages that generated modules belong into
 _SPECIAL = frozenset(("__init__", "__main__", "__pycache__"))
 
@@ -70,7 +70,7 @@ def _identifier(part: str) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Clash:
-    """Two files that would be generated to one place."""
+    """Two interface files whose generated files would have the same path."""
 
     path: str
     other: str
@@ -83,7 +83,7 @@ class Clash:
 
 
 def same_files(paths: Iterable[str]) -> Iterator[Clash]:
-    """Files whose outputs are the same in every language: foo.gidl and foo.idl."""
+    """Files whose outputs have the same names in every language: foo.gidl and foo.idl."""
     first: dict[str, str] = {}
     for path in paths:
         other = first.setdefault(source_stem(path), path)

@@ -1,4 +1,4 @@
-"""Function codes: what names an operation on the wire.
+"""Function codes: the numbers that identify operations on the wire.
 
 A code is the 32-bit FNV-1a hash of a scoped name, never a position, so reordering an interface
 changes nothing:
@@ -27,7 +27,7 @@ def fnv1a_32(text: str) -> int:
 
 
 def hashed_name(model: Model, name: str, facts: Facts) -> str:
-    """`name` as it enters codes and hashes: @hash_as gives a sibling, or with "::" a whole name."""
+    """`name` as it enters codes and hashes. @hash_as replaces its last part, or with "::" all."""
     if facts.hash_as is not None:
         if "::" in facts.hash_as:
             return facts.hash_as.removeprefix("::")
@@ -55,7 +55,7 @@ def setter_code(model: Model, attribute: Attribute) -> int:
 
 
 def exception_code(model: Model, exception: ExceptionStruct) -> int:
-    """Which declared exception a reply carries."""
+    """The code by which a reply identifies a declared exception."""
     return fnv1a_32(hashed_name(model, exception.name, exception.facts))
 
 

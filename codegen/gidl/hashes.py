@@ -1,4 +1,4 @@
-"""Hashes by which client and server find out whether they mean the same interface.
+"""Hashes by which client and server check that they have the same interface.
 
 A hash is the first 8 bytes of the SHA-256 of a canonical text, big-endian, unsigned.
 
@@ -174,7 +174,7 @@ def _old_name(member: Member) -> str:
 
 
 def _core_length(slots: tuple[Member, ...] | tuple[Parameter, ...]) -> int:
-    """How many of them remain when the defaulted and optional ones at the end are left out."""
+    """Number of slots without the trailing defaulted and optional ones."""
     length = len(slots)
     while length and (slots[length - 1].optional or slots[length - 1].default is not None):
         length -= 1

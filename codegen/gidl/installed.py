@@ -1,4 +1,4 @@
-"""Folders of interfaces that installed packages bring along.
+"""Folders of interfaces in installed packages.
 
 A package names its folder by an entry point, as the wheel `robcl` does for `robcl/device.gidl`:
 

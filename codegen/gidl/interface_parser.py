@@ -70,7 +70,7 @@ class InterfaceParser(StructParser):
         return [InterfaceSyntax(name, bases, body, extras)]
 
     def _refuse_kind(self, token: Token) -> None:
-        """The name of a refused interface is that of an interface."""
+        """Refuses `abstract` or `local` before `interface`, once for each interface name."""
         self._advance()
         if token.text == "abstract":
             what = ("G0207", "'abstract interface' is", "leave out 'abstract'")

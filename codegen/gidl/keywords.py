@@ -6,11 +6,11 @@ import keyword
 
 
 def words(text: str) -> frozenset[str]:
-    """A set, written as people read one."""
+    """A set of words, written as one text."""
     return frozenset(text.split())
 
 
-# Words with a meaning here, or refused by name: never an identifier.
+# Keywords that .gidl supports, or refuses by name. They are never identifiers.
 USED = words(
     """
     any attribute bitfield bitmask bitset boolean case char const context default double enum
@@ -21,7 +21,7 @@ USED = words(
     """
 )
 
-# Of these, the words that IDL before 4.0 did not have: older interfaces say INT8 or Map.
+# Keywords that IDL before 4.0 did not have: older interfaces use INT8 or Map as identifiers.
 NEW_IN_4 = words(
     """
     bitfield bitmask bitset int8 int16 int32 int64 map uint8 uint16 uint32 uint64

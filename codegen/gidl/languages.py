@@ -1,7 +1,7 @@
-"""The words that generated C++ and Python keep for themselves, by what must not be called so.
+"""The reserved words of generated C++ and Python, by the kind of declaration that may not use them.
 
-The language has some of them; the others are names of ours that a declaration would hide: functions
-beside types, members that every type has, parameters and locals of the bodies.
+Some are words of the language. The others are names in generated code that a declaration would
+hide: functions beside types, members that every type has, parameters and locals of the bodies.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from gidl.type_names import Language, escaped
 
 
 def _names_of_headers() -> tuple[frozenset[str], frozenset[str]]:
-    """Macros of system headers, and what these declare outside of all namespaces. The file says
-    how it is made."""
+    """Macros of system headers, and names that they declare in the global namespace. The file
+    that is read says how it is made."""
     text = (Path(__file__).parent / "cpp_names_of_headers.txt").read_text(encoding="utf-8")
     macros, others = text.partition("# Macros:\n")[2].split("# Outside of all namespaces:\n")
     return words(macros), words(others)

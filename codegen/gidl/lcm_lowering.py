@@ -40,7 +40,7 @@ from gidl.wire_nodes import (
 LCM_PRIMITIVES = frozenset(
     ("int8_t", "int16_t", "int32_t", "int64_t", "byte", "float", "double", "string", "boolean")
 )
-# Names that are no LCM, or that lcm-gen's C++ and Python cannot write, get an underscore.
+# Names that LCM, or the C++ and Python of lcm-gen, cannot use get an underscore.
 LCM_WORDS = LCM_PRIMITIVES | CPP | PYTHON | {"package", "encode", "decode"}
 
 OBJECT_REF = "gecos.ObjectRef"
@@ -210,7 +210,7 @@ class Lowering:
 
 
 class _Owner:
-    """The struct that is being lowered: its members so far and the names they take."""
+    """The struct that is being lowered: its members so far and the names in use."""
 
     def __init__(self, lowering: Lowering, full_name: str, path: str) -> None:
         self._lowering = lowering
@@ -222,7 +222,7 @@ class _Owner:
         self._pending: list[tuple[str, Node]] = []
 
     def reserve(self, source: str) -> None:
-        """Gives a member its own name before any count can take it."""
+        """Reserves the member's own name, so that no count field can take it."""
         if source not in self._names:
             self._names[source] = self.free(source)
 

@@ -1,4 +1,4 @@
-"""Text to tokens. Never fails: what is wrong becomes a finding, and reading goes on.
+"""Splits text into tokens. Never fails: each error becomes a finding, and reading continues.
 
 Comments are kept aside: documentation is looked up by the parser through the token it stands next
 to. `//@name(...)` comments become annotation tokens: in the stream when they stand alone on a line,
@@ -111,7 +111,7 @@ class _Lexer:
         return self._lexed
 
     def _judge_foreign_bytes(self) -> None:
-        """Comments may hold Latin-1, which is warned about once; nothing else may."""
+        """Reports bytes that are not UTF-8: once as a warning in comments, elsewhere as errors."""
         text = self._source.text
         starts = [comment.start for comment in self._lexed.comments]
         warned = False
@@ -141,7 +141,7 @@ class _Lexer:
         self._findings.error(code, Span(self._source, start, end), message, *help_lines)
 
     def _unknown(self, at: int) -> int:
-        """Reports what is no token, and stands in for it where one is missed less that way."""
+        """Reports an unknown character; where it helps later parsing, a token replaces it."""
         text = self._source.text
         char = text[at]
         if char in "\"'":
@@ -153,7 +153,7 @@ class _Lexer:
         return at + 1
 
     def _unclosed(self, at: int) -> int:
-        """A literal that its line does not close ends with the line, or before a last `;`."""
+        """Reports an unclosed literal. It ends with its line, or before a `;` at the line's end."""
         text = self._source.text
         line_end = text.find("\n", at)
         end = len(text) if line_end < 0 else line_end
@@ -168,7 +168,7 @@ class _Lexer:
         return end
 
     def _foreign_word(self, at: int) -> int:
-        """A word with letters outside ASCII is one finding, and is taken for an identifier."""
+        """Reports a word with letters outside ASCII once, and reads it as an identifier."""
         text = self._source.text
         tokens = self._lexed.tokens
         start = at
@@ -190,7 +190,7 @@ class _Lexer:
         return end
 
     def _number(self, start: int, end: int) -> int:
-        """End of a number: it may not run into letters. 089 is no octal number."""
+        """End of a number. A number must not be followed by letters; 089 is not octal."""
         text = self._source.text
         tail = _IDENTIFIER_TAIL.match(text, end)
         if tail is not None:
@@ -240,7 +240,8 @@ class _Lexer:
         self._lexed.comments.append(Comment(comment, start, end, own_line))
 
     def _foreign_comment(self, name: str, start: int, end: int) -> None:
-        """`//@top-level false` is another tool's; `//@unit "m"` is one of ours, misspelled."""
+        """Handles a comment `//@name`: another tool's (`//@top-level false`), or one of our
+        annotations, misspelled (`//@unit "m"`)."""
         span = Span(self._source, start, end)
         written = self._source.text[start:end].rstrip()
         if name in PLACES:

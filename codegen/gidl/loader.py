@@ -21,8 +21,8 @@ from gidl.syntax import FileSyntax, Include
 
 PACKAGED = Path(__file__).parent / "include"
 VOCABULARY = "gecos/annotations.gidl"
-OBJECT_REF = "gecos/object_ref.gidl"  # what `Object` is a value of
-COMMAND_LINE = "<-D>"  # the source that constants of the command line are lines of
+OBJECT_REF = "gecos/object_ref.gidl"  # declares the type of `Object` values
+COMMAND_LINE = "<-D>"  # the source of constants from the command line
 _MAX_INCLUDE_DEPTH = 100
 _C_HEADERS = frozenset((".h", ".hh", ".hpp", ".hxx"))
 _NOT_UTF_8 = re.compile("[\udc80-\udcff]")  # as surrogateescape shows such bytes
@@ -36,8 +36,10 @@ class LoadedFile:
     asked_for: bool
     includes: list[str] = field(default_factory=list)  # direct, by path
     visible: set[str] = field(default_factory=set)  # itself and all it includes
-    macros: Macros = field(default_factory=dict)  # that it leaves to the files that include it
-    cut: list[str] = field(default_factory=list)  # includes it has, read after it
+    macros: Macros = field(default_factory=dict)  # those that including files see
+    cut: list[str] = field(
+        default_factory=list
+    )  # includes of the file that are read after it, because of a cycle
     lacks_includes: bool = False  # one of them, or of theirs, was not found
 
 
@@ -61,7 +63,7 @@ class Loader:
     _cut: dict[str, list[str]] = field(default_factory=dict)  # cycles that a guard ended, by file
 
     def check_search(self) -> None:
-        """Finds folders of the search that cannot be looked into."""
+        """Reports search folders that cannot be read."""
         for folder in self.search:
             try:
                 with os.scandir(folder):
@@ -103,8 +105,8 @@ class Loader:
         return parse(source, self.findings, {}, lambda _include: None)
 
     def _include_path(self, place: Path, beside: tuple[str, str] | None = None) -> str:
-        """How others include the file: relative to the search folder it lies in, else as the file
-        `beside` it wrote it."""
+        """The path by which other files include the file: relative to its search folder, else as
+        the including file, `beside`, wrote it."""
         whole = absolute(place)
         for folder in (*self._installed, PACKAGED, *self.search):  # -I . may hold the former two
             if whole.is_relative_to(absolute(folder)):
@@ -206,7 +208,7 @@ class Loader:
         return self._load(place, path, _shown(place), asked_for=False)
 
     def _header(self, include: Include, place: Path, path: str) -> str | None:
-        """A header may hold constants for the preprocessor, or IDL. C in it is one finding."""
+        """Loads a header with preprocessor constants or IDL. A header in C is a single finding."""
         before, findings = set(self.files), len(self.findings.found)
         found = self._load(place, path, _shown(place), asked_for=False)
         if all(f.severity is not Severity.ERROR for f in self.findings.found[findings:]):
@@ -218,7 +220,7 @@ class Loader:
         return None
 
     def _forget_files(self, paths: Set[str]) -> None:
-        """Another file that includes one of them reads it again."""
+        """Forgets files, so that the next file that includes one reads it again."""
         for path in paths:
             del self.files[path], self.sources[path]
         for place in [place for place, path in self._by_place.items() if path in paths]:
@@ -233,7 +235,7 @@ class Loader:
         )
 
     def _is_open(self, include: Include, source: Source) -> bool:
-        """Whether it is a file that is being read, so that its names come after all."""
+        """Whether the included file is still being read, so that its names will be known later."""
         place = self._find(include, source)
         return place is not None and self._by_place.get(place.resolve()) in self._open
 
@@ -244,7 +246,7 @@ class Loader:
     def _find(self, include: Include, source: Source) -> Path | None:
         place = _first_file(self._folders(include, source), include.path)
         if place is None:
-            self._installed = installed_folders()  # asked for now: looking for them takes a while
+            self._installed = installed_folders()  # looked up only now, because that is slow
             place = _first_file(self._installed, include.path)
         return place
 
@@ -294,7 +296,7 @@ def read_text(shown: str, findings: Findings) -> str | None:
 
 
 def _source(path: str, shown: str, data: bytes) -> Source:
-    """Bytes that are no UTF-8 are read as Latin-1. The lexer says if they stand in a comment."""
+    """Reads bytes that are not UTF-8 as Latin-1; the lexer reports them, by where they stand."""
     text = data.decode("utf-8", "surrogateescape")
     foreign = tuple(m.start() for m in _NOT_UTF_8.finditer(text))
     return Source(path, shown, text.translate(_AS_LATIN_1), foreign)
@@ -331,7 +333,7 @@ def _read(place: Path, shown: str, findings: Findings) -> bytes | None:
 
 
 def _not_text(name: str) -> bool:
-    """Whether a file's name has bytes that are not UTF-8: no generated file could say it."""
+    """Whether a file's name has bytes that are not UTF-8: no generated file could contain it."""
     return any("\udc80" <= character <= "\udcff" for character in name)
 
 

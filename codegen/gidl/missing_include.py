@@ -21,7 +21,7 @@ _DECLARED = re.compile(
 
 
 def point_at_includes(findings: Findings, folders: Sequence[Path]) -> None:
-    """Adds to findings of unknown names, where there is no other help, which file to include."""
+    """Adds a help line with the file to include to findings of unknown names without other help."""
     homes: dict[str, str] | None = None
     for index, finding in enumerate(findings.found):
         wanted = _wanted(finding)
@@ -42,7 +42,7 @@ def _wanted(finding: Finding) -> str | None:
 
 
 def _homes(folders: Sequence[Path]) -> dict[str, str]:
-    """Name -> the first file that declares it, as others include it."""
+    """Maps each name to the first file that declares it, by the path for `#include`."""
     homes: dict[str, str] = {}
     for folder in folders:
         for place in interfaces_below(folder)[:_MOST_FILES]:

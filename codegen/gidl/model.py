@@ -43,7 +43,7 @@ Value = bool | int | float | str | EnumValue
 
 @dataclass(frozen=True, slots=True)
 class Annotation:
-    """An annotation without a meaning here: of another vocabulary, or declared by the user."""
+    """An annotation that gidl does not interpret: of another vocabulary, or user-defined."""
 
     name: str
     arguments: tuple[tuple[str, Value], ...] = ()  # in the order written; ("value", v) for @a(v)
@@ -451,7 +451,7 @@ class Attribute:
 
     @property
     def idempotent(self) -> bool:
-        """A getter or setter is sent at most once, like any call that does not say otherwise."""
+        """False: a getter or setter is sent at most once, like any call not declared idempotent."""
         return False
 
     @property

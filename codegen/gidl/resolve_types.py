@@ -98,7 +98,7 @@ class TypeResolver(ValueResolver):
         return True
 
     def _declared_inline(self, syntax: InlineType, scope: Scope) -> NamedType | None:
-        """The type is a declaration of its own, before what it is declared in."""
+        """Resolves a type declared inside another declaration, as a declaration before that one."""
         self._type_declaration(syntax.declaration, scope)
         symbol = scope.symbols.get(syntax.declaration.name.text.lower())
         if symbol is None or symbol.span != syntax.declaration.name.span:
@@ -106,7 +106,7 @@ class TypeResolver(ValueResolver):
         return NamedType(symbol.scoped)
 
     def _keep(self, symbol: Symbol | None, declaration: AnyDeclaration) -> None:
-        """A second declaration of a name was reported, and is not part of the model."""
+        """Adds a declaration to the model. Without a symbol its name was taken, and reported."""
         if symbol is not None:
             self._out.append(declaration)
 
@@ -139,7 +139,8 @@ class TypeResolver(ValueResolver):
     def _complete(
         self, name: ScopedName, scope: Scope, kinds: frozenset[str], what: str
     ) -> str | None:
-        """The declaration of one of `kinds` that is meant, complete, and by its own name."""
+        """The scoped name of a complete declaration of one of `kinds`, typedefs followed; None and
+        a finding otherwise."""
         symbol = self._symbol(name, scope, kinds | {"typedef"}, what, "G0102")
         if symbol is not None and symbol.kind == "typedef":
             symbol = self._behind(name, symbol, scope, kinds, what)
@@ -159,7 +160,7 @@ class TypeResolver(ValueResolver):
 
     def _behind(self, name: ScopedName, typedef: Symbol, scope: Scope, kinds: frozenset[str],
                 what: str) -> Symbol | None:  # fmt: skip
-        """The type that a typedef names."""
+        """The symbol of the type that `typedef` names; None and a finding if of another kind."""
         target = self._target(NamedType(typedef.scoped))
         symbol = self._names.declared(target.name) if isinstance(target, NamedType) else None
         if symbol is None or symbol.kind not in kinds:
@@ -242,13 +243,13 @@ class TypeResolver(ValueResolver):
         return self._from_typedef(used)[0]
 
     def _from_typedef(self, used: Type) -> tuple[str | None, Range | None]:
-        """Unit and range that come with the type."""
+        """Unit and range that the typedef `used` declares."""
         name = used.name if isinstance(used, NamedType) else ""
         return self._of_typedef.get(name, (None, None))
 
     def _range(self, marks: Marks, used: Type) -> Range | None:
-        """Bounds as numbers of the type, within those of its typedefs. On an array or a sequence
-        they speak of the elements."""
+        """The range as numbers of the type, within the ranges of its typedefs. The range of an
+        array or a sequence applies to the elements."""
         both, low, high = marks.get("range"), marks.get("min"), marks.get("max")
         written = both or low or high
         if written is None:
@@ -289,8 +290,8 @@ class TypeResolver(ValueResolver):
         return both_ranges
 
     def _bounded(self, used: Type) -> tuple[Type, Range | None]:
-        """The limited type (the number inside arrays and sequences), and the range that the
-        typedefs on the way give it."""
+        """The type that a range limits (the number inside arrays and sequences), and the range
+        that the typedefs on the way declare."""
         inherited = self._from_typedef(used)[1]
         target = self._target(used)
         while isinstance(target, ArrayType | SequenceType):

@@ -107,7 +107,7 @@ class TokenReader:
         self._findings.error(code, at, f"{what} not part of .gidl", instead)
 
     def _refuse_once(self, name: str, code: str, at: Span, what: str, instead: str) -> None:
-        """Not again where it is declared after a forward declaration."""
+        """Refuses a name, but only once if it is declared forward and then declared."""
         if (name, code) not in self._refused_names:
             self._refused_names.add((name, code))
             self._refuse(code, at, what, instead)

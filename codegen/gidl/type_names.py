@@ -2,11 +2,10 @@
 
 A declaration keeps its simple name wherever it can. A type inside an interface or another type is
 called after both (`Manipulator_Mode`), because classes cannot be reopened. A word of the language
-gets an underscore at its end (`escaped`). What an interface brings along besides, its servant and
-the structs of what operations take and give, is named here too: nothing in a scope has the name of
-something else.
+gets an underscore at its end (`escaped`). The servant of an interface and the structs of arguments
+and results are named here too, so that no two things in a scope have one name.
 
-Operations that give several values have a struct for them. The operations of the runtime's own
+Operations with several results have a struct for them. The operations of the runtime's own
 interfaces have one for their arguments and one for their result, because the session, which calls
 and answers them, stands below proxies and servants.
 
@@ -145,7 +144,7 @@ class _Naming:
         return escaped(name, self._top_modules)
 
     def _is_own(self, declaration: AnyDeclaration) -> bool:
-        """Whether it is the runtime's, in a language that tells those apart."""
+        """Whether the declaration is the runtime's, in a language that distinguishes those."""
         own = self._language.own_module
         return bool(own) and self._model.file_of(declaration.name).startswith(f"{own}/")
 

@@ -389,7 +389,7 @@ def wire_tag_of(tag: ScalarNode | EnumNode) -> Primitive:
 
 
 def min_size_of(model: Model, node: Node) -> int:
-    """Bytes that the smallest value takes: what a reader may expect of every element."""
+    """Bytes of the smallest value, which a reader may expect for every element."""
     match node:
         case ScalarNode(primitive):
             return primitive.size

@@ -15,19 +15,19 @@
 
 namespace devices {
 
-/// Runs one motion at a time and keeps standing where it is when there is none. `step` belongs to
-/// the control loop's thread and neither locks nor allocates (unless the driver fails); the rest
-/// belongs to the thread that wants the arm moved; `now` may be read by all.
+/// Runs one motion at a time, and holds the arm's position when no motion runs. `step` belongs to
+/// the control loop's thread and neither locks nor allocates (unless the driver fails). All other
+/// methods belong to the thread that moves the arm, except `now`, which any thread may call.
 ///
-/// The drives are enabled when this is made, in a mode that they have: position, else velocity, for
-/// which the loop closes the position itself. A fault of the drives ends the motion and stays until
-/// `reset_drives`: nothing moves by itself when its cause is gone.
+/// The constructor enables the drives in a mode that they have: position, else velocity, where the
+/// loop controls the position itself. A fault of the drives ends the motion and stays until
+/// `reset_drives`: the arm does not move by itself when the cause of the fault is gone.
 class ArmController {
  public:
   struct Settings {
     double settled = 1e-4;      ///< rad from its goal at which a joint counts as arrived
-    double settle_time = 1;     ///< s after the end of a motion within which it has to be there
-    double position_gain = 20;  ///< 1/s, in velocity mode: rad/s for each rad that a joint is away
+    double settle_time = 1;     ///< s after the end of a motion in which a joint must arrive
+    double position_gain = 20;  ///< 1/s, in velocity mode: rad/s for each rad of position error
   };
 
   /// The measurements of one cycle.
@@ -48,24 +48,24 @@ class ArmController {
   struct Outcome {
     End end = End::Arrived;
     Eigen::Index axis = 0;  ///< NotSettled: the joint that is furthest away
-    double away = 0;        ///< by so many rad
+    double away = 0;        ///< rad, distance of that joint from its goal
     DriverFault fault;      ///< Fault
   };
 
-  /// Throws std::runtime_error with the driver's words if it does not say where the joints are, and
+  /// Throws std::runtime_error with the driver's message if it cannot read the joint positions, and
   /// std::invalid_argument if its joints are not the model's or torque is their only mode.
   ArmController(const robcl::arm::ArmModel& model, const Settings& settings, JointDriver& driver);
-  /// The drives are off and the brakes hold.
+  /// Turns the drives off; the brakes hold.
   ~ArmController();
   ArmController(const ArmController&) = delete;
   ArmController& operator=(const ArmController&) = delete;
 
-  /// One cycle of `seconds`.
+  /// Runs one control cycle of `seconds`.
   void step(double seconds);
 
   /// Clears a fault of the drives, in the next cycle, and enables them again.
   void reset_drives() { reset_.store(true); }
-  /// Cycles that were begun: stands while the driver does not return.
+  /// Number of started cycles. It does not rise while the driver does not return.
   std::uint64_t beats() const { return beats_.load(); }
 
   /// Hands a motion to the control loop. @pre the last one was awaited; it starts at
@@ -73,7 +73,7 @@ class ArmController {
   void start(robcl::motion::Plan plan);
   /// Decelerates the running motion. May be called at any time, even when no motion runs.
   void stop() { stop_.store(true); }
-  /// Whether the motion ended within `patience`; if so, the next may be started.
+  /// Waits at most `patience` for the end of the motion; after its outcome the next may start.
   std::optional<Outcome> wait(gecos::Duration patience);
 
   /// Where the joints are commanded to be while nothing moves: where the last motion ended, or,
@@ -115,10 +115,10 @@ class ArmController {
 
   // The loop's own.
   Phase phase_ = Phase::Standing;
-  JointState state_;  // as answered last
+  JointState state_;  // the driver's last answer
   JointValues command_;
-  bool silent_ = false;  // the driver gave no answer in the last cycle that can be true
-  std::string refusal_;  // why they cannot be enabled
+  bool silent_ = false;  // the driver returned no plausible answer in the last cycle
+  std::string refusal_;  // why the drives cannot be enabled
   double settling_ = 0;
   int arrived_ = 0;
   Reading last_;

@@ -1,4 +1,4 @@
-// An arm as its servers need it: in the world, with a tool, moved by one caller at a time.
+// The arm for its servers: placed in the world, with a tool, moved by one caller at a time.
 #pragma once
 
 #include <memory>
@@ -22,15 +22,15 @@ enum class PathKind { Joint, Straight };
 class MotionWatcher {
  public:
   virtual ~MotionWatcher() = default;
-  /// Asked about every 5 ms; true decelerates the arm on its path.
+  /// Called about every 5 ms; true decelerates the arm on its path.
   virtual bool interrupted() = 0;
-  /// `fraction` of its time that is over, 0 to 1; `remaining` s until it stands.
+  /// `fraction` of the motion's time that has passed, 0 to 1; `remaining` s until the arm stands.
   virtual void progress(double fraction, double remaining) = 0;
 };
 
-/// The watcher asked for it, and the arm stands, somewhere on its path.
+/// The watcher interrupted the motion; the arm stands somewhere on its path.
 struct Interrupted {};
-/// The arm, or what is asked of it, does not allow it now.
+/// The state of the arm, or the request itself, does not allow the motion.
 struct Refused {
   std::string reason;
 };
@@ -38,8 +38,8 @@ using MoveFailure = std::variant<robcl::arm::OutOfReach, robcl::arm::JointLimit,
                                  robcl::arm::Singular, Interrupted, Refused, DriverFault>;
 std::string to_string(const MoveFailure& failure);
 
-/// Any arm with a driver. `step` is its control loop's; everything else may be called by any
-/// thread.
+/// Any arm with a driver. Only the control loop calls `step`; any thread may call the other
+/// methods.
 class ArmDevice {
  public:
   struct Settings {
@@ -73,8 +73,8 @@ class ArmDevice {
   robcl::arm::Configuration configuration() const;
   const robcl::arm::ArmModel& model() const { return model_; }
 
-  /// Clears a fault of the drives and enables them again. Returns at once; moves are refused with
-  /// the fault's words until it worked.
+  /// Clears a fault of the drives and enables them again. Returns at once; until the reset is done,
+  /// moves are refused with the text of the fault.
   void reset_drives() { controller_.reset_drives(); }
 
   /// Places the base in the world. Fails while the arm moves.
@@ -82,7 +82,7 @@ class ArmDevice {
   /// Fails while the arm moves.
   tl::expected<void, Refused> set_tool_offset(const Frame& flange_from_tool);
 
-  /// Moves the tool to `world_from_goal` and returns when it stands there, as measured.
+  /// Moves the tool to `world_from_goal` and returns when the measured tool stands there.
   tl::expected<void, MoveFailure> move(const Frame& world_from_goal, PathKind path,
                                        const robcl::motion::Pace& pace, MotionWatcher& watcher);
 
@@ -103,7 +103,7 @@ class ArmDevice {
 
   std::mutex moving_;  // held from planning to standing; guards planner_ and unfinished_
   robcl::motion::Planner planner_;
-  bool unfinished_ = false;  // a motion was given up because the control loop stood still in it
+  bool unfinished_ = false;  // a motion was abandoned because the control loop stalled
 
   mutable std::mutex reading_;  // guards what follows; never held while waiting
   Frame world_from_base_;
@@ -111,7 +111,7 @@ class ArmDevice {
   std::unique_ptr<robcl::arm::InverseKinematics> postures_;
 };
 
-/// An arm with six joints, which may be named.
+/// An arm with six joints whose positions a caller may command.
 class SixAxisDevice : public ArmDevice {
  public:
   /// Throws std::invalid_argument unless the model has six axes.

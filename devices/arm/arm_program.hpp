@@ -1,4 +1,4 @@
-// The program of an arm: everything that a six-axis arm's server does, for every arm the same.
+// The server program that all six-axis arms share.
 #pragma once
 
 #include <functional>
@@ -13,15 +13,15 @@ namespace devices {
 /// The differences between the programs of two arms.
 struct ArmProgram {
   std::string program;      ///< "robcl-rx90"
-  std::string name;         ///< to register, unless --name says another
+  std::string name;         ///< registered, unless --name is given
   std::string arm;          ///< for people: "Staeubli RX90"
   std::string urdf;         ///< the model itself
   std::string base_link;    ///< in the URDF
   std::string flange_link;  ///< in the URDF
-  /// Limit for each joint: URDF has none, and no published source gives one for these arms.
+  /// Sets the acceleration limit of each joint: neither URDF nor a published source has one.
   double seconds_to_full_speed = 0.25;
   std::vector<double> start_degrees;  ///< where the joints of the simulated arm stand at first
-  std::string place;                  ///< why it has no carrier; see ManipulatorServant
+  std::string place;                  ///< why the arm has no carrier; see ManipulatorServant
   /// Makes the driver of the real joints. Empty: they are simulated.
   std::function<std::unique_ptr<JointDriver>()> connect{};
 };

@@ -9,7 +9,7 @@
 namespace devices {
 
 /// The newest value of one writer for any number of readers. Writing is wait-free; a reader tries
-/// again while it is being overtaken, which a writer at some hundred hertz does to it at most once.
+/// again if the writer wrote meanwhile, at most once with a writer at some hundred hertz.
 template <typename T>
 requires std::is_trivially_copyable_v<T>
 class Latest {

@@ -16,7 +16,7 @@ class ManipulatorServant : public virtual robcl::ManipulatorServant {
   /// and stands on the floor".
   ManipulatorServant(ArmDevice& arm, std::string place) : arm_(arm), place_(std::move(place)) {}
 
-  /// Sends a sample of every stream if something was measured since the last. One thread at a time.
+  /// Sends a sample of every stream if there is a new measurement. One thread at a time.
   void publish();
 
  protected:
@@ -39,7 +39,7 @@ class ManipulatorServant : public virtual robcl::ManipulatorServant {
  private:
   ArmDevice& arm_;
   const std::string place_;
-  std::uint64_t published_ = 0;  // the cycle
+  std::uint64_t published_ = 0;  // the last published cycle
 };
 
 }  // namespace devices

@@ -1,4 +1,4 @@
-// The session's side of one motion: what its handler passes to the arm, and what it answers.
+// The session's side of one motion: connects its handler to the arm and builds the reply.
 #pragma once
 
 #include "arm/arm_device.hpp"
@@ -7,7 +7,7 @@
 
 namespace devices {
 
-/// Passes on interrupts to the arm, and its progress to the caller.
+/// Passes interrupts of the call to the arm, and the arm's progress to the caller.
 class CallWatcher final : public MotionWatcher {
  public:
   using Progress = gecos::Execution<robcl::MotionProgress>;
@@ -24,7 +24,7 @@ class CallWatcher final : public MotionWatcher {
 
 robcl::motion::Pace pace_of(const robcl::Trajectory& how);
 
-/// One exception of the interface for one reason.
+/// The reply of a motion. Each failure maps to one exception of the interface.
 gecos::Result<void> answer(const tl::expected<void, MoveFailure>& moved);
 
 }  // namespace devices

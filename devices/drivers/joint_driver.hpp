@@ -12,12 +12,12 @@ namespace devices {
 
 using robcl::arm::JointValues;
 
-/// The drive electronics, or the line to them, do not do what they should.
+/// A malfunction of the drive electronics or of the connection to them.
 struct DriverFault {
   std::string text;
 };
 
-/// The number of a JointCommand that binds. The drives may use the others as feed-forward.
+/// The value of a JointCommand that the drives must follow. Others may serve as feed-forward.
 enum class ControlMode { Position, Velocity, Torque };
 
 enum class DrivePower {
@@ -51,16 +51,16 @@ struct JointState {
 
 /// The joints of one arm. Used by one thread at a time.
 ///
-/// No function waits longer than a part of the control cycle: what takes longer (brakes that
-/// release, say) goes on while `exchange` reports TurningOn. A driver that fails, throws or says
-/// what cannot be true ends the motion with a fault (see SupervisedDriver).
+/// No function may wait longer than a part of the control cycle. Longer work, such as releasing the
+/// brakes, must continue while `exchange` reports TurningOn. A driver that fails, throws or returns
+/// impossible values ends the motion with a fault (see SupervisedDriver).
 class JointDriver {
  public:
   struct Capabilities {
     Eigen::Index axes = 0;
     bool position = false, velocity = false, torque = false;  ///< modes
-    /// s without an exchange after which the drives stop by themselves. A motion during which the
-    /// control loop stood still for longer is not resumed.
+    /// s without an exchange after which the drives stop by themselves. A motion is not resumed if
+    /// the control loop stalled for longer.
     double longest_gap = std::numeric_limits<double>::infinity();
   };
 

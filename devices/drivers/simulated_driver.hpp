@@ -6,9 +6,9 @@
 
 namespace devices {
 
-/// Joints that are simulated, and not perfect: they follow a commanded position, or velocity, with
-/// a lag of first order, and are seen through encoders with steps and noise. They have no mass, so
-/// torque is no mode of theirs.
+/// Simulated, imperfect joints. They follow a commanded position or velocity with a first-order
+/// lag, and are measured by encoders with steps and noise. They have no mass, and so no torque
+/// mode.
 class SimulatedDriver final : public JointDriver {
  public:
   struct Imperfection {
@@ -30,7 +30,7 @@ class SimulatedDriver final : public JointDriver {
 
   /// Positions of the joints as the encoders measure them now, rad.
   JointValues measured();
-  /// The drives fail with these words, and hold the arm with their brakes until they are reset.
+  /// Makes the drives fail with the text `fault`; the brakes hold the arm until a reset.
   void break_down(std::string fault);
 
  private:

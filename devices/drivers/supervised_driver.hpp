@@ -8,15 +8,14 @@
 
 namespace devices {
 
-/// A driver whose answers can be trusted to be possible. Whatever `driver` throws, and whatever it
-/// says that cannot be true, is a DriverFault here: numbers that are none, or not as many as the
-/// arm has joints; a stamp of the future, or one that stays old; a joint that moved faster than it
-/// can.
+/// A driver that returns only plausible answers. It turns every exception of `driver` and every
+/// impossible answer into a DriverFault: NaN or infinite numbers, a wrong number of joints, a time
+/// stamp in the future or too old, a joint that moved faster than it can.
 class SupervisedDriver final : public JointDriver {
  public:
-  /// s. An older measurement counts as no answer, and so does one that is as far in the future.
+  /// s. A measurement that is older, or as far in the future, counts as no answer.
   static constexpr double oldest = 0.1;
-  /// Times its greatest speed at which a joint is not believed to have moved.
+  /// A multiple of a joint's greatest speed. A faster measured movement is not plausible.
   static constexpr double speed_margin = 4;
 
   /// `limits`: one per joint.
@@ -39,7 +38,7 @@ class SupervisedDriver final : public JointDriver {
 
   JointDriver& driver_;
   const std::vector<robcl::arm::JointLimits> limits_;
-  JointValues last_;  // position; empty after a fault, when nothing says how far a joint may be
+  JointValues last_;  // position; empty after a fault, when joints may have moved any distance
 };
 
 }  // namespace devices

@@ -11,16 +11,16 @@
 
 namespace devices {
 
-/// SimulatedGripper as the object `robcl::Gripper`, in a simulated world that it asks what its jaws
-/// meet. Thread-safe; its handlers wait for the world.
+/// Serves a SimulatedGripper as the object `robcl::Gripper`. A simulated world tells what its jaws
+/// meet. Thread-safe; handlers wait for the world.
 class GripperServant final : public robcl::GripperServant {
  public:
-  /// `world` empty: there is none, and the jaws never meet anything.
+  /// With an empty `world` there is no world, and the jaws never meet anything.
   GripperServant(gecos::Lab& lab, std::string name, std::string world, const std::string& carrier,
                  const robcl::Frame& base_from_grip_point,
                  const SimulatedGripper::Settings& settings);
 
-  /// Moves the jaws on. One thread.
+  /// Moves the jaws for one cycle of `seconds`. One thread.
   void step(double seconds) { gripper_.step(seconds); }
   /// Sends a sample of the jaws and keeps the carrier's stream alive. One thread.
   void publish();

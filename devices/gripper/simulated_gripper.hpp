@@ -9,7 +9,7 @@
 namespace devices {
 
 /// Two parallel jaws that close at a constant speed until they meet something, or each other.
-/// `step` belongs to their beat; everything may be called by any thread.
+/// `step` belongs to the gripper's periodic thread; any thread may call every method.
 class SimulatedGripper {
  public:
   struct Settings {
@@ -39,8 +39,8 @@ class SimulatedGripper {
   const Settings& settings() const { return settings_; }
   State state() const;
 
-  /// Starts towards `width`, letting go of what is held. On the way in it stops at `contact`,
-  /// without force.
+  /// Starts to move to `width` and releases a held body. If the jaws have to close for that, they
+  /// stop at `contact`, without force.
   tl::expected<void, OutOfRange> open(double width, const std::optional<Contact>& contact);
   /// Starts to close until the jaws meet `contact` (else each other), to press it with `force`.
   tl::expected<void, OutOfRange> close(double force, const std::optional<Contact>& contact);
@@ -53,7 +53,7 @@ class SimulatedGripper {
   mutable gecos::Mutex guard_;
   State state_ GECOS_GUARDED_BY(guard_);
   double target_ GECOS_GUARDED_BY(guard_);
-  double force_at_target_ GECOS_GUARDED_BY(guard_) = 0;  // 0: it does not grip there
+  double force_at_target_ GECOS_GUARDED_BY(guard_) = 0;  // 0: no grip at the target
   std::string body_at_target_ GECOS_GUARDED_BY(guard_);
 };
 

@@ -11,7 +11,7 @@
 
 namespace devices {
 
-/// A beam in the simulated world as the object `robcl::LaserDistanceSensor`. Thread-safe; its
+/// Serves a beam in the simulated world as the object `robcl::LaserDistanceSensor`. Thread-safe;
 /// handlers wait for the world.
 class LdsServant final : public robcl::LaserDistanceSensorServant {
  public:

@@ -21,7 +21,7 @@ class SimulatedBeam {
 
   const Settings& settings() const { return settings_; }
 
-  /// The distance as measured; nothing when there is nothing in the beam, or not within the range.
+  /// The measured distance; nullopt if the beam meets nothing, or nothing within the range.
   std::optional<double> measure(std::optional<double> distance);
 
  private:

@@ -1,4 +1,4 @@
-// Where devices are that stand on something that moves.
+// The position of devices that are mounted on a moving carrier.
 #pragma once
 
 #include <memory>
@@ -14,24 +14,25 @@ namespace devices {
 
 using FlangeStream = gecos::ReconnectingStream<robcl::Manipulator, robcl::Frame>;
 
-/// The flange of a manipulator, as its stream last said; or the world, which stands. Any thread may
-/// ask; one thread calls `tick`.
+/// The flange of a manipulator, from the last sample of its stream, or the fixed world. Any thread
+/// may call `frame`; one thread calls `tick`.
 class Carrier {
  public:
-  /// A flange that was silent for longer than this is not known any more.
+  /// The frame of a flange that was silent for longer than this is unknown.
   static constexpr gecos::Duration patience = std::chrono::seconds(1);
 
   explicit Carrier(gecos::Lab& lab) : lab_(lab) {}
 
-  /// Follows the flange of `name` from now on; empty: the world. It need not be there yet.
+  /// Follows the flange of the object `name` from now on, or the world if `name` is empty. The
+  /// object need not be online yet.
   void follow(const std::string& name);
   std::string name() const;
 
-  /// Connects, or connects again, when that is needed; call it now and then, where waiting for up
-  /// to 0.2 s does no harm.
+  /// Connects or reconnects when needed. Call it regularly, on a thread that may block for up to
+  /// 0.2 s.
   void tick();
 
-  /// The flange in the world; or why it is not known.
+  /// The flange in the world, or the reason why it is unknown.
   tl::expected<robcl::Frame, std::string> frame();
 
  private:
@@ -51,8 +52,8 @@ class Mounting {
   std::string parent() const { return carrier_.name(); }
   /// The frame in the world; fails with the reason why it is not known.
   gecos::Result<robcl::Frame> base();
-  /// Waits until the new carrier is heard. Fails with robcl::MountRefused when it is not, and then
-  /// changes nothing.
+  /// Waits for the first sample of the new carrier. If none arrives, fails with robcl::MountRefused
+  /// and changes nothing.
   gecos::Result<void> mount(const std::string& carrier, const robcl::Frame& carrier_from_base);
 
  private:

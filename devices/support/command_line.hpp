@@ -10,26 +10,26 @@
 
 namespace devices {
 
-/// One `--word VALUE` that a program takes.
+/// One option `--word VALUE` of a program.
 struct Option {
   std::string word;      ///< without the dashes
   std::string standard;  ///< used when it is not given
   std::string says;      ///< for --help, with its unit
 };
 
-/// The words a program was started with. `main` ends with `exit_status` when there is one.
+/// The arguments of a program. `main` must return `exit_status` if it has a value.
 class CommandLine {
  public:
-  /// Prints the usage for --help, and what is wrong with a bad word before the usage.
+  /// Prints the usage for --help. For a bad argument prints the error, then the usage.
   CommandLine(std::string program, std::string purpose, std::vector<Option> options, int count,
               char** words);
 
-  /// 0 after --help, 2 after a bad word, nothing when the program shall go on.
+  /// 0 after --help, 2 after a bad argument, nullopt if the program should continue.
   std::optional<int> exit_status() const { return exit_status_; }
 
   const std::string& text(std::string_view word) const;
-  /// Millimetres, degrees, newtons or a plain number, as the option says. A value that is no finite
-  /// number was refused already if the option's standard is a number.
+  /// The value in the option's unit: millimetres, degrees, newtons or none. If the option's default
+  /// is a number, the constructor has already refused values that are not finite numbers.
   double number(std::string_view word) const;
 
  private:

@@ -9,7 +9,7 @@
 
 namespace devices {
 
-/// Work of a device that goes on while it is served, each on a thread of its own.
+/// Periodic work of a device while it is served, on a thread of its own.
 struct Beat {
   gecos::Duration period;
   std::function<void(double seconds)> work;  ///< gets the time since its last call, s
@@ -19,20 +19,20 @@ struct Served {
   std::string program;  ///< "robcl-rx90": begins each line that is printed
   std::string name;     ///< to register
   bool simulated = true;
-  /// Handlers wait for other objects: each runs on the object's worker.
+  /// Whether handlers wait for other objects; then each handler runs on the object's worker.
   bool blocking = false;
   std::vector<Beat> beats{};  ///< started once it is served
 };
 
-/// Serves a thread-safe `servant` until SIGINT or SIGTERM. Prints one line when it is
-/// ready, and why it cannot be served. Gives the program's exit status.
+/// Serves a thread-safe `servant` until SIGINT or SIGTERM. Prints one line when it is ready, or the
+/// reason why it cannot be served. Returns the program's exit status.
 int serve_device(gecos::Lab& lab, gecos::Servant& servant, const Served& how);
 
-/// The body of `main`: whatever `work` throws, of whatever type, is one line on stderr and the exit
+/// The body of `main`. An exception of any type from `work` becomes one line on stderr and exit
 /// status 1.
 int device_main(const char* program, const std::function<int()>& work);
 
-/// One line on stderr, "robcl-rx90: …"; gives the exit status 1.
+/// Prints one line on stderr, "robcl-rx90: …", and returns exit status 1.
 int fail(const std::string& program, const std::string& why);
 
 }  // namespace devices

@@ -10,8 +10,8 @@ namespace devices {
 
 /// Calls `work` every `period` on a thread of its own, from construction to destruction.
 ///
-/// The beat is absolute: a late cycle does not shift the following ones, and cycles that were
-/// missed altogether are left out, not caught up.
+/// Cycles have absolute times: a late cycle does not shift the following ones, and missed cycles
+/// are skipped, not caught up.
 class Periodic {
  public:
   /// `work` gets the time since its last call, in s: `period`, or a multiple after missed cycles.

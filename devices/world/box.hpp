@@ -1,4 +1,4 @@
-// Geometry of boxes: what a ray meets, what jaws meet, how far one falls onto another.
+// Geometry of boxes: intersection with a ray or with jaws, and the fall of one box onto another.
 #pragma once
 
 #include <Eigen/Core>

@@ -14,10 +14,10 @@ class GripperWatch {
  public:
   GripperWatch(gecos::Lab& lab, SimulatedWorld& world, std::string gripper);
 
-  /// Connects where needed, sees what the jaws do, moves what they carry. One thread; may wait for
-  /// up to half a second while something is not there.
+  /// Connects where needed, reads the state of the jaws, and moves the body they carry. One thread;
+  /// may block for up to 0.5 s while an object is not online.
   void tick();
-  /// Moves what they carry to where it is now. Any thread; does not wait.
+  /// Moves the carried body to its present place. Any thread; does not wait.
   void carry();
 
  private:
@@ -29,7 +29,7 @@ class GripperWatch {
   gecos::ReconnectingStream<robcl::Gripper, robcl::GripperState> jaws_;
 
   gecos::Mutex guard_;
-  std::string held_ GECOS_GUARDED_BY(guard_);  // what the world was told that the gripper holds
+  std::string held_ GECOS_GUARDED_BY(guard_);  // the held body, as last reported to the world
 };
 
 }  // namespace devices

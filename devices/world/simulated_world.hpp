@@ -1,4 +1,4 @@
-// A laboratory of boxes: what is in it, where it is, and who carries it.
+// A laboratory of boxes: its bodies, their poses, and the grippers that carry them.
 #pragma once
 
 #include <map>
@@ -20,9 +20,9 @@ struct SimulatedBody {
   std::string held_by;  ///< gripper that carries it, empty when none
 };
 
-/// Grasping attaches a body to what carries the gripper, as it stands at that moment. Let go, it
-/// falls straight down onto what is below it, keeping its orientation. Bodies that are not held do
-/// not move, even when the body below them is taken away. Any thread.
+/// Grasping attaches a body, in its present pose, to the gripper's carrier. A released body falls
+/// straight down onto the body below and keeps its orientation. Bodies that are not held do not
+/// move, even when the body below them is taken away. Any thread.
 class SimulatedWorld {
  public:
   struct Hit {
@@ -48,15 +48,15 @@ class SimulatedWorld {
   /// First body on the ray along z of `origin`, at most `reach` away.
   std::optional<Hit> cast(const Frame& origin, double reach) const;
 
-  /// What jaws at `jaws` (closing along y) meet when they close from `opening`: of several bodies
-  /// the thickest. The body is gripped as it stands, also off the middle.
+  /// The body that jaws at `jaws` (closing along y) meet when they close from `opening`; of several
+  /// bodies the thickest. A body that is off the middle is gripped where it is.
   std::optional<Contact> between(const Frame& jaws, double opening) const;
 
   tl::expected<void, PlaceProblem> place(std::string_view name, const Frame& pose);
 
-  /// `gripper` holds `body` (nothing: empty), and what carries the gripper is at `carrier` now.
-  /// Takes up what is newly held, moves what is held, lets go of the rest. A fixed body, or one
-  /// that another gripper holds, is not taken.
+  /// Reports that `gripper` holds `body` (empty: none) and that its carrier is at `carrier` now.
+  /// Attaches a newly held body, moves a held one, releases the others. A fixed body, or one that
+  /// another gripper holds, is not attached.
   void track(const std::string& gripper, const std::string& body, const Frame& carrier);
 
  private:

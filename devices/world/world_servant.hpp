@@ -10,7 +10,7 @@ namespace devices {
 /// SimulatedWorld as the object `robcl::World`. Thread-safe; no handler waits.
 class WorldServant final : public robcl::WorldServant {
  public:
-  /// `catch_up` brings what is carried to where it is now; asked before every answer.
+  /// `catch_up` moves carried bodies to their present places; called before every answer.
   WorldServant(SimulatedWorld& world, std::function<void()> catch_up);
 
  private:

@@ -1,4 +1,4 @@
-"""Where the programs of the stress tests are, and the Python of their interface."""
+"""Fixtures: the programs of the stress tests, and the generated Python of their interface."""
 
 from __future__ import annotations
 

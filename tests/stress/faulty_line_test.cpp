@@ -1,5 +1,5 @@
-// A line that loses, repeats, reorders and damages packets, both ways: what is called over it ends,
-// runs at most once, in order, and carries what was sent.
+// A connection that loses, repeats, reorders and damages packets, both ways: every call over it
+// ends, runs at most once, in order, with undamaged arguments and results.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -34,8 +34,8 @@ std::uint64_t from_environment(const char* name, std::uint64_t otherwise) {
   return text != nullptr && *text != '\0' ? std::stoull(text) : otherwise;
 }
 
-/// Every program of the test sees its own line, each with the same faults. However slow the machine
-/// is, nobody counts as lost: whatever ends otherwise than DONE is a defect.
+/// Each program of the test has its own faulty connection, all with the same faults. Even on a slow
+/// machine no peer counts as lost: a call that ends with anything but DONE is a defect.
 gecos::LabOptions bad_line(std::uint64_t seed) {
   const gecos::media::Faults faults{
       .seed = seed, .loss = 0.1, .duplication = 0.1, .corruption = 0.01, .reordering = 0.3};
@@ -47,7 +47,7 @@ gecos::LabOptions bad_line(std::uint64_t seed) {
   return options;
 }
 
-/// Counts how often each command ran, and what came out of order or damaged.
+/// Counts the runs of each command, and the commands that came reordered or damaged.
 class Counting : public stress::WorkbenchServant {
  public:
   /// Each of `clients` has `share` numbers; the clients' ranges follow each other.
@@ -107,7 +107,7 @@ class Counting : public stress::WorkbenchServant {
   int out_of_order_ = 0;
 };
 
-/// What a call gave, compared with what it must give. "": right.
+/// An open call, and the comparison of its result with the expected one; "" if it is right.
 struct Open {
   std::uint64_t number;
   std::function<std::string()> wrong;

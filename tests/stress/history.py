@@ -1,4 +1,4 @@
-"""Judges what programs noted while they were killed: did every command end, once, as answered?
+"""Checks the records of killed programs: did every command end, once, with the server's answer?
 
 A record is a text file, a line per event, written by one program. Each begins with a time, ns of
 CLOCK_BOOTTIME, which all programs share. Of a client:
@@ -17,11 +17,11 @@ Of a server:
     finish <command> <operation> <result>            it returns; "-": it was interrupted
     done
 
-And of who kills: `kill <pid>`, once the process is gone; `cut <end>`, when the line between all
-clients and all servers was cut, and until when; `freeze <pid> <end>`, once the process stood still,
-and when it was told to go on. And of a watcher of the machine: `late <woken>`, when it was to wake,
-and when it woke. A command is named by the number of its client (upper half) and its own (lower
-half); both rise.
+Of the test itself: `kill <pid>`, once the process is gone; `cut <end>`, the begin and end of a cut
+of the network between all clients and all servers; `freeze <pid> <end>`, once the process was
+suspended, and when it was resumed. Of a watcher of the machine: `late <woken>`, when it should have
+woken, and when it did. A command is named by the number of its client (upper half) and its own
+(lower half); both rise.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ NOT_STARTED = frozenset({"REJECTED", "DENIED", "QUEUE_FULL", "EXPIRED"})
 
 @dataclass(slots=True)
 class Call:
-    """What its client noted of one command."""
+    """A client's record of one command."""
 
     command: int
     operation: str
@@ -69,7 +69,7 @@ class Call:
         return next((detail for _, state, detail in self.seen if state != "RUNNING"), "")
 
     def told(self) -> int | None:
-        """When its client knew its end at the latest."""
+        """The latest time at which the client knew the end of the command."""
         return next((time for time, state, _ in self.seen if state != "RUNNING"), None)
 
 
@@ -91,7 +91,7 @@ class Start(NamedTuple):
 
 
 class Freeze(NamedTuple):
-    """A process that stood still from one time to the other."""
+    """The suspension of a process from one time to another."""
 
     pid: int
     begin: int
@@ -121,7 +121,7 @@ class History:
     """From when until when somebody who only wanted to wake was not let run."""
 
     def late_s(self, begin: int, end: int) -> float:
-        """How much of the time between the two the machine stood still for its watcher."""
+        """Seconds between `begin` and `end` in which the machine did not run its watcher."""
         return sum(max(0, min(end, woken) - max(begin, due)) for due, woken in self.late) * 1e-9
 
     def summary(self) -> str:
@@ -140,7 +140,7 @@ class History:
         return f"{done}, {len(calls)} commands ({told}{again}){apart}{late}"
 
     def begun_in_vain(self) -> Iterator[tuple[Server, Start, Call]]:
-        """Handlers that began after their client had been told an end."""
+        """Handlers that began after their client had already seen the end of the command."""
         calls = {number: call for client in self.clients for number, call in client.calls.items()}
         for server in self.servers:
             for start in server.starts:
@@ -149,14 +149,14 @@ class History:
                     yield server, start, call
 
     def frozen_before_they_began(self) -> Iterator[tuple[Freeze, Start]]:
-        """Calls whose client heard nothing because the freeze came between mark and handler."""
+        """Calls whose client got no answer because a freeze came between mark and handler."""
         for server, start, call in self.begun_in_vain():
             freeze = self.freeze_between(server, start)
             if freeze is not None and call.detail() in LOST:
                 yield freeze, start
 
     def freeze_between(self, server: Server, start: Start) -> Freeze | None:
-        """The one that kept the handler from beginning though it was marked."""
+        """The freeze that kept a handler from beginning after its start was marked."""
         return next(
             (
                 freeze
@@ -186,7 +186,7 @@ class History:
 
 
 def lines_of(path: Path) -> Iterator[list[str]]:
-    """A line that was cut off by its writer's death is none."""
+    """Lines of a record, without a last line that its writer's death cut off."""
     for line in path.read_text().splitlines(keepends=True):
         if line.endswith("\n"):
             yield line.split()
@@ -258,7 +258,7 @@ def read(directory: Path) -> History:
 
 
 def check(history: History, bound_s: float = BOUND_S) -> list[str]:
-    """What is wrong with it, a sentence each; nothing when it is right."""
+    """The errors of a history, one sentence each; empty if it is right."""
     calls = {number: call for client in history.clients for number, call in client.calls.items()}
     return [
         *executed_at_most_once(history),
@@ -322,9 +322,9 @@ def nothing_lost(history: History, bound_s: float) -> Iterator[str]:
 def losses(
     history: History, client: Client, call: Call, bound_s: float
 ) -> Iterator[tuple[int, str]]:
-    """What, and when, must have ended `call` if nothing had before."""
+    """The events, with their times, that must have ended `call` unless it ended before."""
     if call.operation in IDEMPOTENT:
-        # It goes from server to server. Where the last has answered, there is no such bound.
+        # A call goes from server to server. If the last one has answered, there is no such bound.
         killed = max(
             (
                 history.kills[server.pid]
@@ -409,11 +409,11 @@ def one_at_a_time(history: History) -> Iterator[str]:
 
 
 def begun_for_a_live_caller(history: History) -> Iterator[str]:
-    """Nothing is marked as started once its client was told an end.
+    """No command may be marked as started after its client saw its end.
 
-    A mark cannot be taken back: where a freeze falls between it and the handler, the handler begins
-    for a client that has heard nothing and given up. That is one command of what runs one at a
-    time, and of what runs beside it only what was marked already.
+    A mark cannot be withdrawn: if a freeze falls between the mark and the handler, the handler
+    begins for a client that got no answer and gave up. That may be one command of those that run
+    one at a time; of those that run in parallel, only the ones already marked.
     """
     for server, start, call in history.begun_in_vain():
         told = call.told() or 0

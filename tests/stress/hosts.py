@@ -1,4 +1,4 @@
-"""Two hosts that are none: network namespaces with a line between them that can be cut."""
+"""Two simulated hosts: network namespaces with a link between them that can be cut."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ NEEDED = (
 
 
 class Hosts:
-    """Programs run on host 0 or 1 with the words of `on` before theirs."""
+    """Two network namespaces. A program runs on host 0 or 1 with the arguments of `on` in front."""
 
     def __enter__(self) -> Hosts:
         self._holders: list[subprocess.Popen[bytes]] = []
@@ -55,7 +55,7 @@ class Hosts:
         return self._enter(self._ends[host], "-n")
 
     def cut(self) -> int:
-        """Gives the time in ns. Neither host sees its own line go down."""
+        """Cuts the link and returns the time in ns. Neither host sees its own interface go down."""
         self._ip(self._between, "link set end0 nomaster")
         return now_ns()
 

@@ -17,8 +17,8 @@ def now_ns() -> int:
 
 
 class Lateness:
-    """Wants to wake every 10 ms and notes when it did not: a line "<due> late <woken>", in ns, each
-    time it was more than 30 ms late."""
+    """Wakes every 10 ms, and writes a line "<due> late <woken>", in ns, each time it woke more than
+    30 ms late."""
 
     def __init__(self, file: Path) -> None:
         self._file = file

@@ -1,4 +1,4 @@
-"""A laboratory whose programs are killed at random instants, and what must hold of it then."""
+"""A laboratory whose programs are killed at random instants, and the checks of its history."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ ROLES_FROZEN = {"server": 4, "client": 2, "server client": 3, "broker": 1}
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """What is done to a laboratory."""
+    """The disturbances of one laboratory."""
 
     medium: str
     seed: int
@@ -85,17 +85,17 @@ class Role:
         self._ready = True
 
     def kill(self) -> int:
-        """Gives the time in ns when it was gone."""
+        """Kills the program and returns the time in ns when it was gone."""
         assert self.program.running(), f"it ended by itself: {self.program}"
         return self.program.kill()
 
     def end(self) -> None:
-        """In order."""
+        """Ends the program in order, with SIGTERM."""
         self.program.signal(signal.SIGTERM)
         self.finish()
 
     def finish(self) -> None:
-        """Was told to end."""
+        """Waits for the end of the program, which was asked to end, and checks its status."""
         status = self.program.finish()
         assert status == 0, f"it ended with {status}: {self.program}"
 
@@ -118,7 +118,7 @@ class Rampage:
         self._random = random.Random(plan.seed)
         self._programs = build / "tests" / "stress"
         self._broker = build / "runtime" / "cpp" / "gecos" / "broker" / "gecos-broker"
-        # Its name in the kernel is at most 107 characters long, so not below `records`.
+        # A Unix socket's name has at most 107 characters, so the socket is not below `records`.
         self.place = Path(tempfile.mkdtemp(prefix="gecos-"))
         # Its own broker only, however long that stands still: others run beside it.
         here = {"GECOS_RUNTIME_DIR": str(self.place), "GECOS_BROKER": "shm"}
@@ -145,7 +145,7 @@ class Rampage:
         ]
 
     def _whole(self) -> list[str]:
-        """A client that serves, too."""
+        """The command of a client that also serves."""
         self._servers += 1
         program = [sys.executable, str(HERE / "programs" / "client.py")]
         if not self.plan.python_server:
@@ -156,7 +156,9 @@ class Rampage:
         self._servers += 1
         in_python = [sys.executable, str(HERE / "programs" / "server.py")]
         return [
-            *(["setsid"] if self.plan.children else []),  # its child stays in a group of its pid
+            *(
+                ["setsid"] if self.plan.children else []
+            ),  # a process group of its own, which its child stays in
             *(in_python if self.plan.python_server else [str(self._programs / "stress_server")]),
             f"record={self.records / f'server.{self._servers}.log'}",
             f"medium={self.plan.medium}",
@@ -205,7 +207,7 @@ class Rampage:
     # What is done to them
 
     def _pause(self) -> None:
-        """So that what follows comes at a random instant."""
+        """Sleeps for a random time, so that the next disturbance comes at a random instant."""
         time.sleep(self._random.expovariate(1 / self.plan.pause_s))
 
     def _victim(self) -> Role:
@@ -220,7 +222,7 @@ class Rampage:
     def kill(self) -> None:
         for _ in range(self.plan.kills):
             if self.plan.waiters:
-                self._await_ready("server")  # nobody waits for one that starts
+                self._await_ready("server")  # a waiter cannot wait for a server that is starting
             self._pause()
             self._kill(self._victim())
 
@@ -250,7 +252,7 @@ class Rampage:
             self._freeze([self._random.choice(self._filling(name)) for name in roles], length)
 
     def _lengths(self) -> list[float]:
-        """Lengths of freezes, s: as many of .05 to .1 as of 1 to 2, and one near the longest."""
+        """Lengths of freezes in s: equally distributed in the logarithm, one near the longest."""
         steps = [
             (step + self._random.random()) / self.plan.freezes for step in range(self.plan.freezes)
         ]
@@ -272,7 +274,7 @@ class Rampage:
             freezes.writelines(f"{began} freeze {pid} {ends}\n" for pid in pids)
 
     def cut(self) -> None:
-        """Each for a random while."""
+        """Cuts the network at random instants, each time for a random duration."""
         for _ in range(self.plan.cuts if self._hosts is not None else 0):
             assert self._hosts is not None
             self._pause()
@@ -284,7 +286,7 @@ class Rampage:
     # How it ends
 
     def end(self) -> None:
-        """All programs, in order; nothing may be left of them or in them."""
+        """Ends all programs, in order, and checks that they leave no files or resources behind."""
         self._end_children()
         self._end_waiters()
         for name in "client", "witness", "whole", "server", "broker":
@@ -297,7 +299,7 @@ class Rampage:
         assert not left, f"left behind: {left}"
 
     def _end_children(self) -> None:
-        """A server that is started afterwards clears away what they held."""
+        """Ends children of servers; a server started afterwards clears the resources they held."""
         if not self.plan.children:
             return
         self.plan = dataclasses.replace(self.plan, children=False)
@@ -311,7 +313,7 @@ class Rampage:
         return [role for role in self.roles if role.name == name]
 
     def _kill_orphaned(self) -> None:
-        """Until they are gone: who dies still holds all it held."""
+        """Kills orphaned children and waits for their end: until then they keep their resources."""
         for group in self._orphaned:
             those = members(group)
             with contextlib.suppress(ProcessLookupError):
@@ -320,7 +322,7 @@ class Rampage:
         self._orphaned = []
 
     def _end_waiters(self) -> None:
-        """They end with what they wait for, so their server goes first."""
+        """Ends the waiters. A waiter ends with its command, so its server must end first."""
         waiters = [role for role in self.roles if role.name == "waiter"]
         for role in waiters:
             role.program.signal(signal.SIGTERM)
@@ -354,7 +356,7 @@ def members(group: int) -> list[int]:
 
 
 def stands_still(pid: int) -> bool:
-    """No thread of it runs any more."""
+    """Whether every thread of the process is suspended."""
     stats = [stat.read_text() for stat in Path(f"/proc/{pid}/task").glob("[0-9]*/stat")]
     return all(stat.rpartition(")")[2].split()[0] == "T" for stat in stats)
 
@@ -387,7 +389,7 @@ def rampage(plan: Plan, build: Path, records: Path, env: Mapping[str, str]) -> I
 
 
 def run(plan: Plan, build: Path, records: Path, env: Mapping[str, str]) -> history.History:
-    """Carries out the plan; gives the history, which has been checked."""
+    """Carries out the plan; returns the history after checking it."""
     with Lateness(records / "machine.log"), rampage(plan, build, records, env) as lab:
         lab.kill()
         lab.freeze()
@@ -403,7 +405,7 @@ def run(plan: Plan, build: Path, records: Path, env: Mapping[str, str]) -> histo
 def run_beside_each_other(
     plans: Sequence[Plan], build: Path, records: Path, env: Mapping[str, str]
 ) -> list[history.History]:
-    """Each in a laboratory of its own."""
+    """Runs the plans in parallel, each in a laboratory of its own."""
     with ThreadPoolExecutor(len(plans)) as pool:
         running = []
         for number, plan in enumerate(plans):
@@ -414,7 +416,7 @@ def run_beside_each_other(
 
 
 def freezing(freezes: int, longest_s: float, seeds: random.Random) -> list[Plan]:
-    """Laboratories of all kinds in which programs stand still, alone and together."""
+    """Plans for laboratories of all kinds in which programs are suspended, alone and together."""
 
     def plan(medium: str, **more: Any) -> Plan:
         return Plan(

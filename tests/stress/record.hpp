@@ -1,4 +1,4 @@
-// What a program does, line by line, in a file that survives its being killed.
+// A log of a program's actions, line by line, in a file that survives the kill of the program.
 #pragma once
 
 #include <cstddef>
@@ -23,11 +23,11 @@ class Record {
   int file_;
 };
 
-/// What the workbench answers: tells every command from every other.
+/// The workbench's answer to a command; it distinguishes the command from all others.
 std::int64_t answer(std::uint64_t command, std::int64_t salt);
 std::int64_t answer(std::uint64_t command, std::span<const std::uint8_t> load);
 
-/// What this process has open.
+/// The open resources of this process.
 struct Census {
   std::ptrdiff_t descriptors = 0;
   std::ptrdiff_t threads = 0;

@@ -1,4 +1,4 @@
-"""What is done to programs short of killing them: stopped, cut off, misled about the time."""
+"""Programs survive disturbances other than kills: suspension, a cut network, a changing clock."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def test_two_hosts_that_are_cut_off_from_each_other_leave_no_command_open(
 
 
 def test_the_wild_clock_is_wild(build: Path) -> None:
-    """Else the next test would show nothing."""
+    """A precondition of the next test."""
     look = "import time; print(abs(time.time() - time.time()))"
     preloaded = {**os.environ, "LD_PRELOAD": str(build / "tests" / "stress" / "libwild_clock.so")}
     said = subprocess.run(

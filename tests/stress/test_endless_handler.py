@@ -1,4 +1,4 @@
-"""A Python handler that never returns: stop is acted on, and nothing else moves the object."""
+"""A Python handler that never returns: stop still works, and no other call moves the object."""
 
 from __future__ import annotations
 

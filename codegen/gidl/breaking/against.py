@@ -1,4 +1,4 @@
-"""The interfaces as they were: a folder, or the tree of a git commit."""
+"""The old interfaces to compare with: a folder, or the tree of a git commit."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class AgainstError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class Root:
-    """Where includes begin: a folder on disk, and how its name is shown ("main:idl/")."""
+    """A root folder of includes on disk, and the name by which messages show it ("main:idl/")."""
 
     folder: Path
     label: str
@@ -34,7 +34,7 @@ class Baseline:
     roots: tuple[Root, ...]
 
     def files(self, wanted: Collection[str] | None) -> list[str]:
-        """All files, or those of the stems that are wanted and were there before."""
+        """All files of the old version, or those whose stems are in `wanted`."""
         found: dict[str, str] = {}
         for root in self.roots:
             for place in interfaces_below(root.folder):
@@ -101,7 +101,7 @@ def _extracted(ref: str, folder: Path, into: Path) -> Root:
         reason = said[-1] if said else "no word"
         raise AgainstError(f"git has no {folder.as_posix()}/ in '{ref}': {reason}")
     with tarfile.open(fileobj=io.BytesIO(run.stdout)) as archive:
-        if hasattr(tarfile, "data_filter"):  # Debian 12's Python 3.11.2 is older than it
+        if hasattr(tarfile, "data_filter"):  # missing in Debian 12's Python 3.11.2
             archive.extractall(into, filter="data")
         else:
             archive.extractall(into)  # git made it: no absolute paths, nothing outside

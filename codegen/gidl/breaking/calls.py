@@ -1,4 +1,4 @@
-"""Interfaces: what can be called, by whom, and what the line promises."""
+"""Compares interfaces: their calls, the access these need, and the promised quality."""
 
 from __future__ import annotations
 
@@ -140,7 +140,7 @@ def _raises(
 
 
 def _hash(sides: Sides, old: Call, new: Call, report: Report) -> None:
-    """The hashes decide at run time whether two sides talk: nothing they tell apart is silent."""
+    """Reports a changed hash that no other finding explains: two sides that differ cannot talk."""
     if _hashed(sides.old, old) == _hashed(sides.new, new) or report.has_broken(old.scoped_name):
         return
     names: set[str] = set()

@@ -1,4 +1,4 @@
-"""Quality that is promised less, and protection that is there no more."""
+"""Compares promises: weaker quality, and removed protection."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _ASK = "keep it, or ask the person responsible for the laboratory's safety"
 
 
 def interface(old: Interface, new: Interface, report: Report) -> frozenset[str]:
-    """Promises that the whole interface weakens; findings of its members do not repeat them."""
+    """Reports the promises that the whole interface weakens. Findings of members omit them."""
     weaker = tuple(_weaker(old.qos, new.qos))
     for text in weaker:
         _qos(report, old.name, f"'{old.name}' {text}", new.facts, old.facts)

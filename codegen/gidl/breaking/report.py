@@ -1,4 +1,4 @@
-"""Collects what breaks, each with why and what to do instead."""
+"""Collects incompatible changes, each with its reason and an alternative."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class Report:
     def __init__(self, label: str) -> None:
         self.findings = Findings()
         self._label = label
-        self._broken: set[str] = set()  # whose bytes or calls no longer fit
+        self._broken: set[str] = set()  # subjects of WIRE findings
 
     def add(
         self,

@@ -1,4 +1,4 @@
-"""The old and the new model side by side: what corresponds, and types as the wire sees them."""
+"""The old and the new model: corresponding declarations, and types as they are encoded."""
 
 from __future__ import annotations
 
@@ -35,8 +35,8 @@ class Sides:
     new: Model
 
     def declarations(self) -> Iterator[tuple[AnyDeclaration, AnyDeclaration | None]]:
-        """The old declarations, each with what it became. A missing one counts only in files that
-        were asked for: another file may just not be included any more."""
+        """The old declarations, each with its new one or None. Removed ones are yielded only for
+        files that were asked for: another file may just not be included any more."""
         became = {_key(self.new, d): d for d in self.new.declarations()}
         for file in self.old.files:
             for declaration in file.declarations:
@@ -47,14 +47,15 @@ class Sides:
                     yield declaration, new
 
     def calls(self, old: Interface, new: Interface) -> Iterator[tuple[Call, Call | None]]:
-        """Own members of an interface, by the name that enters codes and hashes."""
+        """Own members of the old interface, each with its new one or None. Members correspond by
+        the name that enters codes and hashes."""
         became = {member_name(self.new, m): m for m in new.members}
         for member in old.members:
             yield member, became.get(member_name(self.old, member))
 
     def same_type(self, old: Type | None, new: Type | None) -> bool:
-        """Whether both lie on the wire under the same names, as far as the use says: what a
-        named type holds is compared where it is declared."""
+        """Whether both types have the same names and shape on the wire. The contents of a named
+        type are not compared here but where it is declared."""
         return wire_text(self.old, old) == wire_text(self.new, new)
 
 
@@ -63,7 +64,7 @@ def _key(model: Model, declaration: AnyDeclaration) -> str:
 
 
 def wire_text(model: Model, used: Type | None) -> str:
-    """A type with its typedefs followed."""
+    """The text of a type with its typedefs resolved."""
     match used:
         case None:
             return "void"
@@ -87,7 +88,7 @@ def wire_text(model: Model, used: Type | None) -> str:
 
 
 def units(model: Model, used: Type) -> str:
-    """Units said inside a type: by its typedefs and by its sequences."""
+    """Units declared inside a type, by its typedefs and sequences."""
     match used:
         case SequenceType(element, _, unit):
             return f"{unit or ''},{units(model, element)}"

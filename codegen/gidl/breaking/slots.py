@@ -14,7 +14,7 @@ _MISREAD = "old and new programs read each other's bytes wrongly"
 
 @dataclass(frozen=True, slots=True)
 class Owner:
-    """The struct or operation they belong to."""
+    """The struct or operation that the slots belong to."""
 
     subject: str  # scoped name
     what: str  # "member" or "parameter"
@@ -50,7 +50,7 @@ def _may_be_left_out(slot: Slot) -> bool:
 
 
 def _leaves_core(owner: Owner, old: Sequence[Slot], new: Sequence[Slot], key: str) -> bool:
-    """Whether it was one that may be missing at the end and is not any more, or became one."""
+    """Whether a slot moved into or out of the trailing slots that a writer may leave out."""
     return owner.grows and (key in _tail(old)) != (key in _tail(new))
 
 
@@ -93,7 +93,7 @@ def _added(
 ) -> None:
     for index, slot in enumerate(new):
         if _key(slot) in before or gone:
-            continue  # beside something that is gone it is no addition but a replacement
+            continue  # next to a removed slot it replaces that one
         what = f"{owner.what} '{slot.name}' of '{owner.subject}'"
         at_end = all(_key(s) not in before for s in new[index:])
         if not owner.grows:
@@ -165,7 +165,7 @@ def value(
     optional: tuple[bool, bool],
     places: tuple[Facts, Facts],
 ) -> bool:
-    """Whether a value lies on the wire as before; reported where not."""
+    """Whether a value has the same encoding as before; reports it otherwise."""
     was, is_now = wire_text(sides.old, types[0]), wire_text(sides.new, types[1])
     if was != is_now:
         report.add("G1002", subject, f"{what} was {was} and is {is_now}", _MISREAD,
@@ -202,7 +202,7 @@ def number(
     bounds: tuple[Range | None, Range | None],
     places: tuple[Facts, Facts],
 ) -> None:
-    """Unit and range of a number that lies as before."""
+    """Reports a changed unit or range of a number whose encoding is unchanged."""
     if unit[0] != unit[1]:
         report.add("G1006", subject,
                    f"{what} was in '{unit[0] or 'no unit'}' and is in '{unit[1] or 'no unit'}'",

@@ -15,8 +15,8 @@ __all__ = ["UnreadableError", "layout"]
 
 
 def layout(text: str) -> str:
-    """`text` in the canonical layout; laid out again it stays the same. @pre it parses. Raises
-    UnreadableError, naming the line, where braces do not match (`#if` around half of a body)."""
+    """`text` in the canonical layout; applying `layout` again changes nothing. @pre `text` parses.
+    Raises UnreadableError with the line if braces do not match (`#if` around half of a body)."""
     pieces = scan(text)
     result = printed(structure(pieces))
     _prove(pieces, scan(result))
@@ -24,7 +24,7 @@ def layout(text: str) -> str:
 
 
 def _prove(before: list[Piece], after: list[Piece]) -> None:
-    """Raises where the layout would have changed more than white space."""
+    """Raises if the layout changed more than white space."""
     old, new = _essence(before), _essence(after)
     if old != new:
         at = next((i for i, (a, b) in enumerate(zip(old, new, strict=False)) if a != b), -1)

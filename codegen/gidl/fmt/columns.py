@@ -10,7 +10,7 @@ from gidl.fmt.tree import Body, Item
 if TYPE_CHECKING:
     from gidl.fmt.printer import Laid
 
-_WIDEST_PADDING = 12  # more leaves a hole in the line: then nothing is aligned
+_WIDEST_PADDING = 12  # columns; with wider gaps nothing is aligned
 _PRIMITIVES = frozenset(
     ("unsigned", "long", "short", "double", "float", "boolean", "octet", "char", "int8", "uint8",
      "int16", "uint16", "int32", "uint32", "int64", "uint64")
@@ -26,8 +26,8 @@ def align(keyword: str, run: list[Laid], indent: int) -> None:
 
 
 def _members(run: list[Laid], indent: int) -> None:
-    """Types and names in columns. Members with annotations are a table of their own, as far as
-    they follow each other."""
+    """Aligns types and names in columns. Consecutive members with annotations are a separate
+    table."""
     plain: list[tuple[Laid, list[str]]] = []
     annotated: list[tuple[Laid, list[str]]] = []
     for laid in run:
@@ -59,7 +59,7 @@ def _pad(rows: list[tuple[Laid, list[str]]], indent: int) -> None:
 
 
 def _cells(item: Item) -> list[str] | None:
-    """Annotations, type and names of a member; None where it is not that simple."""
+    """Annotations, type and names of a member; None if the member has another shape."""
     from gidl.fmt.printer import leading
 
     if item.bodies or any(p.is_comment for p in item.pieces):
@@ -104,7 +104,7 @@ def _text(pieces: list[Piece]) -> str:
 
 
 def _heads(run: list[Laid]) -> None:
-    """The braces of short enums, exceptions or structs that follow each other: one column."""
+    """Aligns the braces of consecutive short enums, exceptions or structs in one column."""
     group: list[Laid] = []
     for laid in [*run, None]:
         body = _short_body(laid.item) if laid is not None else None

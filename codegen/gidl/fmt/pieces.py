@@ -14,7 +14,7 @@ _NOT_CALLED = frozenset(("case", "raises", "getraises", "setraises", "switch"))
 
 
 class UnreadableError(ValueError):
-    """The structure of the text is not that of IDL."""
+    """The structure of the text is not valid IDL."""
 
     def __init__(self, line: int, message: str) -> None:
         super().__init__(message)
@@ -105,9 +105,9 @@ class _Spacing:
         self._pieces = [p for p in pieces if p.kind not in ("comment", "directive")]
         self._open: list[str] = []
         self._annotation = False  # the name of an annotation is being read
-        self._annotated = False  # the piece before ends the name of an annotation
+        self._annotated = False  # the previous piece ends the name of an annotation
         self._in_label = False
-        self._unary = False  # the piece before is a sign
+        self._unary = False  # the previous piece is a sign
 
     def run(self) -> None:
         before: Piece | None = None

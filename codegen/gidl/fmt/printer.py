@@ -10,7 +10,7 @@ from gidl.fmt.tree import Body, Item
 
 WIDTH = 120
 _STEP = 2  # columns per level
-_CONTINUED = 4  # more for the rest of a declaration that goes on in the next line
+_CONTINUED = 4  # extra columns of continuation lines
 
 
 @dataclass(slots=True)
@@ -20,7 +20,7 @@ class Laid:
     item: Item
     lines: list[str]
     comments: str = ""  # after the last line
-    section: int = 0  # what stands in columns with it
+    section: int = 0  # items of one section are aligned in columns
 
 
 def printed(root: Body) -> str:
@@ -29,7 +29,7 @@ def printed(root: Body) -> str:
 
 
 def _elements(body: Body, indent: int) -> list[str]:
-    """Everything in a body, one element after the other, in columns where it is a table."""
+    """The lines of all elements of a body, aligned in columns where it is a table."""
     laid: list[Laid | list[str]] = []
     section = 0
     for index, element in enumerate(body.elements):
@@ -71,7 +71,7 @@ def _speaks(part: Laid, section: int) -> bool:
 
 
 def _runs(items: list[Laid]) -> list[list[Laid]]:
-    """Items of one line each that follow each other without a blank line."""
+    """Runs of consecutive one-line items without a blank line between them."""
     runs: dict[int, list[Laid]] = {}
     for part in items:
         if len(part.lines) == 1 and part.item.first.kind != "directive":
@@ -119,7 +119,7 @@ def _shifted(lines: list[str], shift: int, column: int) -> list[str]:
 
 
 def _item(item: Item, indent: int, keyword: str) -> list[str]:
-    """Lines of an item in a body that is not on one line; too long ones are broken."""
+    """Lines of an item in a body of several lines; long lines are broken."""
     breaks_kept = keyword != "("
     split = False
     while True:
@@ -184,7 +184,7 @@ def _annotation_end(parts: list[Piece | Body], at: int) -> int:
 @dataclass(slots=True)
 class _Writer:
     indent: int
-    breaks_kept: bool  # those after annotations
+    breaks_kept: bool  # the author's line breaks after annotations
     split: bool  # a break between the annotations and the declaration
     lines: list[str] = field(default_factory=list)
     now: str = ""

@@ -11,7 +11,7 @@ _LISTS = ("enum", "bitmask")  # their items end with a comma
 
 @dataclass(slots=True)
 class Item:
-    """A declaration, a member, an enumerator or a parameter, with what closes it."""
+    """A declaration, a member, an enumerator or a parameter, with its closing token."""
 
     parts: list[Piece | Body] = field(default_factory=list)
     trailing: list[Piece] = field(default_factory=list)  # comments after it on its line
@@ -68,7 +68,7 @@ class _Reader:
         return self._pieces[self._at] if self._at < len(self._pieces) else None
 
     def fill(self, body: Body) -> None:
-        """Reads elements up to what closes `body`."""
+        """Reads elements up to the token that closes `body`."""
         while (piece := self.now) is not None and piece.text not in ("}", ")"):
             if piece.kind == "directive" or piece.is_comment:
                 self._at += 1
@@ -79,7 +79,7 @@ class _Reader:
                 self._item(body)
 
     def _same_line(self, body: Body, piece: Piece) -> None:
-        """A comment after a preprocessor line belongs to its line."""
+        """Keeps a comment after a preprocessor line on that line."""
         comments = self._comments_behind(piece)
         if comments:
             body.elements[-1] = Item([piece], comments)
@@ -171,7 +171,7 @@ class _Reader:
         return body.opening.line != body.closing.line
 
     def _comments_behind(self, piece: Piece) -> list[Piece]:
-        """Comments on the line of `piece`, but not what stands before code on that line."""
+        """Takes the comments that follow `piece` on its line, even if code follows them."""
         found: list[Piece] = []
         while (comment := self.now) is not None and comment.is_comment:
             if comment.first_on_line or comment.line != (found[-1] if found else piece).end_line:
@@ -193,7 +193,7 @@ class _Reader:
 
 
 def _continues(comment: Piece, above: Piece) -> bool:
-    """Whether a comment alone on its line goes on with the one after the code above."""
+    """Whether a comment alone on its line continues the trailing comment of the line above."""
     return (
         comment.is_line_comment
         and comment.first_on_line

@@ -72,13 +72,15 @@ def first_missing(values: Sequence[CallValue]) -> int:
 
 
 def arguments_struct(operation: Operation) -> Struct:
-    """What an operation takes, as a struct: `Gripper_open_arguments`. It grows like any request."""
+    """The arguments of an operation as a struct, `Gripper_open_arguments`; appendable, like every
+    request."""
     values = [parameter_value(p) for p in operation.inputs]
     return _struct_of(operation, "arguments", f"What `{operation.name}` takes.", values)
 
 
 def result_struct(layout: Layout, operation: Operation) -> Struct:
-    """What an operation gives: `Gripper_measure_result`. It grows like any reply."""
+    """The results of an operation as a struct, `Gripper_measure_result`; appendable, like every
+    reply."""
     values = reply_values(operation, layout.call(operation.scoped_name))
     return _struct_of(operation, "result", f"What `{operation.name}` gives.", values)
 
@@ -138,7 +140,7 @@ def _used_types(declaration: AnyDeclaration) -> Iterator[Type]:
 
 
 def refuse_unsupported(interface: Interface) -> None:
-    """Raises UnsupportedError for what has a place in the model and none yet in our output."""
+    """Raises UnsupportedError for constructs that the model has but no output supports yet."""
     if BUILT_IN in interface.all_bases:
         raise UnsupportedError(
             interface.facts.location,

@@ -25,7 +25,7 @@ from gidl.wire_nodes import (
 
 
 def number(kind: Primitive, limits: Range | None) -> int | float:
-    """The middle of the range; where one side is open, 0 or what is nearest to it."""
+    """The middle of the range; if one side is open, the number nearest to 0."""
     if limits is None:
         return 0 if kind.is_integer else 0.0
     low, high = limits.minimum, limits.maximum
@@ -38,8 +38,8 @@ def number(kind: Primitive, limits: Range | None) -> int | float:
 
 
 def is_made_by_default(model: Model, node: Node, alone: bool) -> bool:
-    """Whether the value that a member has when nobody sets it is the one to answer with. A value
-    that stands `alone` has no initial value of its own: enumerators are 0 there."""
+    """Whether the default value of a member is the value to answer with. A value that stands
+    `alone` has no initial value of its own: an enumerator is then 0."""
     match node:
         case ScalarNode(kind, limits):
             return not kind.is_number or number(kind, limits) == 0
@@ -63,7 +63,7 @@ def is_made_by_default(model: Model, node: Node, alone: bool) -> bool:
 
 
 def arm_of(union: Union) -> UnionCase:
-    """The first that a label selects, else the default one."""
+    """The first arm that a label selects, else the default arm."""
     return next((case for case in union.cases if case.labels), union.cases[0])
 
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def stop(robot: Object) -> Command[None]:
-    """Stops the device, whoever moves it: ends leases, drops the queue, interrupts what runs."""
+    """Stops the device for all clients: ends leases, drops the queue, interrupts the handlers."""
     return _answers_of(robot).stop()
 
 
@@ -27,12 +27,12 @@ def ping(robot: Object) -> Command[None]:
 
 
 def describe(robot: Object) -> Command[Description]:
-    """What the object is and what state it is in."""
+    """Asks for the object's type and state."""
     return _answers_of(robot).describe()
 
 
 def holders(robot: Object) -> Command[list[Holder]]:
-    """Who holds actor or master status."""
+    """Asks for the clients that hold actor or master status."""
     return _answers_of(robot).holders()
 
 
@@ -41,7 +41,7 @@ class Outcome:
     """The outcome of a command, or its present state."""
 
     detail: Detail
-    text: str  # why, when it is not DONE
+    text: str  # the reason, unless the command is DONE
 
     @property
     def state(self) -> State:
@@ -49,13 +49,12 @@ class Outcome:
 
 
 def outcome(robot: Object, command: str) -> Command[Outcome]:
-    """The outcome of the actor command with this id that ended as OUTCOME_UNKNOWN here.
+    """Asks for the outcome of an actor command, by its id, that ended here as OUTCOME_UNKNOWN.
 
-    Asked through a new proxy; the state of the command itself never changes. NOT_STARTED is a
-    promise: what has not arrived by now never starts. SENT: it has not arrived and may still start;
-    ask again. OUTCOME_UNKNOWN: the server was started anew
-    since, or keeps it no more (it keeps the last 1024 of each object). Raises ValueError for what
-    is no id.
+    Call it with a new proxy; the state of the command itself never changes. NOT_STARTED is a
+    promise: the command has not arrived and will never start. SENT: it has not arrived and may
+    still start; ask again. OUTCOME_UNKNOWN: the server has restarted since, or no longer keeps the
+    outcome (it keeps the last 1024 of each object). Raises ValueError if `command` is not an id.
     """
     from gecos_idl.object import _GECOS_OBJECT_OUTCOME
 
@@ -70,7 +69,7 @@ def outcome(robot: Object, command: str) -> Command[Outcome]:
 
 
 def _answers_of(robot: Object) -> GecosObject:
-    """The object as every object is."""
+    """A proxy of the object with the built-in interface that every object has."""
     from gecos_idl.object import GecosObject
 
     return GecosObject(robot._gecos_session)

@@ -17,30 +17,30 @@ from gecos.shutdown import begin_thread
 
 
 class Ending(Protocol):
-    """The descriptor that becomes readable when the command is terminal."""
+    """The owner of a descriptor that becomes readable when the command is terminal."""
 
     def fileno(self) -> int: ...
 
 
 class _Awaited(NamedTuple):
     ending: Ending  # keeps the descriptor
-    descriptor: int  # a copy: several may wait for one command
+    descriptor: int  # a duplicate: several callbacks may wait for one command
     callback: Callable[[], object]
 
 
 class _Watch:
     """A thread that sleeps on all descriptors at once. It ends with the program.
 
-    A signal handler or a `__del__` may add in the midst of adding, on the same thread. So nobody
-    waits for a lock here: who was interrupted would never give it back.
+    A signal handler or a `__del__` may call `add` while `add` is running on the same thread. So
+    `add` must not wait for a lock: the interrupted call would never release it.
     """
 
     def __init__(self) -> None:
         self._new: deque[_Awaited] = deque()
         self._here, self._there = socket.socketpair()
-        self._there.setblocking(False)  # this thread itself may add more than it has read of
+        self._there.setblocking(False)  # a callback on the reading thread may fill the socket
         self._runs = False
-        self._taken = threading.Lock()  # by the thread
+        self._taken = threading.Lock()  # held by the one thread that runs callbacks
 
     def add(self, ending: Ending, callback: Callable[[], object]) -> None:
         self._new.append(_Awaited(ending, os.dup(ending.fileno()), callback))
@@ -50,7 +50,7 @@ class _Watch:
             begin_thread("gecos-callbacks", self._begin)
 
     def _begin(self) -> None:
-        """Runs the callbacks, unless another thread that was started at the same time does."""
+        """Runs the callbacks, unless another thread started at the same time already does."""
         self._runs = True
         if self._taken.acquire(blocking=False):
             self._run()
@@ -89,11 +89,11 @@ def call(callback: Callable[[], object]) -> None:
         log.error("command", f"a callback of a command failed\n{traceback.format_exc()}")
 
 
-_watches: dict[str, _Watch] = {}  # one, once it is needed
+_watches: dict[str, _Watch] = {}  # at most one entry, made at first use
 
 
 def when_ended(ending: Ending, callback: Callable[[], object]) -> None:
-    """Calls it once `ending` is readable. From everywhere, signal handlers and `__del__` too."""
+    """Calls `callback` once `ending` is readable. Also for signal handlers and `__del__`."""
     _watch().add(ending, callback)
 
 
@@ -102,10 +102,10 @@ def _watch() -> _Watch:
     if known is None:
         new = _Watch()
         known = _watches.setdefault("", new)
-        if known is not new:  # somebody else was faster
+        if known is not new:  # another thread was faster
             new.close()
     return known
 
 
-# A forked child has no such thread, and none of its commands either.
+# A forked child has neither the callback thread nor the parent's commands.
 os.register_at_fork(after_in_child=_watches.clear)

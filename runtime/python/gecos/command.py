@@ -37,7 +37,7 @@ else:
 
 @dataclass(frozen=True, slots=True)
 class Progress:
-    """Where a command stands, all read at one instant."""
+    """A consistent snapshot of a command's progress."""
 
     detail: Detail
     position: int  # commands before it, while QUEUED
@@ -45,11 +45,11 @@ class Progress:
 
 
 class Command(Generic[T, F]):
-    """A call that is on its way. T is its result, F what it reports while it runs.
+    """An issued call. T is the type of its result, F of the feedback it reports while it runs.
 
-    Nothing waits until you ask. Dropping it lets it run; dropping it without ever having looked at
-    it warns, once per operation, when it has failed, or still runs and its failure would go unseen.
-    One that fails after that is told in the log.
+    Nothing blocks until you wait for the command. A dropped command keeps running. Dropping one
+    that was never observed warns, once per operation, if it has failed or is still running. A
+    failure after that is written to the log.
     """
 
     __slots__ = ("__weakref__", "_core", "_method")
@@ -65,15 +65,15 @@ class Command(Generic[T, F]):
 
     @property
     def state(self) -> State:
-        """RUNNING, or the one of the other three that it has reached."""
+        """RUNNING, or the one of the three terminal states that the command has reached."""
         self._observe()
         return _STATES[self._core.progress()[0]]
 
     @property
     def id(self) -> str:
-        """For `gecos.outcome`, when the connection was lost: three hexadecimal numbers.
+        """The id for `gecos.outcome` after a lost connection: three hexadecimal numbers.
 
-        Who knows it may ask what became of the command, also from another program.
+        Any program that knows the id may ask for the outcome of the command.
         """
         return self._core.id()
 
@@ -83,8 +83,8 @@ class Command(Generic[T, F]):
         return Progress(Detail(detail), position, fraction)
 
     def feedback(self) -> F | None:
-        """The latest that the running command reported; None when nothing has come yet, or what
-        came does not decode."""
+        """The latest feedback of the running command; None before the first feedback, or if it
+        does not decode."""
         self._observe()
         decode = self._method.feedback
         raw = self._core.feedback() if decode is not None else b""
@@ -94,16 +94,16 @@ class Command(Generic[T, F]):
             return None
 
     def wait(self, timeout: float | None = None) -> State:
-        """Waits until it is terminal, at most `timeout` seconds; RUNNING if that was too short."""
+        """Waits at most `timeout` seconds until the command is terminal; else returns RUNNING."""
         self._observe()
         self._core.wait(timeout)
         return self.state
 
     def result(self, timeout: float | None = None) -> T:
-        """Waits for the result, or raises why there is none.
+        """Waits for the result and returns it.
 
-        Raises a declared exception, CommandFailed or ConnectionFailed; TimeoutError when it still
-        runs after `timeout` seconds, which leaves it running.
+        Raises a declared exception, CommandFailed or ConnectionFailed if the command failed.
+        Raises TimeoutError if it still runs after `timeout` seconds, and leaves it running.
         """
         self._observe()
         answer = self._core.answer(timeout)
@@ -119,12 +119,12 @@ class Command(Generic[T, F]):
             ) from error
 
     def exception(self) -> CommandFailed | ConnectionFailed | None:
-        """Why it failed; None while it runs and when it finished."""
+        """The reason of the failure; None while the command runs and when it finished."""
         failed = self.state in (State.COMMAND_FAILED, State.CONNECTION_FAILED)
         return self._failure() if failed else None
 
     def cancel(self) -> None:
-        """Asks the server to stop it. The state tells whether that came in time."""
+        """Asks the server to stop the command. The state shows whether that came in time."""
         self._observe()
         self._core.cancel()
 
@@ -134,18 +134,19 @@ class Command(Generic[T, F]):
         self._core.observe()
 
     def fileno(self) -> int:
-        """A descriptor that is readable once it is terminal, for `select` and its like.
+        """A descriptor that is readable once the command is terminal, for `select` and the like.
 
-        The command owns it: keep the command as long as it is watched.
+        The command owns the descriptor: keep the command while the descriptor is watched.
         """
         self._observe()
         return self._core.descriptor()
 
     def add_done_callback(self, callback: Callable[[Self], object]) -> None:
-        """Calls `callback(command)` once it is terminal, even when the command was dropped.
+        """Calls `callback(command)` once the command is terminal, even if it was dropped.
 
-        Callbacks run one after another on a thread of their own, or at once on this one when the
-        command has ended already. They may block and issue commands; what they raise is logged.
+        Callbacks run one after another on a thread of their own, or at once on the calling thread
+        if the command has already ended. They may block and issue commands; their exceptions are
+        logged.
         """
         if self.state is State.RUNNING:
             when_ended(self, lambda: callback(self))
@@ -185,8 +186,8 @@ class Command(Generic[T, F]):
 
 
 class _Unobserved(Command[T, F]):
-    """Only what nobody has looked at yet has a `__del__`: Ctrl-C in the midst of one is lost, and
-    in `while True: oven.temperature().result()` it would come there often enough."""
+    """A command that was not observed yet. Only this class has a `__del__`: Ctrl-C during one is
+    lost, and `while True: oven.temperature().result()` would run one in each round."""
 
     __slots__ = ()
 
@@ -195,7 +196,7 @@ class _Unobserved(Command[T, F]):
 
     def __del__(self) -> None:
         if self._name in _warned:
-            return  # should it fail, the log tells
+            return  # the log reports a failure
         detail = Detail(self._core.peek()[0])
         if detail is Detail.DONE:
             return
@@ -230,7 +231,7 @@ def _declared(
 
 
 async def _readable(descriptor: int) -> None:
-    """Waits in the running loop. Works for several waiters of one descriptor."""
+    """Waits in the running loop until `descriptor` is readable. It may have several waiters."""
     import asyncio
 
     loop = asyncio.get_running_loop()

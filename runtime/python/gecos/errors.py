@@ -87,7 +87,7 @@ class CommandFailed(RuntimeError):
         return f"{self.detail.name}: {self.text}"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Copies and pickles have all that it has, whatever its constructor takes."""
+        """Copies and pickles keep all attributes, whatever the constructor's parameters are."""
         return _made_again, (type(self), self.args, {}), vars(self) or None
 
 
@@ -110,7 +110,7 @@ class DeclaredError(CommandFailed):
     _gecos_name: ClassVar[str] = ""  # scoped: "robcl::OutOfReach"
 
     if TYPE_CHECKING:
-        # What @dataclass makes for an exception without members, which mypy does not see.
+        # The constructor that @dataclass makes for an exception without members; mypy misses it.
         def __init__(self) -> None: ...
     else:
 
@@ -121,7 +121,7 @@ class DeclaredError(CommandFailed):
     def text(self) -> str:
         return str(self)
 
-    def __str__(self) -> str:  # on its own feet: a member of the exception may be called text
+    def __str__(self) -> str:  # does not use `text`: a member of the exception may have that name
         shown = (
             f"{member.name}={getattr(self, member.name)!r}"
             if member.repr
@@ -165,7 +165,7 @@ class Interrupted(CommandFailed):
 
 
 class ConnectionFailed(ConnectionError):
-    """The command did not start, which is proved: sending it again is safe."""
+    """The command provably did not start: sending it again is safe."""
 
     def __init__(self, detail: Detail, text: str) -> None:
         super().__init__(detail, text)
@@ -198,7 +198,7 @@ class CreateError(ConnectionError):
 
 
 class LeaseRefused(PermissionError):
-    """Actor or master status was not given; `holders` says who has it."""
+    """Actor or master status was not granted; `holders` lists the clients that have it."""
 
     def __init__(self, text: str, holders: Sequence[Holder] = ()) -> None:
         super().__init__(text)
@@ -218,4 +218,4 @@ class UnobservedCommandWarning(RuntimeWarning):
 
 
 class DroppedLeaseWarning(RuntimeWarning):
-    """A lease was dropped at once, so the status is gone before anything was issued under it."""
+    """A lease was dropped before any command was issued under it, so its status is gone."""

@@ -25,7 +25,7 @@ class Caller:
 
 
 class Execution(Generic[F]):
-    """A running call of a cancelable operation, F its feedback. Lives while its handler runs."""
+    """A running call of a cancelable operation with feedback F. Valid while its handler runs."""
 
     __slots__ = ("_core",)
 
@@ -34,16 +34,17 @@ class Execution(Generic[F]):
 
     @property
     def interrupted(self) -> bool:
-        """The handler should end soon and raise `gecos.Interrupted()`: it was canceled or stopped,
-        its caller's lease or deadline is over, or the server closes."""
+        """Whether the handler should end soon and raise `gecos.Interrupted()`: the call was
+        canceled or stopped, its caller's lease or deadline is over, or the server closes."""
         return self._core.interrupted()
 
     def wait_interrupted(self, seconds: float) -> bool:
-        """Sleeps at most so long; True as soon as interrupted."""
+        """Sleeps at most `seconds`; returns True as soon as the call is interrupted."""
         return self._core.wait_interrupted(seconds)
 
     def progress(self, fraction: float, feedback: F | None = None) -> None:
-        """Tells the caller how far it is, 0 to 1. Only the latest is kept: call it as you like."""
+        """Reports progress, 0 to 1, to the caller. Only the latest report is kept: call it as often
+        as you like."""
         self._core.progress(fraction, b"" if feedback is None else _encoded(feedback))
 
     @property

@@ -1,4 +1,4 @@
-"""Threads that run the handlers of a servant, and what becomes of what they give or raise."""
+"""Threads that run the handlers of a servant and send what the handlers return or raise."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from gecos.wire import DecodeError, Decoder, to_bytes
 if TYPE_CHECKING:
     from gecos.server import Server
 
-LANES = ("safety", "sensor", "fifo")  # as the extension numbers them
+LANES = ("safety", "sensor", "fifo")  # in the order of `Lane` in pulled_servant.hpp
 _LONGEST_TEXT = 10_000  # characters of a failure
 
 
@@ -68,7 +68,7 @@ class Lane(threading.Thread):
 
 
 def _answer(servant: Servant, call: _core.IncomingCall, name: str) -> None:
-    """An exception of the handler ends its call, not the thread of its lane."""
+    """Runs the handler of `call` and answers. An exception ends the call, not its lane's thread."""
     handler = servant._gecos_handlers.get(call.code)
     if handler is None:
         call.fail(Detail.UNKNOWN_OPERATION, f"no operation has the code {call.code:#x}", "", b"")
@@ -104,7 +104,7 @@ def _answer(servant: Servant, call: _core.IncomingCall, name: str) -> None:
 def _raised(
     call: _core.IncomingCall, handler: Handler, object_name: str, error: BaseException
 ) -> None:
-    """Ends the call with what its handler raised, as far as that can be sent."""
+    """Ends the call with the exception that its handler raised, as far as that can be sent."""
     raised = f"the handler of '{handler.operation.name}' raised "
     try:
         declared = (DeclaredError,) if handler.raises is None else handler.raises
@@ -114,7 +114,7 @@ def _raised(
         if isinstance(error, Rejected | Interrupted):
             call.fail(error.detail, _sendable(str(error.text)), "", b"")
             return
-    except BaseException as unsendable:  # a member, or the text, of a type that it must not have
+    except BaseException as unsendable:  # a member or the text has a wrong type
         unsendable.__cause__ = error
         what = f"{raised}{type(error).__name__}, which cannot be sent: {_named(unsendable)}"
         _fault(call, object_name, what, unsendable)

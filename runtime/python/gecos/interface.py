@@ -1,8 +1,8 @@
 """The interface description that the session uses: constant tables that gidl generates.
 
-An operation says once what it carries, by steps of `gecos.wire.layout`; how a proxy and a servant
-write and read that follows. The twin of `gecos/description.hpp`; `_core` reads these
-objects by their attributes.
+Each operation declares its parameters and result once, as steps of `gecos.wire.layout`; the codecs
+of proxies and servants are derived from them. The twin of `gecos/description.hpp`; `_core` reads
+these objects by their attributes.
 """
 
 from __future__ import annotations
@@ -56,8 +56,7 @@ class QualityClass(IntEnum):
 
 
 class Media(IntFlag):
-    """Media that a line may take. One process is as good as its shared memory: INPROC is allowed
-    where SHM is."""
+    """Media that a connection may use. INPROC is allowed wherever SHM is allowed."""
 
     INPROC = 1
     SHM = 2
@@ -107,7 +106,7 @@ class Operation:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OutwardStream:
-    """Its one-shot getter is the operation with the same code."""
+    """A stream of samples. The operation with the same code is its one-shot getter."""
 
     code: int
     name: str
@@ -122,14 +121,14 @@ class Interface:
     name: str  # "robcl::Rx90"
     version: str = ""
     hash: int = 0
-    bases: tuple[str, ...] = ()  # every interface it also is
+    bases: tuple[str, ...] = ()  # all direct and indirect bases
     operations: tuple[Operation, ...] = ()  # own and all inherited
     streams: tuple[OutwardStream, ...] = ()  # likewise
     quality: Quality = ASKED_NOTHING
     handlers: Mapping[int, Handler] = field(default_factory=dict, compare=False, repr=False)
 
     def __post_init__(self) -> None:
-        """Several bases may bring the same ones, which it has once."""
+        """Removes duplicates: several bases may bring the same operation or stream."""
         object.__setattr__(self, "operations", tuple(dict.fromkeys(self.operations)))
         object.__setattr__(self, "streams", tuple(dict.fromkeys(self.streams)))
 
@@ -156,10 +155,10 @@ def no_result(value: None) -> Parts:
 _NO_ARGUMENTS = Arguments("", (), (), ())
 
 
-@dataclass(frozen=True)  # no slots: Method[T, F](…) writes an attribute of its own
+@dataclass(frozen=True)  # no slots: Method[T, F](…) sets an extra attribute
 class Method(Generic[T, F]):
-    """How a proxy calls an operation: reads its reply body, its feedback, its exceptions. One that
-    `method` made also knows its arguments, and how a servant answers it."""
+    """How a proxy calls an operation: decoders of its reply, feedback and exceptions. A `Method`
+    made by `method` also has the codecs of the arguments and how a servant answers."""
 
     operation: Operation
     result: Callable[[Decoder], T]
@@ -174,18 +173,18 @@ class Method(Generic[T, F]):
 
 @dataclass(frozen=True, slots=True)
 class Handler:
-    """How a servant answers an operation: which of its methods, with which bytes in and out."""
+    """How a servant answers an operation: its method, the decoder and the encoder."""
 
     operation: Operation
     method: str  # method of the servant; its last parameter is `run` when it is cancelable
     arguments: Callable[[Decoder], tuple[Any, ...]]
     result: Callable[[Any], Parts]
-    raises: tuple[type[DeclaredError], ...] | None = None  # None: whatever the servant raises
+    raises: tuple[type[DeclaredError], ...] | None = None  # None: every DeclaredError
 
 
 def values(names: str, *steps: Step, defaults: tuple[Any, ...] = ()) -> tuple[Any, ...]:
-    """What an operation takes: the names of its parameters, and a step of a layout for each. An
-    older caller leaves out as many of the last as there are `defaults`."""
+    """The parameters of an operation: their names, and a layout step for each. An older caller
+    may leave out the last ones, as many as there are `defaults`."""
     return names.split(), steps, defaults
 
 
@@ -199,9 +198,9 @@ def method(
     stream: tuple[float, int] | None = None,
     handler: str = "",
 ) -> Method[Any, Any]:
-    """How an operation is called and answered. A `stream` has samples of what it gives: at what
-    rate in Hz, and bytes of the largest, 0 when unbounded. `handler` is what the servant's method
-    is called where that is not the name of the operation."""
+    """Builds the `Method` of an operation. `stream`: the rate in Hz and the bytes of the largest
+    sample (0: unbounded) where the result is also published as a stream. `handler`: the name of
+    the servant's method where it differs from the operation's."""
     name, sender = operation.name, operation.name.removesuffix("=")
     result, body = (nothing, no_result) if gives is None else _answer(kind_of(gives), name)
     outward = None
@@ -230,7 +229,7 @@ def method(
 
 
 def _answer(kind: Carried, label: str) -> tuple[Callable[[Decoder], Any], Callable[[Any], Parts]]:
-    """Reads and writes a reply body."""
+    """Returns the functions that read and write a reply body."""
 
     def read(source: Decoder) -> Any:
         return kind.take(source, label)
@@ -256,7 +255,7 @@ def getter(
     quality: Quality = ASKED_NOTHING,
     hash: int,
 ) -> Operation:
-    """The operation that gives an attribute."""
+    """The operation that reads an attribute."""
     return Operation(
         code,
         name,
@@ -280,7 +279,7 @@ def interface(
     methods: Iterable[Method[Any, Any]],
     quality: Quality = ASKED_NOTHING,
 ) -> Interface:
-    """An interface, with all that its bases have; those are proxies."""
+    """Builds an interface with all members of its bases. `bases` are proxy classes."""
     inherited: list[Interface] = [base._gecos_interface for base in bases]  # type: ignore[attr-defined]
     own = tuple(methods)
     handlers = {code: each for base in inherited for code, each in base.handlers.items()}

@@ -20,8 +20,8 @@ P = TypeVar("P", bound=Object)
 
 class Lab:
     """Finds objects through a broker: the address given ("shm:…", "lcm:…"), else `GECOS_BROKER`,
-    else the broker of this host. Any thread may use it. A context manager, for those who want its
-    end early; at the end of the program it takes leave in order anyway."""
+    else the broker of this host. Any thread may use it. Use it as a context manager to close it
+    early; otherwise it is closed in order at the end of the program."""
 
     def __init__(self, broker: str | None = None) -> None:
         check_environment()
@@ -38,13 +38,13 @@ class Lab:
     ) -> P:
         """Connects to the first of `names` that is online and of the right type.
 
-        `medium` names the one to use ("inproc", "shm", "lcm"); without it the best one that meets
-        the interface's quality is taken. `patience` in s bounds the wait for the broker and for
-        each server. Raises CreateError with a reason for each name.
+        `medium` names the medium to use ("inproc", "shm", "lcm"); the default is the best one that
+        meets the interface's quality. `patience` in s bounds the wait for the broker and for each
+        server. Raises CreateError with a reason for each name.
 
-        A reference takes the place of names (`lab.create(Tool, changer.current().result())`). It
-        is good as long as the process that it speaks of serves the object: one that was started
-        since may have another state. A nil one is refused.
+        A reference may be given instead of names (`lab.create(Tool, changer.current().result())`).
+        It is valid while the process that it refers to serves the object, because a restarted
+        process may have another state. A nil reference is refused.
         """
         table, incarnation = _table_of(interface), 0
         if isinstance(names, str):
@@ -59,9 +59,9 @@ class Lab:
         return interface(created)
 
     def broker(self, interface: type[P], *, patience: float = 2.0) -> P:
-        """The broker itself, through which everything is found: pass `gecos_idl.broker.Broker`.
+        """Connects to the broker itself: pass `gecos_idl.broker.Broker` as `interface`.
 
-        Raises CreateError with what was tried.
+        Raises CreateError, which lists the attempts.
         """
         opened = self._core.broker(_table_of(interface), patience)
         if isinstance(opened, str):
@@ -69,12 +69,12 @@ class Lab:
         return interface(opened)
 
     def close(self) -> None:
-        """Says goodbye to every object, even when proxies, leases or streams of it remain.
+        """Closes the session with every object, even if proxies, leases or streams remain.
 
-        Leases are given back, and what has arrived under them still finishes; who waits for it is
-        told OUTCOME_UNKNOWN. Readers of streams raise StreamLost. Proxies made by it are dead
-        afterwards; its servers go on. Takes at most about a second, and 0.2 s more for
-        each server over lcm that does not answer.
+        Leases are released. Commands that arrived under them still finish, but end here as
+        OUTCOME_UNKNOWN. Readers of streams raise StreamLost. Proxies of this Lab are unusable
+        afterwards; its servers continue. Takes at most about one second, and 0.2 s more for each
+        server over lcm that does not answer.
         """
         self._core.close()
 

@@ -1,4 +1,4 @@
-"""Actor and master status: who may move a device, for as long as a `with` block lasts."""
+"""Leases: actor or master status of a device for the duration of a `with` block."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from gecos.wire import DecodeError, from_bytes
 class Lease:
     """Status of one object, held until it is released, closed, lost, or the program ends.
 
-    Releasing drains: what was issued under it still finishes before anybody else gets in. Once it
-    has returned the server knows of it; what is issued afterwards is DENIED.
+    Releasing drains: commands issued under the lease still finish before another client gets the
+    status. Once `release` has returned, the server knows of it; later commands are DENIED.
     """
 
     def __init__(self, core: _core.Lease, object_name: str) -> None:
@@ -32,14 +32,15 @@ class Lease:
         return self._core.epoch
 
     def release(self) -> None:
-        """Gives it back; queued and running commands still finish. Again does nothing."""
+        """Releases the status; queued and running commands still finish. Calling it again has no
+        effect."""
         self.__class__ = Lease
         self._core.release()
 
     close = release
 
     def release_now(self) -> None:
-        """Gives it back and stops what is queued and running under it."""
+        """Releases the status and stops the commands queued and running under it."""
         self.__class__ = Lease
         self._core.release_now()
 
@@ -60,7 +61,8 @@ class Lease:
 
 
 class _Untouched(Lease):
-    """Only what was neither entered nor released has a `__del__`, in which Ctrl-C would be lost."""
+    """A lease neither entered nor released. Only this class has a `__del__`: Ctrl-C during one is
+    lost."""
 
     def __del__(self) -> None:
         if self._core.fresh():
@@ -74,15 +76,16 @@ class _Untouched(Lease):
 
 
 def actor(robot: Object, password: str = "") -> Lease:
-    """Actor status: commands that move or change the device. `password` lets others join.
+    """Acquires actor status, for commands that move or change the device. Clients with the same
+    `password` may join.
 
-    Raises LeaseRefused, which says who has it, or ConnectionFailed.
+    Raises LeaseRefused, which lists the holders, or ConnectionFailed.
     """
     return _acquire(robot, Access.ACTOR, password)
 
 
 def master(robot: Object, password: str = "") -> Lease:
-    """Master status: as actor, and other clients' calls are refused."""
+    """Acquires master status: like `actor`, and calls of other clients are refused."""
     return _acquire(robot, Access.MASTER, password)
 
 
@@ -108,4 +111,4 @@ def _refusal(where: str, text: str, exception: str, evidence: bytes) -> LeaseRef
         refused = from_bytes(StatusRefused, evidence)
     except DecodeError as error:
         return LeaseRefused(f"{where}: {text} (its holders do not decode: {error})")
-    return LeaseRefused(refused.reason, refused.holders)  # which names the object and the status
+    return LeaseRefused(refused.reason, refused.holders)  # the reason names object and status

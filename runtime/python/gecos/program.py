@@ -10,7 +10,7 @@ from pathlib import Path
 def program_name() -> str:
     """The script's file name, or the module's name under `python -m`, else "python"."""
     spec = getattr(sys.modules.get("__main__"), "__spec__", None)
-    if spec is not None and spec.name != "__main__":  # which a folder or archive has
+    if spec is not None and spec.name != "__main__":  # as in a folder or archive
         return str(spec.name).removesuffix(".__main__")
     name = Path(sys.argv[0]).name if sys.argv else ""
     if name in ("", "-", "-c"):
@@ -19,8 +19,8 @@ def program_name() -> str:
 
 
 def check_environment() -> None:
-    """Raises RuntimeError where a variable that says where things are is no text: every message
-    about that place would be none either."""
+    """Raises RuntimeError if a variable that names a path or address is not UTF-8, because no
+    message could show that value."""
     for variable in ("GECOS_BROKER", "GECOS_RUNTIME_DIR"):
         value = os.environ.get(variable, "")
         try:

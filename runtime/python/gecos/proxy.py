@@ -1,7 +1,7 @@
 """The base of every generated proxy: a handle to a session with an object.
 
-A generated proxy has exactly the members of its interface; what every object answers is reached by
-functions (`gecos.stop(robot)`). What this module brings begins with `_gecos`. What gidl generates:
+A generated proxy has exactly the members of its interface; the built-in operations of every object
+are functions (`gecos.stop(robot)`). Names added by this module begin with `_gecos`. gidl generates:
 
     _MOVE = method(
         Operation(0x…, "move", Access.ACTOR, cancelable=True),
@@ -54,7 +54,7 @@ class Object:
         self._gecos_session = gecos_session
         self._gecos_deadline: float | None = None
 
-    if not TYPE_CHECKING:  # type checkers know it already, and would take it as leave
+    if not TYPE_CHECKING:  # a type checker that saw __setattr__ would allow every assignment
 
         def __setattr__(self, name: str, value: object) -> None:
             if not name.startswith("_gecos"):
@@ -76,7 +76,7 @@ class Object:
 
 
 class StreamAttribute(Generic[T]):
-    """An attribute that is published continuously: call it for one value, or open its stream."""
+    """A continuously published attribute: call it for one value, or open its stream."""
 
     __slots__ = ("_method", "_object")
 
@@ -89,7 +89,7 @@ class StreamAttribute(Generic[T]):
         return self._object._gecos_call(self._method, [])
 
     def stream(self) -> Stream[T]:
-        """Subscribes. Raises ConnectionFailed or CommandFailed when the server does not let us."""
+        """Subscribes to the attribute. Raises ConnectionFailed or CommandFailed if that fails."""
         session = self._object._gecos_session
         opened = session.subscribe(self._method.operation.code)
         name = f"{session.object_name}.{self._method.operation.name}"
@@ -102,19 +102,18 @@ class StreamAttribute(Generic[T]):
 
 
 def reference(proxy: Object) -> ObjectRef:
-    """The object as a value: what operations take and give where an interface is the type of a
-    parameter or result. `lab.create` makes a proxy of it again, in any process."""
+    """A reference to the object as a value, for parameters and results whose type is an interface.
+    `lab.create` makes a proxy from it, in any process."""
     from gecos_idl.object_ref_types import ObjectRef
 
     return ObjectRef(*proxy._gecos_session.reference())
 
 
 def with_deadline(proxy: P, seconds: float) -> P:
-    """The same object, whose calls give up when they did not complete `seconds` after sending.
+    """A proxy of the same object whose calls fail unless they complete `seconds` after sending.
 
-    With 0 or less, as `end - time.monotonic()` is when time is over, they are not sent and end
-    EXPIRED.
-    Raises ValueError for what is no finite number.
+    With 0 or less, for example `end - time.monotonic()` past `end`, calls are not sent and end as
+    EXPIRED. Raises ValueError unless `seconds` is a finite number.
     """
     if not math.isfinite(seconds):
         raise ValueError(

@@ -38,7 +38,7 @@ class Turn(Generic[T]):
         return self.taken.pop()
 
     def serve(self, stream: Stream[T]) -> None:
-        """On the thread."""
+        """Waits for the sample. Runs on the reader's thread."""
         while not self.over:
             try:
                 stream._next(_LONGEST, self)
@@ -57,9 +57,10 @@ def _set(future: asyncio.Future[None]) -> None:
 
 
 class SampleReader(AsyncIterator["Sample[T]"]):
-    """The thread waits only while somebody does, so it reads nothing ahead; it ends with this.
+    """Awaits samples, by a thread of its own. The thread waits only while a task awaits a sample,
+    so it never reads ahead; it ends when this object is destroyed.
 
-    Not a thread of the event loop's pool: those are few, and each stream would keep one busy.
+    It is not a thread of the event loop's pool, which is small: each stream would occupy one.
     """
 
     def __init__(self, stream: Stream[T]) -> None:
@@ -86,7 +87,7 @@ def _serve(
     asked: SimpleQueue[Turn[T] | weakref.ref[SampleReader[T]]],
     end: weakref.ref[SampleReader[T]],
 ) -> None:
-    """Keeps `end`, because a weak reference that is destroyed itself calls nothing."""
+    """Runs the reader's thread. It keeps `end`: a destroyed weak reference calls no callback."""
     while isinstance(turn := asked.get(), Turn):
         turn.serve(stream)
-        del turn  # and with it the loop
+        del turn  # releases the event loop too

@@ -34,10 +34,10 @@ if TYPE_CHECKING:
 
 class Servant(ABC):  # noqa: B024  # the skeletons declare what is abstract
     """Handlers may raise a declared exception of their operation, `gecos.Rejected` or
-    `gecos.Interrupted`; anything else becomes a FAULT with its text, and is logged.
+    `gecos.Interrupted`; any other exception becomes a FAULT with its text, and is logged.
 
-    Each object has three threads, which call its handlers one at a time each: one those of safety
-    operations, one those of sensor operations that are neither cancelable nor ordered, one all
+    Each object has three threads, and each thread calls one handler at a time: one for safety
+    operations, one for sensor operations that are neither cancelable nor ordered, one for all
     others.
     """
 
@@ -46,8 +46,8 @@ class Servant(ABC):  # noqa: B024  # the skeletons declare what is abstract
     _gecos_core: _core.PulledServant | None = None  # set while it is served
 
     def gecos_on_stop(self) -> None:  # noqa: B027  # most servants watch run.interrupted instead
-        """Somebody stopped the object: make it stand. Called on the thread of its safety operations
-        while other handlers may still run. Leases and queue are gone already."""
+        """Called when a client stops the object: halt the device. Runs on the thread of the safety
+        operations while other handlers may still run. Leases and queue are already cleared."""
 
     def _gecos_publish(self, code: int, sample: Parts, stamp: float | None) -> None:
         if self._gecos_core is None:

@@ -1,4 +1,4 @@
-"""Serves objects: C++ accepts clients, queues and guards; Python threads pull and answer."""
+"""Serves objects: C++ accepts clients, queues calls and checks access; Python threads run them."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from gecos.termination_signals import TerminationSignals
 BROKER_PATIENCE = 10.0
 """How long a server waits for a broker that is starting, in seconds."""
 _claiming = threading.Lock()  # guards the server of each servant
-_PATIENCE_WITH_HANDLERS = 1.0  # s, until close() names the one that it waits for
+_PATIENCE_WITH_HANDLERS = 1.0  # s, until close() reports the handlers it waits for
 
 
 class Server:
@@ -40,7 +40,7 @@ class Server:
     def await_broker(self, patience: float = BROKER_PATIENCE) -> None:
         """Waits at most `patience` seconds for a broker that is starting; `add` does this too.
 
-        Raises ServeError that says where it was looked for.
+        Raises ServeError, which says where the broker was expected.
         """
         if why := self._core.await_broker(patience):
             raise ServeError(why)
@@ -48,7 +48,7 @@ class Server:
     def add(
         self, name: str, servant: Servant, *, simulated: bool = False, media: Iterable[str] = ()
     ) -> None:
-        """Serves `servant` under `name` from now on. `media`: those that clients may use, else all.
+        """Serves `servant` under `name` from now on. Clients may use `media`, or all if empty.
 
         Raises ServeError when no broker answers, the name is taken or nothing can be opened.
         """
@@ -62,7 +62,7 @@ class Server:
         with self._adding:
             prepared = self._core.prepare(servant._gecos_interface)
             lanes = [Lane(self, name, servant, prepared, lane) for lane in range(len(LANES))]
-            # First of all, so that close() knows them; without those whose add has failed.
+            # Registered first, so that close() knows them. Lanes that have ended are dropped.
             self._lanes = [*filter(Lane.is_alive, self._lanes), *lanes]
             may_be_served = False
             try:
@@ -70,7 +70,7 @@ class Server:
                 _start(lanes, name)
                 may_be_served = True
                 if why := self._core.add(prepared, name, simulated, list(media)):
-                    raise ServeError(why)  # which names it
+                    raise ServeError(why)  # `why` names the object
             except BaseException as error:
                 if not may_be_served or isinstance(error, Exception):  # else Ctrl-C came too late
                     _release(servant, prepared)
@@ -78,11 +78,11 @@ class Server:
                 raise
 
     def close(self) -> None:
-        """Withdraws all objects; running handlers are interrupted and waited for. One that does not
-        look whether it is interrupted is named on stderr, and still waited for; a handler that
-        closes its own server waits for none."""
+        """Withdraws all objects, interrupts running handlers and waits for them. A handler that is
+        still running after 1 s is named on stderr, and still waited for. When a handler closes its
+        own server, `close` waits for no handler."""
         self._core.close()
-        lanes = [lane for lane in self._lanes if lane.ident is not None]  # which were started
+        lanes = [lane for lane in self._lanes if lane.ident is not None]  # the started ones
         if threading.current_thread() in lanes:
             for lane in lanes:
                 _release(lane.servant, lane.core)
@@ -120,7 +120,7 @@ def _claim(servant: Servant, prepared: _core.PulledServant, name: str) -> None:
 
 
 def _release(servant: Servant, prepared: _core.PulledServant) -> None:
-    """Unless another server serves it since."""
+    """Clears the servant's core, unless another server has claimed the servant since."""
     with _claiming:
         if servant._gecos_core is prepared:
             servant._gecos_core = None
@@ -147,7 +147,8 @@ def serve(
             "gecos.serve waits for signals, which the main thread alone gets; in another one use "
             "`with gecos.Server(lab) as server: server.add(…)`"
         )
-    # Signals last: while the server is closed the next ends the program, also if a handler hangs.
+    # Signals last: while the server closes, the next signal ends the program even if a handler
+    # hangs.
     with Server(lab or Lab()) as server, TerminationSignals() as signals:
         if not _broker_found(server, signals):
             return
@@ -158,7 +159,7 @@ def serve(
 
 
 def _broker_found(server: Server, signals: TerminationSignals) -> bool:
-    """Waits for it, but not after the user has had enough."""
+    """Waits for a broker; False if a termination signal comes first."""
     give_up = time.monotonic() + BROKER_PATIENCE
     while not signals.came():
         try:

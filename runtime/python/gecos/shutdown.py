@@ -1,6 +1,6 @@
-"""The end of the program, in order: leases are given back and drain, then sessions say goodbye.
+"""Orderly end of the program: leases are released and drain, then sessions are closed.
 
-So a program that ends without waiting still lifts its block, and nobody waits for its robot.
+So the commands of a program that ends without waiting still finish, and its robot is free after.
 """
 
 from __future__ import annotations
@@ -31,17 +31,17 @@ _waiting: dict[Turn, WeakSet[Closable]] = {turn: WeakSet() for turn in Turn}
 
 
 def at_exit(closable: Closable, turn: Turn) -> None:
-    """Closes it at the end of the program, unless it is gone by then. It may be closed already."""
+    """Closes `closable` at the end of the program if it still exists; also if already closed."""
     _waiting[turn].add(closable)
 
 
-_starting = threading.RLock()  # a __del__ or a signal handler may begin a thread in the midst of it
+_starting = threading.RLock()  # a __del__ or signal handler may interrupt begin_thread and call it
 _over = False
 
 
 def begin_thread(name: str, run: Callable[..., None], *words: object) -> None:
-    """Begins a daemon thread. RuntimeError when the program has ended so far that it takes none: a
-    thread that is just beginning while the interpreter goes away would crash it."""
+    """Starts a daemon thread. Raises RuntimeError once the program is ending: a thread that starts
+    while the interpreter shuts down would crash it."""
     with _starting:
         if _over:
             raise RuntimeError(f"{name}: no thread begins any more, the program ends")

@@ -1,4 +1,4 @@
-"""A subscription to an outward stream: the newest sample, or one after the other."""
+"""A subscription to an outward stream: read the newest sample, or every sample in order."""
 
 from __future__ import annotations
 
@@ -27,23 +27,23 @@ class Sample(Generic[T]):
 
     value: T
     sequence: int  # rises by one per published sample
-    lost: int  # samples between the last one read and this one that were not read
-    stamp: float  # for people: when it was measured, Unix time in s by the server's clock
+    lost: int  # samples between the previous one read and this one, which were not read
+    stamp: float  # time of measurement, for display: Unix time in s by the server's clock
     age: float  # s since it was measured, at reading; no clock that is set changes it. Exact on one
     # host; between hosts at least that, and at most a round trip more
 
 
 class Stream(Generic[T]):
-    """Samples as they come, from the newest there is at first. A slow reader loses old ones and is
-    told how many. A sample that does not decode is passed over: it counts as lost (once one was
-    read), and as `unreadable`.
+    """Received samples in order, starting with the newest one. A slow reader loses old samples;
+    `Sample.lost` counts them. A sample that does not decode is skipped: it counts as `unreadable`,
+    and also as lost once a sample was read.
 
-    Iterating waits for each next sample and ends with `close()`. A server that is gone or silent,
-    or closed the session, raises StreamLost, and so does a Lab that is closed. One thread or task
-    reads at a time: others wait for it in `next`, within their timeout, and `latest` refuses.
+    Iterating waits for each sample and ends after `close()`. It raises StreamLost when the server
+    is gone or silent or closed the session, or when the Lab is closed. One thread or task reads at
+    a time: others wait for it in `next`, within their timeout, and `latest` raises RuntimeError.
 
-    `async for` has a thread of its own that waits. What is cancelled loses nothing: a sample that
-    was on its way goes to who reads next, or is counted as lost if somebody has read beyond it.
+    `async for` waits on a thread of its own. Cancelling it loses no sample: a sample already
+    received goes to the next reader, or counts as lost if a later sample was read before.
     """
 
     def __init__(self, core: _core.Stream, decode: Callable[[Decoder], T], name: str) -> None:
@@ -58,17 +58,17 @@ class Stream(Generic[T]):
         self._measured_ns = 0  # time stamp of the last sample that was read
         self._returned: deque[Sample[T]] = deque()  # samples whose readers were cancelled
         self._unread: Sample[T] | None = None  # the last sample, when it was returned
-        self._missed = 0  # returned when others had read beyond them
+        self._missed = 0  # samples returned after a later one was read
         self._last_unreadable = 0
         self._unreadable = 0
 
     def latest(self) -> Sample[T] | None:
-        """The newest sample, again if need be; None before the first, while the newest does not
-        decode, and after `close()`. Never waits for a sample.
+        """The newest sample, even if it was read before; None before the first, while the newest
+        does not decode, and after `close()`. Never waits for a sample.
 
-        Raises StreamLost when the server is gone or silent, or the Lab was closed. A silent one is
-        noticed only when its silence has lasted 1.3 s: until then look at `age`. Raises
-        RuntimeError while another thread or task waits in `next` of the same stream.
+        Raises StreamLost when the server is gone or silent, or the Lab was closed. A silent server
+        is noticed only after 1.3 s; until then check `age`. Raises RuntimeError while another
+        thread or task waits in `next` of the same stream.
         """
         while self._occupied() or not self._reading.acquire(timeout=_MOMENT):
             if self._occupied():
@@ -87,7 +87,7 @@ class Stream(Generic[T]):
 
     def next(self, timeout: float | None = None) -> Sample[T]:
         """The next unread sample; it is old when you read more slowly than the server publishes.
-        For what is true now, ask `latest()`.
+        For the current value, call `latest()`.
 
         Raises TimeoutError after `timeout` seconds without one, EOFError when the stream was
         closed, StreamLost when the server is gone or the Lab was closed.
@@ -99,8 +99,8 @@ class Stream(Generic[T]):
 
     @property
     def unreadable(self) -> int:
-        """How many samples came that do not decode. Their server is broken: one that means another
-        type is refused when the stream is opened."""
+        """Number of received samples that do not decode. Such a server is broken: a server whose
+        type differs is refused when the stream is opened."""
         return self._unreadable
 
     def __iter__(self) -> Iterator[Sample[T]]:
@@ -113,7 +113,7 @@ class Stream(Generic[T]):
         return SampleReader(self)
 
     def close(self) -> None:
-        """Ends the subscription; a reader that waits gets EOFError."""
+        """Ends the subscription; a waiting `next` raises EOFError."""
         self._closed = True
         self._core.close()
 
@@ -142,7 +142,7 @@ class Stream(Generic[T]):
             if sample is not None:
                 if turn is not None:
                     turn.taken.append(sample)
-                    if turn.over:  # since then
+                    if turn.over:  # cancelled meanwhile
                         self._take_back(turn)
                 return sample
         finally:
@@ -155,7 +155,7 @@ class Stream(Generic[T]):
         return self._waits and not (turn is not None and turn.over)
 
     def _take_back(self, turn: Turn[T]) -> None:
-        """Takes back a sample that the reader received and did not return. From any thread."""
+        """Takes back a sample that the cancelled reader did not return. Any thread."""
         with contextlib.suppress(IndexError):
             self._returned.append(turn.taken.pop())
 

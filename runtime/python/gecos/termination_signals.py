@@ -1,4 +1,4 @@
-"""SIGINT and SIGTERM end a server in order."""
+"""Turns SIGINT and SIGTERM into the orderly end of a server."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from types import TracebackType
 from typing import Self
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
-_ENOUGH = 4096  # other signals that came before it
+_ENOUGH = 4096  # bytes to peek at: other signals may have come first
 
 
 class TerminationSignals:
-    """Inside the block these signals only end `wait`. For the main thread.
+    """Inside the block SIGINT and SIGTERM only end `wait`. Main thread only.
 
-    Whichever thread the kernel gives the signal to, it arrives on a socket: none is lost between
-    looking and sleeping, and no lock is taken in a handler.
+    A signal arrives on a socket, whichever thread the kernel delivers it to. So none is lost
+    between checking and sleeping, and no handler takes a lock.
     """
 
     def __enter__(self) -> Self:
@@ -31,7 +31,7 @@ class TerminationSignals:
             pass
 
     def came(self) -> bool:
-        """Whether one of them came already."""
+        """Whether SIGINT or SIGTERM has already arrived."""
         try:
             waiting = self._here.recv(_ENOUGH, socket.MSG_PEEK | socket.MSG_DONTWAIT)
         except BlockingIOError:
@@ -52,4 +52,4 @@ class TerminationSignals:
 
 
 def _nothing(number: int, frame: object) -> None:
-    """The socket has it."""
+    """Does nothing: the wake-up socket receives the signal."""

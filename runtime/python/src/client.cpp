@@ -1,4 +1,4 @@
-// The client side at the byte seam: Lab, Session, Command, Stream, Lease.
+// The client side of the untyped interface, in encoded bytes: Lab, Session, Command, Stream, Lease.
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
@@ -17,7 +17,7 @@ namespace {
 
 namespace nb = nanobind;
 
-/// Lets the free functions of every object be asked of a bare session.
+/// A proxy for a bare session, to call the built-in operations of every object.
 struct AnyObject : Object {
   explicit AnyObject(std::shared_ptr<session::ClientSession> session)
       : Object(std::move(session)) {}
@@ -58,7 +58,7 @@ nb::object create(LabHandle& self, nb::handle interface, const std::vector<std::
   return attempts;
 }
 
-/// The lab's own session with its broker, or why there is none.
+/// The lab's own session with its broker, or the reason why there is none.
 nb::object broker(LabHandle& self, nb::handle interface, double patience) {
   const InterfaceDescription& wanted = description_of(interface);
   auto opened =
@@ -130,7 +130,7 @@ nb::object acquire(SessionHandle& self, int status, const std::string& password)
 
 // Command and stream -----------------------------------------------------------------------------
 
-/// Where it stands, for who only tells of it: that is not asking.
+/// The progress of a command, for messages only: reading it does not mark the command as observed.
 nb::tuple peek(const CommandHandle& self) {
   const Progress progress = self.core().progress();
   return nb::make_tuple(static_cast<int>(progress.detail), progress.position, progress.fraction);
@@ -147,7 +147,7 @@ bool wait(const CommandHandle& self, std::optional<double> timeout) {
   return wait_in_slices(timeout, [&](TimePoint until) { return self.awaited().wait_until(until); });
 }
 
-/// Waits; the encoded result, or the number of the state that there is instead of one.
+/// Waits, and returns the encoded result, or the number of the detail if there is no result.
 nb::object answer(const CommandHandle& self, std::optional<double> timeout) {
   wait(self, timeout);
   const Detail detail = self.core().progress().detail;

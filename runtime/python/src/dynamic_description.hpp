@@ -9,8 +9,8 @@ namespace gecos::python {
 /// The session's table of an interface that generated Python describes
 /// (`gecos.interface.Interface`).
 ///
-/// Made once per interface and kept until the process ends, as the tables of generated C++ are:
-/// what refers to one, a session, a command, a server, need not ask how long.
+/// Each table is made once per interface and kept until the process ends, like the tables of
+/// generated C++, so sessions, commands and servers may keep references to it.
 const InterfaceDescription& description_of(nanobind::handle interface);
 
 }  // namespace gecos::python

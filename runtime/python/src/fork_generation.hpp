@@ -9,8 +9,8 @@ namespace gecos::python {
 
 inline std::atomic<std::uint64_t> fork_counter{0};  // publishes nothing but itself
 
-/// How many forks lie between this process and the one that loaded the module. Asking the kernel
-/// for the process id takes longer than half a call does.
+/// Number of forks between this process and the one that loaded the module. Used instead of the
+/// process id because `getpid` takes longer than half a call.
 inline std::uint64_t fork_generation() { return fork_counter.load(std::memory_order_relaxed); }
 
 /// Must be called once, before the first `fork_generation`.

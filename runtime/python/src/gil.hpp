@@ -3,16 +3,16 @@
 #include <Python.h>
 #include <unistd.h>
 
-/// The GIL, let go of for a moment. The only way to do so here.
+/// The only way in this module to release the GIL for a while.
 namespace gecos::python {
 
-/// Without the GIL as long as it lives, which begins where the GIL is held.
+/// Releases the GIL for its lifetime. @pre the GIL is held.
 ///
 /// A daemon thread that wants the GIL back while the interpreter ends does not get it: up to
-/// CPython 3.13 the interpreter ends the thread instead, and unwinds its stack to do so. That must
-/// not reach the thread that waits here: frames that let no exception through would end the process
-/// by std::terminate, and others would let go of Python's objects without the GIL. So the thread
-/// stays here until the process has ended, as CPython from 3.14 on lets it do itself.
+/// CPython 3.13 the interpreter ends the thread instead, by unwinding its stack. The unwinding must
+/// not leave this destructor: noexcept frames would end the process by std::terminate, and others
+/// would release Python objects without the GIL. So the thread pauses here until the process has
+/// ended, as CPython itself does from 3.14 on.
 class WithoutGil {
  public:
   WithoutGil() : state_(PyEval_SaveThread()) {}
@@ -21,7 +21,7 @@ class WithoutGil {
   ~WithoutGil() {
     try {
       PyEval_RestoreThread(state_);
-    } catch (...) {  // nothing of C++ is thrown: the thread is being ended
+    } catch (...) {  // not a C++ exception: the thread is being ended
       for (;;) ::pause();
     }
   }

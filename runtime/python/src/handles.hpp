@@ -14,13 +14,13 @@
 #include "gecos/lab.hpp"
 #include "waiting.hpp"
 
-/// Python's handles to the session. The GIL guards them; dropping one may say goodbye to a
-/// server, which is done without it.
+/// Python's handles to the session. The GIL guards them; dropping a handle may close a session,
+/// which is done without the GIL.
 namespace gecos::python {
 
-/// Tells a forked child that a handle is its parent's. The threads that would end it in order are
-/// not in the child, and what they held at the fork stays held: nothing may be asked of it or
-/// waited for.
+/// Detects in a forked child that a handle belongs to the parent. The child lacks the threads that
+/// would end the handle in order, and locks they held at the fork stay locked. So the child must
+/// not call the object of such a handle or wait for it.
 class Owner {
  public:
   bool inherited() const { return fork_generation_ != fork_generation(); }
@@ -56,7 +56,7 @@ class SessionHandle {
   SessionHandle& operator=(const SessionHandle&) = delete;
   ~SessionHandle() { drop(session_, owner_); }
 
-  /// Never null: after `close` whatever is asked of it says that its Lab is closed.
+  /// Never null: after `close`, every call on the session reports that its Lab is closed.
   /// Throws in a forked child.
   std::shared_ptr<session::ClientSession> get() const {
     owner_.demand("this proxy");
@@ -78,8 +78,8 @@ class SessionHandle {
 
 class LabHandle {
  public:
-  /// Throws std::system_error when this process has no thread or descriptor left for it, and
-  /// std::runtime_error where its environment asks for what there is none of.
+  /// Throws std::system_error when the process has no thread or descriptor left for the Lab, and
+  /// std::runtime_error when the environment variables ask for something that does not exist.
   explicit LabHandle(LabOptions options) : lab_(std::make_shared<Lab>(std::move(options))) {
     if (lab_->core()) return;
     const session::NoLab& why = lab_->core().error();
@@ -90,13 +90,13 @@ class LabHandle {
   LabHandle& operator=(const LabHandle&) = delete;
   ~LabHandle() { drop(lab_, owner_); }
 
-  /// Throws once it is closed, and in a forked child.
+  /// Throws after `close`, and in a forked child.
   std::shared_ptr<Lab> get() const {
     owner_.demand("this Lab");
     if (lab_ == nullptr) throw nanobind::value_error("this Lab is closed; make a new one");
     return lab_;
   }
-  /// Closes the session with the lab at the latest.
+  /// Registers the session, so that closing the lab also closes it.
   std::shared_ptr<SessionHandle> keep(std::shared_ptr<SessionHandle> session) {
     std::erase_if(sessions_, [](const auto& known) { return known.expired(); });
     sessions_.push_back(session);
@@ -123,8 +123,8 @@ class CommandHandle {
  public:
   explicit CommandHandle(std::shared_ptr<session::CommandCore> core) : core_(std::move(core)) {}
   CommandHandle(CommandHandle&&) = default;
-  /// With the GIL: a command that has not ended is kept by its session as well, and one that has
-  /// ended keeps nothing that must be taken leave of.
+  /// Destroys with the GIL held: the session also keeps a command that has not ended, and an ended
+  /// command owns nothing that has to be closed.
   ~CommandHandle() {
     if (core_ != nullptr && owner_.inherited()) drop(core_, owner_);
   }
@@ -147,12 +147,12 @@ class StreamHandle {
   StreamHandle(StreamHandle&&) = default;
   ~StreamHandle() { drop(core_, owner_); }
 
-  /// Null once it is closed. Throws in a forked child.
+  /// Null after `close`. Throws in a forked child.
   std::shared_ptr<session::StreamCore> get() const {
     owner_.demand("this stream");
     return core_;
   }
-  /// Its memory is used again by each reading.
+  /// The sample buffer, whose memory each read reuses.
   session::RawSample& sample() { return sample_; }
   void close() { drop(core_, owner_); }
 
@@ -173,9 +173,9 @@ class LeaseHandle {
 
   int status() const { return status_; }
   std::uint64_t epoch() const { return epoch_; }
-  /// Nothing was issued since it was acquired a moment ago.
+  /// Whether the lease was acquired a moment ago and no command was issued under it.
   bool fresh() const { return lease_ != nullptr && !owner_.inherited() && lease_->fresh(); }
-  /// Again does nothing.
+  /// Releases the lease. A second call has no effect.
   void release() {
     if (owner_.inherited()) return drop(lease_, owner_);
     if (lease_) without_gil([lease = std::exchange(lease_, nullptr)] { lease->release(); });

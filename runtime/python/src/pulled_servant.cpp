@@ -55,7 +55,7 @@ std::optional<Task> TaskQueue::pull() {
 }
 
 void TaskQueue::close() {
-  std::deque<Task> unhandled;  // answered after the lock is gone
+  std::deque<Task> unhandled;  // rejected after the lock is released
   {
     const MutexLock lock(mutex_);
     closed_ = true;

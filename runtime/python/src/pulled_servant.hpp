@@ -10,18 +10,18 @@
 #include "gecos/base/mutex.hpp"
 #include "gecos/servant.hpp"
 
-/// Servants whose handlers are elsewhere: what arrives is queued, and somebody pulls it.
+/// Servants that queue arriving calls for other threads, which pull and handle them.
 ///
-/// Nothing here knows Python: the session's threads only ever push.
+/// Nothing here depends on Python, so the session's threads, which only push, never need the GIL.
 namespace gecos::python {
 
 enum class Lane : std::uint8_t {
   Safety,  ///< stops, safety operations
   Sensor,  ///< sensor operations that are neither cancelable nor ordered
-  Fifo,    ///< everything else, in its order
+  Fifo,    ///< all other operations, in the order of arrival
 };
 
-/// Somebody stopped the servant.
+/// A client stopped the object.
 struct Stopped {};
 using Task = std::variant<IncomingCall, Stopped>;
 
@@ -29,9 +29,9 @@ using Task = std::variant<IncomingCall, Stopped>;
 class TaskQueue {
  public:
   void push(Task task);
-  /// Waits for the next task that may begin; nothing once it is closed. A call counts as started.
+  /// Waits for the next task that may begin; nullopt after `close`. A returned call has started.
   std::optional<Task> next();
-  /// Hands out no more calls; waiting calls are answered as not handled.
+  /// Ends `next`; calls that still wait are rejected.
   void close();
 
  private:
@@ -43,7 +43,7 @@ class TaskQueue {
   bool closed_ GECOS_GUARDED_BY(mutex_) = false;
 };
 
-/// Queues its calls, by their lanes.
+/// A servant that puts each call into the queue of its lane.
 class PulledServant final : public Servant {
  public:
   explicit PulledServant(const InterfaceDescription& interface) : interface_(interface) {}
@@ -55,9 +55,9 @@ class PulledServant final : public Servant {
                           const OperationDescription& other) const override;
   /// Any thread.
   void stopped() { queue(Lane::Safety).push(Stopped{}); }
-  /// Any thread; waits for the next task of that lane, nothing once it is closed.
+  /// Any thread; waits for the next task of the lane, nullopt after `close`.
   std::optional<Task> next(Lane lane) { return queue(lane).next(); }
-  /// No further task is given out.
+  /// Closes all lanes: `next` returns no further task.
   void close();
   /// Publishes a sample of the stream with this code; false when the interface has none.
   bool publish(FunctionCode code, ByteView sample, std::int64_t stamp_ns);

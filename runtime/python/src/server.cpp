@@ -1,4 +1,5 @@
-// The server side at the byte seam: Server, PulledServant, IncomingCall, Broker.
+// The server side of the untyped interface, in encoded bytes: Server, PulledServant, IncomingCall,
+// Broker.
 #include "gecos/server.hpp"
 
 #include <nanobind/stl/optional.h>
@@ -24,8 +25,8 @@ namespace {
 
 namespace nb = nanobind;
 
-/// A call that Python answers. Answering moves it out; a late answer is ignored, and so is a
-/// child that the handler forked: its parent answers.
+/// A call that Python answers. The first answer moves the call out; later answers are ignored, and
+/// so are answers from a child that the handler forked: the parent answers.
 class CallHandle {
  public:
   explicit CallHandle(IncomingCall call) : code_(call.operation().code), call_(std::move(call)) {}
@@ -55,8 +56,8 @@ class ServantHandle {
   explicit ServantHandle(std::shared_ptr<PulledServant> servant) : servant_(std::move(servant)) {}
   const std::shared_ptr<PulledServant>& servant() const { return servant_; }
 
-  /// The next call of a lane, "stopped", or None once it is closed or in a forked child. Signals
-  /// are the main thread's, which does not wait here, so this needs no slices.
+  /// The next call of a lane, "stopped", or None after the lane is closed or in a forked child.
+  /// Waits without slices: only the main thread handles signals, and it does not wait here.
   nb::object next(int lane) {
     if (owner_.inherited()) return nb::none();
     auto task = without_gil([&] { return servant_->next(static_cast<Lane>(lane)); });
@@ -88,7 +89,7 @@ class ServerHandle {
   ServerHandle& operator=(const ServerHandle&) = delete;
   ~ServerHandle() { close(); }
 
-  /// The users whose clients may be served.
+  /// Makes a servant for `add`, whose calls Python pulls. After `close`, its lanes are closed.
   ServantHandle prepare(nb::handle interface) {
     owner_.demand("this Server");
     auto servant = std::make_shared<PulledServant>(description_of(interface));
@@ -96,7 +97,7 @@ class ServerHandle {
     return ServantHandle(servants_.emplace_back(std::move(servant)));
   }
 
-  /// Serves what was prepared here; else says why not.
+  /// Serves a prepared servant. Returns None, or the reason why it is not served.
   nb::object add(const ServantHandle& prepared, const std::string& name, bool simulated,
                  const std::vector<std::string>& media) {
     owner_.demand("this Server");
@@ -120,7 +121,7 @@ class ServerHandle {
     const auto added = without_gil([&, server = std::move(server)]() mutable {
       const std::lock_guard lock(serving_);
       auto result = server->add(name, *servant, std::move(options));
-      server.reset();  // the last one, where it was closed meanwhile
+      server.reset();  // the last reference, if closed meanwhile
       return result;
     });
     if (!added) return nb::str(added.error().text.c_str());
@@ -128,7 +129,7 @@ class ServerHandle {
     return nb::str((name + " is not served any more: the server was closed").c_str());
   }
 
-  /// Nothing once a broker answers, else where it was looked for.
+  /// Waits for a broker. Returns None when it answers, else the reason and the expected place.
   nb::object await_broker(double patience) {
     owner_.demand("this Server");
     std::string why = "the server is closed";
@@ -147,8 +148,8 @@ class ServerHandle {
     return nb::str(closed() ? "the server is closed" : why.c_str());
   }
 
-  /// Ends the lanes of what was prepared and is not to be served. It stays until the server ends,
-  /// whose threads may look at it until then.
+  /// Ends the lanes of a prepared servant that will not be served. The servant itself is kept until
+  /// the server ends, because the server's threads may use it until then.
   void forget(const ServantHandle& prepared) {
     without_gil([this, servant = prepared.servant()] {
       const std::lock_guard lock(serving_);
@@ -177,9 +178,9 @@ class ServerHandle {
  private:
   const Owner owner_;
   std::shared_ptr<Lab> lab_;
-  std::mutex serving_;  // while somebody is added or all are let go; taken without the GIL
+  std::mutex serving_;  // held while a servant is added or all are released; locked without the GIL
   std::vector<std::shared_ptr<PulledServant>> servants_;
-  std::shared_ptr<Server> server_;  // last: ends before those that it serves
+  std::shared_ptr<Server> server_;  // last: ends before the servants it serves
 };
 
 /// A broker in this process, with a server of its own.

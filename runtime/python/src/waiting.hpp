@@ -14,21 +14,21 @@
 #include "gecos/base/thread.hpp"
 #include "gil.hpp"
 
-/// Waiting as Python wants it: without the GIL, and never deaf to signals for longer than a slice.
+/// Waiting for Python: without the GIL, and Python's signal handlers run after each slice of time.
 namespace gecos::python {
 
 inline constexpr Duration longest_deafness = std::chrono::milliseconds(100);
 
-/// Seconds of Python as a duration: nothing and infinity mean for ever, what is negative means now.
+/// Seconds of Python as a duration: None and infinity mean for ever, negative numbers and NaN zero.
 inline Duration patience_of(std::optional<double> seconds) {
   if (!seconds || *seconds > 1e9) return Duration::max();
   if (!(*seconds > 0)) return Duration::zero();
   return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(*seconds));
 }
 
-/// Calls `wait(until)` in slices, without the GIL, until it gives true, the time is over or
-/// `given_up`, asked with the GIL, gives true. Between them Python's signal handlers run: what they
-/// raise (KeyboardInterrupt) ends the wait. Whether `wait` gave true.
+/// Calls `wait(until)` in slices, without the GIL, until it returns true, the time is over, or
+/// `given_up`, called with the GIL, returns true. Between slices Python's signal handlers run: an
+/// exception of theirs (KeyboardInterrupt) ends the wait. Returns whether `wait` returned true.
 template <class Wait, class GivenUp>
 bool wait_in_slices(std::optional<double> seconds, Wait wait, GivenUp given_up) {
   const Duration patience = patience_of(seconds);
@@ -50,8 +50,8 @@ bool wait_in_slices(std::optional<double> seconds, Wait wait) {
   return wait_in_slices(seconds, std::move(wait), [] { return false; });
 }
 
-/// Runs `work`, which blocks and touches no Python, on a thread of its own, so that a signal ends
-/// the wait for it. What it was interrupted in goes on, and its result is dropped.
+/// Runs `work`, which blocks and must not touch Python, on a thread of its own, so that a signal
+/// can end the wait for it. Interrupted work continues, and its result is dropped.
 template <class Work>
 auto run_interruptibly(Work work) {
   using Value = decltype(work());
@@ -59,7 +59,7 @@ auto run_interruptibly(Work work) {
   std::future<Value> value = task->get_future();
   try {
     start_thread("gecos-python", [task] { (*task)(); }).detach();
-  } catch (const std::system_error&) {  // no thread can be had: no signal ends it then
+  } catch (const std::system_error&) {  // no thread left: then no signal ends the wait
     const WithoutGil released;
     (*task)();
   }

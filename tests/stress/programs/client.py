@@ -37,7 +37,7 @@ class Client:
             if bench is None:
                 rest_before_another_try()
             elif not self._turn(bench):
-                self._finish_all()  # each end is noted when it comes, not after connecting anew
+                self._finish_all()  # each end is recorded when it comes, not after reconnecting
                 bench = None
         self._finish_all()
         self._lease = None

@@ -1,4 +1,4 @@
-"""What a program does, line by line, in a file that survives its being killed: as record.hpp."""
+"""A log of a program's actions in a file that survives its kill, as in record.hpp."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def settings() -> dict[str, str]:
 
 
 def census() -> str:
-    """What this process has open: descriptors, threads, memfds mapped."""
+    """The open resources of this process: descriptors, threads, mapped memfds."""
     descriptors = len(list(Path("/proc/self/fd").iterdir()))
     threads = len(list(Path("/proc/self/task").iterdir()))
     memfds = Path("/proc/self/maps").read_text().count("memfd:")

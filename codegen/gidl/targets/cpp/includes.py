@@ -14,7 +14,7 @@ _HEADERS = {
 
 
 def system_headers(texts: Iterable[str]) -> set[str]:
-    """Every header of ours includes what it names itself; whether another one brings it along
-    is nothing that its readers should have to know."""
+    """The standard headers for all names in `texts`. A generated header includes each of them, even
+    when another header includes it already."""
     used = {word for text in texts for word in re.findall(r"\bstd::(\w+)", text)}
     return {_HEADERS[word] for word in used if word in _HEADERS}

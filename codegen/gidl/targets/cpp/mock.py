@@ -244,7 +244,7 @@ class _Facts(ServerSide):
 
 
 def _free(wanted: str, taken: Collection[str]) -> str:
-    """A name for a local that nothing taken begins with: loops add to it."""
+    """A name for a local that no name in `taken` begins with, because loops append to it."""
     while any(name.startswith(wanted) for name in taken):
         wanted += "_"
     return wanted
@@ -277,7 +277,7 @@ def in_place(lowering: Lowering, value: CallValue, taken: Collection[str]) -> st
 def assigned(
     lowering: Lowering, x: str, used: Type, limits: Range | None, alone: bool
 ) -> list[str]:
-    """Statements that make of a value as C++ initialises it the one to answer with."""
+    """Statements that change the C++ default value `x` into the value that the mock returns."""
     model: Model = lowering.model
     node = node_of(model, used, False, limits)
     if samples.is_made_by_default(model, node, alone):

@@ -50,13 +50,13 @@ class Homes:
         return Home(self._types_module(operation.interface), name)
 
     def results_of(self, file: File) -> list[Operation]:
-        """The operations of a file that give several values."""
+        """The operations of a file with several results."""
         interfaces = [d for d in file.declarations if isinstance(d, Interface)]
         known = self._names.results
         return [o for i in interfaces for o in i.operations if o.scoped_name in known]
 
     def names_of(self, file: File) -> set[str]:
-        """All names that the modules of a file give."""
+        """All names that the modules of a file define."""
         known = self._names
         declared = [d.name for d in file.declarations]
         found = [

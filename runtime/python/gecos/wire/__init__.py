@@ -1,7 +1,7 @@
 """The codec under generated Python: LCM's type encoding, big-endian, fields in order.
 
-The twin of `runtime/cpp/gecos/wire`: both accept and refuse the same bytes and call what is wrong
-by the same names. Where bytes are wrong in two ways, either may be reported.
+The twin of `runtime/cpp/gecos/wire`: both accept and refuse the same bytes and use the same names
+for errors. Where bytes are wrong in two ways, either error may be reported.
 
 Encoding appends pieces to a list (`Parts`) that is joined once; decoding raises `DecodeError`.
 numpy is imported when the first array passes, so that programs without arrays start faster.

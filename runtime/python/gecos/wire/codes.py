@@ -35,8 +35,8 @@ READERS = {code: struct.Struct(">" + code.replace("?", "B")) for code in CODE_ME
 
 @cache
 def arrays(code: str) -> tuple[type[np.ndarray[Any, Any]], np.dtype[Any], np.dtype[Any], int]:
-    """numpy's array; its elements on the wire, and in the machine: the one object that arrays have
-    there; bytes of each."""
+    """Returns numpy's array type, the dtype on the wire, the native dtype (the very object that
+    native arrays hold, to compare with `is`), and the bytes per element."""
     import numpy as np
 
     wire = np.dtype(">" + code)

@@ -1,4 +1,4 @@
-"""Values that encode themselves, and what they become: fields, blocks, LCM messages."""
+"""Values that encode themselves, as bare fields, blocks or LCM messages."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ _ContentsT = TypeVar("_ContentsT", bound=Contents)
 
 @accelerated
 def to_bytes(value: Contents) -> bytes:
-    """The fields alone."""
+    """Encodes the fields alone."""
     out: Parts = []
     value.encode(out)
     return b"".join(out)
@@ -63,7 +63,7 @@ def from_message(kind: type[_ContentsT], data: bytes | bytearray | memoryview) -
     """The inverse of `to_message`; a message of another type is WRONG_FINGERPRINT."""
     source = Decoder(data)
     if source.data[:8] != _fingerprint_bytes(kind):
-        source.octets(8)  # are they there?
+        source.octets(8)  # too few bytes are TRUNCATED
         raise DecodeError(DecodeProblem.WRONG_FINGERPRINT, 0)
     source.offset = 8
     value = kind.decode(source)
@@ -78,14 +78,14 @@ def _fingerprint_bytes(kind: type[Contents]) -> bytes:
 
 @accelerated
 def put(value: Encodes, kind: type, out: Parts, field: str) -> None:
-    """A value inside another, of the type that `field` has."""
+    """Appends a nested value, which must be a `kind`."""
     expect(value, kind, field)
     value.encode(out)
 
 
 @accelerated
 def put_block(value: Encodes, kind: type, out: Parts, field: str) -> None:
-    """The same of an appendable one, in its block."""
+    """Appends a nested value of an appendable type in a block; it must be a `kind`."""
     expect(value, kind, field)
     parts: Parts = []
     value.encode(parts)

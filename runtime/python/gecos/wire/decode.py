@@ -32,7 +32,7 @@ _ValueT = TypeVar("_ValueT")
 class Decoder:
     """Reads from untrusted bytes; the first fault raises DecodeError.
 
-    No count is believed before the bytes that it promises are there.
+    A count is accepted only if the bytes that it announces are there.
     """
 
     __slots__ = ("data", "depth", "end", "offset")
@@ -55,7 +55,7 @@ class Decoder:
         return self.end - self.offset
 
     def number(self, code: str, field: str = "") -> Any:
-        """One value of a code as for `Fields`."""
+        """Reads one value of a code as in `Fields`."""
         reader = READERS[code]
         offset = self.offset
         if offset + reader.size > self.end:
@@ -69,7 +69,7 @@ class Decoder:
         return value
 
     def string(self, most: int = MAX_COUNT, field: str = "") -> str:
-        """`most` counts bytes of UTF-8 without the NUL."""
+        """Reads a string; `most` counts bytes of UTF-8 without the NUL."""
         start = self.offset
         first = start + 4
         if first <= self.end:
@@ -107,7 +107,7 @@ class Decoder:
         return DecodeError(problem, self.offset, field)
 
     def count(self, min_bytes_each: int, most: int = MAX_COUNT, field: str = "") -> int:
-        """A count of elements of at least so many bytes each, which are there."""
+        """Reads a count of elements, and checks that `min_bytes_each` bytes are there for each."""
         start = self.offset
         if start + 4 > self.end:
             self.refuse(DecodeProblem.TRUNCATED, field)
@@ -122,27 +122,27 @@ class Decoder:
         return number
 
     def ranged(self, code: str, low: Any, high: Any, field: str = "") -> Any:
-        """One value of a code as for `Fields`, within `low` and `high`; None leaves a side open."""
+        """Reads a number of `code` within `low` and `high`; None leaves a side open."""
         value = self.number(code, field)
         if (low is not None and not value >= low) or (high is not None and not value <= high):
             self.refuse_range(field, READERS[code].size)
         return value
 
     def refuse_range(self, field: str, width: int) -> NoReturn:
-        """Refuses a number that begins `width` bytes before what is read next."""
+        """Refuses a number that begins `width` bytes before the next read."""
         raise DecodeError(DecodeProblem.OUT_OF_RANGE, self.offset - width, field)
 
     def numbers(
         self, code: str, most: int = MAX_COUNT, field: str = "", low: Any = None, high: Any = None
     ) -> Array:
-        """A sequence of numbers: its count, then `array`."""
+        """Reads a sequence of numbers: its count, then `array`."""
         start = self.offset
         first = start + 4
         kind, wire, native, size = arrays(code)
         if first <= self.end and code != "?" and low is high is None:
             number = _read_int32(self.data, start)[0]
             after = first + number * size
-            if 0 <= number <= most and after <= self.end:  # the usual case, for its speed
+            if 0 <= number <= most and after <= self.end:  # fast path
                 self.offset = after
                 return kind(number, wire, self.data, first).astype(native)
         return self.array(code, self.count(size, most, field), field, low, high)
@@ -203,13 +203,13 @@ class Decoder:
     def flags(
         self, kind: type[_FlagsT], number: int, bits: int, field: str = "", width: int = 4
     ) -> _FlagsT:
-        """The flags of a number that was just read with `width` bytes; `bits` may be set."""
+        """The flags of a number just read with `width` bytes; only its lowest `bits` may be set."""
         if number >> bits:
             self.refuse_range(field, width)
         return kind(number)
 
     def arm(self, selected: bool, field: str = "") -> bool:
-        """Whether an arm of a union is there, which it must be exactly when it is selected."""
+        """Reads whether a union's arm is present; it must be present exactly if it is selected."""
         start = self.offset
         if self.number("?", field) != selected:
             self.refuse(DecodeProblem.UNKNOWN_UNION_TAG, field, start)
@@ -223,7 +223,7 @@ class Decoder:
         most: int = MAX_COUNT,
         field: str = "",
     ) -> dict[_KeyT, _ValueT]:
-        """Entries whose keys ascend strictly: a map has one encoding."""
+        """Reads a map. Its keys must ascend strictly, so that a map has one encoding."""
         entries: dict[_KeyT, _ValueT] = {}
         last: Any = None
         for i in range(self.count(min_bytes_each, most, field)):
@@ -236,9 +236,9 @@ class Decoder:
         return entries
 
     def block(self, field: str = "") -> Decoder:
-        """Steps over an appendable struct and returns a decoder of its fields alone.
+        """Skips an appendable struct and returns a decoder of its fields alone.
 
-        What that one leaves unread is a newer writer's and is ignored.
+        Fields that the returned decoder leaves unread come from a newer writer and are ignored.
         """
         size = self.count(1, field=field)
         inner = Decoder.__new__(Decoder)
@@ -264,5 +264,5 @@ class Decoder:
     def refuse(
         self, problem: DecodeProblem, field: str = "", offset: int | None = None
     ) -> NoReturn:
-        """Raises; the offset is where the next read would start unless it is given."""
+        """Raises DecodeError; `offset` defaults to where the next read would start."""
         raise DecodeError(problem, self.offset if offset is None else offset, field)

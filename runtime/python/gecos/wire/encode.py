@@ -1,4 +1,4 @@
-"""Pieces of a value on its way out: each function gives bytes, joined once at the end."""
+"""Encodes pieces of a value: each function returns bytes, which are joined once at the end."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ _pack_int32 = struct.Struct(">i").pack
 
 
 def count(number: int, most: int = MAX_COUNT, field: str = "") -> bytes:
-    """How many elements follow."""
+    """Encodes the count of the elements that follow."""
     if number > most:
         raise EncodeError(field, f"{number} elements, at most {most} are allowed")
     return _pack_int32(number)
 
 
 def counted(values: Any, most: int = MAX_COUNT, field: str = "") -> bytes:
-    """How many elements `values` have, which follow."""
+    """Encodes the count of `values`, which follow."""
     return count(_length(values, field), most, field)
 
 
@@ -52,7 +52,7 @@ def entries(values: Mapping[_KeyT, _ElementT], field: str = "") -> list[tuple[_K
 
 
 def string(text: str, most: int = MAX_COUNT - 1, field: str = "") -> bytes:
-    """Length with NUL, UTF-8, NUL. `most` counts bytes of UTF-8 without the NUL."""
+    """Encodes the length with NUL, the UTF-8, and NUL. `most` counts bytes without the NUL."""
     try:
         raw = text.encode()
     except UnicodeEncodeError as error:
@@ -68,7 +68,7 @@ def string(text: str, most: int = MAX_COUNT - 1, field: str = "") -> bytes:
 
 
 def secret_string(text: str, most: int = MAX_COUNT - 1, field: str = "") -> bytes:
-    """The same of a text that no error shows."""
+    """Encodes a string that no error message shows."""
     try:
         return string(text, most, field)
     except EncodeError as error:
@@ -76,10 +76,10 @@ def secret_string(text: str, most: int = MAX_COUNT - 1, field: str = "") -> byte
 
 
 def array(values: npt.ArrayLike, code: str, field: str = "") -> memoryview:
-    """Numbers in big-endian order, without a count, ready to be joined. `code` as for `Fields`.
+    """Numbers in big-endian order, without a count, ready to be joined. `code` as in `Fields`.
 
-    Refuses what would change the numbers; only double to single precision may round. Bytes are an
-    array of `B`.
+    Refuses a conversion that changes a number; only double to single precision may round. Bytes
+    are an array of `B`.
     """
     kind, wanted, native, _ = arrays(code)
     if type(values) is kind and values.dtype is native:
@@ -90,7 +90,7 @@ def array(values: npt.ArrayLike, code: str, field: str = "") -> memoryview:
 
 
 def _fitting(values: npt.ArrayLike, code: str, field: str) -> Array:
-    """An array whose numbers are all numbers of `code`."""
+    """`values` as an array; raises unless `code` can represent all its numbers."""
     import numpy as np
 
     given = as_array(values, code)
@@ -116,7 +116,7 @@ def block(parts: Parts) -> bytes:
 
 
 def number(value: Any, code: str, field: str = "") -> bytes:
-    """One value of a code as for `Fields`."""
+    """Encodes one value of a code as in `Fields`."""
     if code == "?":
         expect_boolean(value, field)
     try:
@@ -141,7 +141,7 @@ def numbers(
 ) -> Parts:
     """A sequence of numbers: its count, then the numbers, each within `low` and `high`."""
     kind, wanted, native, _ = arrays(code)
-    if (  # the usual case, for its speed
+    if (  # fast path
         type(values) is kind
         and (values.dtype is native and values.ndim == 1 and low is high is None)
         and (size := len(values)) <= most
@@ -171,7 +171,7 @@ def fixed(
 
 
 def _array_within(given: Array, code: str, low: Any, high: Any, field: str) -> memoryview:
-    numbers = array(given, code, field)  # first whether they are numbers, as for a single one
+    numbers = array(given, code, field)  # checks types before limits, as for one number
     _expect_within(given, low, high, field)
     return numbers
 
@@ -220,7 +220,7 @@ def _as_bytes(raw: Any, field: str) -> bytes:
 
 
 def exactly(values: Sequence[_ElementT], size: int, field: str = "") -> Sequence[_ElementT]:
-    """`values`, which are refused unless there are so many."""
+    """Returns `values`; raises unless there are `size` of them."""
     number = _length(values, field)
     if number != size:
         raise EncodeError(field, f"{number} elements where {size} are declared")

@@ -30,7 +30,7 @@ class DecodeProblem(Enum):
 
 
 class DecodeError(ValueError):
-    """Bytes that are not what they should be: which field, at which byte, and why."""
+    """The bytes do not encode a valid value: which field, at which byte, and why."""
 
     def __init__(self, problem: DecodeProblem, offset: int, field: str = "") -> None:
         named = f"field '{field}' " if field else ""
@@ -84,13 +84,13 @@ def expect(value: object, kind: type, field: str) -> None:
 
 
 def expect_boolean(value: object, field: str) -> None:
-    """True and False, also numpy's: what else Python takes for true or false is a mistake."""
+    """Accepts True and False, also numpy's. Other truthy and falsy values are refused."""
     if type(value) is not bool and type(value).__name__ not in ("bool_", "bool"):
         raise WrongTypeError(field, value, bool)
 
 
 def expect_enumerator(value: Any, kind: type[IntEnum], field: str) -> None:
-    """A number will do if it is that of an enumerator."""
+    """Accepts an enumerator of `kind`, or the number of one."""
     if type(value) is not kind and value not in kind.__members__.values():
         known = ", ".join(kind.__members__)
         raise EncodeError(field, f"{value!r} is no {kind.__name__}; there are {known}")

@@ -1,8 +1,8 @@
 """Values as JSON, for people, logs and tools: `dumps` and its inverse `loads`.
 
-Members and enumerators stand by their names, bitmasks as lists of flags, unions as
-{"tag": …, "value": …}, maps as lists of pairs, bytes as lists of numbers; whole numbers of 64 bits
-are exact, "nan", "inf" and "-inf" stand for themselves. Secrets are "***". C++ writes the same.
+Members and enumerators are written by name, bitmasks as lists of flags, unions as
+{"tag": …, "value": …}, maps as lists of pairs, bytes as lists of numbers. 64-bit integers are
+exact; "nan", "inf" and "-inf" are texts. Secrets are "***". C++ writes the same.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ def dumps(value: Contents, indent: int | None = None) -> str:
 
 
 def loads(kind: type[_ContentsT], text: str | bytes) -> _ContentsT:
-    """Raises JsonError, which names the member, also for what must not be sent: a number out of
-    its range, a text too long. Members that are left out have their defaults."""
+    """Reads a value from JSON. Omitted members have their defaults. Raises JsonError, which names
+    the member, also for a value that cannot be sent: a number out of range, a text too long."""
     try:
         data = json.loads(
             text,

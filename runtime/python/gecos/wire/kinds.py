@@ -1,7 +1,7 @@
 """The kinds of values: how each is written, read, and shown in JSON, by its part of a layout.
 
-`plain` gives what the module json can dump; `made` is its inverse and raises `JsonError`. `step` is
-what the extension `_plans` is told, or None where only Python knows the kind.
+`plain` returns what the module json can dump; `made` is its inverse and raises `JsonError`. `step`
+describes the kind to the extension `_plans`, or is None where only Python supports the kind.
 """
 
 from __future__ import annotations
@@ -48,9 +48,9 @@ class Kind(ABC):
     __slots__ = ()
 
     least = 0
-    """Bytes that every value takes at least."""
+    """Smallest size of a value in bytes."""
     holds_array = False
-    """Arrays of numpy compare element by element, so `==` needs help."""
+    """Whether values hold numpy arrays: these compare element by element, so `==` must be ours."""
 
     @abstractmethod
     def put(self, value: Any, out: Parts, label: str) -> None: ...
@@ -121,7 +121,7 @@ class Number(Kind):
 
 
 def limits_of(code: str) -> tuple[int, int]:
-    """Whether the code stands for whole numbers."""
+    """The smallest and the largest number of a code of whole numbers."""
     bits = 8 * READERS[code].size
     return (0, (1 << bits) - 1) if code.isupper() else (-(1 << bits - 1), (1 << bits - 1) - 1)
 
@@ -129,8 +129,8 @@ def limits_of(code: str) -> tuple[int, int]:
 class Limits:
     """The range that @range allows for numbers of a code; None leaves a side open.
 
-    A float of Python has more digits than one of single precision: both a limit as it is written
-    and the nearest single, as it was received, may be sent, and both are sent as that single.
+    Python's floats are more precise than single precision. For code `f`, a value equal to a limit
+    as written or to its nearest single may be sent, and both are encoded as that single.
     """
 
     __slots__ = ("high", "low", "received", "sent", "text")
@@ -235,8 +235,8 @@ class Char(Text):
 
 
 class Enumerators(Kind):
-    """By name in JSON; `names` are the interface's of those that Python calls otherwise.
-    `otherwise` stands for a number that no enumerator has."""
+    """Enumerators, by name in JSON. `names` maps Python names to the interface's where they
+    differ. `otherwise` replaces a number that no enumerator has."""
 
     __slots__ = ("code", "kind", "least", "names", "otherwise")
 
@@ -274,7 +274,7 @@ class Enumerators(Kind):
 
 
 class Flags(Kind):
-    """In JSON the list of the flags that are set. The lowest `bits` may be."""
+    """A bitmask; in JSON the list of the set flags. Only the lowest `bits` may be set."""
 
     __slots__ = ("bits", "code", "kind", "least", "names")
 
@@ -312,10 +312,10 @@ class Flags(Kind):
 
 
 class Nested(Kind):
-    """A value of a type with a layout of its own; in a block where it may grow."""
+    """A value of a type with a layout of its own; in a block if the type is appendable."""
 
     __slots__ = ("kind", "layout", "put")
-    # A function instead of a method: it is one call less.
+    # A function instead of a method saves one call.
     put: Callable[[Any, Parts, str], None]  # type: ignore[assignment]
 
     def __init__(self, kind: Any, layout: Any) -> None:
@@ -424,7 +424,7 @@ def _inside(value: Any) -> set[str]:
 
 
 class Twin:
-    """The layout of a hand-written type, by way of the bytes that it shares with `struct`."""
+    """The layout of a hand-written type, which has the same bytes as the generated `struct`."""
 
     __slots__ = ("kind", "struct")
     compiled = False
@@ -459,8 +459,8 @@ _numbers = {code: Number(code) for code in READERS}
 
 
 def kind_of(step: Any) -> Kind:
-    """A step of a layout: the code of a number, a kind, a type with a layout of its own, or a
-    function that gives such a type, which Python does not know yet."""
+    """The kind of a layout step: the code of a number, a kind, a type with a layout of its own, or
+    a function that returns such a type when it is declared later."""
     if isinstance(step, Kind):
         return step
     if isinstance(step, str):

@@ -1,4 +1,4 @@
-"""Layouts of generated types: each type states its layout once, and all else follows from it.
+"""Layouts of generated types: each type declares its layout once; its methods are derived from it.
 
     @layout.struct(0xE3695E149ACAA4EA, "dd??", layout.text(), open=True)
     @dataclass(slots=True)
@@ -6,11 +6,11 @@
         width: float = 0.0
         ...
 
-A layout is its members in order, in *steps*: codes of numbers as for `wire.Fields`, any number of
-them in one text; a type with a layout of its own; a function that gives a type that Python does
-not know yet; or what a function below gives. From it come encoding and decoding with all checks,
-`==` where arrays are held, JSON, what hides secrets, and what the extension is told, which does the
-usual case in one go (`gecos.wire.plans`).
+A layout lists the members in order, as *steps*: codes of numbers as in `wire.Fields`, any number
+of them in one text; a type with a layout of its own; a function that returns a type declared later;
+or the result of a function below. These are derived from a layout: encoding and decoding with all
+checks, `==` for values that hold arrays, JSON, a `repr` without secrets, and the plan by which the
+extension encodes and decodes the usual case (`gecos.wire.plans`).
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ def fixed_octets(size: int, low: int | None = None, high: int | None = None) -> 
 def numbers(
     code: str, most: int = MAX_COUNT, low: float | None = None, high: float | None = None
 ) -> Kind:
-    """A sequence of numbers, in numpy."""
+    """A sequence of numbers, as a numpy array."""
     return Numbers(code, most, low, high)
 
 
@@ -99,7 +99,7 @@ def secret(inner: Step) -> Kind:
 
 
 def arm(name: str, step: Step, *tags: Any) -> Arm:
-    """An arm of a union and the tags that select it; without tags, all others do."""
+    """An arm of a union and the tags that select it; without tags, all other tags select it."""
     return Arm(name, kind_of(step), tags)
 
 
@@ -134,7 +134,7 @@ class Union(Struct):
 
     @classmethod
     def _arm(cls, tag: Any) -> int:
-        """Number of the arm that a tag selects, from 1; 0 for none."""
+        """Number of the arm that `tag` selects, from 1; 0 if it selects none."""
         number: int = cls._gecos_layout.selected(tag)
         return number
 
@@ -158,7 +158,7 @@ def _describe(kind: Any, layout: StructLayout | UnionLayout) -> None:
     kind._gecos_layout = layout
     if isinstance(layout, StructLayout):
         kind.encode, kind.decode = layout.codecs()
-    if layout.holds_array and kind.__hash__ is None:  # else it is equal to itself alone
+    if layout.holds_array and kind.__hash__ is None:  # exceptions compare by identity
         kind.__eq__ = layout.equality()
     if layout.has_secrets:
         kind.__repr__ = layout.printing()
@@ -173,12 +173,12 @@ def struct(
     label: str = "",
     names: Mapping[str, str] | None = None,
 ) -> Callable[[_KindT], _KindT]:
-    """Tells of a dataclass what its members are, in the order of its constructor.
+    """Declares the members of a dataclass, in the order of its constructor.
 
-    An older writer leaves out as many of the last as `missing` says, which then have their
-    defaults; when it is `open`, what a newer writer added is skipped. A `deep` one may hold itself.
-    `label` is what messages call it where that is not its name, and `names` are the interface's of
-    members that Python calls otherwise.
+    An older writer may leave out the last `missing` members, which then have their defaults. In an
+    `open` struct, members added by a newer writer are skipped. A `deep` struct may hold itself.
+    `label` names the struct in messages where its class has another name. `names` maps Python names
+    of members to the interface's where they differ.
     """
 
     def tell(kind: _KindT) -> _KindT:
@@ -194,8 +194,8 @@ def struct(
 def result(
     *steps: Step, missing: int = 0, names: Mapping[str, str] | None = None
 ) -> Callable[[_KindT], _KindT]:
-    """The same of what an operation gives that gives several values: it grows, and is the whole of
-    a reply, so it needs no block."""
+    """Declares the members of the result of an operation with several results. It may grow, and
+    needs no block because it is a whole reply."""
 
     def tell(kind: _KindT) -> _KindT:
         layout = StructLayout(kind, None, steps, missing, True, False, "", names or {})
@@ -215,7 +215,7 @@ def exception(
     label: str = "",
     names: Mapping[str, str] | None = None,
 ) -> Callable[[_KindT], _KindT]:
-    """The same of a declared exception with this scoped name, which is equal to itself alone."""
+    """Declares the members of an exception; `name` is its scoped name. It compares by identity."""
 
     def tell(kind: _KindT) -> _KindT:
         kind._gecos_name = name
@@ -235,7 +235,7 @@ def twin(
     label: str = "",
     names: Mapping[str, str] | None = None,
 ) -> Callable[[_KindT], _KindT]:
-    """The same of what stands for `of`, which is written by hand and has these bytes."""
+    """Declares the members of a struct with the same bytes as the hand-written type `of`."""
 
     def tell(kind: _KindT) -> _KindT:
         _describe(kind, StructLayout(kind, None, steps, missing, open, False, label, names or {}))
@@ -253,7 +253,7 @@ def union(
     deep: bool = False,
     label: str = "",
 ) -> Callable[[_KindT], _KindT]:
-    """Tells of a dataclass with `tag` and `value` which arms it has; `tag` is an enum or a code."""
+    """Declares the arms of a dataclass with `tag` and `value`; `tag` is an enum or a code."""
 
     def tell(kind: _KindT) -> _KindT:
         layout = UnionLayout(kind, fingerprint, kind_of(tag), arms, open, deep, label)
@@ -269,7 +269,7 @@ def bits(
     label: str = "",
     names: Mapping[str, str] | None = None,
 ) -> Callable[[_KindT], _KindT]:
-    """Layout of a bitset in a number of this code: position, width and code of each member."""
+    """Declares a bitset in a number of `code`: position, width and code of each member."""
 
     def tell(kind: _KindT) -> _KindT:
         kind._gecos_layout = BitsLayout(kind, code, members, label, names or {})
@@ -281,7 +281,7 @@ def bits(
 def enumeration(
     code: str, otherwise: str | None = None, names: Mapping[str, str] | None = None
 ) -> Callable[[_EnumT], _EnumT]:
-    """Layout of an enum; the enumerator `otherwise` stands for unknown numbers."""
+    """Declares the layout of an enum; the enumerator `otherwise` replaces unknown numbers."""
 
     def tell(kind: _EnumT) -> _EnumT:
         unknown = None if otherwise is None else kind[otherwise]
@@ -294,7 +294,7 @@ def enumeration(
 def flags(
     code: str, count: int, names: Mapping[str, str] | None = None
 ) -> Callable[[_FlagsT], _FlagsT]:
-    """Layout of a bitmask whose lowest `count` bits may be set."""
+    """Declares the layout of a bitmask; only its lowest `count` bits may be set."""
 
     def tell(kind: _FlagsT) -> _FlagsT:
         kind._gecos_layout = Flags(kind, code, count, names or {})  # type: ignore[attr-defined]

@@ -15,14 +15,14 @@ from gecos.wire.kinds import Kind, Number, Secret, below, expect_json, kind_of
 from gecos.wire.values import same, signed
 
 _Group: TypeAlias = tuple[int, int, Callable[..., Any], Callable[..., Any], str]
-"""First and last member of a run of numbers, or a single one with its label; what writes and reads
-them."""
+"""Begin and end index of a run of members, the functions that write and read it, and the label.
+A run is several numbers without a label, or one member with its label."""
 
 
 class Members:
-    """`names` are those of the interface; messages call a member `label.name`.
+    """Members in order. `names` are those of the interface; messages call a member `label.name`.
 
-    Of the last, those with `defaults` may be left out by an older writer.
+    An older writer may leave out the last members, as many as there are `defaults`.
     """
 
     __slots__ = ("_groups", "_needed", "defaults", "kinds", "label", "names")
@@ -95,7 +95,7 @@ class Members:
         }
 
     def made(self, data: Any, path: str) -> list[tuple[int, Any]]:
-        """The inverse: the given members, each with its path. An unknown member is an error."""
+        """The inverse of `plain`: index and value of each given member. Unknown ones are errors."""
         expect_json(dict, data, path, "an object")
         for name in sorted(data.keys() - set(self.names)):
             why = f"there is no such member; there are {', '.join(self.names)}"
@@ -154,7 +154,7 @@ class StructLayout(Members):
         self._values: Callable[[Any], Sequence[Any]] = _getter(self.attributes)
 
     def codecs(self) -> tuple[Any, Any]:
-        """`encode` and `decode`."""
+        """Returns the methods `encode` and `decode`."""
         values, write, read = self._values, self.write, self.read
         label, deep, open = self.label, self._deep, self.open
 
@@ -177,7 +177,7 @@ class StructLayout(Members):
         return super().plain(self._values(value))
 
     def made(self, data: Any, path: str) -> Any:
-        """Members that are left out have their defaults."""
+        """The inverse of `plain`. Omitted members have their defaults."""
         return self.kind(**{self.attributes[i]: each for i, each in super().made(data, path)})
 
     @property
@@ -185,7 +185,7 @@ class StructLayout(Members):
         return any(type(each) is Secret for each in self.kinds)
 
     def printing(self) -> Callable[[Any], str]:
-        """`repr` without what is secret."""
+        """Returns a `__repr__` that leaves out secret members."""
         for member, each in zip(fields(self.kind), self.kinds, strict=True):
             member.repr = type(each) is not Secret
 
@@ -196,7 +196,7 @@ class StructLayout(Members):
         return __repr__
 
     def equality(self) -> Callable[[Any, object], bool]:
-        """`==` of values that hold arrays."""
+        """Returns an `__eq__` for values that hold arrays."""
         kind, values = self.kind, self._values
 
         def __eq__(self: Any, other: object) -> bool:
@@ -220,7 +220,7 @@ class Arguments(Members):
 
     def encode(self, *values: Any) -> Parts:
         out: Parts = []
-        for at, end, put, _, label in self._groups or self._grouped():  # `write`, for its speed
+        for at, end, put, _, label in self._groups or self._grouped():  # `write`, inlined for speed
             if label:
                 put(values[at], out, label)
             else:
@@ -231,7 +231,7 @@ class Arguments(Members):
         return tuple(self.read(source))
 
     def made_values(self, data: Any, path: str = "") -> tuple[Any, ...]:
-        """The inverse of `plain`; only those that have defaults may be left out."""
+        """The inverse of `plain`; only arguments with defaults may be left out."""
         given = dict(super().made(data, path))
         required = self._needed
         for i, name in enumerate(self.names):

@@ -1,8 +1,8 @@
-"""Codecs in one go: the extension `gecos.wire._plans` does the usual case of generated structs.
+"""Compiled codecs: the extension `gecos.wire._plans` handles the usual case of generated structs.
 
-What is not usual (a value that its field cannot carry, bytes that are wrong, a number that only
-Python knows to be one) is left to Python, from the start; so is everything where the extension is
-not there. Nobody but a clock sees the difference.
+In an unusual case (a value that its field cannot carry, invalid bytes, a number of an unusual type)
+the Python codec runs from the start instead; without the extension it always runs. The results are
+the same; only the speed differs.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 try:
     from gecos.wire import _plans
-except ImportError:  # a tool without the extension
+except ImportError:  # for example in a tool that runs without the extension
     COMPILED = False
 else:
     COMPILED = True
@@ -27,7 +27,7 @@ _FunctionT = TypeVar("_FunctionT", bound=Callable[..., Any])
 
 
 def compile_struct(layout: StructLayout, fingerprint: int) -> None:
-    """Puts compiled forms in the place of `encode` and `decode`, where all steps have one."""
+    """Replaces `encode` and `decode` by compiled ones if the extension supports all steps."""
     steps = [each.step() for each in layout.kinds]
     if None in steps or not steps:
         return
@@ -39,5 +39,5 @@ def compile_struct(layout: StructLayout, fingerprint: int) -> None:
 
 
 def accelerated(function: _FunctionT) -> _FunctionT:
-    """A function of `gecos.wire` that is compiled for the structs that have plans."""
+    """Decorates a function of `gecos.wire`: for structs that have plans a compiled one runs."""
     return _plans.entry(function.__name__, function) if COMPILED else function

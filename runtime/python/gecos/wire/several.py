@@ -1,4 +1,4 @@
-"""Kinds of values that hold others: optional ones, sequences, arrays, maps."""
+"""Kinds of values that hold other values: optional values, sequences, arrays, maps."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class Optional(Kind):
 
 
 class Items(Kind):
-    """A sequence of at most `most`, or an array of `size`."""
+    """A sequence of at most `most` elements, or an array of `size` elements."""
 
     __slots__ = ("inner", "most", "size")
 
@@ -164,7 +164,7 @@ class Octets(Kind):
 
 
 class Numbers(Kind):
-    """A sequence of numbers in numpy, which compares them with limits in its own precision."""
+    """A sequence of numbers as a numpy array, which limits are compared with in its precision."""
 
     __slots__ = ("code", "limits", "most")
     least = 4
@@ -198,7 +198,7 @@ class Numbers(Kind):
 
 
 class Array(Numbers):
-    """An array of numbers in numpy."""
+    """An array of numbers of a fixed shape, as a numpy array."""
 
     __slots__ = ("count", "shape")
 
@@ -234,7 +234,7 @@ class Array(Numbers):
 
 
 class Entries(Kind):
-    """A map: in JSON the list of pairs of key and value, as they are sorted on the wire."""
+    """A map; in JSON a list of pairs of key and value, in the order of the wire."""
 
     __slots__ = ("key", "most", "value")
     least = 4

@@ -1,4 +1,4 @@
-"""Unions: which arm a tag selects, and how both are written and read."""
+"""Unions: the arm that a tag selects, and how tag and arm are written and read."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ WITHOUT_ITEMS = (Number, Char, Text, Enumerators, Flags, Nested)
 
 
 class Arm:
-    """Without tags, all that select no other arm select it."""
+    """An arm of a union. Without `tags`, every tag that selects no other arm selects it."""
 
     __slots__ = ("kind", "name", "tags")
 
@@ -98,10 +98,10 @@ class UnionLayout:
         self._otherwise = next((i for i, arm in enumerate(arms, start=1) if not arm.tags), 0)
 
     def selected(self, tag: Any) -> int:
-        """Number of the arm, from 1; 0 for none."""
+        """Number of the arm that `tag` selects, from 1; 0 if it selects none."""
         try:
             return self._selected.get(tag, self._otherwise)
-        except TypeError:  # what cannot be a key is no tag
+        except TypeError:  # an unhashable value is not a tag
             return self._otherwise
 
     @property
@@ -145,7 +145,7 @@ class UnionLayout:
         return kind(tag, value)
 
     def plain(self, union: Any) -> Any:
-        """{"tag": …, "value": …}, without value where the tag selects nothing."""
+        """{"tag": …, "value": …}, without value if the tag selects no arm."""
         arm, tag = self.selected(union.tag), self.tag.plain(union.tag)
         if not arm:
             return {"tag": tag}
@@ -167,7 +167,7 @@ class UnionLayout:
         return self.kind(tag, self.arms[arm - 1].kind.made(data["value"], below(path, "value")))
 
     def printing(self) -> Callable[[Any], str]:
-        """`repr` without what is secret."""
+        """Returns a `__repr__` that hides secrets."""
 
         def __repr__(union: Any) -> str:
             return self._shown(union)
@@ -175,8 +175,8 @@ class UnionLayout:
         return __repr__
 
     def _may_be_secret(self, kind: Kind | None, value: Any) -> bool:
-        """A text, or what holds texts, belongs to another arm than this one, perhaps to a secret
-        one. `kind` is None where the tag selects no arm."""
+        """Whether `value` may be secret: its arm is secret, or it is a text or container that does
+        not fit its arm and so may belong to a secret one. `kind` is None if no arm is selected."""
         if not self._keeps_secrets or isinstance(kind, Secret):
             return self._keeps_secrets
         if isinstance(value, str):
@@ -190,7 +190,7 @@ class UnionLayout:
         return f"{type(union).__name__}(tag={union.tag!r}, value={value})"
 
     def equality(self) -> Callable[[Any, object], bool]:
-        """`==` of values that hold arrays."""
+        """Returns an `__eq__` for values that hold arrays."""
         kind = self.kind
 
         def __eq__(self: Any, other: object) -> bool:

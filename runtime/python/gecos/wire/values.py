@@ -1,4 +1,4 @@
-"""Small things that generated types are made with."""
+"""Small functions for generated types."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def signed(bits: int, width: int) -> int:
-    """The number that `width` bits are in two's complement."""
+    """The number that `width` bits represent in two's complement."""
     return bits - (1 << width) if bits >> (width - 1) else bits
 
 
@@ -23,14 +23,14 @@ def first(entry: tuple[Any, Any]) -> Any:
 
 
 def zeros(code: str, *shape: int) -> Array:
-    """An array as a new value has it."""
+    """The initial value of an array member."""
     import numpy as np
 
     return np.zeros(shape, native(code))
 
 
 def as_array(values: npt.ArrayLike, code: str) -> Array:
-    """`values` as an array of numpy, which bytes are of `B` alone."""
+    """`values` as a numpy array; bytes become their numbers only for code `B`."""
     import numpy as np
 
     if code == "B" and isinstance(values, bytes):
@@ -39,7 +39,7 @@ def as_array(values: npt.ArrayLike, code: str) -> Array:
 
 
 def _numbers(value: Any) -> Any:
-    """Bytes as an array, which they may stand for."""
+    """Bytes as an array of numbers, to compare them with one; other values unchanged."""
     import numpy as np
 
     given = isinstance(value, bytes | bytearray | memoryview)

@@ -10,7 +10,7 @@ namespace {
 
 static_assert(sizeof(npy_intp) == sizeof(Py_ssize_t));
 
-/// Whether numpy can be used; loads it.
+/// Imports numpy's C interface; returns whether numpy can be used.
 bool numpy_there() {
   static bool there = false;
   if (!there) {
@@ -20,7 +20,7 @@ bool numpy_there() {
   return there;
 }
 
-/// Before numpy is imported there are no arrays of it.
+/// Whether numpy is imported and can be used. Before its import no numpy arrays exist.
 bool numpy_used() {
   static bool used = false;
   if (!used) {

@@ -9,7 +9,7 @@
 
 #include "plans/plan.hpp"
 
-/// Arrays of numpy, which is loaded when the first of them passes.
+/// numpy arrays. numpy itself is loaded when the first array is read or written.
 namespace gecos::python::plans {
 
 /// A new reference that this owns.
@@ -34,14 +34,15 @@ struct Numbers {
   std::span<const Py_ssize_t> shape;
 };
 
-/// Nothing for what is no array of numpy whose numbers are those of `code` and lie so.
+/// The elements of `object`; nullopt unless it is a numpy array of numbers of `code`, in C order
+/// and the machine's byte order.
 std::optional<Numbers> numbers_of(PyObject* object, char code);
 
 /// Copies numbers to or from the wire.
 void swap_numbers(char code, std::byte* to, const std::byte* from, Py_ssize_t count);
 
-/// Reads so many numbers, which are there, into a new array of the shape of `step`; null when they
-/// must be left to Python.
+/// Reads `count` numbers into a new array of the shape of `step`; null when they must be left to
+/// Python. @pre the bytes are there.
 PyObject* array_of(const Step& step, Py_ssize_t count, const std::byte* from);
 
 }  // namespace gecos::python::plans

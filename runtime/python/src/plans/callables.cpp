@@ -34,7 +34,7 @@ PyObject*& slot(PyObject* object, Py_ssize_t at) {
   return *reinterpret_cast<PyObject**>(reinterpret_cast<char*>(object) + at);
 }
 
-/// Bytes, from whatever object of Python holds them, for as long as this lives.
+/// Borrows the bytes of a Python object for its own lifetime.
 class Source {
  public:
   Source() = default;
@@ -43,7 +43,7 @@ class Source {
   ~Source() {
     if (view_.obj != nullptr) PyBuffer_Release(&view_);
   }
-  /// False, perhaps with an error set, when it cannot be had so.
+  /// False, possibly with an error set, when the bytes cannot be borrowed.
   bool open(PyObject* data) {
     if (PyBytes_CheckExact(data)) {
       first_ = reinterpret_cast<const std::byte*>(PyBytes_AS_STRING(data));
@@ -71,13 +71,13 @@ bool append(PyObject* out, PyObject* made) {
   return bytes && PyList_Append(out, bytes.get()) == 0;
 }
 
-/// As Python would have done it from the start.
+/// Runs the Python function from the start instead.
 PyObject* in_python(PyObject* self, PyObject* const* given, std::size_t count, PyObject* names) {
   PyErr_Clear();
   return PyObject_Vectorcall(reinterpret_cast<Callable*>(self)->python, given, count, names);
 }
 
-/// Whether a call has so many arguments, none of them by name.
+/// Whether a call has `wanted` arguments, none of them by name.
 bool plain(std::size_t count, PyObject* names, Py_ssize_t wanted) {
   return names == nullptr && PyVectorcall_NARGS(count) == wanted;
 }
@@ -97,8 +97,7 @@ PyObject* decoded_from(const Plan& plan, PyObject* source) {
   PyObject* const offset = slot(source, decoder.offset);
   PyObject* const end = slot(source, decoder.end);
   if (data == nullptr || offset == nullptr || end == nullptr) return nullptr;
-  const Owned kept(
-      Py_NewRef(data));  // a collection of garbage may run meanwhile, and anything in it
+  const Owned kept(Py_NewRef(data));  // garbage collection may run meanwhile, and with it any code
   Source bytes;
   const Py_ssize_t first = PyLong_AsSsize_t(offset);
   const Py_ssize_t last = PyLong_AsSsize_t(end);
@@ -126,7 +125,7 @@ PyObject* call_to(PyObject* self, PyObject* const* given, std::size_t count, PyO
   return bytes != nullptr ? bytes : in_python(self, given, count, names);
 }
 
-/// All of `data`, or null.
+/// Decodes a value that fills `data`; null when it must be left to Python.
 PyObject* decoded_whole(const Plan& plan, PyObject* data, Frame frame) {
   Source bytes;
   if (!bytes.open(data)) return nullptr;
@@ -189,7 +188,7 @@ PyObject* bind_method(PyObject* self, PyObject* object, PyObject*) {
   return object == nullptr ? Py_NewRef(self) : PyMethod_New(self, object);
 }
 
-/// A derived class makes objects of its own: by Python.
+/// Binds `decode` to a class. A derived class gets the Python function, which makes its objects.
 PyObject* bind_class_method(PyObject* self, PyObject* object, PyObject* type) {
   const auto& mine = *reinterpret_cast<Callable*>(self);
   PyObject* const asked = type != nullptr ? type : reinterpret_cast<PyObject*>(Py_TYPE(object));

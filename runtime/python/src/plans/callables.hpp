@@ -4,12 +4,12 @@
 
 #include "plans/plan.hpp"
 
-/// What stands in the place of functions of Python: each does the usual case, and calls the
-/// function that it stands for, its `__wrapped__`, for the rest.
+/// Callables that replace Python functions: each handles the usual case and calls the replaced
+/// function, its `__wrapped__`, for the rest.
 namespace gecos::python::plans {
 
-/// Once: the types of the objects below, and where `gecos.wire.Decoder` keeps its members. False
-/// with an error set.
+/// Must be called once, first: prepares the types of the objects below and finds the slots of
+/// `gecos.wire.Decoder`. Returns false with an error set on failure.
 bool prepare_callables(PyObject* decoder);
 
 /// `encode` of a struct: a method.

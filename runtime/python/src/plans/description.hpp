@@ -4,12 +4,12 @@
 
 #include "plans/plan.hpp"
 
-/// From what `gecos.wire.plans` says of a struct to its plan.
+/// Builds plans from the descriptions of structs by `gecos.wire.plans`.
 namespace gecos::python::plans {
 
-/// Keeps the plan of `kind` for as long as the process lives. `members`: name and step of each, in
-/// wire order; `defaults`: of the last ones, where an older writer may leave them out.
-/// Throws for a description that is none: a mistake in generated code.
+/// Builds the plan of `kind` and keeps it until the process ends. `members`: name and step of each,
+/// in wire order; `defaults`: of the last members, which an older writer may leave out.
+/// Throws for an invalid description, which is a mistake in generated code.
 const Plan& describe(nanobind::handle kind, std::uint64_t fingerprint,
                      const nanobind::sequence& members, const nanobind::sequence& defaults,
                      bool open);

@@ -9,16 +9,16 @@
 #include <type_traits>
 #include <vector>
 
-/// Codecs of generated structs: what `gecos.wire.plans` describes, carried out in one go.
+/// Compiled codecs of generated structs, as described by `gecos.wire.plans`.
 ///
-/// A plan knows the usual case and nothing else. Whatever it meets beside that, in a value or in
-/// bytes, it gives up, and the Python form does it all from the start: that one alone says what is
-/// wrong. Everything here is called with the GIL. Plans live until the process ends.
+/// A plan handles only the usual case. It gives up at any other value or bytes; then the Python
+/// codec runs from the start, and it alone reports errors. Everything here must be called with the
+/// GIL. Plans live until the process ends.
 namespace gecos::python::plans {
 
 struct Plan;
 
-/// Limits of a number, as each of the three kinds of number.
+/// Limits of a number, for each of the three kinds of number.
 struct Limits {
   double low = -std::numeric_limits<double>::infinity();
   double high = std::numeric_limits<double>::infinity();
@@ -38,17 +38,17 @@ struct Limits {
 };
 
 enum class What : std::uint8_t {
-  Double,  ///< without limits: what most members are
+  Double,  ///< without limits; the most common member
   Number,
   Enumerator,
-  Array,    ///< numbers of a given shape, of numpy
-  Numbers,  ///< a sequence of them
+  Array,    ///< a numpy array of a given shape
+  Numbers,  ///< a sequence of numbers, as a numpy array
   Text,
   Octets,
   Struct,
   Block,  ///< an appendable struct
   Optional,
-  Items,  ///< of anything else
+  Items,  ///< a sequence or array of other elements
 };
 
 /// How one member is written and read.
@@ -73,9 +73,9 @@ struct Plan {
   std::uint64_t fingerprint = 0;
   std::vector<Step> steps;
   std::vector<Py_ssize_t> slots;    ///< where each member is in an object
-  std::vector<PyObject*> defaults;  ///< of what an older writer leaves out: the last ones
-  bool open = false;                ///< what a newer writer added is skipped
-  Py_ssize_t least = 0;             ///< bytes that a value takes at least
+  std::vector<PyObject*> defaults;  ///< of the last members, which an older writer may leave out
+  bool open = false;                ///< members added by a newer writer are skipped
+  Py_ssize_t least = 0;             ///< smallest size of a value in bytes
 };
 
 /// Calls `act` with a number of the type of a code other than `?`.
@@ -107,7 +107,7 @@ bool with_number_of(char code, Act act) {
   }
 }
 
-/// Bytes of a number; 0 for what is no code.
+/// Bytes of a number; 0 if `code` is not a code.
 constexpr Py_ssize_t size_of(char code) {
   constexpr std::string_view codes = "?bBhHiIqQfd";
   constexpr Py_ssize_t sizes[] = {1, 1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
@@ -121,11 +121,11 @@ enum class Frame : std::uint8_t {
   Block,    ///< a value after its size
 };
 
-/// `value`, exactly of the plan's kind, as bytes; null when it must be left to Python, with no
-/// error set.
+/// Encodes `value`; null without an error set when it must be left to Python. @pre the type of
+/// `value` is the plan's kind, not derived from it.
 PyObject* encoded(const Plan& plan, PyObject* value, Frame frame);
 
-/// Bytes that are read from `at` on.
+/// The bytes that are still to be read, from `at` to `end`.
 struct Input {
   const std::byte* at = nullptr;
   const std::byte* end = nullptr;

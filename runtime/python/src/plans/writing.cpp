@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::int64_t exact_in_double = std::int64_t{1} << 53;
 
-/// Bytes of Python that grow.
+/// A Python bytes object that grows.
 class Output {
  public:
   explicit Output(Py_ssize_t expected)
@@ -53,7 +53,7 @@ class Output {
     if (bytes_ == nullptr || size > std::numeric_limits<Py_ssize_t>::max() / 2 - used_)
       return false;
     const Py_ssize_t wanted = std::max(2 * capacity_, used_ + size);
-    const bool grown = _PyBytes_Resize(&bytes_, wanted) == 0;  // else there are no bytes any more
+    const bool grown = _PyBytes_Resize(&bytes_, wanted) == 0;  // on failure it frees the bytes
     capacity_ = grown ? wanted : 0;
     return grown;
   }
@@ -65,8 +65,8 @@ class Output {
 
 bool put_all(Output& out, const Plan& plan, PyObject* value);
 
-/// A float, or a whole number that is one. A class derived from them may compare as it likes, so a
-/// number with limits is of these two alone.
+/// Converts a float, or a whole number that a double represents. A number with limits must be
+/// exactly a float or int, because a derived class may compare differently.
 bool as_double(PyObject* value, bool limited, double& x) {
   if (PyFloat_CheckExact(value) || (!limited && PyFloat_Check(value))) {
     x = PyFloat_AS_DOUBLE(value);
@@ -183,8 +183,8 @@ bool put_items(Output& out, const Step& step, PyObject* value) {
   return true;
 }
 
-/// False when it must be left to Python; an error may be set then. No code of Python runs
-/// meanwhile, so what is borrowed stays.
+/// Writes a member; false when it must be left to Python, possibly with an error set. No Python
+/// code runs meanwhile, so borrowed references stay valid.
 bool put(Output& out, const Step& step, PyObject* value) {
   switch (step.what) {
     case What::Double:
@@ -214,7 +214,7 @@ bool put(Output& out, const Step& step, PyObject* value) {
   return false;
 }
 
-/// `value` is exactly of the plan's kind.
+/// Writes all members. @pre the type of `value` is the plan's kind, not derived from it.
 bool put_all(Output& out, const Plan& plan, PyObject* value) {
   for (std::size_t i = 0; i < plan.steps.size(); ++i) {
     PyObject* const member =

@@ -71,8 +71,8 @@ def interfaces_view(lowering: Lowering, file: File) -> InterfacesView:
 
 
 def has_stubs(file: File) -> bool:
-    """Whether proxies and skeletons are printed. Of what every object answers there are none: the
-    session calls and answers it, with the structs of its arguments and results."""
+    """Whether proxies and skeletons are printed. The built-in operations of objects have none: the
+    session calls and answers them, with the structs of their arguments and results."""
     interfaces = [each.name for each in file.declarations if isinstance(each, Interface)]
     return any(name != BUILT_IN for name in interfaces)
 

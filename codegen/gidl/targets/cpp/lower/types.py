@@ -141,7 +141,7 @@ class Types:
         return "{}"
 
     def _initial_array(self, array: ArrayType) -> str:
-        """Enumerators that are not 0 do not come by themselves."""
+        """The initialiser of an array; `{}` would not set enumerators whose number is not 0."""
         element: Type = array
         while isinstance(element, ArrayType):
             element = self.model.target(element.element)

@@ -106,7 +106,7 @@ _Shown = EnumDeclaration | Bitmask | Bitset | Struct | Union | Typedef | Constan
 
 class _Types(Enums, Structs, Unions):
     def namespaces(self, declarations: tuple[AnyDeclaration, ...]) -> Iterator[NamespaceView]:
-        """Declarations by their modules, then what operations give that give several values."""
+        """Declarations by module, then the result structs of operations with several results."""
         ordered = in_order(self._model, [d for d in declarations if isinstance(d, _Shown)])
         early = sorted({name for each in ordered for name in each.incomplete})
         parts = [_forward(self._place(name)) for name in early]

@@ -1,8 +1,8 @@
 """The order in which the types of a file are defined.
 
-C++ wants a type complete where a default value of what holds it is made, IDL only declared. So a
-type stands after all that it holds, whatever the order in the file. Of types that hold each other
-in sequences one comes first; a type that holds another one otherwise always comes after it.
+C++ needs a type to be complete where the default value of its holder is made; IDL needs only its
+declaration. So a type follows all types that it holds, whatever the order in the file. Of types
+that hold each other in sequences, one comes first; any other holder comes after the held type.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ class Placed:
 
 
 def in_order(model: Model, declarations: list[AnyDeclaration]) -> list[Placed]:
-    """`declarations` of one file, as they were but where one holds what comes later."""
+    """`declarations` of one file in order, except that held types come before their holders."""
     ordering = _Ordering(model, declarations)
     for declaration in declarations:
         ordering.place(declaration)
@@ -39,8 +39,8 @@ def in_order(model: Model, declarations: list[AnyDeclaration]) -> list[Placed]:
 
 
 def held(model: Model, used: Type, sequences: bool = True) -> set[str]:
-    """Declarations that stand in a type, also after the names of other types; without `sequences`
-    only those that must be complete."""
+    """Names of the declarations in a type, typedefs followed; without `sequences` only those that
+    must be complete."""
     match used:
         case SequenceType() if not sequences:
             return set()

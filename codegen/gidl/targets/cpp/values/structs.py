@@ -74,13 +74,13 @@ class Structs(ValueNames):
         )
 
     def results_of(self, interface: Interface) -> Iterator[tuple[TypeName, StructView]]:
-        """What operations give that give several values: their callers see it."""
+        """The result structs of operations with several results, which callers see."""
         for operation in interface.operations:
             if len(self._layout.call(operation.scoped_name).reply) > 1:
                 yield self._result(operation, shown=True)
 
     def of_calls(self, interface: Interface) -> Iterator[StructView]:
-        """What the operations take and give, where the session has to know that."""
+        """The argument and result structs of operations that the session calls or answers."""
         for operation in interface.operations:
             call = self._layout.call(operation.scoped_name)
             takes = self._layout.cpp_names.arguments.get(operation.scoped_name)
@@ -105,7 +105,7 @@ class Structs(ValueNames):
         fields: tuple[FieldLayout, ...],
         shown: bool,
     ) -> StructView:
-        """`shown`: it is printed and compared, because callers see it and not the session alone."""
+        """With `shown` the struct can be printed and compared, because callers see it."""
         return StructView(
             "struct",
             place.name,
