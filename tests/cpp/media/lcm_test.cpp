@@ -200,6 +200,31 @@ TEST(ReceiveQueue, BoundsItsMemoryAndCountsWhatItDropped) {
   EXPECT_GT(queue.dropped(), 10u) << "empty packets take memory too";
 }
 
+TEST(ReceiveQueue, AHeartbeatCountsAsReadAfterThePacketsBeforeItWereHandled) {
+  ReceiveQueue queue;
+  const auto put = [&](InnerKind kind) {
+    Bytes frame(crypto::Sealer::overhead + InnerHeader::bytes);
+    InnerHeader{kind, 1}.write(
+        std::span(frame).subspan<crypto::Sealer::text_at, InnerHeader::bytes>());
+    queue.put(std::move(frame), TimePoint{});
+  };
+  ReceiveQueue::Packet packet;
+  put(InnerKind::Beat);
+  EXPECT_EQ(queue.beats_read(), 1u) << "nothing came before it";
+  put(InnerKind::Packet);
+  put(InnerKind::Beat);
+  EXPECT_EQ(queue.beats(), 3u);
+  EXPECT_EQ(queue.beats_read(), 1u) << "the packet is not read";
+  ASSERT_TRUE(queue.pop(packet));
+  EXPECT_EQ(queue.beats_read(), 1u) << "its reader may still handle it";
+  put(InnerKind::Beat);
+  EXPECT_EQ(queue.beats_read(), 1u);
+  EXPECT_FALSE(queue.pop(packet));
+  EXPECT_EQ(queue.beats_read(), 4u);
+  put(InnerKind::Beat);
+  EXPECT_EQ(queue.beats_read(), 5u) << "nobody has to ask while nothing is there";
+}
+
 TEST(LcmPort, RunsOutOfDescriptorsWithAWord) {
   rlimit usual{};
   ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &usual), 0);

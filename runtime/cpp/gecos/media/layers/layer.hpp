@@ -32,6 +32,7 @@ class LinkLayer : public Link {
   Whereabouts peer_whereabouts() override { return inner_->peer_whereabouts(); }
   void beat() override { inner_->beat(); }
   std::uint64_t beats_seen() override { return inner_->beats_seen(); }
+  std::uint64_t beats_read() override { return inner_->beats_read(); }
   Loss loss() override { return inner_->loss(); }
   std::string loss_text() const override { return inner_->loss_text(); }
   std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth) override {

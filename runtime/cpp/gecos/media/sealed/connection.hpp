@@ -32,6 +32,7 @@ class SealedConnection : public Link {
   std::optional<std::uint64_t> taken_by_peer() override { return std::nullopt; }
   void beat() override;
   std::uint64_t beats_seen() override;
+  std::uint64_t beats_read() override { return queue_->beats_read(); }
   Loss loss() override;
   std::string loss_text() const override;
 

@@ -46,6 +46,7 @@ void ReceiveQueue::put_locked(Bytes frame, TimePoint now) {
   if (age < oldest_sign_of_life) beats_.fetch_add(1, std::memory_order_relaxed);
   switch (header->kind) {
     case InnerKind::Beat:
+      note_read();
       return;
     case InnerKind::Bye:
       closed_.store(true, std::memory_order_release);
@@ -68,7 +69,12 @@ void ReceiveQueue::put_locked(Bytes frame, TimePoint now) {
       put_sample(*header, packet_in(frame));
       break;
   }
+  note_read();
   wake_if_asleep();
+}
+
+void ReceiveQueue::note_read() {
+  if (packets_.empty() && !in_hand_) beats_read_.store(beats(), std::memory_order_relaxed);
 }
 
 void ReceiveQueue::note(const InnerHeader& header, ByteView body) {
@@ -111,7 +117,9 @@ bool ReceiveQueue::new_samples() {
 
 bool ReceiveQueue::pop(Packet& packet) {
   const std::lock_guard lock(mutex_);
-  if (packets_.empty()) return false;
+  in_hand_ = !packets_.empty();
+  note_read();
+  if (!in_hand_) return false;
   std::swap(spare_, packet.frame);
   packet = std::move(packets_.front());
   packets_.pop_front();

@@ -66,6 +66,8 @@ class ReceiveQueue final : public Sleeper {
   /// True once a packet was opened: the peer has the channel's keys.
   bool heard() const { return beats() != 0; }
   std::uint64_t beats() const { return beats_.load(std::memory_order_relaxed); }
+  /// As Link::beats_read. The reader has handled a packet when it calls `pop` again.
+  std::uint64_t beats_read() const { return beats_read_.load(std::memory_order_relaxed); }
   bool closed() const { return closed_.load(std::memory_order_acquire); }
   std::uint64_t dropped() const { return dropped_.load(std::memory_order_relaxed); }
 
@@ -79,17 +81,20 @@ class ReceiveQueue final : public Sleeper {
   void put_locked(Bytes frame, TimePoint now);
   void note(const InnerHeader& header, ByteView body);
   void put_sample(const InnerHeader& header, ByteView body);
+  void note_read();
 
   EventFd event_;
   std::atomic<bool> asleep_{false};  // tells the pumping thread to notify
   std::atomic<bool> closed_{false};  // the peer said goodbye
   std::atomic<std::uint64_t> beats_{0};
+  std::atomic<std::uint64_t> beats_read_{0};
   std::atomic<std::uint64_t> dropped_{0};
   std::mutex mutex_;
   std::optional<crypto::Opener> opener_;
   SendersClock clock_;
   std::deque<Packet> packets_;
-  Bytes spare_;  // of a packet that was taken: most frames need no memory of their own
+  bool in_hand_ = false;  // the reader may still be handling the packet that it took last
+  Bytes spare_;           // of a packet that was taken: most frames need no memory of their own
   std::size_t bytes_ = 0;
   std::vector<Notice> notices_;
   std::map<std::uint32_t, std::weak_ptr<SampleBuffer>> inward_;

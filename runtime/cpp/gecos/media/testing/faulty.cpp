@@ -81,6 +81,7 @@ class FaultyLink final : public LinkLayer {
     if (!is_cut()) beats_.store(inner().beats_seen());
     return beats_.load();
   }
+  std::uint64_t beats_read() override { return std::min(beats_seen(), inner().beats_read()); }
 
  private:
   struct Held {

@@ -424,6 +424,7 @@ void ObjectHost::await_sign_of_life(ServerSession& session) {
 
 void ObjectHost::await_heartbeat(ServerSession& session) {
   if (session.closed) return;  // no heartbeat can come any more to end the wait
+  session.heartbeats_before = session.link().beats_seen();
   if (!std::exchange(session.awaited, true)) ++awaited_;
 }
 
@@ -449,9 +450,11 @@ bool ObjectHost::check_liveness(const std::shared_ptr<ServerSession>& session) {
   if (session->overrun()) return true;
   const TimePoint now = lease_clock_.now();
   const auto verdict = session->liveness.check(session->link().beats_seen(), now);
+  // A Goodbye that withdraws calls may stand unread before the heartbeat: it has to be read first.
+  const bool heard = session->link().beats_read() > session->heartbeats_before;
+  if (heard && verdict <= PeerLiveness::Verdict::Quiet) no_more_awaited(*session);
   if (verdict == PeerLiveness::Verdict::Quiet) return false;
   if (verdict == PeerLiveness::Verdict::Alive) {
-    no_more_awaited(*session);
     leases_.renew(session->id(), now);
     return false;
   }

@@ -90,6 +90,7 @@ class ServerSession {
   /// This process was suspended, or the client is silent: no call of the session starts before the
   /// client's next heartbeat.
   bool awaited = false;
+  std::uint64_t heartbeats_before = 0;  ///< when the wait began: only a later one ends it
 
  private:
   void deliver(ByteView packet) GECOS_REQUIRES(send_mutex_);
