@@ -185,9 +185,9 @@ class Link {
   /// Number of heartbeats seen; on lcm, packets count as heartbeats. The session detects silence,
   /// with its own clock, when this number does not rise.
   virtual std::uint64_t beats_seen() = 0;
-  /// Of these, the ones before which nothing is left unread: `receive` has returned all packets that
-  /// arrived earlier, and was called again after the last of them. Any thread. Where heartbeats do
-  /// not stand in one order with packets, all that were seen.
+  /// Of these, the ones before which nothing is left unread: `receive` has returned all packets
+  /// that arrived earlier, and was called again after the last of them. Any thread. Where
+  /// heartbeats do not stand in one order with packets, all that were seen.
   virtual std::uint64_t beats_read() { return beats_seen(); }
 
   /// Whether the peer is still there, asked of the kernel: a system call on shm, so for ticks and
