@@ -54,14 +54,14 @@ def main(arguments: Sequence[str]) -> int:
         return FAILED
     except OSError as problem:
         name = problem.filename
-        if name is None:  # every other file is named where it is written
+        if name is None:  # only errors of stdout come without a file name
             name = "standard output"
             _no_more_output()
         print(f"gidl: {name}: {problem.strerror or problem}", file=sys.stderr)
         return FAILED
     except RecursionError:
         print(
-            "gidl: declarations build on each other in too long a chain; shorten it",
+            "gidl: declarations refer to each other in too long a chain; shorten the chain",
             file=sys.stderr,
         )
         return FAILED
@@ -70,7 +70,7 @@ def main(arguments: Sequence[str]) -> int:
 
 
 def _no_more_output() -> None:
-    """Discards buffered output, which Python would otherwise try to write when it ends."""
+    """Discards buffered output; Python would try to write it to the closed stdout at exit."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
@@ -78,16 +78,16 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="gidl",
         description="Compiler of .gidl robot interfaces.",
-        epilog="Exit status: 0 fine, 1 could not run, 2 wrong usage, 100 findings.",
+        epilog="Exit status: 0 success, 1 gidl could not run, 2 wrong usage, 100 findings.",
     )
     parser.add_argument("--version", action="version", version=f"gidl {__version__}")
     verbs = parser.add_subparsers(metavar="VERB", required=True)
 
     cli_gen.add_verb(verbs)
 
-    check = verbs.add_parser("check", help="report what is wrong")
+    check = verbs.add_parser("check", help="report errors and warnings")
     add_files(check)
-    add_except(check, "warnings that are not wanted, like G0708")
+    add_except(check, "warnings to suppress, like G0708")
     check.set_defaults(command=_check)
 
     cli_lint.add_verb(verbs)
@@ -96,18 +96,18 @@ def _parser() -> argparse.ArgumentParser:
 
     dump = verbs.add_parser("dump", help="print the model as canonical JSON")
     add_files(dump)
-    dump.add_argument("--whole", action="store_true", help="included files too")
+    dump.add_argument("--whole", action="store_true", help="print included files too")
     dump.add_argument(
         "--omg",
         choices=("corba", "dds"),
-        help="as plain IDL instead: for omniidl, or types for idlc",
+        help="print plain IDL instead: for omniidl, or types for idlc",
     )
     dump.set_defaults(command=_dump, prints=True)
 
     cli_new.add_verb(verbs)
 
-    explain = verbs.add_parser("explain", help="the page of a finding's code")
-    explain.add_argument("code", nargs="?", help="like G0102; all of them when left out")
+    explain = verbs.add_parser("explain", help="explain the code of a finding")
+    explain.add_argument("code", nargs="?", help="a code like G0102; list all codes if left out")
     explain.set_defaults(command=_explain, settles=False)
     return parser
 

@@ -1,4 +1,4 @@
-"""`gidl breaking`: what a change of the interfaces breaks."""
+"""`gidl breaking`: reports what a change of the interfaces breaks."""
 
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ from gidl.file_names import source_stem
 from gidl.loader import default_search
 from gidl.source import Source
 
-_OLD = "old:"  # before the paths of files as they were
+_OLD = "old:"  # prefix of the paths of files of the older version
 
 
 def add_verb(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    parser = verbs.add_parser("breaking", help="report what a change breaks")
+    parser = verbs.add_parser("breaking", help="report what a change of the interfaces breaks")
     add_files(parser)
     parser.add_argument(
         "--against",
         required=True,
         metavar="DIR|git#ref=REF",
-        help="the interfaces before: a folder, or the roots in a commit (git#ref=main,subdir=idl)",
+        help="the older interfaces: a folder, or the roots in a commit (git#ref=main,subdir=idl)",
     )
     parser.set_defaults(command=run)
 
@@ -72,7 +72,7 @@ def run(chosen: argparse.Namespace) -> int:
         return FAILED
     if old.has_errors:
         show(chosen, old.findings, old_sources)
-        print(f"gidl: --against: {chosen.against} has errors itself", file=sys.stderr)
+        print(f"gidl: --against: {chosen.against} has errors in its interfaces", file=sys.stderr)
         return FAILED
     found = compare(old.model, new.model, _OLD)
     counts = Counter(category_of(f.code) for f in found)
@@ -83,7 +83,7 @@ def run(chosen: argparse.Namespace) -> int:
 
 
 def _roots(chosen: argparse.Namespace, files: list[str]) -> list[Path]:
-    """The folders whose older version is wanted: where the paths of the files begin."""
+    """The root folders of the interface files; `gidl breaking` reads their older version."""
     if chosen.roots or not chosen.files:
         return chosen.roots or list(chosen.project.roots)
     roots = list(default_search(files))

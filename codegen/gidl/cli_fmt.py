@@ -1,4 +1,4 @@
-"""`gidl fmt`: lay files out, or say which are not."""
+"""`gidl fmt`: formats files, or reports the files that are not formatted."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ from gidl.source import Source
 
 
 def add_verb(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    parser = verbs.add_parser("fmt", help="lay files out in the one canonical way")
+    parser = verbs.add_parser("fmt", help="format files in the canonical layout")
     parser.add_argument("files", nargs="*", metavar="FILE", help=WHEN_LEFT_OUT)
-    parser.add_argument("--check", action="store_true", help="write nothing; show what differs")
+    parser.add_argument("--check", action="store_true", help="write nothing; show the differences")
     parser.set_defaults(command=run, error_format="text", prints=False, settles=True)
 
 
@@ -60,18 +60,18 @@ def run(chosen: argparse.Namespace) -> int:
 
 def _summary(check: bool, files: int, changed: int, unread: int, mend: str) -> None:
     sys.stdout.flush()
-    left = f", {unread} with errors left alone" if unread else ""
+    left = f", {unread} with errors left unchanged" if unread else ""
     if not check:
-        print(f"gidl: {count(files, 'file')}, {changed} laid out anew{left}")
+        print(f"gidl: {count(files, 'file')}, {changed} formatted{left}")
     elif changed:
-        told = f"{changed} of {count(files, 'file')} not laid out{left}"
-        print(f"gidl: {told}; this mends it: {mend}")
+        told = f"{changed} of {count(files, 'file')} not formatted{left}"
+        print(f"gidl: {told}; to fix, run: {mend}")
     elif files > unread:
-        print(f"gidl: {count(files - unread, 'file')} as gidl fmt lays them out{left}")
+        print(f"gidl: {count(files - unread, 'file')} already formatted{left}")
 
 
 def _formatted(shown: str, findings: Findings, sources: dict[str, Source]) -> _Formatted | None:
-    """None, and a finding, where the file cannot be read as .gidl: it stays as it is."""
+    """The text before and after formatting; None (and a finding) if the file is not valid .gidl."""
     text = read_text(shown, findings)
     if text is None:
         return None
@@ -88,8 +88,8 @@ def _formatted(shown: str, findings: Findings, sources: dict[str, Source]) -> _F
         findings.error(
             "G0014",
             Location(shown, problem.line, 1),
-            f"cannot be laid out: this line {problem}",
-            "conditions that open a brace in one branch and close it elsewhere are not laid out",
+            f"cannot be formatted: this line {problem}",
+            "each branch of a condition must close the braces that the branch opens",
         )
         return None
 
@@ -99,6 +99,6 @@ def _difference(one: _Formatted) -> str:
         one.before.splitlines(keepends=True),
         one.after.splitlines(keepends=True),
         one.shown,
-        f"{one.shown} (laid out)",
+        f"{one.shown} (formatted)",
     )
     return "".join(line if line.endswith("\n") else line + "\n" for line in lines)

@@ -1,4 +1,4 @@
-"""`gidl lint`: what could be better in files that are right."""
+"""`gidl lint`: reports what could be better in files without errors."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from gidl.cli_shared import (
 def add_verb(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser = verbs.add_parser("lint", help="report what could be better")
     add_files(parser)
-    add_except(parser, "rules that are not asked, like G0907")
+    add_except(parser, "rules to skip, like G0907")
     parser.set_defaults(command=run)
 
 
@@ -42,5 +42,5 @@ def run(chosen: argparse.Namespace) -> int:
         )
     show(chosen, as_errors(findings) if chosen.strict else findings, compiled.sources)
     if not findings and chosen.error_format == "text":
-        print(f"gidl: nothing to better in {count(len(files), 'file')}", file=sys.stderr)
+        print(f"gidl: no lint findings in {count(len(files), 'file')}", file=sys.stderr)
     return FINDINGS if findings else FINE

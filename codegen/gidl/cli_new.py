@@ -1,4 +1,4 @@
-"""`gidl new`: a device from nothing, or with --mock a server that stands in for one."""
+"""`gidl new`: writes the files of a new device, or with --mock those of a mock server."""
 
 from __future__ import annotations
 
@@ -15,11 +15,15 @@ def add_verb(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None
     new = verbs.add_parser(
         "new", help="start a device: interface, server and client; or a mock of one"
     )
-    new.add_argument("name", nargs="?", help="of the device, like thermometer")
-    new.add_argument("--into", type=Path, help="folder to make; the name by default")
-    new.add_argument("--mock", metavar="FILE", help="instead: a server that answers as FILE allows")
-    new.add_argument("--lang", choices=("cpp", "python"), default="python", help="of the mock")
-    new.add_argument("--interface", metavar="NAME", help="mock this one; all of FILE by default")
+    new.add_argument("name", nargs="?", help="name of the device, like thermometer")
+    new.add_argument("--into", type=Path, help="folder to create; default: the name")
+    new.add_argument(
+        "--mock", metavar="FILE", help="write a mock server for the interfaces of FILE instead"
+    )
+    new.add_argument(
+        "--lang", choices=("cpp", "python"), default="python", help="language of the mock"
+    )
+    new.add_argument("--interface", metavar="NAME", help="interface to mock; default: all of FILE")
     add_reading(new)
     new.set_defaults(command=_new, error_format="text", prints=False, settles=False)
 

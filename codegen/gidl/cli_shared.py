@@ -33,16 +33,21 @@ def add_files(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("files", nargs="*", metavar="FILE", help=WHEN_LEFT_OUT)
     add_reading(parser)
     parser.add_argument(
-        "--strict", action=argparse.BooleanOptionalAction, help="take warnings for errors"
+        "--strict", action=argparse.BooleanOptionalAction, help="treat warnings as errors"
     )
     parser.add_argument("--error-format", choices=sorted(PRINTERS), default="text")
     parser.set_defaults(prints=False, settles=True)
 
 
 def add_reading(parser: argparse.ArgumentParser) -> None:
-    """How files are read."""
+    """Adds the options for reading files: -I, -D and --wide."""
     parser.add_argument(
-        "-I", dest="search", action="append", default=[], metavar="DIR", help="where includes begin"
+        "-I",
+        dest="search",
+        action="append",
+        default=[],
+        metavar="DIR",
+        help="folder to search for included files",
     )
     parser.add_argument(
         "-D",
@@ -51,7 +56,7 @@ def add_reading(parser: argparse.ArgumentParser) -> None:
         default=[],
         type=_constant,
         metavar="NAME[=VALUE]",
-        help="a constant for #if and #ifdef",
+        help="define a constant for #if and #ifdef",
     )
     parser.add_argument(
         "--wide", choices=WIDE, help="read wstring and wchar as string, which is UTF-8"
@@ -79,8 +84,8 @@ def _constant(text: str) -> str:
 
 
 def settle(chosen: argparse.Namespace) -> bool:
-    """Takes from gidl.toml what the command line leaves out. False (and a report) where the file
-    is wrong."""
+    """Completes the options of the command line from gidl.toml. Returns False, after a report, if
+    gidl.toml is wrong."""
     findings = Findings()
     sources: dict[str, Source] = {}
     file = project.find(Path.cwd())
@@ -115,7 +120,7 @@ def _is_below(name: str, folders: Iterable[Path]) -> bool:
 
 
 def files_of(chosen: argparse.Namespace) -> list[str] | None:
-    """The files named, else those of the roots; None (and a message) where there are none."""
+    """The files on the command line, else those below the roots; None (and a message) if none."""
     if chosen.files:
         return list(chosen.files)
     roots = chosen.project.roots
@@ -123,20 +128,20 @@ def files_of(chosen: argparse.Namespace) -> list[str] | None:
     if found:
         return list(dict.fromkeys(found))
     if chosen.project.file is None:
-        there = "there is no idl/ folder here with any, and no gidl.toml here or above"
+        there = "there are no interface files in idl/ here, and no gidl.toml here or above"
     else:
-        there = f"the roots of {chosen.project.file} have none"
+        there = f"the roots of {chosen.project.file} have no interface files"
     print(f"gidl: no files named, and {there}", file=sys.stderr)
     return None
 
 
 def compiled_from(chosen: argparse.Namespace, files: list[str]) -> Compiled:
-    """Compiles as command line and project file say. The caller shows the findings."""
+    """Compiles with the options of command line and gidl.toml. The caller must show findings."""
     return compile_files(files, chosen.search, wide=chosen.wide is not None, defines=chosen.defines)
 
 
 def strictly(chosen: argparse.Namespace, compiled: Compiled) -> Compiled:
-    """With --strict, warnings are errors."""
+    """The compiled files; with --strict, their warnings become errors."""
     if not chosen.strict or not compiled.findings:
         return compiled
     return replace(compiled, findings=tuple(as_errors(compiled.findings)), has_errors=True)
@@ -152,8 +157,8 @@ def show(
     sources: Mapping[str, Source],
     summary: str = "",
 ) -> None:
-    """Prints all findings of a run, once: text to stderr, with a last line that counts them; other
-    formats are a whole report, to stdout unless the verb prints something else there."""
+    """Prints all findings of a run; call it once. Text goes to stderr and ends with a line that
+    counts the findings. Other formats go to stdout, or to stderr if stdout has other output."""
     found = list(findings)
     text = PRINTERS[chosen.error_format](found, sources)
     is_text = chosen.error_format == "text"

@@ -22,9 +22,9 @@ from gidl.source import Source
 @dataclass(frozen=True, slots=True)
 class Compiled:
     model: Model
-    findings: tuple[Finding, ...]  # in the order of files and lines
+    findings: tuple[Finding, ...]  # sorted by file and line
     sources: dict[str, Source]
-    has_errors: bool  # then the model is incomplete, and nothing may be generated from it
+    has_errors: bool  # True: the model is incomplete; nothing may be generated from it
 
 
 def compile_files(
@@ -34,9 +34,9 @@ def compile_files(
     wide: bool = False,
     defines: Iterable[str] = (),
 ) -> Compiled:
-    """Reads, resolves and checks `paths` and what they include; never raises for their contents.
-    With `wide`, `wstring` and `wchar` are read as `string`; `defines` are "NAME" or "NAME=VALUE"
-    for the preprocessor."""
+    """Reads, resolves and checks `paths` and the files that they include. Errors in the files
+    become findings, never exceptions. With `wide`, `wstring` and `wchar` are read as `string`.
+    `defines` are "NAME" or "NAME=VALUE" for the preprocessor."""
     with room_for_nesting():
         return _compile(list(paths), list(search), wide, defines)
 

@@ -14,21 +14,21 @@ from gidl.syntax import Binary, Expression, Literal, NameUse, ScopedName, Unary
 
 @dataclass(frozen=True, slots=True)
 class Computed:
-    kind: str  # "bool" "int" "float" "string" "char" "enum"
+    kind: str  # one of "bool" "int" "float" "string" "char" "enum"
     value: Value
 
 
 @dataclass(frozen=True, slots=True)
 class Arithmetic:
-    """How integers are computed: every step must fit `bits`, signed or not. The value of `~`
-    depends on whether an unsigned value is wanted, as the standard says."""
+    """How integers are computed: every intermediate result must fit in `bits` bits, signed or
+    unsigned. The value of `~` depends on `unsigned`, as the IDL standard says."""
 
     bits: int = 64
     unsigned: bool = False
 
 
 class _Failed(Exception):
-    """The expression has no value; already reported."""
+    """Raised when an expression has no value; the finding is already reported."""
 
 
 def compute(
@@ -48,7 +48,7 @@ def compute(
 
 
 def computed(value: Value) -> Computed:
-    """A known value with its kind."""
+    """`value` together with its kind."""
     match value:
         case bool():
             return Computed("bool", value)

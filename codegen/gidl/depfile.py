@@ -1,4 +1,4 @@
-"""A depfile for build systems: which files the output was made from, as Make and Ninja read it."""
+"""Depfiles for Make and Ninja: rules that say which files the output was made from."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from gidl.source import Source
 def depfile_text(
     outputs: Iterable[Path], sources: Mapping[str, Source], others: Iterable[Path]
 ) -> str:
-    """One rule: every output depends on every file that was read, included ones too, on `others`,
-    and on gidl itself, whose next version may write something else."""
+    """The text of a depfile, one rule: every output depends on all files read, included ones too,
+    on `others`, and on gidl's own files, because another version of gidl may write other output."""
     read = {
         _place(path, source)
         for path, source in sources.items()

@@ -1,4 +1,4 @@
-"""Findings: collected from every stage of a run, sorted, printed once at its end."""
+"""Findings (errors and warnings): collected in all stages of a run, and printed at its end."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from enum import Enum
 from gidl.model import Location
 from gidl.source import Source, Span
 
-MAX_FINDINGS = 100  # printed; enough for a file that is not .gidl at all
-_MAX_WIDTH = 140  # characters of a quoted source line
+MAX_FINDINGS = 100  # text output prints no more than these
+_MAX_WIDTH = 140  # most characters of a source line that are quoted
 
 
 class Severity(Enum):
@@ -23,7 +23,7 @@ class Severity(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Note:
-    """A second place that belongs to a finding ("first declared here")."""
+    """A further location of a finding, with a text such as "first declared here"."""
 
     text: str
     location: Location
@@ -34,11 +34,11 @@ class Finding:
     code: str  # "G0102"; `gidl explain` has a page on it
     severity: Severity
     message: str
-    location: Location | None  # None: not about a line of a source
+    location: Location | None  # None: the finding is about no source line
     length: int = 0  # characters to underline; 0: the word at the location
     help: tuple[str, ...] = ()
     notes: tuple[Note, ...] = ()
-    shown: str | None = None  # file, where there is no location
+    shown: str | None = None  # path of the file, if there is no location
 
 
 _Key = tuple[str, Location | str | None, str]
@@ -50,7 +50,7 @@ def _key(finding: Finding) -> _Key:
 
 @dataclass(slots=True)
 class Findings:
-    """All findings so far. A location gets each code once, so one mistake is one finding."""
+    """All findings so far. A finding with equal code, location and message is added only once."""
 
     found: list[Finding] = field(default_factory=list)
     _seen: set[_Key] = field(default_factory=set)
@@ -88,7 +88,7 @@ class Findings:
                 self._keep(finding)
 
     def forget_after(self, count: int) -> None:
-        """Keeps the first `count` findings; the dropped ones may be added again."""
+        """Drops all findings but the first `count`; the dropped ones may be added again."""
         self._seen.difference_update(map(_key, self.found[count:]))
         del self.found[count:]
 
@@ -123,7 +123,7 @@ class Findings:
         return any(f.severity is Severity.ERROR for f in self.found)
 
     def in_order(self, file_order: list[str]) -> list[Finding]:
-        """Sorted by file (in the order read), line and column."""
+        """The findings, sorted by file (in `file_order`), line and column."""
         rank = {path: i for i, path in enumerate(file_order)}
 
         def key(finding: Finding) -> tuple[int, int, int, str, str]:
@@ -137,7 +137,7 @@ class Findings:
 
 
 def suggestion(wrong: str, known: Mapping[str, str]) -> str:
-    """A did-you-mean line, or "". `known` maps names to where they are declared ("" unsaid)."""
+    """A "did you mean" help line, or "". `known` maps names to places of declaration, or ""."""
     by_lower = {name.lower(): name for name in known}
     close = get_close_matches(wrong.lower(), list(by_lower), n=1, cutoff=0.66)
     if not close:
@@ -155,7 +155,7 @@ Printer = Callable[[list[Finding], Mapping[str, Source]], str]
 
 
 def as_text(findings: list[Finding], sources: Mapping[str, Source]) -> str:
-    """One block per finding, as compilers print them."""
+    """The findings as text: one block per finding, as compilers print them."""
     blocks = [_block(f, sources) for f in findings[:MAX_FINDINGS]]
     if len(findings) > MAX_FINDINGS:
         blocks.append(f"and {len(findings) - MAX_FINDINGS} more\n")
@@ -209,7 +209,7 @@ def _printable(text: str) -> str:
 
 
 def as_json(findings: list[Finding], sources: Mapping[str, Source]) -> str:
-    """An array of objects, one per finding; all findings, no limit."""
+    """All findings as a JSON array with one object per finding."""
     return json.dumps([_json_of(f, sources) for f in findings], indent=2) + "\n"
 
 

@@ -24,7 +24,7 @@ class DocReader:
         self._used: set[int] = set()
 
     def before(self, previous_end: int, start: int) -> str:
-        """Text of the documentation comments between two tokens; the last block of them counts."""
+        """Text of the last block of documentation comments between two tokens."""
         found = []
         for index in range(bisect_left(self._starts, previous_end), len(self._comments)):
             comment = self._comments[index]
@@ -44,7 +44,7 @@ class DocReader:
         return _joined([_clean(c.text) for c in block])
 
     def after(self, end: int) -> str:
-        """Text of the comment that follows on the same line, with its continuation lines."""
+        """Text of the comment after offset `end` on the same line, with its continuation lines."""
         index = bisect_left(self._starts, end)
         if index >= len(self._comments) or index in self._used:
             return ""
@@ -87,7 +87,7 @@ def _joined(blocks: list[str]) -> str:
 
 
 def _clean(comment: str) -> str:
-    """The comment without marks, common indentation and leading stars."""
+    """The text of a comment without comment marks and leading stars."""
     if comment.startswith("//"):
         text = _AFTER.sub("", comment, count=1)
         return text.removeprefix(" ").rstrip()

@@ -1,4 +1,4 @@
-"""Prints the files of a model. The only module that uses jinja2."""
+"""Renders the generated files of a model. Only this module may use jinja2."""
 
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ LANGUAGES = tuple(_TARGETS)
 
 
 def render(model: Model, layout: Layout, languages: Collection[str] = LANGUAGES) -> dict[str, str]:
-    """Path below the output folder -> text, for every file that was asked for. Raises
-    UnsupportedError, naming the place, for what a target cannot print. The same model gives the
-    same bytes."""
+    """The generated files: path below the output folder -> text, for every file asked for. Raises
+    UnsupportedError, with the location, for a declaration that a target cannot print. The same
+    model always gives the same bytes."""
     texts: dict[str, str] = {}
     for language in LANGUAGES:
         if language not in languages:
@@ -47,7 +47,7 @@ def render(model: Model, layout: Layout, languages: Collection[str] = LANGUAGES)
 def render_mock(
     model: Model, layout: Layout, language: str, interfaces: Sequence[Interface]
 ) -> str:
-    """The text of a mock server for objects of these interfaces, which are all of one file."""
+    """The text of a mock server for `interfaces`, which must all be declared in one file."""
     path = model.file_of(interfaces[0].name)
     view: object
     if language == "cpp":
@@ -68,7 +68,7 @@ def _environment(language: str) -> jinja2.Environment:
         trim_blocks=True,
         lstrip_blocks=True,
         keep_trailing_newline=True,
-        autoescape=False,  # source code, not HTML
+        autoescape=False,  # the output is source code, not HTML
     )
     environment.globals["group"] = group
     return environment

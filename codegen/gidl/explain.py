@@ -1,4 +1,4 @@
-"""The page of each finding's code: sections of pages.md."""
+"""The explanations of the codes of findings, from the sections of pages.md."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ def all_titles() -> list[tuple[str, str]]:
 
 
 def lint_rules() -> list[str]:
-    """The codes that `--except` takes: advice, and terms that do not act yet."""
+    """The codes that `--except` accepts: lint rules, and the warning about terms without effect."""
     return [code for code, _ in all_titles() if code.startswith("G09") or code == not_yet.CODE]
 
 
 def closest(code: str) -> str:
-    """ ", did you mean G0102?", or ""."""
+    """A suggestion for an unknown code, such as ", did you mean G0102?", or ""."""
     near = get_close_matches(_normal(code), list(_pages()), n=1)
     return f", did you mean {near[0]}?" if near else ""
 

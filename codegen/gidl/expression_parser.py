@@ -17,12 +17,12 @@ _ESCAPES = {
 
 
 class ExpressionParser(TokenReader):
-    """One function per rule; each is called with its first token next."""
+    """One method per grammar rule; the next token must be the first token of the rule."""
 
-    _in_angles = False  # then `>>` is two closing brackets, not a shift
-    _in_annotation = False  # between the parentheses of an annotation
-    _wide = False  # wide text is read as text
-    _wide_refused = False  # `wchar` or `wstring` was refused
+    _in_angles = False  # inside `<...>`, where `>>` is two closing brackets, not a shift
+    _in_annotation = False  # inside the parentheses of an annotation
+    _wide = False  # True (--wide): wide strings and characters are read as strings
+    _wide_refused = False  # True: a `wchar` or `wstring` is already reported
 
     # -- const_expr ----------------------------------------------------------------------------
 
@@ -31,7 +31,7 @@ class ExpressionParser(TokenReader):
             return self._binary(0)
 
     def _binary(self, level: int) -> Expression:
-        """or_expr down to mult_expr: all left-associative."""
+        """Parses the rules or_expr to mult_expr; all their operators are left-associative."""
         if level == len(_LEVELS):
             return self._unary()
         start = self._now
@@ -115,18 +115,18 @@ class ExpressionParser(TokenReader):
         return self._unescape(token)
 
     def _refuse_wide(self, token: Token) -> None:
-        """Reports a wide literal, unless a wide type was reported: that is the same mistake."""
+        """Reports a wide literal, unless a wide type is already reported for the same mistake."""
         if self._wide or self._wide_refused:
             return
         self._refuse(
             "G0206",
             self._span(token),
             "wide text is",
-            "leave out the L: strings are UTF-8; --wide=utf8 reads wide text as that",
+            "leave out the L: strings are UTF-8; with --wide=utf8, wide text is read as UTF-8",
         )
 
     def _wide_character(self, token: Token) -> Literal:
-        """A text of one character."""
+        """Parses a wide character as a string of one character."""
         self._refuse_wide(token)
         text = self._unescape(token)
         if len(text) != 1:
@@ -144,8 +144,8 @@ class ExpressionParser(TokenReader):
         return Literal(text, "char", self._span(token))
 
     def _unescape(self, token: Token) -> str:
-        """Text of a literal. Octal, \\x and \\u escapes as in the standard; a NUL is a character,
-        but stands in no string."""
+        """Text of a literal, with octal, \\x and \\u escapes replaced as in the IDL standard. A NUL
+        is allowed as a character, but not in a string."""
         opening = token.text.index(token.text[-1]) + 1
         body = token.text[opening:-1]
         if "\\" not in body:
@@ -161,7 +161,7 @@ class ExpressionParser(TokenReader):
             if text is None or (text == "\0" and token.kind != "char"):
                 start = token.start + opening + at
                 span = Span(self._source, start, start + 1 + width)
-                what = "a NUL cannot stand in a string" if text else "unknown escape"
+                what = "a string cannot contain a NUL" if text else "unknown escape"
                 self._findings.error("G0010", span, f"{what}: '{body[at : at + 1 + width]}'")
                 text = "?"
             out.append(text)
@@ -178,7 +178,7 @@ def _integer(text: str) -> int:
 
 
 def _escape(rest: str) -> tuple[str | None, int]:
-    """Value and width of the escape at the start of `rest`, the text after the backslash."""
+    """Value (None: invalid) and width of the escape at the start of `rest`, after the backslash."""
     if not rest:
         return None, 0
     if rest[0] in _ESCAPES:
@@ -193,7 +193,7 @@ def _escape(rest: str) -> tuple[str | None, int]:
 
 
 def _escape_digits(rest: str) -> tuple[str, int, int]:
-    """Digits of a numeric escape, their base, and where they start."""
+    """Digits of the numeric escape in `rest`, their base, and the index of the first digit."""
     limit, base, first = {"x": (2, 16, 1), "u": (4, 16, 1)}.get(rest[0], (3, 8, 0))
     allowed = "0123456789abcdefABCDEF" if base == 16 else "01234567"
     digits = ""

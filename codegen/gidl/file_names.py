@@ -17,8 +17,8 @@ from gidl.source import Source
 from gidl.standard_modules import OURS, STANDARD
 
 SUFFIXES = (".gidl", ".idl")
-_PACKAGES = {"gecos": "gecos_idl"}  # the package name gecos is the runtime's
-_SHARED = frozenset(("robcl", "gecos_idl"))  # packages that generated modules belong into
+_PACKAGES = {"gecos": "gecos_idl"}  # the runtime already has the package name gecos
+_SHARED = frozenset(("robcl", "gecos_idl"))  # packages that may get generated modules
 _SPECIAL = frozenset(("__init__", "__main__", "__pycache__"))
 
 
@@ -27,7 +27,7 @@ def is_interface(path: str) -> bool:
 
 
 def interfaces_below(folder: Path) -> list[Path]:
-    """Interface files in a folder and its subfolders, sorted; not in hidden ones such as .venv."""
+    """Interface files in a folder and its subfolders, sorted; without hidden folders (.venv)."""
     return sorted(
         place
         for place in folder.rglob("*")
@@ -37,7 +37,7 @@ def interfaces_below(folder: Path) -> list[Path]:
 
 
 def source_stem(path: str) -> str:
-    """ "robcl/geometry.gidl" -> "robcl/geometry": generated files begin with it."""
+    """The path without its suffix, "robcl/geometry": paths of generated files begin with this."""
     for suffix in SUFFIXES:
         if path.lower().endswith(suffix):
             return path[: -len(suffix)]
@@ -45,7 +45,8 @@ def source_stem(path: str) -> str:
 
 
 def python_stem(path: str) -> str:
-    """ "my-lab/2fast.gidl" -> "my_lab/_2fast": a module that can be imported and hides none."""
+    """Path of the Python module of an interface file: "my-lab/2fast.gidl" -> "my_lab/_2fast". The
+    module can be imported, and hides no module of the standard library or the runtime."""
     parts = [_identifier(part) for part in source_stem(path).split("/")]
     first = parts[0]
     if len(parts) > 1 and first in _PACKAGES:
@@ -56,12 +57,12 @@ def python_stem(path: str) -> str:
 
 
 def python_module(path: str) -> str:
-    """ "robcl/geometry.gidl" -> "robcl.geometry"."""
+    """Dotted name of the Python module of an interface file, such as "robcl.geometry"."""
     return python_stem(path).replace("/", ".")
 
 
 def _identifier(part: str) -> str:
-    name = unicodedata.normalize("NFKC", part)  # as Python reads names
+    name = unicodedata.normalize("NFKC", part)  # Python normalizes identifiers to NFKC
     name = "".join(c if f"_{c}".isidentifier() else "_" for c in name)
     if not name.isidentifier():
         name = f"_{name}"
@@ -74,16 +75,16 @@ class Clash:
 
     path: str
     other: str
-    what: str  # "the Python module my_lab"
+    what: str  # the shared output, such as "the Python module my_lab"
 
     def report(self, code: str, findings: Findings, sources: Mapping[str, Source]) -> None:
         shown, other = sources[self.path].shown, sources[self.other].shown
-        message = f"gives {self.what}, and so does {other}"
+        message = f"generates {self.what}, as does {other}"
         findings.file_error(code, shown, message, "rename one of the two files")
 
 
 def same_files(paths: Iterable[str]) -> Iterator[Clash]:
-    """Files whose outputs have the same names in every language: foo.gidl and foo.idl."""
+    """Pairs of files whose outputs have equal names in every language: foo.gidl and foo.idl."""
     first: dict[str, str] = {}
     for path in paths:
         other = first.setdefault(source_stem(path), path)
@@ -92,9 +93,9 @@ def same_files(paths: Iterable[str]) -> Iterator[Clash]:
 
 
 def same_modules(paths: Iterable[str]) -> Iterator[Clash]:
-    """Files that are one module in Python: my-lab.gidl and my_lab.gidl, or foo_types.gidl and the
-    module of the types of foo.gidl; and a file that hides the folder of another: lab.gidl and
-    lab/lamp.gidl."""
+    """Pairs of files that clash in Python. Either both give the same module: my-lab.gidl and
+    my_lab.gidl, or foo_types.gidl and foo.gidl, whose types are in foo_types. Or the module of one
+    file hides the package of the other: lab.gidl and lab/lamp.gidl."""
     paths = list(paths)
     first: dict[str, str] = {}
     told: set[tuple[str, str]] = set()

@@ -27,7 +27,8 @@ def fnv1a_32(text: str) -> int:
 
 
 def hashed_name(model: Model, name: str, facts: Facts) -> str:
-    """`name` as it enters codes and hashes. @hash_as replaces its last part, or with "::" all."""
+    """The name from which codes and hashes are computed. @hash_as replaces the last part of `name`,
+    or all of `name` if the text of @hash_as contains "::"."""
     if facts.hash_as is not None:
         if "::" in facts.hash_as:
             return facts.hash_as.removeprefix("::")
@@ -37,7 +38,7 @@ def hashed_name(model: Model, name: str, facts: Facts) -> str:
 
 
 def member_name(model: Model, member: Operation | Attribute) -> str:
-    """Scoped name of an operation or attribute as it enters codes and hashes."""
+    """Scoped name of an operation or attribute, from which codes and hashes are computed."""
     interface = model.interface(member.interface)
     owner = hashed_name(model, interface.name, interface.facts)
     return hashed_name(model, f"{owner}::{member.name}", member.facts)
@@ -62,7 +63,7 @@ def exception_code(model: Model, exception: ExceptionStruct) -> int:
 def codes_of(
     model: Model, interface: Interface
 ) -> tuple[tuple[int, str, Operation | Attribute], ...]:
-    """Every code the interface itself declares, the hashed name, and the member, in order."""
+    """Each code that the interface itself declares, with hashed name and member, in order."""
     uses: list[tuple[int, str, Operation | Attribute]] = []
     for member in interface.members:
         name = member_name(model, member)

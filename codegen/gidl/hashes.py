@@ -2,14 +2,14 @@
 
 A hash is the first 8 bytes of the SHA-256 of a canonical text, big-endian, unsigned.
 
-- *Operation hash*: name, direction and type of what crosses the wire, exceptions, oneway. It stays
-  the same under every compatible edit: trailing parameters and members of appendable structs that
-  are defaulted or optional are left out, and so are the enumerators of an enum with a default
-  literal. Two sides whose operation hashes agree can call each other.
-- *Interface hash*: everything of the interface and its bases with nothing left out. When it agrees
-  there is nothing more to compare; when it differs the operation hashes decide.
+- *Operation hash*: covers name, direction and type of every value on the wire, the exceptions and
+  oneway. Compatible edits do not change it: it leaves out trailing parameters, and trailing members
+  of appendable structs, that are defaulted or optional, and the enumerators of an enum with a
+  default literal. A client and a server with equal operation hashes can call each other.
+- *Interface hash*: covers the whole interface and its bases; nothing is left out. If it is equal,
+  client and server compare nothing more; if it differs, the operation hashes decide.
 
-Documentation, units, access and quality are not part of either: the server enforces them.
+Neither hash covers documentation, units, access or quality; the server enforces access.
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ def interface_text(model: Model, interface: Interface) -> str:
 
 
 class _Writer:
-    """Writes canonical text. A type that is already being written is only named."""
+    """Writes canonical texts. A recursive use of a type is written as the name of the type."""
 
     def __init__(self, model: Model, whole: bool) -> None:
         self._model = model
@@ -174,7 +174,7 @@ def _old_name(member: Member) -> str:
 
 
 def _core_length(slots: tuple[Member, ...] | tuple[Parameter, ...]) -> int:
-    """Number of slots without the trailing defaulted and optional ones."""
+    """Number of members or parameters before the trailing defaulted and optional ones."""
     length = len(slots)
     while length and (slots[length - 1].optional or slots[length - 1].default is not None):
         length -= 1

@@ -14,7 +14,7 @@ GROUP = "gidl.interfaces"
 
 
 def installed_folders() -> tuple[Path, ...]:
-    """Folders in the order of the entry points' names; an entry without its folder is skipped."""
+    """Folders of interfaces, sorted by entry point name; entries without a folder are skipped."""
     found: list[Path] = []
     for point in sorted(entry_points(group=GROUP), key=lambda point: point.name):
         try:

@@ -109,7 +109,7 @@ class InterfaceParser(StructParser):
                 return [declared]
         if self._is(";"):
             self._findings.error(
-                "G0100", self._span(token), "this ';' ends nothing", "leave it out"
+                "G0100", self._span(token), "this ';' ends no declaration", "leave it out"
             )
             self._advance()
             return []
@@ -209,7 +209,9 @@ class InterfaceParser(StructParser):
             names.append(self._identifier("the attribute's name"))
         if len(names) > 1 and self._now.text in ("raises", "getraises", "setraises"):
             self._syntax_error_at(
-                self._now, "several attributes cannot share what they raise", "declare them apart"
+                self._now,
+                "several attributes cannot share a list of exceptions",
+                "declare each attribute separately",
             )
         get_raises: list[ScopedName] = []
         set_raises: list[ScopedName] = []
@@ -220,7 +222,7 @@ class InterfaceParser(StructParser):
                 self._findings.error(
                     "G0100",
                     self._span(self._now),
-                    "a writable attribute says which of the two raises",
+                    "a writable attribute must say whether its getter or its setter raises",
                     "write 'getraises (...)' or 'setraises (...)'",
                 )
                 get_raises = self._exception_list("raises")

@@ -1,4 +1,4 @@
-"""Words of IDL 4.2. They are compared without regard to case; a leading underscore escapes them."""
+"""Keywords of IDL 4.2. Their case does not matter; a leading underscore escapes a keyword."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ import keyword
 
 
 def words(text: str) -> frozenset[str]:
-    """A set of words, written as one text."""
+    """The set of the words in `text`, which are separated by white space."""
     return frozenset(text.split())
 
 
-# Keywords that .gidl supports, or refuses by name. They are never identifiers.
+# Keywords that .gidl supports, or reports as unsupported. They are never identifiers.
 USED = words(
     """
     any attribute bitfield bitmask bitset boolean case char const context default double enum
@@ -28,8 +28,8 @@ NEW_IN_4 = words(
     """
 )
 
-# Words of building blocks that are not part of .gidl: allowed as identifiers, with a warning,
-# because a tool for the whole of IDL will refuse them.
+# Keywords of the parts of IDL that .gidl does not use. They are allowed as identifiers, with a
+# warning, because a compiler for the whole of IDL refuses them.
 UNUSED = words(
     """
     alias component connector consumes custom emits eventtype factory finder home manages
@@ -38,7 +38,7 @@ UNUSED = words(
     """
 )
 
-# Words of C++ and Python; each target puts an underscore after those that it cannot write.
+# Keywords of C++ and Python. Each target appends an underscore to names that are its keywords.
 CPP = words(
     """
     alignas alignof and and_eq asm auto bitand bitor bool break case catch char char8_t char16_t

@@ -1,7 +1,7 @@
 """The reserved words of generated C++ and Python, by the kind of declaration that may not use them.
 
 Some are words of the language. The others are names in generated code that a declaration would
-hide: functions beside types, members that every type has, parameters and locals of the bodies.
+hide: functions next to types, members of every type, parameters and local variables of functions.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from gidl.type_names import Language, escaped
 
 
 def _names_of_headers() -> tuple[frozenset[str], frozenset[str]]:
-    """Macros of system headers, and names that they declare in the global namespace. The file
-    that is read says how it is made."""
+    """Macros of system headers, and names that the headers declare in the global namespace.
+    cpp_names_of_headers.txt lists them, and says how to make the list."""
     text = (Path(__file__).parent / "cpp_names_of_headers.txt").read_text(encoding="utf-8")
     macros, others = text.partition("# Macros:\n")[2].split("# Outside of all namespaces:\n")
     return words(macros), words(others)
@@ -25,16 +25,16 @@ def _names_of_headers() -> tuple[frozenset[str], frozenset[str]]:
 
 _MACROS, _GLOBALS = _names_of_headers()
 CPP_WORDS = CPP | {"std", "tl"} | _MACROS
-"""Keywords, the namespaces that generated code names, and the macros that headers bring along."""
+"""Keywords, the namespaces that generated code uses, and the macros that headers define."""
 
-# Members that every generated struct has besides its own.
+# Members of every generated struct besides those of its declaration.
 CPP_STRUCT_WORDS = CPP_WORDS | {"encoded_size", "encode", "decode", "fingerprint", "type_name"}
 CPP_UNION_WORDS = CPP_STRUCT_WORDS | {"tag", "value", "Held"}
 CPP_BITSET_WORDS = CPP_STRUCT_WORDS | {"bits", "set_bits", "raw"}
 
-# Functions that stand beside types.
+# Functions in the namespaces of generated types.
 _CPP_FUNCTIONS = words("decode_enum gecos_violation has to_string")
-# Parameters and locals: a constant or alias of the name would be shadowed.
+# Parameters and locals of generated functions: they would shadow a constant or alias.
 _CPP_LOCALS = words(
     """
     a all arm b bases call code core description entry field flags from guard item key main names
@@ -45,7 +45,7 @@ _CPP_LOCALS = words(
 
 
 def _cpp_members(model: Model, declaration: AnyDeclaration) -> set[str]:
-    """A class has no member of its own name, and none that it inherits."""
+    """Names of all members of a declaration's class; the class may have none of these names."""
     match declaration:
         case Struct():
             return {escaped(m.name, CPP_STRUCT_WORDS) for m in model.all_members(declaration)}
@@ -76,11 +76,11 @@ CPP_TYPES = Language(
 # -- Python --------------------------------------------------------------------------------------
 
 PYTHON_WORDS = PYTHON | {"self", "cls"}
-# Builtins that stand in the body of a class beside its members, as hints and decorators.
+# Builtins that class bodies use as type hints and decorators; a member could hide them.
 PYTHON_CLASS_WORDS = words(
     "bool bytes classmethod dict float int list object property staticmethod str"
 )
-# Builtins that generated code names anywhere.
+# All builtins that generated code uses.
 PYTHON_BUILTINS = PYTHON_CLASS_WORDS | words("NotImplemented chr isinstance range tuple type")
 
 PYTHON_TYPES = Language(

@@ -1,9 +1,9 @@
 """The .lcm struct of every type, and its fingerprint exactly as lcm-gen computes it.
 
-LCM knows primitives, strings, structs and arrays of these with constant or counted dimensions.
-Whatever else stands inside a sequence, optional, union or array is wrapped in a helper struct
-("Scan_rows_item", "Scan_names_entry"); wrapping adds no byte. Count fields are called "<x>_n" and
-block sizes "<x>_size", helpers as above, each with underscores added until the name is free.
+LCM has primitives, strings, structs, and arrays of these with constant or counted dimensions.
+Every other type inside a sequence, optional, union or array is wrapped in a helper struct
+("Scan_rows_item", "Scan_names_entry"); wrapping adds no byte. Count fields are named "<x>_n", block
+sizes "<x>_size". Underscores are added to these names and those of helpers until they are unique.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ LCM_PRIMITIVES = frozenset(
 LCM_WORDS = LCM_PRIMITIVES | CPP | PYTHON | {"package", "encode", "decode"}
 
 OBJECT_REF = "gecos.ObjectRef"
-OBJECT_REF_DECLARED = "gecos::ObjectRef"  # in idl/gecos/object_ref.gidl
+OBJECT_REF_DECLARED = "gecos::ObjectRef"  # declared in idl/gecos/object_ref.gidl
 
 _SCALARS = {
     Primitive.BOOLEAN: "boolean", Primitive.OCTET: "byte", Primitive.CHAR: "int8_t",
@@ -57,33 +57,32 @@ _SCALARS = {
 
 @dataclass(frozen=True, slots=True)
 class LcmDimension:
-    size: str  # a number, or the name of the count field
+    size: str  # constant length, or the name of the count field
     variable: bool
 
 
 @dataclass(frozen=True, slots=True)
 class LcmMember:
     name: str
-    type: str  # LCM primitive, or full name of a struct
+    type: str  # an LCM primitive, or the full name of a struct
     dimensions: tuple[LcmDimension, ...] = ()
-    source: str | None = (
-        None  # member of the .gidl type this is; None for counts and helpers' parts
-    )
+    # Name of the .gidl member; None for count fields and for members of helper structs.
+    source: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class LcmConstant:
     name: str
-    type: str  # int32_t or int64_t
-    value: int  # signed, fits the type
+    type: str  # "int32_t" or "int64_t"
+    value: int  # signed value that fits the type
 
 
 @dataclass(frozen=True, slots=True)
 class LcmStruct:
-    name: str  # full: "robcl.Frame"
+    name: str  # full name, such as "robcl.Frame"
     members: tuple[LcmMember, ...]
     constants: tuple[LcmConstant, ...] = ()
-    source: str | None = None  # scoped name of the declaration; None for a helper
+    source: str | None = None  # scoped name of the .gidl declaration; None for a helper struct
 
     @property
     def package(self) -> str:
@@ -106,7 +105,7 @@ OBJECT_REF_STRUCT = LcmStruct(
 
 
 class Lowering:
-    """Lowers every type of a model once, in order, so that names are stable."""
+    """Lowers every type of a model once, in declaration order, so that the names are stable."""
 
     def __init__(self, model: Model, node_of: Callable[[Model, Type, bool], Node]) -> None:
         self._model = model
@@ -136,7 +135,7 @@ class Lowering:
                 self._full_names[declaration.name] = wanted if ours else self._free(wanted)
 
     def _dotted(self, scoped_name: str) -> str:
-        """Modules become the package; a declaration around a type becomes a prefix of its name."""
+        """LCM name of a type: its modules are the package, an enclosing declaration is a prefix."""
         parts = scoped_name.split("::")
         split = len(parts) - 1
         while split > 0:
@@ -193,7 +192,7 @@ class Lowering:
             owner.add(case.member.name, OptionalNode(node))
 
     def simple_type(self, node: Node) -> str | None:
-        """LCM type of a node that needs neither dimensions nor further fields."""
+        """LCM type of a node that needs no dimensions or further fields; None for other nodes."""
         match node:
             case ScalarNode(primitive):
                 return _SCALARS[primitive]
@@ -217,7 +216,7 @@ class _Owner:
         self._full_name = full_name
         self._path = path
         self._members: list[LcmMember] = []
-        self._names: dict[str, str] = {}  # .gidl member -> .lcm member
+        self._names: dict[str, str] = {}  # name in .gidl -> name in .lcm
         self._taken: set[str] = set()
         self._pending: list[tuple[str, Node]] = []
 

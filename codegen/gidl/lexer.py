@@ -1,8 +1,8 @@
 """Splits text into tokens. Never fails: each error becomes a finding, and reading continues.
 
-Comments are kept aside: documentation is looked up by the parser through the token it stands next
-to. `//@name(...)` comments become annotation tokens: in the stream when they stand alone on a line,
-under `trailing` of the token before them when they follow code.
+Comments are collected separately: the parser finds documentation by the position of the tokens next
+to it. `//@name(...)` comments become annotation tokens. These join the token stream if the comment
+is alone on its line; after code they go to `trailing`, under the token that they follow.
 """
 
 from __future__ import annotations
@@ -18,26 +18,27 @@ from gidl.source import Source, Span
 
 
 class Token(NamedTuple):
-    kind: str  # "id" "escaped" "op" "directive" "eof", and a literal's: "int" "float" "fixed"
+    kind: str  # "id" "escaped" "op" "directive" "eof", or for literals: "int" "float" "fixed"
     # "string" "char" "wide_string" "wide_char"
-    text: str  # identifiers without escape, literals with their quotes
+    text: str  # identifiers without the escaping underscore, literals with quotes
     start: int
     end: int
 
 
 class Comment(NamedTuple):
-    text: str  # with its marks
+    text: str  # with the comment marks
     start: int
     end: int
-    own_line: bool  # nothing but white space before it on its line
+    own_line: bool  # True: only white space precedes the comment on its line
 
 
 @dataclass(slots=True)
 class Lexed:
     source: Source
-    tokens: list[Token]  # ends with "eof"
+    tokens: list[Token]  # the last token is of kind "eof"
     comments: list[Comment] = field(default_factory=list)
-    trailing: dict[int, list[Token]] = field(default_factory=dict)  # by start of the token before
+    # Tokens of `//@` comments after code, by the start of the token that the comment follows.
+    trailing: dict[int, list[Token]] = field(default_factory=dict)
 
 
 TOKEN = re.compile(
@@ -61,7 +62,7 @@ TOKEN = re.compile(
 )
 DIRECTIVE_LINE = re.compile(r"[^\n\\]*(?:\\\r?\n[^\n\\]*|\\[^\n])*")
 _FOREIGN_COMMENT = re.compile(r"//@[ \t]*([A-Za-z_]\w*)(?:[ \t]*-|[ \t]+(?!//)[^\s@(])")
-_ALPHABET = "names are ASCII letters, digits and '_'; other text belongs into comments and strings"
+_ALPHABET = "names are ASCII letters, digits and '_'; other characters only in comments and strings"
 _IDENTIFIER_TAIL = re.compile(r"[A-Za-z0-9_]+")
 
 
@@ -115,7 +116,7 @@ class _Lexer:
         text = self._source.text
         starts = [comment.start for comment in self._lexed.comments]
         warned = False
-        line_end = 0  # end of the last line that was reported
+        line_end = 0  # end of the last line with a reported byte
         for at in self._source.foreign:
             index = bisect_right(starts, at) - 1
             if index >= 0 and at < self._lexed.comments[index].end:
@@ -124,7 +125,7 @@ class _Lexer:
                         "G0706",
                         Span(self._source, at, at + 1),
                         "this comment is not UTF-8; it is read as Latin-1",
-                        "said once per file; iconv -f latin1 -t utf-8 converts it",
+                        "reported once per file; iconv -f latin1 -t utf-8 converts it",
                     )
                 warned = True
             elif at >= line_end:
@@ -134,7 +135,7 @@ class _Lexer:
                     at,
                     at + 1,
                     f"byte {ord(text[at]):#04x} is not UTF-8",
-                    "outside comments a file is UTF-8",
+                    "text outside comments must be UTF-8",
                 )
 
     def _error(self, code: str, start: int, end: int, message: str, *help_lines: str) -> None:
@@ -149,11 +150,11 @@ class _Lexer:
         if char == "_" or (not char.isascii() and char.isprintable()):
             return self._foreign_word(at)
         shown = char if char.isprintable() else f"U+{ord(char):04X}"
-        self._error("G0008", at, at + 1, f"'{shown}' is no character of the language", _ALPHABET)
+        self._error("G0008", at, at + 1, f"'{shown}' is not a character of .gidl", _ALPHABET)
         return at + 1
 
     def _unclosed(self, at: int) -> int:
-        """Reports an unclosed literal. It ends with its line, or before a `;` at the line's end."""
+        """Reports an unclosed literal. It ends at line end, before any closing `;,})`."""
         text = self._source.text
         line_end = text.find("\n", at)
         end = len(text) if line_end < 0 else line_end
@@ -185,12 +186,12 @@ class _Lexer:
         help_line = _ALPHABET
         if word[0] == "_":
             help_line = "a name starts with a letter, or with one '_', which escapes keywords"
-        self._error("G0008", start, end, f"'{word}' is no name of the language", help_line)
+        self._error("G0008", start, end, f"'{word}' is not a valid name", help_line)
         tokens.append(Token("id", word, start, end))
         return end
 
     def _number(self, start: int, end: int) -> int:
-        """End of a number. A number must not be followed by letters; 089 is not octal."""
+        """Returns the end of a number. Reports letters after it, and 8 or 9 in octal numbers."""
         text = self._source.text
         tail = _IDENTIFIER_TAIL.match(text, end)
         if tail is not None:
@@ -222,7 +223,7 @@ class _Lexer:
         match = DIRECTIVE_LINE.match(text, at)
         stop = match.end() if match else at + 1
         if text[line_start:at].strip(" \t\ufeff"):
-            self._error("G0008", at, at + 1, "'#' stands at the beginning of a line only")
+            self._error("G0008", at, at + 1, "'#' is allowed only at the beginning of a line")
             return at + 1
         comment = re.search(r"//|/\*", text[at:stop])
         if comment is not None and not _inside_quotes(text[at:stop], comment.start()):
@@ -240,15 +241,15 @@ class _Lexer:
         self._lexed.comments.append(Comment(comment, start, end, own_line))
 
     def _foreign_comment(self, name: str, start: int, end: int) -> None:
-        """Handles a comment `//@name`: another tool's (`//@top-level false`), or one of our
-        annotations, misspelled (`//@unit "m"`)."""
+        """Reports a comment `//@name` that is no annotation: one for another tool (`//@top-level
+        false`), or an annotation without its parentheses (`//@unit "m"`)."""
         span = Span(self._source, start, end)
         written = self._source.text[start:end].rstrip()
         if name in PLACES:
             self._findings.error(
                 "G0502",
                 span,
-                f"'{written}' annotates nothing: arguments stand in parentheses",
+                f"'{written}' annotates nothing: arguments must be in parentheses",
                 f"//@{name}(...)",
             )
             return
@@ -257,7 +258,7 @@ class _Lexer:
         )
 
     def _annotation_comment(self, start: int, end: int, own_line: bool) -> None:
-        """Lexes what follows the `//` as code; a further `//` ends it."""
+        """Lexes the text after the `//` as code, up to a further `//`."""
         at = start + 2
         text = self._source.text
         foreign = _FOREIGN_COMMENT.match(text, start, end)

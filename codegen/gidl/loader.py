@@ -1,4 +1,4 @@
-"""Finds, reads and parses files, includes first; each is read once, however often included."""
+"""Finds, reads and parses files, included files first. Each file is read once."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ from gidl.syntax import FileSyntax, Include
 
 PACKAGED = Path(__file__).parent / "include"
 VOCABULARY = "gecos/annotations.gidl"
-OBJECT_REF = "gecos/object_ref.gidl"  # declares the type of `Object` values
-COMMAND_LINE = "<-D>"  # the source of constants from the command line
+OBJECT_REF = "gecos/object_ref.gidl"  # the file that declares the type of `Object` values
+COMMAND_LINE = "<-D>"  # name of the source of constants defined by -D
 _MAX_INCLUDE_DEPTH = 100
 _C_HEADERS = frozenset((".h", ".hh", ".hpp", ".hxx"))
-_NOT_UTF_8 = re.compile("[\udc80-\udcff]")  # as surrogateescape shows such bytes
+_NOT_UTF_8 = re.compile("[\udc80-\udcff]")  # bytes as surrogateescape decodes them
 _AS_LATIN_1 = {0xDC00 + byte: byte for byte in range(0x80, 0x100)}
 
 
@@ -34,33 +34,34 @@ class LoadedFile:
     source: Source
     tree: FileSyntax
     asked_for: bool
-    includes: list[str] = field(default_factory=list)  # direct, by path
-    visible: set[str] = field(default_factory=set)  # itself and all it includes
-    macros: Macros = field(default_factory=dict)  # those that including files see
-    cut: list[str] = field(
-        default_factory=list
-    )  # includes of the file that are read after it, because of a cycle
-    lacks_includes: bool = False  # one of them, or of theirs, was not found
+    includes: list[str] = field(default_factory=list)  # paths of directly included files
+    visible: set[str] = field(default_factory=set)  # paths of this file and all it includes
+    macros: Macros = field(default_factory=dict)  # macros that including files see
+    # Paths of directly included files that are read after this file, because of an include cycle.
+    cut: list[str] = field(default_factory=list)
+    lacks_includes: bool = False  # True: a direct or indirect include was not found
 
 
 @dataclass(slots=True)
 class Loader:
-    """`search` are the folders of -I; the packaged gecos/ files are found after them, and last
-    those of installed packages."""
+    """Loads files and all that they include. Included files are searched in `search` (the folders
+    of -I), beside the including file, among the packaged gecos/ files, in installed packages."""
 
     findings: Findings
     search: tuple[Path, ...] = ()
-    wide: bool = False  # wide text is read as text
-    files: dict[str, LoadedFile] = field(default_factory=dict)  # a file after what it includes
+    wide: bool = False  # True (--wide): wide strings and characters are read as strings
+    files: dict[str, LoadedFile] = field(default_factory=dict)  # by path, included files first
     sources: dict[str, Source] = field(default_factory=dict)
     _installed: tuple[Path, ...] = ()
     _by_place: dict[Path, str] = field(default_factory=dict)
-    _headers_of_c: set[Path] = field(default_factory=set)  # each was reported once
-    _given: Macros = field(default_factory=dict)  # by -D
+    _headers_of_c: set[Path] = field(default_factory=set)  # headers in C that are reported
+    _given: Macros = field(default_factory=dict)  # macros that -D defines
     _macros: Macros = field(default_factory=dict)
     _open: list[str] = field(default_factory=list)
-    _protected: set[str] = field(default_factory=set)  # open ones that a guard keeps from a repeat
-    _cut: dict[str, list[str]] = field(default_factory=dict)  # cycles that a guard ended, by file
+    # Paths of files whose include guard, or #pragma once, keeps them from being read again.
+    _protected: set[str] = field(default_factory=set)
+    # Path of a file -> paths that the file includes in a cycle that a guard ended.
+    _cut: dict[str, list[str]] = field(default_factory=dict)
 
     def check_search(self) -> None:
         """Reports search folders that cannot be read."""
@@ -74,11 +75,11 @@ class Loader:
                     "G0024",
                     folder.as_posix(),
                     f"cannot be searched for included files: {reason}",
-                    "-I takes a folder where includes begin",
+                    "-I takes a folder to search for included files",
                 )
 
     def define(self, constants: Iterable[str]) -> None:
-        """Gives every file the macros "NAME" or "NAME=VALUE"; a name without a value is 1."""
+        """Defines macros for all files, from texts "NAME=VALUE" or "NAME", which means "NAME=1"."""
         text = ""
         for constant in constants:
             name, equals, value = constant.partition("=")
@@ -98,17 +99,17 @@ class Loader:
             self._load(Path(shown), self._include_path(Path(shown)), shown, asked_for=True)
 
     def load_vocabulary(self) -> FileSyntax:
-        """The declarations of the annotations, apart from the files of the run."""
+        """Parses the declarations of gidl's annotations, which are no file of the run."""
         place = PACKAGED / VOCABULARY
         source = Source(VOCABULARY, VOCABULARY, place.read_text(encoding="utf-8"))
         self.sources.setdefault(VOCABULARY, source)
         return parse(source, self.findings, {}, lambda _include: None)
 
     def _include_path(self, place: Path, beside: tuple[str, str] | None = None) -> str:
-        """The path by which other files include the file: relative to its search folder, else as
-        the including file, `beside`, wrote it."""
+        """The path by which other files include the file `place`: relative to its search folder,
+        else to the including file. `beside` is that file's path and the path that it wrote."""
         whole = absolute(place)
-        for folder in (*self._installed, PACKAGED, *self.search):  # -I . may hold the former two
+        for folder in (*self._installed, PACKAGED, *self.search):  # -I . may contain other folders
             if whole.is_relative_to(absolute(folder)):
                 return whole.relative_to(absolute(folder)).as_posix()
         if beside is not None:
@@ -191,7 +192,7 @@ class Loader:
                     "G0004",
                     include.span,
                     f"files include each other: {chain}",
-                    "#pragma once before the includes ends that, where neither needs the other's "
+                    "write #pragma once before the includes, if neither file needs the other's "
                     "names",
                 )
                 return None
@@ -220,7 +221,7 @@ class Loader:
         return None
 
     def _forget_files(self, paths: Set[str]) -> None:
-        """Forgets files, so that the next file that includes one reads it again."""
+        """Forgets files, so that they are read again when another file includes them."""
         for path in paths:
             del self.files[path], self.sources[path]
         for place in [place for place, path in self._by_place.items() if path in paths]:
@@ -246,7 +247,7 @@ class Loader:
     def _find(self, include: Include, source: Source) -> Path | None:
         place = _first_file(self._folders(include, source), include.path)
         if place is None:
-            self._installed = installed_folders()  # looked up only now, because that is slow
+            self._installed = installed_folders()  # only when needed, because it is slow
             place = _first_file(self._installed, include.path)
         return place
 
@@ -281,7 +282,7 @@ def _first_file(folders: Iterable[Path], path: str) -> Path | None:
 
 
 def read_text(shown: str, findings: Findings) -> str | None:
-    """Text of a file, or of stdin for "-"; None, and a finding, where it is not UTF-8."""
+    """Text of a file, or of stdin for "-"; None (and a finding) if unreadable or not UTF-8."""
     data = _read_stdin(findings) if shown == "-" else _read(Path(shown), shown, findings)
     if data is None:
         return None
@@ -296,7 +297,7 @@ def read_text(shown: str, findings: Findings) -> str | None:
 
 
 def _source(path: str, shown: str, data: bytes) -> Source:
-    """Reads bytes that are not UTF-8 as Latin-1; the lexer reports them, by where they stand."""
+    """Decodes `data` as UTF-8. Other bytes are read as Latin-1; the lexer reports them later."""
     text = data.decode("utf-8", "surrogateescape")
     foreign = tuple(m.start() for m in _NOT_UTF_8.finditer(text))
     return Source(path, shown, text.translate(_AS_LATIN_1), foreign)
@@ -320,7 +321,7 @@ def _read(place: Path, shown: str, findings: Findings) -> bytes | None:
             return None
         if place.exists() and not place.is_file():
             findings.file_error(
-                "G0001", shown, "is a pipe or device, not a regular file", "for stdin name -"
+                "G0001", shown, "is a pipe or device, not a regular file", "to read stdin, name -"
             )
             return None
         with place.open("rb") as stream:
@@ -333,7 +334,7 @@ def _read(place: Path, shown: str, findings: Findings) -> bytes | None:
 
 
 def _not_text(name: str) -> bool:
-    """Whether a file's name has bytes that are not UTF-8: no generated file could contain it."""
+    """Whether a file name is not UTF-8: generated files could not contain such a name."""
     return any("\udc80" <= character <= "\udcff" for character in name)
 
 
@@ -355,7 +356,7 @@ def absolute(place: Path) -> Path:
 
 
 def _shown(place: Path) -> str:
-    """Path for people: relative to the current folder when it lies in it."""
+    """The path to print: relative to the current folder if the file is below that folder."""
     try:
         return place.absolute().relative_to(Path.cwd()).as_posix()
     except (ValueError, OSError):
@@ -363,7 +364,7 @@ def _shown(place: Path) -> str:
 
 
 def default_search(paths: Iterable[str]) -> tuple[Path, ...]:
-    """Search folders when no -I is given: the folder `idl` each file lies in."""
+    """Search folders if no -I is given: for each file, the nearest enclosing folder named `idl`."""
     found: list[Path] = []
     for path in paths:
         for parent in Path(path).parents:

@@ -1,4 +1,4 @@
-"""Looks in the search folders for declarations that a file uses and that no file declares."""
+"""Searches the search folders for files that declare a name unknown to the run."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _DECLARED = re.compile(
 
 
 def point_at_includes(findings: Findings, folders: Sequence[Path]) -> None:
-    """Adds a help line with the file to include to findings of unknown names without other help."""
+    """Adds the file to include, as a help line, to findings about unknown names without help."""
     homes: dict[str, str] | None = None
     for index, finding in enumerate(findings.found):
         wanted = _wanted(finding)
@@ -42,7 +42,7 @@ def _wanted(finding: Finding) -> str | None:
 
 
 def _homes(folders: Sequence[Path]) -> dict[str, str]:
-    """Maps each name to the first file that declares it, by the path for `#include`."""
+    """Maps each declared name to the path, as in `#include`, of the first file that declares it."""
     homes: dict[str, str] = {}
     for folder in folders:
         for place in interfaces_below(folder)[:_MOST_FILES]:
@@ -51,7 +51,7 @@ def _homes(folders: Sequence[Path]) -> dict[str, str]:
                     continue
                 text = place.read_text(encoding="utf-8", errors="replace")
             except OSError:
-                continue  # the file that includes it gets the finding
+                continue  # reported when a file includes this one
             path = place.relative_to(folder).as_posix()
             for line in text.splitlines():
                 for of_its_own, alias in _DECLARED.findall(line[:_LONGEST_LINE]):

@@ -1,9 +1,9 @@
-"""The meaning of a set of .gidl files: immutable and free of any target language.
+"""The meaning of a set of .gidl files: immutable and independent of target languages.
 
 A declaration is known by its scoped name ("robcl::Frame", no leading "::"). Types refer to
 declarations by that name, so recursive types need no cycles; `Model.find` follows a name.
-Everything a rule, the wire layout or a target may ask is here, resolved: no annotation needs to be
-read again, constants are values, quality and access are what applies after inheritance.
+The model holds all that rules, the wire layout and targets need, in resolved form: annotations are
+interpreted, constants are values, and quality and access include inherited terms.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ class Location:
 class EnumValue:
     """An enumerator (or a flag of a bitmask) used as a value."""
 
-    enum: str  # scoped name of the enum
+    enum: str  # scoped name of the enum or bitmask
     literal: str
     number: int
 
@@ -52,14 +52,14 @@ class Annotation:
 
 @dataclass(frozen=True, slots=True)
 class Range:
-    """Inclusive bounds of a number; either side may be open."""
+    """Inclusive bounds of a number; None means no bound on that side."""
 
     minimum: int | float | None = None
     maximum: int | float | None = None
 
 
 def within(inner: Range | None, outer: Range | None) -> Range | None:
-    """Both ranges at once: the narrower bound of each side."""
+    """The intersection of two ranges; None stands for a range without bounds."""
     if inner is None or outer is None:
         return inner or outer
     lower = [m for m in (inner.minimum, outer.minimum) if m is not None]
@@ -88,7 +88,7 @@ class Primitive(Enum):
 
     @property
     def size(self) -> int:
-        """Bytes on the wire."""
+        """Size on the wire, in bytes."""
         return _PRIMITIVE_SIZE[self.value]
 
     @property
@@ -110,7 +110,7 @@ class Primitive(Enum):
 
     @property
     def integer_limits(self) -> tuple[int, int]:
-        """Smallest and largest value. Only for integers."""
+        """Smallest and largest value of an integer type. @pre `is_integer`."""
         bits = 8 * self.size
         if self.is_unsigned:
             return 0, (1 << bits) - 1
@@ -133,14 +133,14 @@ class PrimitiveType:
 
 @dataclass(frozen=True, slots=True)
 class StringType:
-    bound: int | None = None  # bytes of UTF-8, without the NUL
+    bound: int | None = None  # most bytes of UTF-8, without the NUL
 
 
 @dataclass(frozen=True, slots=True)
 class SequenceType:
     element: Type
     bound: int | None = None
-    unit: str | None = None  # unit of the elements, when the sequence is annotated
+    unit: str | None = None  # unit of the elements, from an annotation inside `sequence<>`
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,7 +152,7 @@ class MapType:
 
 @dataclass(frozen=True, slots=True)
 class ArrayType:
-    element: Type  # never itself an ArrayType, except through a typedef
+    element: Type  # never an ArrayType, but a typedef may name one
     dimensions: tuple[int, ...]
 
 
@@ -176,20 +176,20 @@ class Facts:
 
     location: Location = field(compare=False)
     doc: str = ""  # text of the author's comment without comment marks; lines joined by "\n"
-    version: str | None = None  # "1.2"
+    version: str | None = None  # text of @version, such as "1.2"
     since: str | None = None
-    deprecated: str | None = None  # the reason; "" when none is given
-    hash_as: str | None = None  # name used for codes and hashes instead of the present one
-    annotations: tuple[Annotation, ...] = ()  # unknown annotations, kept
+    deprecated: str | None = None  # reason, "" if none is given; None: not deprecated
+    hash_as: str | None = None  # name for codes and hashes instead of the declared one
+    annotations: tuple[Annotation, ...] = ()  # annotations that gidl does not interpret
     written: tuple[tuple[str, Location], ...] = field(default=(), compare=False)
     """Locations of annotations with a meaning and of their arguments: "qos", "qos.depth"."""
 
     def place_of(self, *annotations: str) -> Location:
-        """Where one of these annotations stands, else where the name is declared."""
+        """Location of the first of these annotations on the declaration, else that of its name."""
         return next((at for name, at in self.written if name in annotations), self.location)
 
     def has(self, annotation: str) -> bool:
-        """Whether this annotation of ours was written."""
+        """Whether the declaration has this annotation, which must be one of gidl's own."""
         return any(name == annotation for name, _ in self.written)
 
 
@@ -216,8 +216,8 @@ class Extensibility(Enum):
 
 @dataclass(frozen=True, slots=True)
 class MapsTo:
-    """Hand-written value types: `cpp` is ("robcl::Frame", "robcl/frames/frame.hpp"),
-    `python` is ("robcl.frames", "Frame")."""
+    """Hand-written value types of a struct: `cpp` is type and header ("robcl::Frame",
+    "robcl/frames/frame.hpp"), `python` is module and class ("robcl.frames", "Frame")."""
 
     cpp: tuple[str, str] | None = None
     python: tuple[str, str] | None = None
@@ -225,7 +225,7 @@ class MapsTo:
 
 @dataclass(frozen=True, slots=True)
 class Declaration:
-    name: str  # scoped
+    name: str  # scoped name, such as "robcl::Frame"
     facts: Facts
 
     @property
@@ -234,13 +234,13 @@ class Declaration:
 
     @property
     def scope(self) -> str:
-        """Scoped name of the module, interface, struct or union around it, "" at the top."""
+        """Scoped name of the enclosing module, interface, struct or union; "" at the top level."""
         return self.name.rpartition("::")[0]
 
 
 @dataclass(frozen=True, slots=True)
 class Struct(Declaration):
-    members: tuple[Member, ...]  # own ones; `Model.all_members` has those of the bases first
+    members: tuple[Member, ...]  # without inherited members: see `Model.all_members`
     base: str | None = None
     extensibility: Extensibility = Extensibility.FINAL
     maps_to: MapsTo | None = None
@@ -257,7 +257,7 @@ class ExceptionStruct(Struct):
 
 @dataclass(frozen=True, slots=True)
 class Enumerator:
-    name: str  # simple; it lives in the scope around its enum
+    name: str  # unscoped name; an enumerator is declared in the scope around its enum
     number: int
     facts: Facts
 
@@ -265,12 +265,12 @@ class Enumerator:
 @dataclass(frozen=True, slots=True)
 class EnumDeclaration(Declaration):
     enumerators: tuple[Enumerator, ...]
-    default_literal: str | None = None  # what an unknown number becomes; None: it is an error
+    default_literal: str | None = None  # value of unknown numbers; None: these are errors
     bit_bound: int = 32
 
     @property
     def initial(self) -> Enumerator:
-        """Value of an unset member: the default literal, else the first."""
+        """Value of a member that is not set: the default literal, else the first enumerator."""
         for enumerator in self.enumerators:
             if enumerator.name == self.default_literal:
                 return enumerator
@@ -292,32 +292,32 @@ class Bitmask(Declaration):
 
 @dataclass(frozen=True, slots=True)
 class Bitfield:
-    name: str | None  # None is padding
-    position: int  # lowest bit, those of the bases counted
+    name: str | None  # None: padding bits
+    position: int  # index of the lowest bit, counted over the bits of the bases too
     width: int
-    type: (
-        PrimitiveType  # as written, else the smallest unsigned (boolean for one bit) that holds it
-    )
+    # The written type, else the smallest unsigned integer (boolean for one bit) that is wide
+    # enough.
+    type: PrimitiveType
     facts: Facts
 
 
 @dataclass(frozen=True, slots=True)
 class Bitset(Declaration):
-    fields: tuple[Bitfield, ...]  # own ones
+    fields: tuple[Bitfield, ...]  # without inherited fields: see `Model.all_fields`
     base: str | None
-    bit_size: int  # with those of the bases
+    bit_size: int  # number of bits, those of the bases included
 
 
 @dataclass(frozen=True, slots=True)
 class UnionCase:
-    labels: tuple[Value, ...]  # empty for a pure `default:`
+    labels: tuple[Value, ...]  # values of the `case` labels; empty if there is only `default:`
     is_default: bool
     member: Member
 
 
 @dataclass(frozen=True, slots=True)
 class Union(Declaration):
-    discriminator: PrimitiveType | NamedType  # typedefs followed; NamedType is an enum or bitmask
+    discriminator: PrimitiveType | NamedType  # typedefs resolved; NamedType: enum or bitmask
     cases: tuple[UnionCase, ...]
     extensibility: Extensibility = Extensibility.FINAL
 
@@ -339,7 +339,7 @@ class Constant(Declaration):
 @dataclass(frozen=True, slots=True)
 class AnnotationParameter:
     name: str
-    type: Type | None  # None is `any`
+    type: Type | None  # None: the type `any`
     default: Value | None
 
 
@@ -370,12 +370,12 @@ class Parameter:
 
 @dataclass(frozen=True, slots=True)
 class Operation:
-    """An operation, or an event (then the server is the caller and clients have subscribed)."""
+    """An operation, or an event, which the server sends to the clients that subscribed to it."""
 
     name: str
     interface: str  # scoped name of the declaring interface
     parameters: tuple[Parameter, ...]
-    result: Type | None  # None is void
+    result: Type | None  # None: void
     facts: Facts
     raises: tuple[str, ...] = ()  # scoped names of exceptions, in the order written
     oneway: bool = False
@@ -386,18 +386,18 @@ class Operation:
     needs_presence: bool = True  # False for sensor operations and @presence(FALSE)
     idempotent: bool = False
     cancelable: bool = False
-    feedback: NamedType | None = None  # for a cancelable operation; None when untyped
+    feedback: NamedType | None = None  # feedback type of a cancelable operation; None: untyped
     on_new: OnNew = OnNew.QUEUE
     parallel: bool = False
     ordered: bool = False
     on_loss: OnLoss = OnLoss.STOP
-    qos: Qos = UNSAID  # what applies: own terms over the interface's over its bases'
+    qos: Qos = UNSAID  # effective terms: own, else the interface's, else its bases'
     result_unit: str | None = None
     result_range: Range | None = None
     result_optional: bool = False
     result_bulk: bool = False
     result_secret: bool = False
-    id: int | None = None  # @id
+    id: int | None = None  # number given by @id
 
     @property
     def scoped_name(self) -> str:
@@ -409,13 +409,13 @@ class Operation:
 
     @property
     def outputs(self) -> tuple[Parameter, ...]:
-        """`out` and `inout` parameters, without the result."""
+        """The `out` and `inout` parameters, without the result."""
         return tuple(p for p in self.parameters if p.direction is not Direction.IN)
 
 
 @dataclass(frozen=True, slots=True)
 class Attribute:
-    """A value of an object: got, set, streamed. Which of these exists is said by the properties."""
+    """A value of an object. The properties say whether it has a getter, a setter and a stream."""
 
     name: str
     interface: str
@@ -423,8 +423,8 @@ class Attribute:
     readonly: bool
     facts: Facts
     stream: Stream | None = None
-    read_access: Access = Access.SENSOR  # getter and outward stream
-    write_access: Access = Access.ACTOR  # setter or inward stream
+    read_access: Access = Access.SENSOR  # status needed for the getter and the outward stream
+    write_access: Access = Access.ACTOR  # status needed for the setter or the inward stream
     access_written: bool = False
     write_needs_presence: bool = True
     get_raises: tuple[str, ...] = ()
@@ -456,22 +456,22 @@ class Attribute:
 
     @property
     def on_new(self) -> OnNew:
-        """A setter queues like any actor command, ..."""
+        """A setter is queued like any other actor command."""
         return OnNew.QUEUE
 
     @property
     def on_loss(self) -> OnLoss:
-        """... ends with the status of its caller, ..."""
+        """A running setter is stopped when its caller loses the needed status."""
         return OnLoss.STOP
 
     @property
     def parallel(self) -> bool:
-        """... and runs alone."""
+        """A setter does not run in parallel with other actor commands."""
         return False
 
     @property
     def has_getter(self) -> bool:
-        """An inward stream cannot be got by a call."""
+        """False for an attribute with an inward stream: clients cannot read it by a call."""
         return not self.streams_in
 
     @property
@@ -481,15 +481,15 @@ class Attribute:
 
 @dataclass(frozen=True, slots=True)
 class Interface(Declaration):
-    bases: tuple[str, ...]  # direct ones, as written
-    all_bases: tuple[str, ...]  # each once, a base before what derives from it
-    members: tuple[Operation | Attribute, ...]  # own ones, in the order written
-    nested: tuple[str, ...] = ()  # scoped names of what is declared inside, in order
-    qos: Qos = UNSAID  # what decides `create`, inherited terms included
+    bases: tuple[str, ...]  # direct bases, in the order written
+    all_bases: tuple[str, ...]  # each base once, before the bases derived from it
+    members: tuple[Operation | Attribute, ...]  # without inherited members, in the order written
+    nested: tuple[str, ...] = ()  # scoped names of the declarations inside, in order
+    qos: Qos = UNSAID  # quality demanded of a medium, inherited terms included
 
     @property
     def operations(self) -> tuple[Operation, ...]:
-        """Own operations without events."""
+        """The operations, without events and without inherited operations."""
         return tuple(m for m in self.members if isinstance(m, Operation) and not m.is_event)
 
     @property
@@ -508,17 +508,17 @@ AnyDeclaration = (
 
 
 # ---------------------------------------------------------------------------------------------
-# Files and the whole
+# Files and the model
 
 
 @dataclass(frozen=True, slots=True)
 class File:
-    path: str  # as others include it, "robcl/geometry.gidl"
-    includes: tuple[str, ...]  # paths of the files it includes directly, in order
-    declarations: tuple[AnyDeclaration, ...]  # in order, flat; nested ones before what is around
+    path: str  # path as in `#include`, such as "robcl/geometry.gidl"
+    includes: tuple[str, ...]  # paths of the directly included files, in order
+    declarations: tuple[AnyDeclaration, ...]  # flat, in order; nested before enclosing ones
     asked_for: bool = True  # named on the command line; False: only included
     doc: str = ""
-    modules: tuple[Declaration, ...] = ()  # its openings of modules, in order
+    modules: tuple[Declaration, ...] = ()  # one for each `module X {` of the file, in order
 
     @property
     def has_interface(self) -> bool:
@@ -527,7 +527,7 @@ class File:
 
 @dataclass(frozen=True, slots=True)
 class Model:
-    files: tuple[File, ...]  # a file after those it includes
+    files: tuple[File, ...]  # each file after those it includes
     _index: dict[str, AnyDeclaration] = field(init=False, repr=False, compare=False)
     _homes: dict[str, str] = field(init=False, repr=False, compare=False)
 
@@ -538,7 +538,7 @@ class Model:
         object.__setattr__(self, "_homes", homes)
 
     def find(self, name: str) -> AnyDeclaration:
-        """The declaration called `name`. @pre it exists; resolve has seen to that."""
+        """The declaration with the scoped name `name`. @pre `name` is declared: see `has`."""
         return self._index[name]
 
     def has(self, name: str) -> bool:
@@ -568,7 +568,7 @@ class Model:
         return found
 
     def target(self, used: Type) -> Type:
-        """`used` with typedefs at its top followed."""
+        """The type that `used` stands for, through typedefs; typedefs of its elements are kept."""
         while isinstance(used, NamedType):
             declaration = self.find(used.name)
             if not isinstance(declaration, Typedef):
@@ -577,12 +577,12 @@ class Model:
         return used
 
     def all_members(self, struct: Struct) -> tuple[Member, ...]:
-        """Members of the bases first, then its own."""
+        """All members of a struct, those of its bases first."""
         inherited = self.all_members(self.struct(struct.base)) if struct.base else ()
         return inherited + struct.members
 
     def all_fields(self, bitset: Bitset) -> tuple[Bitfield, ...]:
-        """Fields of the bases first, then its own."""
+        """All fields of a bitset, those of its bases first."""
         if bitset.base is None:
             return bitset.fields
         base = self.find(bitset.base)
@@ -590,7 +590,7 @@ class Model:
         return self.all_fields(base) + bitset.fields
 
     def with_bases(self, interface: Interface) -> tuple[Interface, ...]:
-        """All bases, most general first, then the interface itself."""
+        """All bases of an interface, most general first, then the interface itself."""
         return (*(self.interface(name) for name in interface.all_bases), interface)
 
     def all_interface_members(self, interface: Interface) -> tuple[Operation | Attribute, ...]:

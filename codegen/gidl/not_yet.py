@@ -1,7 +1,7 @@
-"""Terms of the vocabulary that are carried but do not act in this version.
+"""Annotations and their arguments that are accepted but have no effect in this version.
 
-`gidl check` warns where one of them is written, so that nobody relies on it. A change that
-makes a term act takes its line out of the table.
+`gidl check` warns at each use of such a term, so that nobody relies on it. A change that gives a
+term its effect must remove the line of the term from the table.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from gidl.policy import Access, OnNew
 
 CODE = "G0708"
 
-Declared = Interface | Operation | Attribute | None  # None: a member, arm or parameter
+Declared = Interface | Operation | Attribute | None  # None: a struct member, union arm or parameter
 
 
 def _always(_declared: Declared) -> bool:
@@ -47,13 +47,13 @@ def _is_member(declared: Declared) -> bool:
 @dataclass(frozen=True, slots=True)
 class Term:
     annotation: str
-    argument: str  # "": the annotation as a whole; in quotes: with this value
+    argument: str  # "": the whole annotation; in quotes: only with this value
     applies: Callable[[Declared], bool]
     today: str
 
     @property
     def written(self) -> str:
-        """The name of the declaration in its facts."""
+        """The key of the term in `Facts.written`, such as "presence" or "qos.depth"."""
         named = self.argument and not self.argument.startswith('"')
         return f"{self.annotation}.{self.argument}" if named else self.annotation
 
@@ -61,21 +61,26 @@ class Term:
         return f"@{self.annotation}({self.argument})" if self.argument else f"@{self.annotation}"
 
 
-_BY_INTERFACE = "that of the interface decides which medium is taken"
-_UNMEASURED = "no line is measured"
-_ALL_RELIABLE = "every sample and call is sent as on any other line"
+_BY_INTERFACE = "the quality of the interface decides which medium is used"
+_UNMEASURED = "the latency of links is not measured"
+_ALL_RELIABLE = "every sample and call is sent with the reliability of its medium"
 
 NOT_YET = (
-    Term("presence", "", _always, "nobody's presence is checked"),
-    Term("idempotent", "", _needs_status, "what needs status is not sent again in a new session"),
+    Term("presence", "", _always, "the presence of a person is not checked"),
+    Term(
+        "idempotent",
+        "",
+        _needs_status,
+        "a call that needs actor status is not sent again in a new session",
+    ),
     Term("on_new", '"blend"', _blends, "the arms of robcl stop at each goal"),
     Term("open_stream", "", _always, "over lcm the stream is sealed like any other"),
-    Term("bulk", "", _always, "it travels as any other value does"),
+    Term("bulk", "", _always, "the value is sent like any other value"),
     Term("qos", "latency", _always, _UNMEASURED),
     Term("qos", "start_by", _always, "a command that starts late is not refused"),
-    Term("qos", "lifespan", _always, "a sample that is old is given all the same"),
+    Term("qos", "lifespan", _always, "a sample is delivered even if it is too old"),
     Term("qos", "liveliness", _always, "a session lives as long as its connection"),
-    Term("qos", "deadline", _is_stream, "a gap between samples is not noticed"),
+    Term("qos", "deadline", _is_stream, "a gap between samples is not detected"),
     Term("qos", "depth", _is_call, "only streams keep samples"),
     Term("qos", "class", _is_member, _BY_INTERFACE),
     Term("qos", "media", _is_member, _BY_INTERFACE),
@@ -84,7 +89,7 @@ NOT_YET = (
 
 
 def check(model: Model, findings: Findings) -> None:
-    """Speaks of the files that were asked for only."""
+    """Warns about terms without effect in the files asked for, not in included files."""
     for file in model.files:
         if file.asked_for:
             for declared, name, facts in _annotated(file):
@@ -97,7 +102,7 @@ def _one(declared: Declared, name: str, facts: Facts, findings: Findings) -> Non
             findings.warning(
                 CODE,
                 facts.place_of(term.written),
-                f"'{term}' of '{name}' does not act in this version: {term.today}",
+                f"'{term}' of '{name}' has no effect in this version: {term.today}",
             )
 
 

@@ -1,6 +1,6 @@
-"""Tokens to the syntax tree: recursive descent, one function per rule of the grammar.
+"""Builds the syntax tree from tokens: recursive descent, one method per grammar rule.
 
-An error is reported, and reading goes on at the next declaration, so one run shows all of them.
+After an error, parsing goes on at the next declaration, so that one run reports all errors.
 """
 
 from __future__ import annotations
@@ -57,8 +57,8 @@ def parse(
     *,
     wide: bool = False,
 ) -> FileSyntax:
-    """Reads one file. Never raises: what cannot be read is missing from the tree and reported.
-    With `wide`, wide text is read as text."""
+    """Parses one file. Never raises: syntax errors are reported, and wrong declarations are left
+    out of the tree. With `wide`, wide strings and characters are read as strings."""
     of_tokens = Findings()
     lexed = lex(source, of_tokens)
     done = preprocess(lexed, findings, macros, on_include)
@@ -74,7 +74,7 @@ def parse(
 
 
 def _lines(source: Source, start: int, end: int) -> range:
-    """Lines between two preprocessor lines."""
+    """The lines between the preprocessor lines at the offsets `start` and `end`."""
     return range(source.location(start).line + 1, source.location(end).line)
 
 
@@ -93,7 +93,9 @@ class Parser(InterfaceParser):
         try:
             while self._now.kind != "eof":
                 if self._is("}"):
-                    self._findings.error("G0100", self._span(self._now), "this '}' closes nothing")
+                    self._findings.error(
+                        "G0100", self._span(self._now), "this '}' has no matching '{'"
+                    )
                     self._advance()
                     self._accept(";")
                     continue
@@ -120,7 +122,7 @@ class Parser(InterfaceParser):
             self._advance()
 
     def _body(self, what: str) -> list[DeclarationSyntax]:
-        """`{ definition ... }` of a module."""
+        """Parses the `{ definition ... }` of a module."""
         opened = self._expect("{", f"to open {what}")
         body: list[DeclarationSyntax] = []
         with self._nested():
@@ -157,7 +159,7 @@ class Parser(InterfaceParser):
                 return [found]
         if self._is(";"):
             self._findings.error(
-                "G0100", self._span(token), "this ';' ends nothing", "leave it out"
+                "G0100", self._span(token), "this ';' ends no declaration", "leave it out"
             )
             self._advance()
             return []
@@ -165,10 +167,10 @@ class Parser(InterfaceParser):
         raise Skip
 
     def _refused_declaration(self) -> RefusedSyntax:
-        """One message for a name, which may be declared forward. It stays known, so that its uses
-        are no further mistakes."""
+        """Skips an unsupported declaration and reports it, once per name. The name stays known, so
+        that uses of the name are not reported."""
         keyword = self._advance()
-        if self._is("valuetype"):  # after "custom" or "abstract"
+        if self._is("valuetype"):  # a `valuetype` after "custom" or "abstract"
             keyword = self._advance()
         code, what, instead = _REFUSED[keyword.text]
         name = Name(self._now.text, self._span(self._now))
@@ -181,7 +183,7 @@ class Parser(InterfaceParser):
         return RefusedSyntax(name)
 
     def _type_declaration(self, extras: Extras) -> DeclarationSyntax | None:
-        """type_dcl: what may stand in modules and in interfaces alike."""
+        """Parses type_dcl, which modules and interfaces may contain; None if none begins here."""
         match self._now.text if self._now.kind == "id" else "":
             case "struct" | "union" | "enum" | "bitmask" | "bitset":
                 return self._constructed_declaration(extras)
@@ -202,7 +204,7 @@ class Parser(InterfaceParser):
         self._opened(extras)
         if self._is("{") and self._ahead.text == "}" and self._ahead.kind == "op":
             self._syntax_error_at(
-                self._ahead, f"module '{name.text}' is empty", "a module declares something"
+                self._ahead, f"module '{name.text}' is empty", "a module must contain a declaration"
             )
         body = self._body(f"module '{name.text}'")
         self._finish(extras, "the module's '}'")
@@ -264,7 +266,7 @@ class Parser(InterfaceParser):
         if token.kind not in ("id", "escaped"):
             self._syntax_error("the annotation's name")
             raise Skip
-        self._advance()  # keywords are names here: @default is one
+        self._advance()  # keywords may name annotations, such as @default
         name = Name(token.text, self._span(token), token.kind == "escaped")
         opened = self._expect("{", "to open the annotation's parameters")
         parameters: list[AnnotationParameterSyntax] = []
@@ -309,12 +311,12 @@ class Parser(InterfaceParser):
         return Extras(annotations, doc)
 
     def _opened(self, extras: Extras) -> None:
-        """`//@` comments after the `{` that is next belong to what it opens."""
+        """Adds `//@` comments after the next token, if this is `{`, to the declaration it opens."""
         if self._is("{"):
             self._take_trailing(extras, self._now)
 
     def _finish(self, extras: Extras, where: str) -> None:
-        """Closing `;`, then the comment and the `//@` comments on its line."""
+        """Parses the closing `;`, then the documentation and `//@` comments on the same line."""
         self._expect_semicolon(where)
         self._after(extras)
 

@@ -1,4 +1,4 @@
-"""The names of our annotations, and what each may stand on."""
+"""The names of gidl's annotations, and the kinds of declarations that each may annotate."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _STRUCTS = frozenset(("struct", "exception", "union"))
 _CONSTRUCTED = _STRUCTS | {"enum", "bitmask", "bitset"}
 _TYPES = _CONSTRUCTED | {"typedef"}
 
-# What each annotation of the vocabulary may stand on.
+# Name of an annotation -> kinds of declarations that it may annotate.
 PLACES: Mapping[str, frozenset[str]] = {
     "sensor": _CALLS,
     "actor": _CALLS,

@@ -1,6 +1,6 @@
 """Access, quality and streams: the needs of a caller and the promises of a connection.
 
-Durations are whole nanoseconds, rates are hertz. `None` means "not said".
+Durations are whole nanoseconds, rates are hertz. `None` means "not set".
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from enum import Enum, IntEnum
 
 
 class Access(IntEnum):
-    """Status a caller needs. Master includes actor includes sensor, so the order is the meaning."""
+    """Status that a caller needs; values are ordered: master includes actor includes sensor."""
 
     SENSOR = 0
     ACTOR = 1
@@ -34,7 +34,7 @@ class OnLoss(Enum):
 
 
 class QualityClass(IntEnum):
-    """How much the line promises; the order is the strictness."""
+    """How strict the timing promises of a connection are; the values are in rising strictness."""
 
     TIME_INDEPENDENT = 0
     SOFT_REALTIME = 1
@@ -60,7 +60,7 @@ class StreamDirection(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Qos:
-    """Quality terms of a line. Every term may be unsaid."""
+    """Quality terms (QoS) of a connection. A term that is None is not set."""
 
     quality_class: QualityClass | None = None
     reliability: Reliability | None = None
@@ -90,9 +90,9 @@ UNSAID = Qos()
 
 @dataclass(frozen=True, slots=True)
 class Stream:
-    """Continuous samples of an attribute."""
+    """The stream of an attribute: the server or a client publishes samples continuously."""
 
     direction: StreamDirection
     rate_hz: float | None = None
-    watchdog_ns: int | None = None  # inward only: longest silence before the server acts
-    is_open: bool = False  # outward only, @open_stream: a bare LCM message over lcm
+    watchdog_ns: int | None = None  # inward streams: longest gap in samples before the server acts
+    is_open: bool = False  # @open_stream, outward streams: samples are bare LCM messages over lcm

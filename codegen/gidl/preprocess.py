@@ -1,7 +1,7 @@
 """Preprocessor lines: `#include`, guards, `#pragma once`, conditions and constants.
 
-A file is read once per run, whatever its guards say: including is importing. Macros are constants
-(`#define RATE 250`); macros with parameters are refused by name.
+Each file is read once per run, with or without include guards: an include is an import. Macros are
+constants (`#define RATE 250`); macros with parameters are reported as unsupported.
 """
 
 from __future__ import annotations
@@ -26,14 +26,14 @@ _CONDITION = re.compile(
 )
 _GUARD = re.compile(r"#[ \t]*(?:ifndef[ \t]+|if[ \t]*![ \t]*defined[ \t]*\(?[ \t]*)([A-Za-z_]\w*)")
 _MAX_NUMBER = 1 << 64
-_MAX_EXPANSION = 10_000  # tokens one macro use may become
+_MAX_EXPANSION = 10_000  # most tokens that one use of a macro may expand to
 
 
 @dataclass(slots=True)
 class _Condition:
     span: Span
     active: bool
-    taken: bool  # some branch of it was active
+    taken: bool  # True: a branch of the condition was active
     in_else: bool = False
 
 
@@ -41,7 +41,7 @@ class _Condition:
 class Preprocessed:
     tokens: list[Token]
     includes: list[Include] = field(default_factory=list)
-    skipped: list[tuple[int, int]] = field(default_factory=list)  # inactive stretches
+    skipped: list[tuple[int, int]] = field(default_factory=list)  # inactive text, as offsets
     first_directive: int | None = None
 
 
@@ -51,7 +51,7 @@ def preprocess(
     macros: Macros,
     on_include: Callable[[Include], None],
 ) -> Preprocessed:
-    """Acts on the preprocessor lines. `macros` is read and written; `on_include` may add to it."""
+    """Executes the preprocessor lines. `macros` is read and changed, also by `on_include`."""
     return _Preprocessor(lexed, findings, macros, on_include).run()
 
 
@@ -72,7 +72,7 @@ class _Preprocessor:
         first = lexed.tokens[0]
         guard = _GUARD.match(first.text) if first.kind == "directive" else None
         self._guard = guard.group(1) if guard else None
-        self._protected = False  # by its guard or #pragma once from being read again
+        self._protected = False  # True: a guard or #pragma once prevents a second reading
 
     def run(self) -> Preprocessed:
         out = self._result.tokens
@@ -135,13 +135,13 @@ class _Preprocessor:
             self._findings.error("G0005", self._span(token), f"#error {rest}")
         elif word == "warning":
             self._findings.warning("G0704", self._span(token), f"#warning {rest}")
-        elif word not in ("line", "ident") and not word.isdigit():  # as `# 1 "file"`
+        elif word not in ("line", "ident") and not word.isdigit():  # `# 1 "file"` is skipped
             self._findings.error(
                 "G0005",
                 self._span(token),
                 f"unknown preprocessor line '#{word}'",
-                "known are #include, #pragma once, #define, #undef, #if, #ifdef, #ifndef, #elif, "
-                "#else, #endif, #error, #warning",
+                "known lines are #include, #pragma once, #define, #undef, #if, #ifdef, #ifndef, "
+                "#elif, #else, #endif, #error, #warning",
             )
 
     def _pragma(self, rest: str, token: Token) -> None:
@@ -152,13 +152,13 @@ class _Preprocessor:
                 "G0701",
                 self._span(token),
                 f"'#pragma {rest}' has no meaning here and is ignored",
-                "said once per run; identifiers of the repository are written with typeid and "
+                "reported once per run; write identifiers of the repository with typeid and "
                 "typeprefix",
             )
 
     def _include(self, rest: str, token: Token) -> None:
         body = self._macros.get(rest, ())
-        if len(body) == 1 and body[0].kind == "string":  # #define NAME "file"
+        if len(body) == 1 and body[0].kind == "string":  # `NAME` after `#define NAME "file"`
             rest = body[0].text
         match = _INCLUDE.match(rest)
         if match is None:
@@ -196,7 +196,7 @@ class _Preprocessor:
         self._macros[name] = tuple(t for t in lexed.tokens if t.kind not in ("eof", "directive"))
 
     def _expand(self, use: Token) -> list[Token]:
-        """Tokens a macro stands for, macros inside it expanded, all at the place of the use."""
+        """Tokens of a macro, with macros inside expanded; all have the location of the use."""
         result: list[Token] = []
         work: list[tuple[Token, frozenset[str]]] = [(use, frozenset())]
         while work:
@@ -211,7 +211,7 @@ class _Preprocessor:
                 self._findings.error(
                     "G0005",
                     self._span(use),
-                    f"macro '{use.text}' stands for more than {_MAX_EXPANSION} tokens",
+                    f"macro '{use.text}' expands to more than {_MAX_EXPANSION} tokens",
                 )
                 return [Token("int", "1", use.start, use.end)]
         return result
@@ -253,14 +253,14 @@ class _Preprocessor:
             self._findings.error(
                 "G0005",
                 self._span(token),
-                f"'{text}' is no condition",
-                "conditions are made of numbers, constants, defined(X), comparisons, !, && and ||",
+                f"'{text}' is not a valid condition",
+                "a condition may contain numbers, constants, defined(X), comparisons, !, && and ||",
             )
             return False
 
 
 class _ConditionReader:
-    """Computes `#if` conditions, in 64 bits. Raises ValueError where the text is none."""
+    """Computes `#if` conditions, in 64 bits. Raises ValueError if the text is no condition."""
 
     _LEVELS = (
         ("||",), ("&&",), ("|",), ("^",), ("&",), ("==", "!="), ("<", ">", "<=", ">="),

@@ -1,4 +1,4 @@
-"""The project file gidl.toml: what the command line need not say each time."""
+"""The project file gidl.toml: defaults for options of the command line."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _AT = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\)\Z")
 
 @dataclass(frozen=True, slots=True)
 class Project:
-    """Defaults of the command line. Folders are relative to the current one."""
+    """Defaults of the command line. Paths of folders are relative to the current folder."""
 
     file: Path | None = None
     roots: tuple[Path, ...] = (Path("idl"),)
@@ -37,7 +37,7 @@ class Project:
 
 
 def find(start: Path) -> Path | None:
-    """The project file in a folder, or in the nearest one above it."""
+    """The project file in the folder `start`, else in the nearest folder above; None if none."""
     start = start.absolute()
     for folder in (start, *start.parents):
         if (folder / FILE).is_file():
@@ -46,12 +46,12 @@ def find(start: Path) -> Path | None:
 
 
 def read(file: Path, findings: Findings, sources: dict[str, Source]) -> Project:
-    """The contents of the file. Each mistake becomes a finding with its line."""
+    """The contents of a project file. Each mistake becomes a finding with a line."""
     shown = file.as_posix()
     try:
         text = file.read_bytes().decode("utf-8")
     except UnicodeDecodeError as problem:
-        findings.file_error("G0023", shown, f"is not UTF-8, as TOML is: {problem.reason}")
+        findings.file_error("G0023", shown, f"is not UTF-8, as TOML must be: {problem.reason}")
         return Project(file)
     sources[shown] = Source(shown, shown, text)
     try:
@@ -76,8 +76,8 @@ def read(file: Path, findings: Findings, sources: dict[str, Source]) -> Project:
 
 
 def line_of(text: str, keys: tuple[str, ...]) -> int:
-    """The line where the statement begins that gives the key. The lines up to some
-    line parse as TOML only where no statement goes on after it, whatever strings and lists hold."""
+    """The line where the TOML statement that sets the key begins. The text up to a line parses as
+    TOML only if no statement goes on after the line, whatever strings and lists contain."""
     lines = [f"{line}\n" for line in text.split("\n")]
     begin = 1
     for end in range(1, len(lines) + 1):

@@ -1,4 +1,4 @@
-"""The keys of gidl.toml: what each may hold, and how it is written."""
+"""The keys of gidl.toml: the check of each key's value, and an example of each key."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ DEFINE = re.compile(r"[A-Za-z_]\w*(=[^\n]*)?\Z")
 OUTPUTS = "outputs"  # a table with a folder for each language
 WIDE = ("utf8",)
 
-_Check = Callable[[object, Path], str]  # what is wrong, or ""
+_Check = Callable[[object, Path], str]  # returns the mistake in a value, or ""
 
 
 def wrong_with(keys: tuple[str, ...], value: object, folder: Path) -> tuple[str, str] | None:
-    """The mistake of a value and the correction; folders begin in `folder`. None where it is
-    right. `keys` is ("roots",) or ("outputs", "cpp")."""
+    """The mistake in a value, and the correction; None if the value is right. Paths are relative to
+    `folder`. `keys` is the path of the key, such as ("roots",) or ("outputs", "cpp")."""
     written = ".".join(keys)
     if written not in _KEYS:
         near = get_close_matches(written, list(_KEYS), n=1)
-        known = f"did you mean '{near[0]}'?" if near else f"known are {', '.join(_KEYS)}"
+        known = f"did you mean '{near[0]}'?" if near else f"known keys are {', '.join(_KEYS)}"
         return f"there is no key '{written}'", known
     check, example = _KEYS[written]
     wrong = check(value, folder)
-    return (f"{written}: {wrong}", f"written as {example}") if wrong else None
+    return (f"{written}: {wrong}", f"write for example {example}") if wrong else None
 
 
 def _texts(value: object) -> list[str] | None:

@@ -1,4 +1,4 @@
-"""Texts with a meaning inside annotations: durations, rates, hand-written types."""
+"""Parses texts inside annotations: durations, rates, hand-written types."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _LONGEST_NS = 1 << 62
 
 
 def duration_ns(text: str) -> int | None:
-    """Whole nanoseconds of "5ms"; None where it is no positive duration."""
+    """A duration such as "5ms" in whole nanoseconds; None if the text is no positive duration."""
     match = _DURATION.match(text)
     if match is None:
         return None
@@ -28,7 +28,7 @@ def duration_ns(text: str) -> int | None:
 
 
 def rate_hz(text: str) -> float | None:
-    """Hertz of "250Hz"; None where it is no positive rate up to 1 MHz."""
+    """A rate such as "250Hz" in hertz; None if the text is no positive rate up to 1 MHz."""
     match = _RATE.match(text)
     if match is None:
         return None
@@ -37,12 +37,12 @@ def rate_hz(text: str) -> float | None:
 
 
 def cpp_type(text: str) -> tuple[str, str] | None:
-    """Type and header of "robcl::Frame <robcl/frames/frame.hpp>"."""
+    """Type and header in a text such as "robcl::Frame <robcl/frames/frame.hpp>"."""
     match = _CPP_TYPE.match(text)
     return (match.group(1).removeprefix("::"), match.group(2)) if match else None
 
 
 def python_type(text: str) -> tuple[str, str] | None:
-    """Module and class of "robcl.frames:Frame"."""
+    """Module and class in a text such as "robcl.frames:Frame"."""
     match = _PYTHON_TYPE.match(text)
     return (match.group(1), match.group(2)) if match else None

@@ -1,7 +1,8 @@
-"""Syntax to model: names are looked up, constants computed, annotations given their meaning.
+"""Builds the model from syntax trees: looks names up, computes constants, interprets annotations.
 
-Files come in the order of their includes, declarations in the order written: IDL asks that a name
-is declared before it is used. What is wrong is reported and left out; the rest is the model.
+Included files must come before the files that include them; declarations are resolved in the order
+written: IDL requires that a name is declared before its use. Wrong declarations are reported and
+left out of the model.
 """
 
 from __future__ import annotations
@@ -54,7 +55,7 @@ from gidl.vocabulary import Declared, Parameter, Vocabulary
 
 
 def resolve(files: Iterable[LoadedFile], vocabulary: FileSyntax, findings: Findings) -> Model:
-    """The model of `files`, each after those it includes."""
+    """The model of `files`, each of which must come after the files that it includes."""
     resolver = Resolver(findings)
     resolver.read_vocabulary(vocabulary)
     return resolver.model(files)
@@ -199,7 +200,7 @@ class Resolver(InterfaceResolver):
             self._names.visible.add(symbol.file)
 
     def _anywhere(self, name: ScopedName, scope: Scope) -> list[Symbol]:
-        """The declaration of a name, even when its file is not included."""
+        """The symbol of each part of a name, even if its file is not included; empty if unknown."""
         visible = self._names.visible
         self._names.visible = visible | _files_of_scope(self._names.top)
         try:
@@ -211,7 +212,10 @@ class Resolver(InterfaceResolver):
         path = self._names.path(syntax.name, Scope(scope.name, scope.kind, scope))
         if not path:
             self._findings.error(
-                "G0106", syntax.name.span, f"unknown name '{syntax.name}'", "declare it before"
+                "G0106",
+                syntax.name.span,
+                f"unknown name '{syntax.name}'",
+                "declare the name before its use",
             )
             return
         self._names.check_spelling(syntax.name, path)
@@ -222,14 +226,14 @@ class Resolver(InterfaceResolver):
     # -- forward declarations --------------------------------------------------------------------
 
     def _report_incomplete(self, files: list[File], places: dict[str, int]) -> None:
-        """Reports what was never completed, and completes it, empty, so that rules can go on."""
+        """Reports types declared forward but never completed; adds them, empty, to the model."""
         for symbol in list(self._names.incomplete()):
             if symbol.scoped not in self._used_incomplete:
                 self._findings.error(
                     "G0113",
                     symbol.span,
                     f"{symbol.kind} '{symbol.name}' is declared forward and never completed",
-                    "declare it in this file or in one that it includes",
+                    "complete it in this file or in a file that this file includes",
                 )
             facts = Facts(symbol.span.location)
             empty: AnyDeclaration
@@ -263,7 +267,7 @@ def _declared_names(body: Iterable[DeclarationSyntax]) -> Iterator[tuple[str, in
 
 
 def _inline(syntax: DeclarationSyntax) -> list[DeclarationSyntax]:
-    """Types declared in the declaration."""
+    """The types that are declared inside a declaration, for example by a member."""
     match syntax:
         case TypedefSyntax(type=used):
             types = [used]
@@ -290,7 +294,7 @@ def _files_of_scope(scope: Scope) -> set[str]:
 
 
 def _with_repository(file: File, kept: dict[str, list[Annotation]]) -> File:
-    """typeid and typeprefix become annotations that are kept."""
+    """Adds typeid and typeprefix to the declarations of `file`, as uninterpreted annotations."""
     declarations = []
     for declaration in file.declarations:
         extra = kept.get(declaration.name)

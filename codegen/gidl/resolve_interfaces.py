@@ -1,4 +1,4 @@
-"""Interfaces, operations and attributes: syntax to model."""
+"""Resolves interfaces, operations and attributes: from syntax to model."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class InterfaceResolver(TypeResolver):
         self._interface_scopes: dict[str, Scope] = {}
         self._interface_qos: dict[str, Qos] = {}
         self._all_bases: dict[str, tuple[str, ...]] = {}
-        self._cut_off: set[str] = set()  # interfaces that were left without their bases
+        self._cut_off: set[str] = set()  # interfaces that lost their bases: too many
 
     def _interface(self, syntax: InterfaceSyntax, scope: Scope) -> None:
         marks = self._marks(syntax.extras, "interface", scope)
@@ -69,7 +69,7 @@ class InterfaceResolver(TypeResolver):
                 continue
             if found in bases:
                 self._findings.error(
-                    "G0401", base.span, f"'{base}' is a base already", "name it once"
+                    "G0401", base.span, f"'{base}' is a base already", "name each base once"
                 )
                 continue
             bases.append(found)
@@ -104,7 +104,8 @@ class InterfaceResolver(TypeResolver):
         )
 
     def _few_enough(self, syntax: InterfaceSyntax, name: str, bases: list[str]) -> list[str]:
-        """`bases`, or none where there are too many. Derived interfaces get no finding for that."""
+        """`bases`, or an empty list if there are too many. Interfaces derived from such an
+        interface lose their bases too, without a finding."""
         if not self._cut_off.isdisjoint(bases):
             self._cut_off.add(name)
             return []
@@ -117,7 +118,7 @@ class InterfaceResolver(TypeResolver):
             syntax.name.span,
             f"'{syntax.name.text}' has {count} bases, direct and inherited ones; at most "
             f"{MAX_BASES} are allowed",
-            "put members of several bases into one",
+            "move members of several bases into one base",
         )
         return []
 
@@ -221,7 +222,7 @@ class InterfaceResolver(TypeResolver):
             return None
         parts = tuple(text.removeprefix("::").split("::"))
         name = ScopedName(parts, text.startswith("::"), cancelable.span)
-        quiet = Scope(scope.name, scope.kind, scope)  # a name in a string introduces nothing
+        quiet = Scope(scope.name, scope.kind, scope)  # names in strings must not enter scope.uses
         feedback = self._complete(name, quiet, _STRUCT, "struct")
         return None if feedback is None else NamedType(feedback)
 
@@ -232,7 +233,10 @@ class InterfaceResolver(TypeResolver):
             assert second is not None
             both = " and ".join(f"'@{a.name.lower()}'" for a in said)
             self._findings.error(
-                "G0505", second.span, f"{both} contradict each other", "write the one that is meant"
+                "G0505",
+                second.span,
+                f"{both} contradict each other",
+                "write only one of these annotations",
             )
         return (said[-1], True) if said else (Access.ACTOR, False)
 
@@ -246,7 +250,7 @@ class InterfaceResolver(TypeResolver):
                 return choice
         known = ", ".join(f'"{c.value}"' for c in kind)
         self._findings.error(
-            "G0506", applied.span, f"'@{name}' does not know \"{text}\"", f"it is one of {known}"
+            "G0506", applied.span, f"'@{name}' has no value \"{text}\"", f"write one of {known}"
         )
         return unsaid
 
@@ -305,7 +309,7 @@ class InterfaceResolver(TypeResolver):
                 "G0601",
                 applied.span,
                 "these attributes would share one '@id'",
-                "declare them apart",
+                "declare each attribute separately",
             )
 
     def _stream(self, marks: Marks) -> Stream | None:
@@ -345,7 +349,7 @@ class InterfaceResolver(TypeResolver):
         )  # fmt: skip
         depth = applied.arguments["depth"]
         if "depth" in applied.written and depth == 0:
-            self._findings.error("G0506", applied.span, "a depth of 0 would keep nothing")
+            self._findings.error("G0506", applied.span, "a depth of 0 would keep no samples")
         return Qos(
             None if quality is None else QualityClass[quality],
             None if reliability is None else Reliability[reliability],
@@ -386,7 +390,7 @@ class InterfaceResolver(TypeResolver):
         text = applied.text(name)
         found = read(text)
         if found is None:
-            if text.isdecimal():  # with the unit of the example
+            if text.isdecimal():  # a number without a unit gets that of the example
                 example = text + example.lstrip("0123456789")
             self._findings.error(
                 "G0506",

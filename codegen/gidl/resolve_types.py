@@ -1,4 +1,4 @@
-"""Declarations of types and constants: syntax to model."""
+"""Resolves declarations of types and constants: from syntax to model."""
 
 from __future__ import annotations
 
@@ -64,18 +64,18 @@ _BITSET = frozenset(("bitset",))
 
 
 class TypeResolver(ValueResolver):
-    """Each method declares, resolves and appends to `_out` what one declaration means."""
+    """Each method declares and resolves one declaration, and appends the result to `_out`."""
 
     def __init__(self, findings: Findings, names: Names, vocabulary: Vocabulary) -> None:
         super().__init__(findings, names, vocabulary)
         self._out: list[AnyDeclaration] = []
-        self._of_typedef: dict[str, tuple[str | None, Range | None]] = {}  # unit and range
+        self._of_typedef: dict[str, tuple[str | None, Range | None]] = {}  # by typedef
         self._bitset_sizes: dict[str, int] = {}
         self._enums: dict[str, EnumDeclaration] = {}
         self._bitmasks: set[str] = set()
 
     def _type_declaration(self, syntax: DeclarationSyntax, scope: Scope) -> bool:
-        """Whether it was one."""
+        """Resolves `syntax` if it declares a type or a constant; returns whether it does."""
         match syntax:
             case StructSyntax():
                 self._struct(syntax, scope)
@@ -106,7 +106,7 @@ class TypeResolver(ValueResolver):
         return NamedType(symbol.scoped)
 
     def _keep(self, symbol: Symbol | None, declaration: AnyDeclaration) -> None:
-        """Adds a declaration to the model. Without a symbol its name was taken, and reported."""
+        """Adds a declaration to the model, unless `symbol` is None: then its name was taken."""
         if symbol is not None:
             self._out.append(declaration)
 
@@ -139,8 +139,8 @@ class TypeResolver(ValueResolver):
     def _complete(
         self, name: ScopedName, scope: Scope, kinds: frozenset[str], what: str
     ) -> str | None:
-        """The scoped name of a complete declaration of one of `kinds`, typedefs followed; None and
-        a finding otherwise."""
+        """The scoped name of the declaration that `name` means, typedefs resolved. None (and a
+        finding) if that declaration is incomplete or of none of `kinds`."""
         symbol = self._symbol(name, scope, kinds | {"typedef"}, what, "G0102")
         if symbol is not None and symbol.kind == "typedef":
             symbol = self._behind(name, symbol, scope, kinds, what)
@@ -160,7 +160,7 @@ class TypeResolver(ValueResolver):
 
     def _behind(self, name: ScopedName, typedef: Symbol, scope: Scope, kinds: frozenset[str],
                 what: str) -> Symbol | None:  # fmt: skip
-        """The symbol of the type that `typedef` names; None and a finding if of another kind."""
+        """The symbol of the type that `typedef` names; None (and a finding) if not of `kinds`."""
         target = self._target(NamedType(typedef.scoped))
         symbol = self._names.declared(target.name) if isinstance(target, NamedType) else None
         if symbol is None or symbol.kind not in kinds:
@@ -217,7 +217,7 @@ class TypeResolver(ValueResolver):
                 "G0505",
                 max(final.span, appendable.span, key=lambda span: span.start),
                 "'@final' and '@appendable' contradict each other",
-                "write the one that is meant",
+                "write only one of these annotations",
             )
         return Extensibility.APPENDABLE if "appendable" in marks else Extensibility.FINAL
 
@@ -231,7 +231,7 @@ class TypeResolver(ValueResolver):
             self._findings.error(
                 "G0506",
                 applied.span,
-                "this is no type that can be mapped to",
+                "'@maps_to' needs the name of a type",
                 'write cpp="ns::Type <path/header.hpp>" and python="package.module:Class"',
             )
         return MapsTo(cpp_found, python_found)
@@ -243,20 +243,22 @@ class TypeResolver(ValueResolver):
         return self._from_typedef(used)[0]
 
     def _from_typedef(self, used: Type) -> tuple[str | None, Range | None]:
-        """Unit and range that the typedef `used` declares."""
+        """Unit and range that `used` declares if it is a typedef, else (None, None)."""
         name = used.name if isinstance(used, NamedType) else ""
         return self._of_typedef.get(name, (None, None))
 
     def _range(self, marks: Marks, used: Type) -> Range | None:
-        """The range as numbers of the type, within the ranges of its typedefs. The range of an
-        array or a sequence applies to the elements."""
+        """The written range as numbers of the type `used`, narrowed by the ranges of its typedefs.
+        The range of an array or a sequence applies to the elements."""
         both, low, high = marks.get("range"), marks.get("min"), marks.get("max")
         written = both or low or high
         if written is None:
             return self._from_typedef(used)[1]
         if both is not None and (low or high):
             self._findings.error(
-                "G0505", both.span, "'@range' and '@min' or '@max' say the same: write one of them"
+                "G0505",
+                both.span,
+                "'@range' means the same as '@min' and '@max': write only one form",
             )
         target, inherited = self._bounded(used)
         if not (isinstance(target, PrimitiveType) and target.kind.is_number):
@@ -273,7 +275,7 @@ class TypeResolver(ValueResolver):
         most = self._bound_value(maximum, target, (both or high or written).span)
         if least is not None and most is not None and least > most:
             self._findings.error(
-                "G0307", written.span, f"nothing is between {least} and {most}", "swap them"
+                "G0307", written.span, f"no number is between {least} and {most}", "swap the bounds"
             )
             return None
         both_ranges = within(Range(least, most), inherited)
@@ -283,15 +285,15 @@ class TypeResolver(ValueResolver):
             self._findings.error(
                 "G0307",
                 written.span,
-                f"no value lies in this range and in that of the type: {least} is above {most}",
-                "narrow the range of the typedef, do not leave it",
+                f"no value is in both this range and the type's range: {least} is above {most}",
+                "the range must be within the range of the typedef",
             )
             return None
         return both_ranges
 
     def _bounded(self, used: Type) -> tuple[Type, Range | None]:
-        """The type that a range limits (the number inside arrays and sequences), and the range
-        that the typedefs on the way declare."""
+        """The type that a range of `used` limits (the number inside arrays and sequences), and the
+        range that all typedefs down to that type declare."""
         inherited = self._from_typedef(used)[1]
         target = self._target(used)
         while isinstance(target, ArrayType | SequenceType):
@@ -318,10 +320,10 @@ class TypeResolver(ValueResolver):
             self._findings.error(
                 "G0308",
                 applied.span,
-                "'@default' gives a number, boolean, character or string",
-                "an enum says '@default_literal' at the enumerator that is its default"
+                "'@default' takes a number, boolean, character or string",
+                "write '@default_literal' at the default enumerator of the enum"
                 if isinstance(value, EnumValue) or not isinstance(target, NamedType)
-                else "members of that type start with the defaults the type declares",
+                else "members of this type get the defaults that the type declares",
             )
             return None
         if target == PrimitiveType(Primitive.CHAR) and is_character(value):
@@ -343,7 +345,7 @@ class TypeResolver(ValueResolver):
             self._findings.error(
                 "G0312",
                 syntax.discriminator.span,
-                "a union is switched by an integer, boolean, char, octet or enum",
+                "the discriminator of a union is an integer, boolean, char, octet or enum",
             )
             discriminator = None
         cases = []
@@ -401,7 +403,7 @@ class TypeResolver(ValueResolver):
                     self._findings.error(
                         "G0505",
                         item.name.span,
-                        f"'@default_literal' stands on '{default}' already",
+                        f"'@default_literal' is on enumerator '{default}' already",
                     )
                 default = item.name.text
             declared = self._names.declare(scope, item.name, "enumerator")
@@ -483,7 +485,7 @@ class TypeResolver(ValueResolver):
         self._keep(symbol, Bitset(inside.name, facts, tuple(fields), base, position))
 
     def _bitfield_type(self, field: BitfieldSyntax, width: int) -> PrimitiveType:
-        """The written type, else the smallest unsigned integer that holds the value."""
+        """The written type of a bitfield, else boolean (1 bit) or the smallest unsigned integer."""
         if isinstance(field.type, BasicType):
             kind = Primitive(field.type.name)
             if not (kind.is_integer or kind is Primitive.BOOLEAN):

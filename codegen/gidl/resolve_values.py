@@ -1,4 +1,4 @@
-"""Names, constants, types and annotations: what every declaration is made of."""
+"""Resolves the parts of every declaration: names, constants, types and annotations."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ from gidl.syntax import (
 from gidl.vocabulary import Applied, Vocabulary
 
 MAX_BOUND = (1 << 31) - 1
-MAX_ARRAY = 1 << 24  # elements of one array; also keeps fixed sizes within 32 bits
+MAX_ARRAY = 1 << 24  # most elements of one array; keeps fixed sizes within 32 bits
 
 _EXTENSIBILITIES = ("FINAL", "APPENDABLE", "MUTABLE")
 _BY_VALUE = frozenset(("struct", "union"))
@@ -89,14 +89,14 @@ class ValueResolver(ABC):
         self._findings = findings
         self._names = names
         self._vocabulary = vocabulary
-        self._typedefs: dict[str, Type] = {}  # targets, for looking through
-        self._used_incomplete: set[str] = set()  # reported where only a forward declaration was
+        self._typedefs: dict[str, Type] = {}  # scoped name of a typedef -> its type
+        self._used_incomplete: set[str] = set()  # incomplete types with a reported use
 
     # -- names ---------------------------------------------------------------------------------
 
     def _symbol(self, name: ScopedName, scope: Scope, kinds: frozenset[str], what: str,
                 code: str) -> Symbol | None:  # fmt: skip
-        """The symbol of one of `kinds` called `name`, or a finding."""
+        """The symbol that `name` means; None (and a finding) if there is none of one of `kinds`."""
         path = self._names.path(name, scope)
         if not path:
             self._unknown(name, scope, kinds, what, code)
@@ -120,7 +120,7 @@ class ValueResolver(ABC):
                 f"'{name}' is not part of .gidl",
                 "types are known when the interface is compiled",
             )
-        elif not self._names.lacks_includes:  # what was not found may declare it
+        elif not self._names.lacks_includes:  # a missing include may declare the name
             hint = self._names.hint(name, scope, kinds)
             self._findings.error(code, name.span, f"unknown {what} '{name}'", hint)
 
@@ -129,24 +129,24 @@ class ValueResolver(ABC):
         self._findings.error(
             "G0110",
             name.span,
-            f"'{name}' is ambiguous: two bases bring it, '{first.scoped}' and '{second.scoped}'",
-            f"write the one that is meant: '{first.scoped}' or '{second.scoped}'",
+            f"'{name}' is ambiguous: two bases declare it, '{first.scoped}' and '{second.scoped}'",
+            f"write the scoped name: '{first.scoped}' or '{second.scoped}'",
             notes=(
                 Note("inherited from here", first.span.location),
-                Note("and from here", second.span.location),
+                Note("also inherited from here", second.span.location),
             ),
         )
 
     def _wrong_kind(
         self, name: ScopedName, symbol: Symbol, scope: Scope, kinds: frozenset[str], what: str
     ) -> None:
-        if symbol.kind == "broken":  # its own declaration has a finding already
+        if symbol.kind == "broken":  # the declaration of the name has a finding already
             return
         hidden = self._names.hidden(name, scope, kinds)
         help_line = ""
         if hidden is not None:
             help_line = (
-                f"'{symbol.name}' is nearer than the {what} '{hidden.name}', and names are "
+                f"'{symbol.name}' hides the {what} '{hidden.name}', because names are "
                 f"compared without regard to case: write '{'' if '::' in hidden.scoped else '::'}"
                 f"{hidden.scoped}'"
             )
@@ -176,7 +176,7 @@ class ValueResolver(ABC):
         )
 
     def _typed_value(self, expression: Expression, wanted: Type, scope: Scope) -> Value | None:
-        """Value of a constant expression of a known type; None (and a finding) when it is none."""
+        """Value of a constant expression in the type `wanted`; None (and a finding) if none."""
         target = self._target(wanted)
         found = self._compute(expression, scope, _arithmetic(target))
         if found is None:
@@ -240,7 +240,7 @@ class ValueResolver(ABC):
         return value
 
     def _size(self, expression: Expression, scope: Scope, what: str, most: int) -> int | None:
-        """A positive integer, for bounds and dimensions."""
+        """Value of a bound or dimension; None (and a finding) if not from 1 to `most`."""
         found = self._compute(expression, scope, Arithmetic(32, unsigned=True))
         if found is None:
             return None
@@ -264,7 +264,7 @@ class ValueResolver(ABC):
         return used
 
     def _type(self, syntax: TypeSyntax, scope: Scope) -> Type | None:
-        """The type that is meant; None where it is none (a finding says so)."""
+        """The type that `syntax` means; None if `syntax` is wrong, which has a finding."""
         match syntax:
             case BasicType(name, _):
                 return PrimitiveType(Primitive(name))
@@ -298,7 +298,7 @@ class ValueResolver(ABC):
                 return MapType(key_type, value_type, size)
 
     def _whole(self, syntax: TypeSyntax, scope: Scope) -> Type | None:
-        """A type of which nothing is only declared forward, not even the elements of sequences."""
+        """Resolves a type that must be complete, including the elements of its sequences."""
         used = self._type(syntax, scope)
         self._check_complete(used, syntax, in_sequences=True)
         return used
@@ -322,8 +322,8 @@ class ValueResolver(ABC):
     def _incomplete(
         self, used: Type | None, in_sequences: bool, reported: bool = False
     ) -> Symbol | None:
-        """The struct or union in it that is only declared forward so far. A typedef has `reported`
-        its own."""
+        """The struct or union in `used` that is only declared forward so far. `reported` is True
+        inside a typedef, which has a finding of its own."""
         match used:
             case NamedType(name) if name in self._typedefs:
                 return self._incomplete(self._typedefs[name], in_sequences, True)
@@ -460,7 +460,7 @@ class ValueResolver(ABC):
 
 
 def _written(marks: Marks) -> Iterator[tuple[str, Location]]:
-    """The annotations, and which of several arguments were written: "qos", "qos.depth"."""
+    """Names and locations of annotations and of their written arguments: "qos", "qos.depth"."""
     for applied in marks.written():
         yield applied.name, applied.span.location
         if len(applied.arguments) > 1:
@@ -468,7 +468,7 @@ def _written(marks: Marks) -> Iterator[tuple[str, Location]]:
 
 
 def _plain(use: AnnotationUse) -> AnnotationUse:
-    """`@extensibility(FINAL)` is the long form of `@final`, and so for APPENDABLE and MUTABLE."""
+    """Replaces `@extensibility(FINAL)` by `@final`; also with APPENDABLE and MUTABLE."""
     if use.name.parts == ("extensibility",) and len(use.arguments) == 1:
         value = use.arguments[0][1]
         if isinstance(value, NameUse) and value.name.parts[-1] in _EXTENSIBILITIES:
@@ -478,7 +478,7 @@ def _plain(use: AnnotationUse) -> AnnotationUse:
 
 
 def _arithmetic(wanted: Type) -> Arithmetic:
-    """Constants of up to 32 bits are computed in 32, the others in 64."""
+    """Integer constants of up to 32 bits are computed in 32 bits, all others in 64 bits."""
     if isinstance(wanted, PrimitiveType) and wanted.kind.is_integer:
         return Arithmetic(64 if wanted.kind.size == 8 else 32, wanted.kind.is_unsigned)
     return Arithmetic()

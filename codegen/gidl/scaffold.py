@@ -1,4 +1,4 @@
-"""`gidl new`: a device from nothing, or a mock. The files are complete: they build and run."""
+"""Writes the files of `gidl new`: a new device, or a mock. The files build and run unchanged."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ _NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*\Z")
 
 
 class ScaffoldRefusal(Exception):
-    """Nothing was written; the text says why."""
+    """Raised before any file is written; the text says why."""
 
 
 def write_device(wanted: str, into: Path | None) -> str:
-    """Writes the files of a device called `wanted` and says what to do next."""
+    """Writes the files of a device called `wanted`; returns a text with the next steps."""
     name = wanted.lower().replace("-", "_")
     if not _NAME.match(name):
         raise ScaffoldRefusal(
@@ -50,7 +50,7 @@ def write_device(wanted: str, into: Path | None) -> str:
         texts[path.format(name=name)] = pattern.substitute(words)
     interface = f"idl/lab/{name}.gidl"
     if keyword.iskeyword(name) or not _is_accepted(name, texts[interface]):
-        raise ScaffoldRefusal(f"'{name}' has a meaning already; call it something else")
+        raise ScaffoldRefusal(f"'{name}' has a meaning already; choose another name")
     _write(folder, texts)
     return (
         f"gidl: {folder}/ has an interface, a Python server and a C++ client\n"
@@ -61,8 +61,8 @@ def write_device(wanted: str, into: Path | None) -> str:
 def write_mock(
     compiled: Compiled, language: str, wanted: str | None, into: Path | None, search: list[str]
 ) -> str:
-    """Writes a server that stands in for objects of the file's interfaces, or of the one `wanted`,
-    and says what to do next. Raises UnsupportedError for what cannot be generated."""
+    """Writes a mock server for the interfaces of the file, or only for the interface `wanted`, and
+    returns a text with the next steps. Raises UnsupportedError for what cannot be generated."""
     from gidl.emit import render, render_mock
 
     (file,) = (f for f in compiled.model.files if f.asked_for)
@@ -73,8 +73,8 @@ def write_mock(
         asked = f"no interface {wanted}" if wanted else "no interface to mock"
         raise ScaffoldRefusal(f"{file.path} declares {asked}; there is {known}")
     layout = wire_layout.build(compiled.model)
-    render(compiled.model, layout, [language])  # what cannot be generated cannot be mocked
-    stem = re.sub(r"\W", "_", Path(source_stem(file.path)).name)  # CMake's targets have no spaces
+    render(compiled.model, layout, [language])  # raises if the interfaces cannot be generated
+    stem = re.sub(r"\W", "_", Path(source_stem(file.path)).name)  # CMake targets allow no spaces
     folder = _new_folder(into if into is not None else Path(f"{stem}_mock"))
     source = "server.py" if language == "python" else "server.cpp"
     texts = {source: render_mock(compiled.model, layout, language, chosen)}
@@ -103,7 +103,7 @@ def write_mock(
 
 def _new_folder(folder: Path) -> Path:
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-        raise ScaffoldRefusal(f"{folder} is there already; --into names another folder")
+        raise ScaffoldRefusal(f"{folder} exists already; --into names another folder")
     return folder
 
 
@@ -115,7 +115,7 @@ def _write(folder: Path, texts: dict[str, str]) -> None:
 
 
 def _is_accepted(name: str, interface: str) -> bool:
-    """Whether the interface has no finding: a name may be a word of IDL, or one of the template."""
+    """Whether the interface has no finding: `name` may be a keyword, or in the template already."""
     with tempfile.TemporaryDirectory() as folder:
         place = Path(folder) / f"{name}.gidl"
         place.write_text(interface, encoding="utf-8")

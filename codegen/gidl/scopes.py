@@ -1,7 +1,7 @@
-"""Names: what is declared where, and what a name means at a place.
+"""Scopes: declares names, and looks up the meaning of a name at a place.
 
-Identifiers of one scope clash without regard to case, also with the name of a type used in it
-(`attribute Frame frame`): IDL says so, and every CORBA compiler enforces it.
+Identifiers in one scope must not differ only in case, and must not have the name of a type used in
+the scope (`attribute Frame frame`): IDL says so, and every CORBA compiler enforces it.
 """
 
 from __future__ import annotations
@@ -15,7 +15,8 @@ from gidl.model import Type, Value
 from gidl.source import Span
 from gidl.syntax import Name, ScopedName
 
-_UNNAMED = frozenset(("file", "operation", "annotation"))  # may hold something of their own name
+# Scopes of these kinds may contain a declaration with the name of the scope.
+_UNNAMED = frozenset(("file", "operation", "annotation"))
 
 _MEMBERS = frozenset(("operation", "attribute"))
 
@@ -24,7 +25,7 @@ TYPE_KINDS = frozenset(
 )
 
 
-# What types are called in other languages.
+# Name of a type in other languages -> name in IDL.
 _ELSEWHERE = {
     "int": "int32", "uint": "uint32", "bool": "boolean", "byte": "octet", "float32": "float",
     "float64": "double", "real": "double", "str": "string", "size_t": "uint64",
@@ -32,7 +33,7 @@ _ELSEWHERE = {
     "uint8_t": "uint8", "uint16_t": "uint16", "uint32_t": "uint32", "uint64_t": "uint64",
 }  # fmt: skip
 
-# What a wrong word may have been meant as, beside what is declared.
+# Names of built-in types, suggested for misspelled types.
 _BUILT_IN = (
     "boolean", "char", "double", "float", "int16", "int32", "int64", "int8", "long", "map",
     "octet", "sequence", "short", "string", "uint16", "uint32", "uint64", "uint8", "unsigned",
@@ -42,25 +43,25 @@ _BUILT_IN = (
 
 @dataclass(slots=True, eq=False)
 class Symbol:
-    name: str  # simple, as declared
+    name: str  # unscoped name, as declared
     scoped: str
-    kind: str  # of TYPE_KINDS, or module constant enumerator flag operation attribute member ...
+    kind: str  # one of TYPE_KINDS, or "module", "constant", "operation", "member", ...
     span: Span
     file: str
-    completed_in: str = ""  # file that declares it; "": only declared forward so far
-    scope: Scope | None = None  # what it contains
+    completed_in: str = ""  # file of the full declaration; "": only declared forward so far
+    scope: Scope | None = None  # scope of the declarations inside
     type: Type | None = None  # type of a constant
     value: Value | None = None  # value of a constant, enumerator or flag
-    meanings: tuple[Symbol, ...] = ()  # for kind "ambiguous": the declarations of the bases
+    meanings: tuple[Symbol, ...] = ()  # for kind "ambiguous": the declarations in the bases
 
 
 @dataclass(slots=True, eq=False)
 class Scope:
-    name: str  # scoped, "" at the top
+    name: str  # scoped name, "" at the top level
     kind: str
     parent: Scope | None = None
     symbols: dict[str, Symbol] = field(default_factory=dict)  # by lower-case name
-    uses: dict[str, tuple[str, Span]] = field(default_factory=dict)  # names of types used here
+    uses: dict[str, tuple[str, Span]] = field(default_factory=dict)  # used names of outer scopes
     bases: list[Scope] = field(default_factory=list)  # bases of an interface
 
     def qualified(self, simple: str) -> str:
@@ -75,26 +76,26 @@ class Scope:
 
 
 class Names:
-    """Declares and looks up. `visible` are the files the present one includes."""
+    """Declares and looks up names. `visible`: paths of the current file and all it includes."""
 
     def __init__(self, findings: Findings) -> None:
         self._findings = findings
         self.top = Scope("", "file")
         self.visible: set[str] = set()
-        self.declared_here: dict[str, int] = {}  # names of the present file and their lines
-        self.cut: list[str] = []  # files that it includes, and that are read after it
-        self.lacks_includes = False  # it includes a file that was not found
+        self.declared_here: dict[str, int] = {}  # name declared in the current file -> line
+        self.cut: list[str] = []  # includes of the current file that are read after it
+        self.lacks_includes = False  # True: an included file was not found
 
     # -- declaring -----------------------------------------------------------------------------
 
     def declare(self, scope: Scope, name: Name, kind: str) -> Symbol | None:
-        """A new symbol; None (and a finding) where the name is taken."""
+        """Declares `name` and returns its symbol; None (and a finding) if the name is taken."""
         key = name.text.lower()
         if key == scope.name.rpartition("::")[2].lower() and scope.kind not in _UNNAMED:
             self._findings.error(
                 "G0109",
                 name.span,
-                f"{kind} '{name.text}' has the name of the {scope.kind} it stands in",
+                f"{kind} '{name.text}' has the name of its enclosing {scope.kind}",
                 "the name of a scope cannot be declared again directly in it: rename one of them",
             )
         known = scope.symbols.get(key)
@@ -123,7 +124,7 @@ class Names:
         return symbol
 
     def poison(self, scope: Scope, name: Name) -> None:
-        """The name of a declaration that is refused: using it is no further mistake."""
+        """Declares the name of an unsupported declaration, so that its uses are not reported."""
         symbol = Symbol(name.text, scope.qualified(name.text), "broken", name.span, _file(name))
         symbol.completed_in = symbol.file
         scope.symbols.setdefault(name.text.lower(), symbol)
@@ -176,8 +177,8 @@ class Names:
         return path[-1] if path else None
 
     def path(self, name: ScopedName, scope: Scope) -> list[Symbol]:
-        """The symbol of each part of `name` in `scope`; empty where a part has none (no finding).
-        A part that is broken or ambiguous ends it."""
+        """The symbol of each part of `name` in `scope`; empty if a part has none (no finding). A
+        broken or ambiguous part ends the list."""
         symbol = self._first(name, scope)
         path: list[Symbol] = []
         for part in name.parts[1:]:
@@ -211,11 +212,11 @@ class Names:
         return symbol
 
     def is_complete(self, symbol: Symbol) -> bool:
-        """Whether the present file has seen more of it than a forward declaration."""
+        """Whether the full declaration of `symbol` is visible in the current file."""
         return symbol.completed_in in self.visible
 
     def check_spelling(self, name: ScopedName, path: Sequence[Symbol]) -> None:
-        """Each part of a name is used as it is declared."""
+        """Reports a part of a name that differs in case from its declaration."""
         declared = tuple(symbol.name for symbol in path)
         for part, symbol in zip(name.parts, path, strict=False):
             if symbol.name != part:
@@ -229,7 +230,7 @@ class Names:
                 return
 
     def hidden(self, name: ScopedName, scope: Scope, kinds: frozenset[str]) -> Symbol | None:
-        """The symbol of `name` in an outer scope that a nearer one of another kind hides."""
+        """The symbol of `name`, of one of `kinds`, that a symbol in a nearer scope hides."""
         for outer in scope.chain():
             symbol = self._in(outer, name.parts[0])
             if len(name.parts) == 1 and symbol is not None and symbol.kind in kinds:
@@ -247,7 +248,7 @@ class Names:
         return Symbol(one.name, one.scoped, "ambiguous", one.span, one.file, meanings=tuple(found))
 
     def _inherited(self, scope: Scope, key: str, seen: set[str]) -> Iterator[Symbol]:
-        """Declarations of the bases, each base once; a declaration hides those of its own bases."""
+        """Declarations of `key` in the bases; one in a base hides those in bases of the base."""
         for base in scope.bases:
             if base.name in seen:
                 continue
@@ -258,16 +259,19 @@ class Names:
             else:
                 yield own
 
-    # -- what may have been meant --------------------------------------------------------------
+    # -- suggestions ---------------------------------------------------------------------------
 
     def hint(self, name: ScopedName, scope: Scope, kinds: frozenset[str]) -> str:
-        """A help line for a name that means nothing."""
+        """A help line for an unknown name, or ""."""
         wanted = name.parts[-1]
         if len(name.parts) == 1 and kinds is TYPE_KINDS and wanted in _ELSEWHERE:
             return f"write '{_ELSEWHERE[wanted]}'"
         below = self.declared_here.get(wanted, 0)
         if below > name.span.location.line:
-            return f"it is declared below, in line {below}: IDL wants it before its use"
+            return (
+                f"the name is declared below, in line {below}: IDL requires the declaration before "
+                "the use"
+            )
         hidden = [
             s for s in self._everything(self.top) if s.name == wanted and s.file not in self.visible
         ]
@@ -293,8 +297,8 @@ class Names:
                 return f"did you mean '{built_in[0]}'?"
         if self.cut:
             return (
-                f"{self.cut[0]} includes this file, so it is read after it: move what both need "
-                "into a third file"
+                f"{self.cut[0]} includes this file, so it is read after this file: move what both "
+                "files need into a third file"
             )
         return ""
 

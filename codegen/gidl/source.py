@@ -1,4 +1,4 @@
-"""Source text and places in it."""
+"""Source texts, and locations in them."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ MAX_BYTES = 4 * 1024 * 1024
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Source:
-    """One file. `path` is how others include it, `shown` how the user named it."""
+    """One source file. `path` is its path in `#include`, `shown` the path that messages print."""
 
     path: str
     shown: str
     text: str
-    foreign: tuple[int, ...] = ()  # places of bytes that are not UTF-8, read as Latin-1
+    foreign: tuple[int, ...] = ()  # offsets of bytes that are not UTF-8, read as Latin-1
     _starts: list[int] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -36,7 +36,7 @@ class Source:
         return Location(self.path, line, offset - self._starts[line - 1] + 1)
 
     def line(self, number: int) -> str:
-        """Text of a line, counted from 1, without its end."""
+        """Text of a line without its newline. Lines are counted from 1."""
         if not 1 <= number <= len(self._starts):
             return ""
         start = self._starts[number - 1]
@@ -46,7 +46,7 @@ class Source:
 
 @dataclass(frozen=True, slots=True)
 class Span:
-    """A stretch of a source, end exclusive."""
+    """A range of offsets in a source; `end` is exclusive."""
 
     source: Source
     start: int

@@ -1,10 +1,10 @@
-"""Modules that a module of ours would hide when it had their name: it comes first on the path."""
+"""Modules that a generated module with an equal name would hide: it comes first on the path."""
 
 from __future__ import annotations
 
 from gidl.keywords import words
 
-# A table and not sys.stdlib_module_names: the same interface gives the same files under any Python.
+# A table, not sys.stdlib_module_names: output must not depend on the version of Python.
 STANDARD = words(
     """
     __future__ _abc _aix_support _android_support _apple_support _ast _ast_unparse _asyncio _bisect
@@ -41,5 +41,5 @@ STANDARD = words(
     """
 )
 
-# What generated code, the runtime and its commands stand on.
+# Modules that generated code, the runtime and its commands need.
 OURS = words("gecos gecos_idl gidl lcm noise numpy rich robcl typer typing_extensions")

@@ -29,7 +29,7 @@ from gidl.type_parser import TypeParser
 
 
 class StructParser(TypeParser):
-    """A declaration is read up to its `}`: `_finish` reads the `;` where it stands alone."""
+    """Methods parse a declaration up to its `}`; `_finish` parses the `;`, if there is one."""
 
     @abstractmethod
     def _extras(self) -> Extras: ...
@@ -56,7 +56,7 @@ class StructParser(TypeParser):
                 return self._bitset(extras)
 
     def _constructed_declaration(self, extras: Extras) -> DeclarationSyntax:
-        """It alone, or its forward declaration."""
+        """Parses struct, union, enum, bitmask or bitset with its `;`, or a forward declaration."""
         kind = self._now.text
         if kind in ("struct", "union") and self._token_at(2).text == ";":
             self._advance()
@@ -78,7 +78,7 @@ class StructParser(TypeParser):
                 "G0100",
                 self._span(self._now),
                 "a struct has at most one base",
-                "hold the other one as a member",
+                "make the other struct a member",
             )
             while self._accept(","):
                 self._scoped_name("a name")
@@ -130,7 +130,7 @@ class StructParser(TypeParser):
         what = f"union '{name.text}'"
         opened = self._expect("{", f"to open {what}")
         cases: list[CaseSyntax] = []
-        cases_read = True  # whether each of them could be
+        cases_read = True  # False: a case had a syntax error
         while not self._is("}") and self._now.kind != "eof":
             before = self._at
             try:
@@ -197,7 +197,7 @@ class StructParser(TypeParser):
                 self._findings.error(
                     "G0100",
                     self._span(self._now),
-                    "a number is given by an annotation before the name",
+                    "an annotation before the name gives the number",
                     f"@value(n) {item.name.text}",
                 )
                 self._advance()

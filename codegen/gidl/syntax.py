@@ -9,7 +9,7 @@ from gidl.source import Span
 
 @dataclass(frozen=True, slots=True)
 class Name:
-    """An identifier where it is declared."""
+    """The identifier of a declaration."""
 
     text: str
     span: Span
@@ -33,7 +33,7 @@ class ScopedName:
 @dataclass(frozen=True, slots=True)
 class Literal:
     value: bool | int | float | str
-    kind: str  # "bool" "int" "float" "string" "char"
+    kind: str  # one of "bool" "int" "float" "string" "char"
     span: Span
 
 
@@ -74,7 +74,7 @@ class AnnotationUse:
 
 @dataclass(frozen=True, slots=True)
 class BasicType:
-    """A primitive, by the name the model gives it ("uint32" for `unsigned long`)."""
+    """A primitive type, by its name in the model ("uint32" for `unsigned long`)."""
 
     name: str
     span: Span
@@ -82,7 +82,7 @@ class BasicType:
 
 @dataclass(frozen=True, slots=True)
 class RefusedType:
-    """A type of the standard that is not part of .gidl; the parser has already said so."""
+    """A type of the IDL standard that is not part of .gidl; the parser has reported the type."""
 
     span: Span
 
@@ -201,7 +201,7 @@ class BitmaskSyntax:
 class BitfieldSyntax:
     width: Expression
     type: BasicType | RefusedType | None
-    names: list[Name]  # empty: padding
+    names: list[Name]  # empty: padding bits
     extras: Extras
     span: Span
 
@@ -234,13 +234,13 @@ class ConstSyntax:
 
 @dataclass(slots=True)
 class ForwardSyntax:
-    kind: str  # "struct" "union" "interface"
+    kind: str  # one of "struct" "union" "interface"
     name: Name
 
 
 @dataclass(slots=True)
 class RefusedSyntax:
-    """A declaration that is not part of .gidl; the parser has said so, and its name is known."""
+    """A declaration that is not part of .gidl. The parser has reported it and keeps its name."""
 
     name: Name
 
@@ -257,7 +257,7 @@ class ParameterSyntax:
 class OperationSyntax:
     name: Name
     oneway: bool
-    result: TypeSyntax | None  # None is void
+    result: TypeSyntax | None  # None: void
     parameters: list[ParameterSyntax]
     raises: list[ScopedName]
     extras: Extras
@@ -291,7 +291,7 @@ class ModuleSyntax:
 @dataclass(slots=True)
 class AnnotationParameterSyntax:
     name: Name
-    type: TypeSyntax | None  # None is `any`
+    type: TypeSyntax | None  # None: the type `any`
     default: Expression | None
 
 
@@ -312,7 +312,7 @@ class ImportSyntax:
 
 @dataclass(slots=True)
 class RepositorySyntax:
-    """`typeid` or `typeprefix`."""
+    """A `typeid` or `typeprefix` declaration."""
 
     kind: str
     name: ScopedName
@@ -331,7 +331,7 @@ class Include:
     path: str
     angled: bool
     span: Span
-    protected: bool = False  # by then, a guard keeps the including file from being read again
+    protected: bool = False  # True: a guard keeps the including file from a second reading
 
 
 @dataclass(slots=True)
@@ -339,4 +339,4 @@ class FileSyntax:
     includes: list[Include] = field(default_factory=list)
     body: list[DeclarationSyntax] = field(default_factory=list)
     doc: str = ""
-    uses_object: bool = False  # the type `Object` stands in it
+    uses_object: bool = False  # True: the file uses the type `Object`

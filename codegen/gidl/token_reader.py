@@ -1,4 +1,4 @@
-"""Base of the parser's rules: looking ahead, expecting, reporting, recovering."""
+"""Base class of the parser: looks ahead, expects tokens, reports errors and recovers."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ MAX_NESTING = 200
 
 
 class Skip(Exception):
-    """The rule cannot go on; a finding is already reported. A body catches it and recovers."""
+    """Raised after a finding, if a rule cannot go on. The enclosing body's rule recovers."""
 
 
 class GiveUp(Exception):
-    """The rest of the file makes no sense; a finding is already reported."""
+    """Raised after a finding, if the rest of the file cannot be parsed."""
 
 
 class TokenReader:
@@ -30,7 +30,7 @@ class TokenReader:
         self._findings = findings
         self._at = 0
         self._depth = 0
-        self._refused_names: set[tuple[str, str]] = set()  # with the codes they were refused with
+        self._refused_names: set[tuple[str, str]] = set()  # pairs of name and code of finding
 
     @property
     def _now(self) -> Token:
@@ -41,7 +41,7 @@ class TokenReader:
         return self._token_at(1)
 
     def _token_at(self, distance: int) -> Token:
-        """The token at that distance after the next one."""
+        """The token that is `distance` tokens after the next token."""
         return self._tokens[min(self._at + distance, len(self._tokens) - 1)]
 
     @property
@@ -78,7 +78,7 @@ class TokenReader:
         raise Skip
 
     def _expect_semicolon(self, where: str) -> None:
-        """A missing `;` is reported and inserted, so that what follows is read as it was meant."""
+        """Reads a `;`. If missing, it is reported and assumed, so that parsing goes on as meant."""
         if self._accept(";"):
             return
         end = self._previous.end
@@ -130,7 +130,7 @@ class TokenReader:
     # -- names ---------------------------------------------------------------------------------
 
     def _identifier(self, what: str) -> Name:
-        """A declared name. Keywords are reported and taken as names where that can be meant."""
+        """Parses a declared name. A keyword is reported and then taken as the name."""
         token = self._now
         if token.kind == "escaped":
             self._advance()
@@ -144,7 +144,7 @@ class TokenReader:
                 "G0707",
                 self._span(token),
                 f"'{token.text}' differs from '{keyword}', a keyword since IDL 4.0, only in case",
-                f"write '_{token.text}' to keep other IDL tools happy: the name stays the same",
+                f"write '_{token.text}' for other IDL compilers: the name stays the same",
             )
         elif keyword is not None:
             alike = "" if keyword == token.text else " (names are compared without regard to case)"
@@ -162,7 +162,7 @@ class TokenReader:
                 "G0702",
                 self._span(token),
                 f"'{token.text}' is a keyword of a part of IDL that .gidl does not use",
-                f"write '_{token.text}' to keep other IDL tools happy: the name stays the same",
+                f"write '_{token.text}' for other IDL compilers: the name stays the same",
             )
         self._advance()
         return Name(token.text, self._span(token))
@@ -184,8 +184,8 @@ class TokenReader:
             self._findings.error(
                 "G0212",
                 self._span(token),
-                "'Object' is a type of values, and names no interface",
-                "write 'Object' alone as the type of a value; as a base leave it out",
+                "'Object' is a type of values, not an interface",
+                "write 'Object' alone as the type of a value; leave out a base 'Object'",
             )
             raise Skip
         if token.kind != "id" or token.text in USED_BY_LOWER.values():
@@ -196,7 +196,7 @@ class TokenReader:
     # -- recovery ------------------------------------------------------------------------------
 
     def _skip_statement(self) -> None:
-        """Skips the next `;`, or stops before the `}` that closes the enclosing body."""
+        """Skips tokens through the next `;`, or up to the `}` that closes the enclosing body."""
         depth = 0
         while self._now.kind != "eof":
             text = self._now.text if self._now.kind == "op" else ""

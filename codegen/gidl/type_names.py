@@ -1,16 +1,16 @@
 """Names of types, constants and interfaces in the output of one language.
 
-A declaration keeps its simple name wherever it can. A type inside an interface or another type is
-called after both (`Manipulator_Mode`), because classes cannot be reopened. A word of the language
-gets an underscore at its end (`escaped`). The servant of an interface and the structs of arguments
-and results are named here too, so that no two things in a scope have one name.
+A declaration keeps its simple name if possible. The name of a type inside an interface or another
+type has both names (`Manipulator_Mode`), because classes cannot be reopened. A reserved word of the
+language gets an underscore at its end (`escaped`). Servants, and structs of arguments and results,
+are named here too, so that the names in a scope are unique.
 
-Operations with several results have a struct for them. The operations of the runtime's own
-interfaces have one for their arguments and one for their result, because the session, which calls
-and answers them, stands below proxies and servants.
+An operation with several results has a struct of results. An operation of the runtime's own
+interfaces has a struct of arguments and a struct of results, because the session, which calls and
+answers such operations, is in a layer below proxies and servants.
 
-The names of a file depend on what it includes and on nothing else that is compiled in the same
-run, so a declaration is called the same everywhere.
+The names in a file depend on the file and its includes, but not on other files of the run, so a
+declaration has the same name in every run.
 """
 
 from __future__ import annotations
@@ -28,10 +28,9 @@ from gidl.model import (
 
 
 def escaped(name: str, reserved: Collection[str]) -> str:
-    """`name`, with one more underscore at its end where the language or our code has that word.
+    """`name`, with one more underscore at its end if the name is in `reserved`.
 
-    Two names stay two: beside `class`, which is written `class_`, a name `class_` is written
-    `class__`.
+    Different names stay different: `class` becomes `class_`, and a name `class_` becomes `class__`.
     """
     return f"{name}_" if name.rstrip("_") in reserved else name
 
@@ -40,19 +39,19 @@ def escaped(name: str, reserved: Collection[str]) -> str:
 class Language:
     """Names that a language does not allow for declarations."""
 
-    type_words: frozenset[str]  # types and constants
-    module_words: frozenset[str]  # modules at the top
-    inner_module_words: frozenset[str]  # modules in modules
-    file_is_scope: bool  # names of modules vanish, and a file is one scope
-    root_words: frozenset[str] = frozenset()  # whatever stands at the top, besides
-    own_module: str = ""  # module of the runtime, and folder of the interfaces in this project
-    # Names of a declaration's members, where none may be that of the type.
+    type_words: frozenset[str]  # not allowed for types and constants
+    module_words: frozenset[str]  # not allowed for modules at the top level
+    inner_module_words: frozenset[str]  # not allowed for modules in modules
+    file_is_scope: bool  # True: module names are dropped, and each file is one scope
+    root_words: frozenset[str] = frozenset()  # not allowed for any name at the top level
+    own_module: str = ""  # module of the runtime, and folder of its interfaces
+    # Returns the names of a declaration's members, if its type may have none of these names.
     members: Callable[[Model, AnyDeclaration], set[str]] = lambda _model, _declaration: set()
 
 
 @dataclass(frozen=True, slots=True)
 class TypeName:
-    """`::geo::shapes::Point` is ("geo", "shapes") and "Point"; where files are scopes, ()."""
+    """Scope and name: ("geo", "shapes") and "Point". The scope is () if files are scopes."""
 
     scope: tuple[str, ...]
     name: str
@@ -60,24 +59,24 @@ class TypeName:
 
 @dataclass(frozen=True, slots=True)
 class TypeNames:
-    """The names in one language, by scoped name of .gidl."""
+    """The names of declarations in one language, by their scoped names in .gidl."""
 
     types: dict[str, TypeName] = field(default_factory=dict)
-    servants: dict[str, TypeName] = field(default_factory=dict)  # by interface
-    descriptions: dict[str, TypeName] = field(default_factory=dict)  # by interface, where classes
-    arguments: dict[str, TypeName] = field(default_factory=dict)  # by operation
-    results: dict[str, TypeName] = field(default_factory=dict)  # by operation
+    servants: dict[str, TypeName] = field(default_factory=dict)  # by name of the interface
+    descriptions: dict[str, TypeName] = field(default_factory=dict)  # by interface; C++ only
+    arguments: dict[str, TypeName] = field(default_factory=dict)  # by name of the operation
+    results: dict[str, TypeName] = field(default_factory=dict)  # by name of the operation
 
 
 def name_types(model: Model, language: Language) -> TypeNames:
     """Names all declarations of `model` in `language`."""
     naming = _Naming(model, language)
-    for file in model.files:  # a file comes after those it includes
+    for file in model.files:  # each file comes after those it includes
         naming.name_file(file)
     return naming.names
 
 
-_Place = tuple[tuple[str, ...], str]  # a scope and a name in it
+_Place = tuple[tuple[str, ...], str]  # a scope, and a name in the scope
 
 
 class _Naming:
@@ -85,7 +84,7 @@ class _Naming:
         self.names = TypeNames()
         self._model = model
         self._language = language
-        self._taken: dict[str, set[_Place]] = {}  # by file, with what it includes
+        self._taken: dict[str, set[_Place]] = {}  # by file, with names of its includes
         self._top_types = language.type_words | language.root_words
         self._top_modules = language.module_words | language.root_words
 
@@ -99,7 +98,7 @@ class _Naming:
             taken |= {(scope[:i], scope[i]) for i in range(len(scope))}
         joined = {d.name: "_".join(self._parts(d)) for d in declared}
         wanted = {d.name: self._wanted(d, joined) for d in declared}
-        # A declaration that can be called as it is written keeps its name; all others give way.
+        # Declarations that can keep their simple names get these first; all others avoid them.
         for as_written in (True, False):
             for declaration in declared:
                 name = wanted[declaration.name]
@@ -144,25 +143,25 @@ class _Naming:
         return escaped(name, self._top_modules)
 
     def _is_own(self, declaration: AnyDeclaration) -> bool:
-        """Whether the declaration is the runtime's, in a language that distinguishes those."""
+        """Whether the declaration is the runtime's own; False if `own_module` is not set."""
         own = self._language.own_module
         return bool(own) and self._model.file_of(declaration.name).startswith(f"{own}/")
 
     def _modules(self, declaration: AnyDeclaration) -> list[str]:
-        """Modules around a declaration. Other scopes around it become part of its name."""
+        """Modules that enclose a declaration. Other enclosing scopes become part of its name."""
         modules = declaration.name.split("::")[:-1]
         while modules and self._model.has("::".join(modules)):
             modules.pop()
         return modules
 
     def _parts(self, declaration: AnyDeclaration) -> list[str]:
-        """The parts of its name: ["Manipulator", "Mode"]."""
+        """The parts of a declaration's name below its modules: ["Manipulator", "Mode"]."""
         return declaration.name.split("::")[len(self._modules(declaration)) :]
 
     def _wanted(self, declaration: AnyDeclaration, joined: dict[str, str]) -> str:
         name = joined[declaration.name]
         if self._language.file_is_scope and list(joined.values()).count(name) > 1:
-            name = declaration.name.replace("::", "_")  # a::State and b::State of one file
+            name = declaration.name.replace("::", "_")  # for a::State beside b::State
         words = self._language.type_words
         return escaped(
             name, words if self._scope(declaration) else words | self._language.root_words

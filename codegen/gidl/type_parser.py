@@ -33,7 +33,7 @@ _SIMPLE_TYPES = {
     "uint8": "uint8", "uint16": "uint16", "uint32": "uint32", "uint64": "uint64",
 }  # fmt: skip
 
-_WIDE_HELP = "use a string: it is UTF-8; --wide=utf8 reads wide text as that"
+_WIDE_HELP = "use a string, which is UTF-8; with --wide=utf8, wide text is read as UTF-8"
 _REFUSED_TYPES = {
     "any": ("G0201", "'any' is", "declare a union of the types that it may hold"),
     "ValueBase": ("G0202", "'ValueBase' is", "use a struct"),
@@ -42,15 +42,15 @@ _REFUSED_TYPES = {
     "wstring": ("G0206", "'wstring' is", _WIDE_HELP),
 }
 
-_BYTES_OF_A_CHARACTER = 4  # at most, in UTF-8
+_BYTES_OF_A_CHARACTER = 4  # most bytes of one character in UTF-8
 _OBJECT_REF = ("gecos", "ObjectRef")
 _CONSTRUCTED = ("struct", "union", "enum", "bitmask", "bitset")
 
 
 class TypeParser(ExpressionParser):
-    """One function per rule; each is called with its first token next."""
+    """One method per grammar rule; the next token must be the first token of the rule."""
 
-    _uses_object = False  # the type `Object` was read
+    _uses_object = False  # True: the file uses the type `Object`
 
     @abstractmethod
     def _constructed(self, extras: Extras) -> ConstructedSyntax: ...
@@ -64,7 +64,7 @@ class TypeParser(ExpressionParser):
         return found
 
     def _annotation(self) -> AnnotationUse:
-        """Behind a space "::" is no more of the annotation's name, but begins a type:
+        """Parses an annotation. After a space, "::" begins a type and is no part of the name:
         `@optional ::m::Pose where`."""
         start = self._advance()
         name_token = self._now
@@ -100,7 +100,7 @@ class TypeParser(ExpressionParser):
     # -- type_spec -----------------------------------------------------------------------------
 
     def _type_or_declaration(self, what: str = "a type") -> TypeSyntax:
-        """Where a type may be declared in passing: `struct T { ... } member;`."""
+        """Parses a type where it may also be declared inline: `struct T { ... } member;`."""
         token = self._now
         if token.kind != "id" or token.text not in _CONSTRUCTED or not self._declares_here():
             return self._type(what)
@@ -109,7 +109,7 @@ class TypeParser(ExpressionParser):
                 "G0100",
                 self._span(token),
                 f"this {token.text} has no name",
-                f"every type has one: {token.text} Name {{ ... }}",
+                f"every type has a name: {token.text} Name {{ ... }}",
             )
             self._skip_braces()
             return RefusedType(self._since(token))
@@ -153,7 +153,7 @@ class TypeParser(ExpressionParser):
             raise Skip
 
     def _integer_type(self) -> TypeSyntax:
-        """`long`, `long long`, `unsigned short`, ...; `long double` is refused."""
+        """Parses `long`, `long long`, `unsigned short`, ...; refuses `long double`."""
         start = self._now
         unsigned = self._accept("unsigned")
         if self._accept("short"):
@@ -181,8 +181,8 @@ class TypeParser(ExpressionParser):
         return StringOf(bound, self._since(start))
 
     def _wide_type(self) -> StringOf:
-        """`wstring` is a string, `wchar` one with room for any character, `wstring<N>` one with
-        room for N of them."""
+        """Parses a wide type as a string type: `wstring` without bound, `wchar` with room for one
+        character, `wstring<N>` with room for N characters of up to 4 bytes."""
         token = self._advance()
         room = Literal(_BYTES_OF_A_CHARACTER, "int", self._span(token))
         if token.text == "wchar":
@@ -214,7 +214,7 @@ class TypeParser(ExpressionParser):
         return MapOf(key, value, bound, self._since(start))
 
     def _value_of(self, used: TypeSyntax) -> Expression:
-        """The value of a constant. That of a refused type is part of what is refused."""
+        """Parses the value of a constant. If its type is unsupported, the value is skipped."""
         if not isinstance(used, RefusedType):
             return self._expression()
         start = self._now
@@ -249,7 +249,7 @@ class TypeParser(ExpressionParser):
         return RefusedType(self._since(token))
 
     def _misplaced_declaration(self) -> TypeSyntax:
-        """`struct S` as a type (C style), or a type declared where none may be."""
+        """Reports `struct S` used as a type (C style), or a type declared where it must not be."""
         declares = self._declares_here()
         token = self._advance()
         if self._now.kind in ("id", "escaped") and not declares:
@@ -257,7 +257,7 @@ class TypeParser(ExpressionParser):
             self._findings.error(
                 "G0100",
                 self._span(token),
-                f"'{token.text}' does not stand before the name of a type that is used",
+                f"'{token.text}' is not written before the name of an existing type",
                 f"write '{name}'",
             )
             return TypeUse(name, name.span)

@@ -1,7 +1,7 @@
-"""Which annotations there are, where each may stand, and what its arguments are.
+"""The known annotations: checks their arguments, and the declarations that they annotate.
 
-The parameters come from idl/gecos/annotations.gidl; where an annotation may stand, IDL has no way
-to say, so it is said here.
+The parameters come from idl/gecos/annotations.gidl. IDL cannot express which declarations an
+annotation may annotate, so places.py lists them.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from gidl.places import PLACES
 from gidl.source import Span
 from gidl.syntax import AnnotationUse
 
-# Annotations of the standard that mean nothing here: never taken for a slip of the pen.
+# Annotations of the IDL standard that have no meaning in .gidl: never reported as misspelled.
 _STANDARD = frozenset(
     [
         "ami",
@@ -40,16 +40,16 @@ _STANDARD = frozenset(
     ]
 )
 
-# Twice on one declaration is meant.
+# Annotations that may be written twice on one declaration.
 _REPEATABLE = frozenset(("verbatim",))
 
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
     name: str
-    type: Type | None  # None is `any`
+    type: Type | None  # None: the type `any`
     default: Value | None
-    literals: Mapping[str, Value] = field(default_factory=dict)  # literals of an enum
+    literals: Mapping[str, Value] = field(default_factory=dict)  # enumerators by name
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +68,7 @@ class Applied:
 
     name: str
     arguments: Mapping[str, Value]
-    written: frozenset[str]  # arguments that were written
+    written: frozenset[str]  # names of the arguments that were written
     span: Span
 
     def text(self, name: str = "value") -> str:
@@ -78,7 +78,7 @@ class Applied:
 class Vocabulary:
     def __init__(self, findings: Findings) -> None:
         self._findings = findings
-        self._declared: dict[str, Declared] = {}  # by scoped name
+        self._declared: dict[str, Declared] = {}  # by scoped name in lower case
         self._warned: set[str] = set()
 
     def add(self, declared: Declared) -> None:
@@ -122,8 +122,8 @@ class Vocabulary:
             self._findings.warning(
                 "G0703",
                 use.span,
-                f"annotation '@{name}' has no meaning here; it is kept",
-                "said once per run",
+                f"annotation '@{name}' has no meaning in .gidl; the model keeps it",
+                "reported once per run",
             )
 
     def bind(
@@ -173,7 +173,9 @@ class Vocabulary:
             help_line = f"write {_example(declared)}"
             message = f"'@{declared.name}' takes no arguments"
             if parameters:
-                message = f"'@{declared.name}' has several parameters: name the one that is meant"
+                message = (
+                    f"'@{declared.name}' has several parameters: write the name of the parameter"
+                )
             self._findings.error("G0503", span, message, help_line)
             return None
         if name in parameters:
@@ -206,7 +208,7 @@ class Vocabulary:
         self._findings.error("G0503", span, message, hint)
         return None
 
-    # -- where it stands -----------------------------------------------------------------------
+    # -- placement -----------------------------------------------------------------------------
 
     def check_place(self, applied: Applied, place: str) -> bool:
         allowed = PLACES.get(applied.name)
@@ -256,7 +258,7 @@ def _wanted(parameter: Parameter, given: Computed) -> tuple[str, bool]:
 
 
 def _example(declared: Declared) -> str:
-    """How the annotation is written."""
+    """The syntax of an annotation, with example arguments."""
     if not declared.parameters:
         return f"@{declared.name}"
     if len(declared.parameters) == 1:

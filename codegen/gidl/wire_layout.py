@@ -1,24 +1,24 @@
-"""How the model lies on the wire: one explicit node per value, one layout per type and per call.
+"""The wire encoding of a model: one explicit node per value, one layout per type and per call.
 
-The encoding is LCM's (big-endian, fields in order). What LCM lacks is lowered:
+The encoding is LCM's (big-endian, fields in order). Types that LCM lacks are lowered:
 
     ScalarNode      1 to 8 bytes; unsigned and char are bit-cast to the signed type of their width.
-                    It carries the range of its place, also as an element, key or arm
+                    Its range is that of the value, also of an element, key or arm
     EnumNode        enum, bitmask or bitset as int32 (int64 above 32 bits)
     StringNode      int32 length with NUL, UTF-8, NUL
     StructNode      the fields of a final struct, inline, without fingerprint
     AppendableNode  int32 size, then the fields in a block of that many bytes
-    UnionNode       tag, then per arm int8 0 or 1 and the arm where it is 1
+    UnionNode       tag, then per arm int8 0 or 1, followed by the arm if 1
     ArrayNode       the elements
     SequenceNode    int32 count, the elements
-    OptionalNode    int8 0 or 1, the value where it is 1
+    OptionalNode    int8 0 or 1, followed by the value if 1
     MapNode         int32 count, then key and value of each entry, sorted by key
     ObjectNode      an object reference: the fields of gecos.ObjectRef, an empty name is nil
 
-The body of a request holds the `in` and `inout` parameters in order, that of a reply the result and
-then `inout` and `out` parameters. Readers of a body accept more bytes at its end than they know,
-and take default or absent for defaulted and optional fields missing there: both grow. A stream
-sample is the reply body of its attribute's getter.
+The body of a request holds the `in` and `inout` parameters in order; the body of a reply holds the
+result, then the `inout` and `out` parameters. Bodies are extensible at the end: a reader ignores
+unknown bytes there, and takes missing fields as default or absent if they are defaulted or
+optional. A stream sample is encoded like the reply body of its attribute's getter.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ from gidl.wire_nodes import (
     UnionNode,
 )
 
-# Smallest encoding of an object reference: two strings (length and NUL each) and two int64.
+# Bytes of the smallest object reference: two strings (length and NUL each) and two int64.
 _OBJECT_MIN_SIZE = 2 * 5 + 2 * 8
 
 
@@ -80,28 +80,28 @@ class FieldLayout:
     name: str
     node: Node
     min_size: int
-    fixed_size: int | None  # bytes, when every value takes the same number
+    fixed_size: int | None  # bytes of every value; None: the size varies
 
 
 @dataclass(frozen=True, slots=True)
 class StructLayout:
-    """A struct or exception. Sizes are those of the fields, without fingerprint or size prefix."""
+    """A struct or exception. Sizes are bytes of the fields, without fingerprint or size prefix."""
 
     name: str
-    fields: tuple[FieldLayout, ...]  # those of the bases first
+    fields: tuple[FieldLayout, ...]  # all fields, inherited ones first
     appendable: bool
     min_size: int
     fixed_size: int | None
     lcm: LcmStruct
-    fingerprint: int  # as lcm-gen computes it; signed 64 bit
+    fingerprint: int  # signed 64 bits, as lcm-gen computes fingerprints
 
 
 @dataclass(frozen=True, slots=True)
 class UnionLayout:
     name: str
-    tag: ScalarNode | EnumNode  # as the user sees it
+    tag: ScalarNode | EnumNode  # node of the declared discriminator
     wire_tag: Primitive  # INT32, or INT64 for 64-bit and uint32 discriminators
-    arms: tuple[FieldLayout, ...]  # in the order of the model's cases; sizes of the bare value
+    arms: tuple[FieldLayout, ...]  # in the order of the cases; sizes without the int8
     appendable: bool
     min_size: int
     lcm: LcmStruct
@@ -117,20 +117,20 @@ class CallKind(Enum):
 
 @dataclass(frozen=True, slots=True)
 class CallLayout:
-    """One function code of an interface."""
+    """The encoding of the call with one function code."""
 
     kind: CallKind
-    name: str  # scoped: "robcl::Manipulator::move"; a setter ends with "="
+    name: str  # scoped name, "robcl::Manipulator::move"; for setters with "=" at its end
     code: int
     request: tuple[FieldLayout, ...]
     reply: tuple[FieldLayout, ...]
     exceptions: tuple[tuple[str, int], ...]  # scoped name and code of each declared exception
-    hash: int  # unsigned 64 bit; see hashes.py
+    hash: int  # operation hash, unsigned 64 bits; see hashes.py
 
 
 @dataclass(frozen=True, slots=True)
 class StreamLayout:
-    """Samples of an attribute; the code is that of its getter (also where there is no getter)."""
+    """Samples of an attribute. `code` is the code for its getter, even if it has no getter."""
 
     name: str
     code: int
@@ -142,8 +142,8 @@ class StreamLayout:
 @dataclass(frozen=True, slots=True)
 class InterfaceLayout:
     name: str
-    hash: int  # unsigned 64 bit
-    calls: tuple[CallLayout, ...]  # own ones; `Layout.all_calls` has the inherited ones first
+    hash: int  # interface hash, unsigned 64 bits; see hashes.py
+    calls: tuple[CallLayout, ...]  # without inherited calls: see `Layout.all_calls`
     streams: tuple[StreamLayout, ...]
 
 
@@ -152,7 +152,7 @@ class Layout:
     structs: Mapping[str, StructLayout]
     unions: Mapping[str, UnionLayout]
     interfaces: Mapping[str, InterfaceLayout]
-    lcm_structs: Mapping[str, tuple[LcmStruct, ...]]  # per file, helpers before what uses them
+    lcm_structs: Mapping[str, tuple[LcmStruct, ...]]  # by file, helpers before their users
     cpp_names: TypeNames
     python_names: TypeNames
 
@@ -160,7 +160,7 @@ class Layout:
         return tuple(c for i in model.with_bases(interface) for c in self.interfaces[i.name].calls)
 
     def call(self, scoped_name: str) -> CallLayout:
-        """Finds a call by the scoped name of an operation or attribute; a setter ends in "="."""
+        """Finds a call by the scoped name of an operation or attribute (for a setter, plus "=")."""
         owner = scoped_name.rpartition("::")[0]
         return next(c for c in self.interfaces[owner].calls if c.name == scoped_name)
 
@@ -170,13 +170,13 @@ class Layout:
 
 
 def build(model: Model) -> Layout:
-    """Lays out every type and interface of `model`. @pre the rules found no error in it."""
+    """Lays out every type and interface of `model`. @pre the rules found no error in `model`."""
     return _Builder(model).build()
 
 
 def node_of(model: Model, used: Type, optional: bool = False, limits: Range | None = None) -> Node:
-    """The node of a value of type `used`, typedefs followed. `limits` is the range written where
-    the value stands: that of the number, or of the elements of an array or sequence."""
+    """The node of a value of type `used`, typedefs resolved. `limits` is the range declared for the
+    value: it limits the number, or the elements of an array or sequence."""
     node = _bare_node(model, used, limits)
     return OptionalNode(node) if optional else node
 
@@ -198,7 +198,7 @@ def _bare_node(model: Model, used: Type, limits: Range | None) -> Node:
 
 
 def _binding(kind: Primitive, limits: Range | None) -> Range | None:
-    """`limits`, unless no value of the type can violate them."""
+    """`limits`, or None if no value of the type can violate them."""
     number = ScalarNode(kind, limits if kind.is_number else None)
     return limits if number.bounds is not None else None
 
@@ -389,7 +389,7 @@ def wire_tag_of(tag: ScalarNode | EnumNode) -> Primitive:
 
 
 def min_size_of(model: Model, node: Node) -> int:
-    """Bytes of the smallest value, which a reader may expect for every element."""
+    """Bytes of the smallest value: the least that a reader may expect for each element."""
     match node:
         case ScalarNode(primitive):
             return primitive.size
@@ -415,7 +415,7 @@ def min_size_of(model: Model, node: Node) -> int:
 
 
 def fixed_size_of(model: Model, node: Node) -> int | None:
-    """Bytes that every value takes, when that is the same number."""
+    """Bytes of every value, or None if the size varies."""
     match node:
         case ScalarNode() | EnumNode():
             return min_size_of(model, node)

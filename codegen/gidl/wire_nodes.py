@@ -1,4 +1,4 @@
-"""The nodes of wire_layout.py, which explains them."""
+"""The nodes of the wire layout; wire_layout.py explains the nodes."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from gidl.model import Primitive, Range
 
 @dataclass(frozen=True, slots=True)
 class ScalarNode:
-    """A number, boolean or character. `limits` is what @range allows at this very place, the ranges
-    of all typedefs on the way included; None where every value of the type is allowed."""
+    """A number, boolean or character. `limits` is the range of the value, narrowed by the ranges
+    of all its typedefs; None if every value of the type is allowed."""
 
     primitive: Primitive
     limits: Range | None = None
 
     @property
     def bounds(self) -> Range | None:
-        """The limits to compare with, in the precision of the type (a float with the nearest
-        float), without the bounds that no value of the type can violate."""
+        """The limits to compare with, in the precision of the type (for a float, the nearest
+        float). A bound that no value of the type can violate is None."""
         if self.limits is None:
             return None
         low, high = self.limits.minimum, self.limits.maximum
@@ -35,8 +35,8 @@ class ScalarNode:
 
 @dataclass(frozen=True, slots=True)
 class EnumNode:
-    name: str  # name of an enum, bitmask or bitset
-    wire: Primitive  # INT32 or INT64
+    name: str  # scoped name of an enum, bitmask or bitset
+    wire: Primitive  # encoded as INT32 or INT64
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,7 @@ namespace devices {
 namespace {
 
 constexpr int cycles_at_goal = 3;
-// rad by which the joints may have moved between planning and start: a brake that slipped.
+// rad: after a larger joint movement between planning and start (a brake slipped), a motion fails.
 constexpr double moved_away = 1e-3;
 
 std::size_t at(Eigen::Index axis) { return static_cast<std::size_t>(axis); }
@@ -20,7 +20,7 @@ ControlMode mode_of(const JointDriver::Capabilities& can, const robcl::arm::ArmM
   if (can.position) return ControlMode::Position;
   if (can.velocity) return ControlMode::Velocity;
   throw std::invalid_argument("the drives of " + model.name() +
-                              " follow torque alone: a plan says where the joints shall be");
+                              " have torque mode only; motion needs position or velocity mode");
 }
 
 JointState first_state(SupervisedDriver& driver) {
@@ -29,7 +29,7 @@ JointState first_state(SupervisedDriver& driver) {
   return std::move(*state);
 }
 
-/// Why a motion cannot begin, or go on, with the drives as they are.
+/// Why a motion cannot begin or continue in this state of the drives; nullopt if it can.
 std::optional<DriverFault> not_ready(const JointState& state, ControlMode mode,
                                      const std::string& refusal) {
   switch (state.power) {
@@ -43,7 +43,7 @@ std::optional<DriverFault> not_ready(const JointState& state, ControlMode mode,
       break;
   }
   if (state.brakes == Brakes::Engaged) return DriverFault{"the brakes of the drives are engaged"};
-  if (state.mode != mode) return DriverFault{"the drives left the mode that they were asked for"};
+  if (state.mode != mode) return DriverFault{"the drives are not in the requested control mode"};
   return std::nullopt;
 }
 
@@ -106,8 +106,8 @@ void ArmController::step(double seconds) {
   if (end) end_motion(std::move(*end));
 }
 
-/// After a fault everything begins again from where the joints are measured: nothing may jump there
-/// where it should have been.
+/// After a fault, the set points start again at the measured joint positions: the joints must not
+/// jump to the set points that they missed.
 void ArmController::take(tl::expected<JointState, DriverFault> answer, bool motion_failed) {
   if (answer) {
     const bool stays =
@@ -117,7 +117,7 @@ void ArmController::take(tl::expected<JointState, DriverFault> answer, bool moti
     publish();
     return;
   }
-  // The last answer remains; its stamp tells its age.
+  // The last answer remains published; its time stamp tells its age.
   silent_ = true;
   command_ = state_.position;
   last_.commanded = last_.joints;
@@ -160,7 +160,7 @@ std::optional<DriverFault> ArmController::fault_of(
     const tl::expected<JointState, DriverFault>& answer, double seconds) const {
   if (!answer) return answer.error();
   if (seconds > can_.longest_gap) {
-    return DriverFault{"the control loop stood still for " + std::to_string(seconds) +
+    return DriverFault{"the control loop stalled for " + std::to_string(seconds) +
                        " s; the drives stop after " + std::to_string(can_.longest_gap) + " s"};
   }
   return not_ready(*answer, mode_, refusal_);

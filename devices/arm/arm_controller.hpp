@@ -1,4 +1,4 @@
-// The control loop's side of an arm: everything that happens once a cycle.
+// The part of an arm that runs in the control loop, once per cycle.
 #pragma once
 
 #include <array>
@@ -19,9 +19,9 @@ namespace devices {
 /// the control loop's thread and neither locks nor allocates (unless the driver fails). All other
 /// methods belong to the thread that moves the arm, except `now`, which any thread may call.
 ///
-/// The constructor enables the drives in a mode that they have: position, else velocity, where the
-/// loop controls the position itself. A fault of the drives ends the motion and stays until
-/// `reset_drives`: the arm does not move by itself when the cause of the fault is gone.
+/// The constructor enables the drives in position mode if they have it, else in velocity mode, in
+/// which the loop controls the position itself. A fault of the drives ends the motion and stays
+/// until `reset_drives`: the arm does not move by itself when the cause of the fault is gone.
 class ArmController {
  public:
   struct Settings {
@@ -33,11 +33,11 @@ class ArmController {
   /// The measurements of one cycle.
   struct Reading {
     std::array<double, robcl::arm::max_axes> joints{};
-    std::array<double, robcl::arm::max_axes> commanded{};  // their set points in the same cycle
+    std::array<double, robcl::arm::max_axes> commanded{};  // set points in the same cycle, rad
     std::array<double, 7> base_from_flange{};              // x, y, z, then w, x, y, z
     double fraction = 0;
     double remaining = 0;
-    std::uint64_t cycle = 0;          // counts what was measured
+    std::uint64_t cycle = 0;          // number of measurements so far
     std::int64_t measured_at_ns = 0;  // time of the Unix clock
     bool moving = false;
     DrivePower power = DrivePower::Off;
@@ -49,13 +49,13 @@ class ArmController {
     End end = End::Arrived;
     Eigen::Index axis = 0;  ///< NotSettled: the joint that is furthest away
     double away = 0;        ///< rad, distance of that joint from its goal
-    DriverFault fault;      ///< Fault
+    DriverFault fault;      ///< Fault: what failed
   };
 
   /// Throws std::runtime_error with the driver's message if it cannot read the joint positions, and
-  /// std::invalid_argument if its joints are not the model's or torque is their only mode.
+  /// std::invalid_argument if it has not as many joints as the model, or only torque mode.
   ArmController(const robcl::arm::ArmModel& model, const Settings& settings, JointDriver& driver);
-  /// Turns the drives off; the brakes hold.
+  /// Turns the drives off; the brakes then hold the arm.
   ~ArmController();
   ArmController(const ArmController&) = delete;
   ArmController& operator=(const ArmController&) = delete;
@@ -65,19 +65,19 @@ class ArmController {
 
   /// Clears a fault of the drives, in the next cycle, and enables them again.
   void reset_drives() { reset_.store(true); }
-  /// Number of started cycles. It does not rise while the driver does not return.
+  /// Number of started cycles. It does not rise while the driver blocks.
   std::uint64_t beats() const { return beats_.load(); }
 
-  /// Hands a motion to the control loop. @pre the last one was awaited; it starts at
-  /// `standing_at()`.
+  /// Hands a motion to the control loop. @pre the end of the last motion was awaited; `plan` starts
+  /// at `standing_at()`.
   void start(robcl::motion::Plan plan);
   /// Decelerates the running motion. May be called at any time, even when no motion runs.
   void stop() { stop_.store(true); }
-  /// Waits at most `patience` for the end of the motion; after its outcome the next may start.
+  /// Waits at most `patience` for the outcome of the motion; after that the next may start.
   std::optional<Outcome> wait(gecos::Duration patience);
 
-  /// Where the joints are commanded to be while nothing moves: where the last motion ended, or,
-  /// after a fault of the driver, where they were measured.
+  /// The set points of the joints while no motion runs: the end of the last motion or, after a
+  /// fault of the driver, the measured positions.
   JointValues standing_at() const;
   Reading now() const { return reading_.read(); }
 
@@ -103,17 +103,18 @@ class ArmController {
   const ControlMode mode_;
   robcl::arm::Kinematics forward_;
 
-  // Between start() and the end of the motion the loop owns these, otherwise the mover does.
+  // playback_ and outcome_ belong to the control loop from start() to the end of the motion, at
+  // other times to the thread that moves the arm.
   std::optional<robcl::motion::Playback> playback_;
   Outcome outcome_;
 
   std::atomic<bool> started_{false};  // publishes playback_ to the loop
   std::atomic<bool> stop_{false};
-  std::atomic<bool> reset_{false};       // publishes nothing but itself
-  std::atomic<std::uint64_t> beats_{0};  // publishes nothing but itself
-  std::counting_semaphore<> ended_{0};   // publishes outcome_ to the mover
+  std::atomic<bool> reset_{false};       // orders no other memory
+  std::atomic<std::uint64_t> beats_{0};  // orders no other memory
+  std::counting_semaphore<> ended_{0};   // publishes outcome_ to the waiting thread
 
-  // The loop's own.
+  // Used by the control loop only.
   Phase phase_ = Phase::Standing;
   JointState state_;  // the driver's last answer
   JointValues command_;

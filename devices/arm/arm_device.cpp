@@ -14,8 +14,8 @@ using robcl::motion::Pace;
 using robcl::motion::Plan;
 using namespace std::chrono_literals;
 
-constexpr auto beat = 5ms;       // between two looks at a motion
-constexpr int most_looks = 400;  // polls while the control loop makes no progress
+constexpr auto beat = 5ms;       // between two polls of a motion
+constexpr int most_looks = 400;  // polls without a new control cycle, after which it has stalled
 
 MoveFailure as_move_failure(const Failure& failure) {
   return std::visit([](const auto& reason) { return MoveFailure(reason); }, failure);
@@ -23,7 +23,7 @@ MoveFailure as_move_failure(const Failure& failure) {
 
 std::string not_settled(const ArmController::Outcome& outcome) {
   std::ostringstream text;
-  text << "joint " << outcome.axis + 1 << " does not come to its goal, it stays "
+  text << "joint " << outcome.axis + 1 << " does not reach its goal, it stays "
        << std::setprecision(3) << robcl::in_deg(outcome.away)
        << " deg away: look for an obstacle or a weak brake";
   return text.str();
@@ -93,7 +93,7 @@ robcl::arm::Configuration ArmDevice::configuration() const {
 
 tl::expected<void, Refused> ArmDevice::mount(const Frame& world_from_base) {
   const std::unique_lock standing(moving_, std::try_to_lock);
-  if (!standing) return tl::unexpected(Refused{"the arm is moving; mount it when it stands"});
+  if (!standing) return tl::unexpected(Refused{"the arm is moving; mount it when it has stopped"});
   const std::lock_guard lock(reading_);
   world_from_base_ = world_from_base;
   return {};
@@ -102,7 +102,7 @@ tl::expected<void, Refused> ArmDevice::mount(const Frame& world_from_base) {
 tl::expected<void, Refused> ArmDevice::set_tool_offset(const Frame& flange_from_tool) {
   const std::unique_lock standing(moving_, std::try_to_lock);
   if (!standing)
-    return tl::unexpected(Refused{"the arm is moving; change its tool when it stands"});
+    return tl::unexpected(Refused{"the arm is moving; change its tool when it has stopped"});
   const std::lock_guard lock(reading_);
   flange_from_tool_ = flange_from_tool;
   return {};
@@ -113,9 +113,9 @@ tl::expected<void, MoveFailure> ArmDevice::run(const Pace& pace, MotionWatcher& 
                                                MakePlan make_plan) {
   if (auto problem = robcl::motion::problem_of(pace)) return tl::unexpected(Refused{*problem});
   const std::unique_lock standing(moving_, std::try_to_lock);
-  if (!standing) return tl::unexpected(Refused{"the arm is moving for somebody else"});
+  if (!standing) return tl::unexpected(Refused{"the arm is moving for another caller"});
   if (unfinished_ && !controller_.wait(0ms)) {
-    return tl::unexpected(DriverFault{"the driver does not return: the control loop stands still"});
+    return tl::unexpected(DriverFault{"the driver does not return: the control loop has stalled"});
   }
   unfinished_ = false;
   Planned plan = make_plan(controller_.standing_at());
@@ -145,9 +145,9 @@ tl::expected<void, MoveFailure> ArmDevice::follow(Plan plan, MotionWatcher& watc
   controller_.start(std::move(plan));
   const auto outcome = await_end(watcher);
   if (!outcome) {
-    controller_.stop();  // should it ever go on
+    controller_.stop();  // in case the control loop continues later
     unfinished_ = true;
-    return tl::unexpected(DriverFault{"the driver does not return: the control loop stands still"});
+    return tl::unexpected(DriverFault{"the driver does not return: the control loop has stalled"});
   }
   switch (outcome->end) {
     case ArmController::End::Arrived:
@@ -162,8 +162,8 @@ tl::expected<void, MoveFailure> ArmDevice::follow(Plan plan, MotionWatcher& watc
   return tl::unexpected(outcome->fault);
 }
 
-/// How the motion ended; nothing if the control loop began no cycle during so many looks. Looks are
-/// counted, not time: a process that was stopped for a while has not looked.
+/// How the motion ended; nullopt if the control loop began no cycle during `most_looks` polls.
+/// Counts polls instead of time, because a process does not poll while it is suspended.
 std::optional<ArmController::Outcome> ArmDevice::await_end(MotionWatcher& watcher) {
   std::uint64_t seen = controller_.beats();
   for (int looks = 0; looks < most_looks; ++looks) {

@@ -1,4 +1,4 @@
-// The arm for its servers: placed in the world, with a tool, moved by one caller at a time.
+// An arm with a place in the world and a tool, which one caller at a time may move.
 #pragma once
 
 #include <memory>
@@ -38,7 +38,7 @@ using MoveFailure = std::variant<robcl::arm::OutOfReach, robcl::arm::JointLimit,
                                  robcl::arm::Singular, Interrupted, Refused, DriverFault>;
 std::string to_string(const MoveFailure& failure);
 
-/// Any arm with a driver. Only the control loop calls `step`; any thread may call the other
+/// An arm with any driver. Only the control loop calls `step`; any thread may call the other
 /// methods.
 class ArmDevice {
  public:
@@ -50,24 +50,24 @@ class ArmDevice {
 
   ArmDevice(const robcl::arm::ArmModel& model, const Settings& settings, JointDriver& driver);
 
-  /// One cycle of the control loop.
+  /// Runs one cycle of the control loop, of `seconds`.
   void step(double seconds) { controller_.step(seconds); }
 
   /// The measurements of one cycle of the control loop.
   struct Sample {
-    Frame flange;  ///< in the world
-    Frame tool;    ///< in the world
+    Frame flange;  ///< pose in the world
+    Frame tool;    ///< pose in the world
     JointValues joints;
-    std::uint64_t cycle = 0;          ///< counts what was measured
+    std::uint64_t cycle = 0;          ///< number of measurements so far
     std::int64_t measured_at_ns = 0;  ///< time of the Unix clock
   };
   Sample sample() const;
 
   Frame base() const;
-  Frame flange() const;        ///< in the world, as measured
-  Frame tool() const;          ///< in the world, as measured
+  Frame flange() const;        ///< measured pose in the world
+  Frame tool() const;          ///< measured pose in the world
   Frame tool_offset() const;   ///< tool seen from the flange
-  JointValues joints() const;  ///< as measured
+  JointValues joints() const;  ///< measured positions, rad
   bool moving() const { return controller_.now().moving; }
   DrivePower power() const { return controller_.now().power; }
   robcl::arm::Configuration configuration() const;
@@ -79,7 +79,7 @@ class ArmDevice {
 
   /// Places the base in the world. Fails while the arm moves.
   tl::expected<void, Refused> mount(const Frame& world_from_base);
-  /// Fails while the arm moves.
+  /// Sets the frame of the tool, seen from the flange. Fails while the arm moves.
   tl::expected<void, Refused> set_tool_offset(const Frame& flange_from_tool);
 
   /// Moves the tool to `world_from_goal` and returns when the measured tool stands there.
@@ -101,11 +101,11 @@ class ArmDevice {
   const robcl::arm::ArmModel model_;
   ArmController controller_;
 
-  std::mutex moving_;  // held from planning to standing; guards planner_ and unfinished_
+  std::mutex moving_;  // held until the arm has stopped; guards planner_ and unfinished_
   robcl::motion::Planner planner_;
   bool unfinished_ = false;  // a motion was abandoned because the control loop stalled
 
-  mutable std::mutex reading_;  // guards what follows; never held while waiting
+  mutable std::mutex reading_;  // guards the members below; never held while waiting
   Frame world_from_base_;
   Frame flange_from_tool_;
   std::unique_ptr<robcl::arm::InverseKinematics> postures_;
@@ -117,7 +117,7 @@ class SixAxisDevice : public ArmDevice {
   /// Throws std::invalid_argument unless the model has six axes.
   SixAxisDevice(const robcl::arm::ArmModel& model, const Settings& settings, JointDriver& driver);
 
-  /// Moves all joints, which arrive together. @pre six of them.
+  /// Moves all joints, which arrive together. @pre `target` has six values.
   tl::expected<void, MoveFailure> move_joints(const JointValues& target,
                                               const robcl::motion::Pace& pace,
                                               MotionWatcher& watcher) {

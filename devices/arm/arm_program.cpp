@@ -53,8 +53,8 @@ int serve_arm(const ArmProgram& program, const MakeServant& make_servant, int co
                          (program.connect ? "Serves a " : "Serves a simulated ") + program.arm +
                              " with a control cycle of 4 ms.",
                          {{"name", program.name, "name to register"},
-                          {"tool-length", "150", "from the flange to the tool frame, along z, mm"},
-                          {"seed", "1", "of the encoders' noise"}},
+                          {"tool-length", "150", "distance from flange to tool frame along z, mm"},
+                          {"seed", "1", "seed of the simulated encoder noise"}},
                          count, words);
   if (line.exit_status()) return *line.exit_status();
   return device_main(program.program.c_str(), [&] { return run(program, make_servant, line); });

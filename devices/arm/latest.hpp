@@ -8,8 +8,8 @@
 
 namespace devices {
 
-/// The newest value of one writer for any number of readers. Writing is wait-free; a reader tries
-/// again if the writer wrote meanwhile, at most once with a writer at some hundred hertz.
+/// The newest value that one thread writes and any number of threads read. Writing is wait-free. A
+/// reader retries if the value changed meanwhile: at most once at some hundred writes per second.
 template <typename T>
 requires std::is_trivially_copyable_v<T>
 class Latest {

@@ -7,13 +7,14 @@
 
 namespace devices {
 
-/// The operations of `robcl::Manipulator` over an arm. Thread-safe.
+/// Implements the operations of `robcl::Manipulator` with an ArmDevice. Thread-safe.
 ///
-/// An exact arm inherits them beside the skeleton of its own interface (see ExactArm).
+/// The servant of a particular arm derives from this class and from the generated servant class of
+/// its own interface (see ExactArm).
 class ManipulatorServant : public virtual robcl::ManipulatorServant {
  public:
-  /// `place` says where this arm stands, for the refusal of another carrier: "an RX90 weighs 111 kg
-  /// and stands on the floor".
+  /// `place` says where the arm stands: "an RX90 weighs 111 kg and stands on the floor". The error
+  /// of `mount` for another carrier begins with it.
   ManipulatorServant(ArmDevice& arm, std::string place) : arm_(arm), place_(std::move(place)) {}
 
   /// Sends a sample of every stream if there is a new measurement. One thread at a time.
@@ -22,7 +23,8 @@ class ManipulatorServant : public virtual robcl::ManipulatorServant {
  protected:
   using Progress = gecos::Execution<robcl::MotionProgress>;
 
-  /// Sends `sample` on the streams of this interface. Interfaces that add streams call this, too.
+  /// Sends `sample` on the streams of this interface. If an interface adds streams, its
+  /// servant overrides this method and also calls it.
   virtual void publish_sample(const ArmDevice::Sample& sample);
 
   gecos::Result<Frame> base() override { return arm_.base(); }

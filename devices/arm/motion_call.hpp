@@ -1,4 +1,4 @@
-// The session's side of one motion: connects its handler to the arm and builds the reply.
+// Connects the handler of a motion to the arm, and makes its reply.
 #pragma once
 
 #include "arm/arm_device.hpp"

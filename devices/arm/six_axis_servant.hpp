@@ -8,7 +8,7 @@
 
 namespace devices {
 
-/// The operations of `robcl::SixAxis` over an arm with six joints. Thread-safe.
+/// Implements the operations of `robcl::SixAxis` with a SixAxisDevice. Thread-safe.
 class SixAxisServant : public virtual robcl::SixAxisServant, public ManipulatorServant {
  public:
   SixAxisServant(SixAxisDevice& arm, std::string place)
@@ -28,8 +28,8 @@ class SixAxisServant : public virtual robcl::SixAxisServant, public ManipulatorS
   SixAxisDevice& arm_;
 };
 
-/// An arm whose interface adds nothing to SixAxis but its name: `Skeleton` is what gidl generates
-/// for it. An interface with operations of its own derives from this and implements them.
+/// The servant of an arm whose interface adds no operation to SixAxis. `Skeleton` is the generated
+/// servant class of that interface. Derive from ExactArm to implement additional operations.
 template <class Skeleton>
 class ExactArm : public Skeleton, public SixAxisServant {
  public:

@@ -24,7 +24,7 @@ enum class DrivePower {
   Off,        ///< no torque; the brakes hold
   TurningOn,  ///< enabled, and not ready yet
   On,         ///< follows commands
-  Fault,      ///< as Off, until the fault is reset
+  Fault,      ///< no torque and the brakes hold, until `reset`
 };
 
 /// The brakes of the joints; Released for joints without brakes.
@@ -41,12 +41,12 @@ struct JointCommand {
 struct JointState {
   DrivePower power = DrivePower::Off;
   Brakes brakes = Brakes::Engaged;
-  ControlMode mode = ControlMode::Position;  ///< once enabled
+  ControlMode mode = ControlMode::Position;  ///< valid once enabled
   JointValues position;                      ///< rad
   JointValues velocity;                      ///< rad/s; empty: not measured
   JointValues torque;                        ///< N·m; empty: not measured
   std::int64_t measured_at_ns = 0;           ///< time of this host's Unix clock
-  std::string fault;                         ///< in words for people, where power is Fault
+  std::string fault;                         ///< text for people if power is Fault
 };
 
 /// The joints of one arm. Used by one thread at a time.
@@ -58,9 +58,9 @@ class JointDriver {
  public:
   struct Capabilities {
     Eigen::Index axes = 0;
-    bool position = false, velocity = false, torque = false;  ///< modes
-    /// s without an exchange after which the drives stop by themselves. A motion is not resumed if
-    /// the control loop stalled for longer.
+    bool position = false, velocity = false, torque = false;  ///< supported control modes
+    /// Time without an `exchange`, s, after which the drives stop by themselves. A motion is not
+    /// resumed if the control loop stalled for longer.
     double longest_gap = std::numeric_limits<double>::infinity();
   };
 
@@ -80,7 +80,7 @@ class JointDriver {
   virtual tl::expected<void, DriverFault> reset() = 0;
 
   /// Called once per control cycle: takes the command for the next `seconds`, returns measurements.
-  /// Ignores the command unless the drives are On. Allocates only to fail.
+  /// Ignores the command unless the drives are On. Allocates only on failure.
   virtual tl::expected<JointState, DriverFault> exchange(const JointCommand& command,
                                                          double seconds) = 0;
 };

@@ -50,7 +50,7 @@ JointState SimulatedDriver::state() {
 tl::expected<void, DriverFault> SimulatedDriver::enable(ControlMode mode) {
   if (power_ == DrivePower::Fault) return tl::unexpected(DriverFault{fault_});
   if (mode == ControlMode::Torque) {
-    return tl::unexpected(DriverFault{"simulated joints have no mass: torque moves nothing"});
+    return tl::unexpected(DriverFault{"simulated joints have no mass, so no torque mode"});
   }
   power_ = DrivePower::On;
   mode_ = mode;

@@ -12,8 +12,8 @@ namespace devices {
 class SimulatedDriver final : public JointDriver {
  public:
   struct Imperfection {
-    double lag = 0.010;               ///< s until 63 % of a step of the command is done
-    double encoder_counts = 262'144;  ///< per turn
+    double lag = 0.010;               ///< time constant, s: 63 % of a set point's step is done
+    double encoder_counts = 262'144;  ///< counts per turn
     double noise = 0.4;               ///< standard deviation, counts
     unsigned seed = 1;
   };

@@ -13,12 +13,12 @@ namespace devices {
 /// stamp in the future or too old, a joint that moved faster than it can.
 class SupervisedDriver final : public JointDriver {
  public:
-  /// s. A measurement that is older, or as far in the future, counts as no answer.
+  /// Greatest age of a measurement, s. An older one, or one as far in the future, is a fault.
   static constexpr double oldest = 0.1;
-  /// A multiple of a joint's greatest speed. A faster measured movement is not plausible.
+  /// Measured movements are a fault above this multiple of a joint's speed limit.
   static constexpr double speed_margin = 4;
 
-  /// `limits`: one per joint.
+  /// `limits` has one entry per joint.
   SupervisedDriver(JointDriver& driver, std::vector<robcl::arm::JointLimits> limits)
       : driver_(driver), limits_(std::move(limits)) {}
 
@@ -38,7 +38,7 @@ class SupervisedDriver final : public JointDriver {
 
   JointDriver& driver_;
   const std::vector<robcl::arm::JointLimits> limits_;
-  JointValues last_;  // position; empty after a fault, when joints may have moved any distance
+  JointValues last_;  // positions; empty after a fault, when joints may have moved any distance
 };
 
 }  // namespace devices

@@ -10,7 +10,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto beat = 10ms;              // between two looks at the jaws
+constexpr auto beat = 10ms;              // between two polls of the jaws
 constexpr auto world_takes_notice = 2s;  // longest delay until the world shows a held body
 
 gecos::Fault out_of_range(const SimulatedGripper::OutOfRange& refused) {
@@ -19,7 +19,7 @@ gecos::Fault out_of_range(const SimulatedGripper::OutOfRange& refused) {
 
 gecos::Fault as_fault(const gecos::Failure& failure) {
   const bool nobody = failure.detail == gecos::Detail::NoServer;
-  return gecos::Fault::failed((nobody ? "the simulated world is not there: " : "") + failure.text);
+  return gecos::Fault::failed((nobody ? "the simulated world is not online: " : "") + failure.text);
 }
 
 }  // namespace
@@ -40,7 +40,8 @@ void GripperServant::publish() {
 
 gecos::Result<void> GripperServant::mount(const std::string& carrier, const robcl::Frame& offset) {
   if (gripper_.state().moving) {
-    return tl::unexpected(robcl::MountRefused{"the jaws are moving; mount it when they stand"});
+    return tl::unexpected(
+        robcl::MountRefused{"the jaws are moving; mount the gripper when they have stopped"});
   }
   return mounting_.mount(carrier, offset);
 }
@@ -56,7 +57,7 @@ gecos::Result<robcl::Frame> GripperServant::grip_point() {
   return *world_from_base * base_from_grip_point_;
 }
 
-/// The body that the jaws would meet at their present place.
+/// The body that the jaws meet when they close at their present place; nullopt if none.
 gecos::Result<std::optional<SimulatedGripper::Contact>> GripperServant::contact() {
   if (world_.name().empty()) return std::nullopt;
   const auto point = grip_point();
@@ -83,8 +84,8 @@ gecos::Result<void> GripperServant::let_jaws_move(Run& run) {
   }
 }
 
-/// A command ends when the world shows what it did: who moves the arm next must find the body held,
-/// or standing.
+/// Waits until the world shows the effect of a command: the client that moves the arm next must
+/// find the body attached, or released.
 gecos::Result<void> GripperServant::wait_for_world(const std::string& body,
                                                    const std::string& holder, Run& run) {
   const auto deadline = std::chrono::steady_clock::now() + world_takes_notice;
@@ -97,7 +98,7 @@ gecos::Result<void> GripperServant::wait_for_world(const std::string& body,
   }
   return tl::unexpected(gecos::Fault::failed(
       "world '" + world_.name() + "' does not notice that '" + name_ + "' " +
-      (holder.empty() ? "let go of" : "holds") + " '" + body + "': does it watch this gripper?"));
+      (holder.empty() ? "let go of" : "holds") + " '" + body + "': check its --grippers option"));
 }
 
 gecos::Result<void> GripperServant::open(double width, Run& run) {

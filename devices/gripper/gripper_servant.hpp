@@ -15,14 +15,14 @@ namespace devices {
 /// meet. Thread-safe; handlers wait for the world.
 class GripperServant final : public robcl::GripperServant {
  public:
-  /// With an empty `world` there is no world, and the jaws never meet anything.
+  /// If `world` is empty, the gripper uses no world and the jaws never meet a body.
   GripperServant(gecos::Lab& lab, std::string name, std::string world, const std::string& carrier,
                  const robcl::Frame& base_from_grip_point,
                  const SimulatedGripper::Settings& settings);
 
-  /// Moves the jaws for one cycle of `seconds`. One thread.
+  /// Moves the jaws for one cycle of `seconds`. Called by one thread.
   void step(double seconds) { gripper_.step(seconds); }
-  /// Sends a sample of the jaws and keeps the carrier's stream alive. One thread.
+  /// Sends a sample of the jaws and keeps the carrier's stream alive. Called by one thread.
   void publish();
 
  private:

@@ -14,14 +14,14 @@ using namespace std::chrono_literals;
 int run(int count, char** words) {
   const devices::CommandLine line(
       "robcl-gripper",
-      "Serves a simulated gripper with two parallel jaws that meet what is in the simulated world.",
+      "Serves a simulated gripper whose two parallel jaws grip bodies of the simulated world.",
       {{"name", "GRIPPER", "name to register"},
-       {"world", "WORLD", "the world to ask what the jaws meet; '' for an empty one"},
-       {"carrier", "RX90", "arm whose flange carries it; '' to stand in the world"},
-       {"length", "150", "from its base to the point between the finger tips, mm"},
-       {"max-width", "110", "between the jaws, mm"},
-       {"max-force", "100", "N"},
-       {"speed", "150", "between the jaws, mm/s"}},
+       {"world", "WORLD", "name of the world with the bodies; '' for no bodies"},
+       {"carrier", "RX90", "arm whose flange carries the gripper; '' for none"},
+       {"length", "150", "distance from base to the point between finger tips, mm"},
+       {"max-width", "110", "greatest distance between the jaws, mm"},
+       {"max-force", "100", "greatest grip force, N"},
+       {"speed", "150", "speed at which the distance of the jaws changes, mm/s"}},
       count, words);
   if (line.exit_status()) return *line.exit_status();
 
@@ -41,7 +41,7 @@ int run(int count, char** words) {
   return devices::serve_device(lab, servant,
                                {.program = "robcl-gripper",
                                 .name = line.text("name"),
-                                .blocking = true,  // handlers ask the world
+                                .blocking = true,  // handlers call the world
                                 .beats = {{20ms, [&servant](double) { servant.publish(); }}}});
 }
 

@@ -17,7 +17,7 @@ SimulatedGripper::State SimulatedGripper::state() const {
 
 tl::expected<void, SimulatedGripper::OutOfRange> SimulatedGripper::open(
     double width, const std::optional<Contact>& contact) {
-  if (!(width >= 0 && width <= settings_.max_width)) {  // so that NaN is refused, too
+  if (!(width >= 0 && width <= settings_.max_width)) {  // written so that NaN fails, too
     return tl::unexpected(OutOfRange{"width in m", width, 0, settings_.max_width});
   }
   const gecos::MutexLock lock(guard_);
@@ -35,7 +35,7 @@ tl::expected<void, SimulatedGripper::OutOfRange> SimulatedGripper::close(
     return tl::unexpected(OutOfRange{"force in N", force, 0, settings_.max_force});
   }
   const gecos::MutexLock lock(guard_);
-  if (state_.holding) {  // it presses harder, or less hard, and does not let go
+  if (state_.holding) {  // only the force changes: the jaws do not let go
     state_.force = force;
     return {};
   }

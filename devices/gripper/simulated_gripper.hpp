@@ -9,22 +9,22 @@
 namespace devices {
 
 /// Two parallel jaws that close at a constant speed until they meet something, or each other.
-/// `step` belongs to the gripper's periodic thread; any thread may call every method.
+/// Thread-safe; the gripper's periodic thread calls `step`.
 class SimulatedGripper {
  public:
   struct Settings {
     double max_width = 0.110;  ///< m
     double max_force = 100;    ///< N
-    double speed = 0.150;      ///< m/s between the jaws
+    double speed = 0.150;      ///< m/s at which the distance of the jaws changes
   };
   struct State {
     double width = 0;  ///< m
     double force = 0;  ///< N, 0 when nothing is held
     bool moving = false;
     bool holding = false;
-    std::string held;  ///< body, where it is known
+    std::string held;  ///< name of the held body; empty if unknown
   };
-  /// The body that the jaws would meet, and the width there, m.
+  /// The body that the jaws meet when they close, and their distance then, m.
   struct Contact {
     double width = 0;
     std::string body;
@@ -42,10 +42,11 @@ class SimulatedGripper {
   /// Starts to move to `width` and releases a held body. If the jaws have to close for that, they
   /// stop at `contact`, without force.
   tl::expected<void, OutOfRange> open(double width, const std::optional<Contact>& contact);
-  /// Starts to close until the jaws meet `contact` (else each other), to press it with `force`.
+  /// Starts to close until the jaws press `contact` with `force`, N, or, without it, each other.
   tl::expected<void, OutOfRange> close(double force, const std::optional<Contact>& contact);
-  /// The jaws stop at their place; a held body stays held.
+  /// Stops the jaws where they are; a held body stays held.
   void halt();
+  /// Moves the jaws for `seconds`.
   void step(double seconds);
 
  private:

@@ -11,14 +11,14 @@
 
 namespace devices {
 
-/// Serves a beam in the simulated world as the object `robcl::LaserDistanceSensor`. Thread-safe;
-/// handlers wait for the world.
+/// Serves a SimulatedBeam as the object `robcl::LaserDistanceSensor`; the simulated world gives the
+/// true distance. Thread-safe; handlers wait for the world.
 class LdsServant final : public robcl::LaserDistanceSensorServant {
  public:
   LdsServant(gecos::Lab& lab, std::string world, const std::string& carrier,
              const robcl::Frame& carrier_from_base, const SimulatedBeam::Settings& settings);
 
-  /// Measures and sends a sample, when the sensor can measure. One thread.
+  /// Sends a sample if the sensor can measure. Called by one thread.
   void publish();
 
  private:

@@ -1,4 +1,4 @@
-// robcl-lds: a simulated laser distance sensor that looks into the simulated world.
+// robcl-lds: a simulated laser distance sensor that measures in the simulated world.
 #include <chrono>
 #include <cstdio>
 
@@ -13,21 +13,20 @@ using namespace std::chrono_literals;
 int run(int count, char** words) {
   const devices::CommandLine line(
       "robcl-lds",
-      "Serves a simulated laser distance sensor. Where it stands at first, it looks across the "
-      "table at\n"
-      "the height to which the block is lifted.",
+      "Serves a simulated laser distance sensor. By default its beam crosses the table at the\n"
+      "height to which the block is lifted.",
       {{"name", "LDS", "name to register"},
-       {"world", "WORLD", "the world that it looks into"},
-       {"carrier", "", "arm whose flange carries it; '' to stand in the world"},
-       {"x", "1000", "of its base on the carrier, mm"},
-       {"y", "200", "mm"},
-       {"z", "250", "mm"},
-       {"a", "0", "EulerZYZ of its base; it looks along z, deg"},
-       {"b", "-90", "deg"},
-       {"c", "0", "deg"},
-       {"lower", "50", "of its range, mm"},
-       {"upper", "1000", "of its range, mm"},
-       {"seed", "1", "of its noise"}},
+       {"world", "WORLD", "name of the world with the bodies"},
+       {"carrier", "", "arm whose flange carries the sensor; '' for none"},
+       {"x", "1000", "x of the sensor's base, seen from its carrier, mm"},
+       {"y", "200", "y of the base, mm"},
+       {"z", "250", "z of the base, mm"},
+       {"a", "0", "ZYZ Euler angles a, b, c of the base (beam along z), deg"},
+       {"b", "-90", "second angle, deg"},
+       {"c", "0", "third angle, deg"},
+       {"lower", "50", "smallest measured distance, mm"},
+       {"upper", "1000", "greatest measured distance, mm"},
+       {"seed", "1", "seed of the simulated noise"}},
       count, words);
   if (line.exit_status()) return *line.exit_status();
 
@@ -50,7 +49,7 @@ int run(int count, char** words) {
   return devices::serve_device(lab, servant,
                                {.program = "robcl-lds",
                                 .name = line.text("name"),
-                                .blocking = true,  // handlers ask the world
+                                .blocking = true,  // handlers call the world
                                 .beats = {{20ms, [&servant](double) { servant.publish(); }}}});
 }
 

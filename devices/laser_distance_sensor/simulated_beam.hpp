@@ -7,12 +7,12 @@
 
 namespace devices {
 
-/// The reading of a laser distance sensor for a true distance. Any thread.
+/// Computes the reading of a laser distance sensor from the true distance. Thread-safe.
 class SimulatedBeam {
  public:
   struct Settings {
-    double lower = 0.050;   ///< m
-    double upper = 1.000;   ///< m
+    double lower = 0.050;   ///< smallest measured distance, m
+    double upper = 1.000;   ///< greatest measured distance, m
     double noise = 0.0002;  ///< standard deviation, m
     unsigned seed = 1;
   };
@@ -21,7 +21,7 @@ class SimulatedBeam {
 
   const Settings& settings() const { return settings_; }
 
-  /// The measured distance; nullopt if the beam meets nothing, or nothing within the range.
+  /// The measured distance, m; nullopt if the beam meets nothing within its range.
   std::optional<double> measure(std::optional<double> distance);
 
  private:

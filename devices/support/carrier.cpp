@@ -44,8 +44,8 @@ tl::expected<robcl::Frame, std::string> Carrier::frame() {
   if (!flange) return robcl::Frame();
   const auto sample = flange->latest();
   if (sample) return sample->value;
-  return tl::unexpected("where the flange of '" + flange->name() +
-                        "' is, is not known: " + sample.error());
+  return tl::unexpected("the position of the flange of '" + flange->name() +
+                        "' is unknown: " + sample.error());
 }
 
 Mounting::Mounting(gecos::Lab& lab, const std::string& carrier,

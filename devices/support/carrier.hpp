@@ -18,7 +18,7 @@ using FlangeStream = gecos::ReconnectingStream<robcl::Manipulator, robcl::Frame>
 /// may call `frame`; one thread calls `tick`.
 class Carrier {
  public:
-  /// The frame of a flange that was silent for longer than this is unknown.
+  /// Longest silence of the flange's stream, after which the frame is unknown.
   static constexpr gecos::Duration patience = std::chrono::seconds(1);
 
   explicit Carrier(gecos::Lab& lab) : lab_(lab) {}
@@ -32,7 +32,7 @@ class Carrier {
   /// 0.2 s.
   void tick();
 
-  /// The flange in the world, or the reason why it is unknown.
+  /// The frame of the flange in the world, or the reason why it is unknown.
   tl::expected<robcl::Frame, std::string> frame();
 
  private:
@@ -40,17 +40,17 @@ class Carrier {
 
   gecos::Lab& lab_;
   mutable gecos::Mutex guard_;                                     // never held while connecting
-  std::shared_ptr<FlangeStream> flange_ GECOS_GUARDED_BY(guard_);  // null: the world
+  std::shared_ptr<FlangeStream> flange_ GECOS_GUARDED_BY(guard_);  // null: fixed to the world
 };
 
-/// A device's base: fixed to a carrier.
+/// The base of a device, fixed to a carrier.
 class Mounting {
  public:
   Mounting(gecos::Lab& lab, const std::string& carrier, const robcl::Frame& carrier_from_base);
 
   Carrier& carrier() { return carrier_; }
   std::string parent() const { return carrier_.name(); }
-  /// The frame in the world; fails with the reason why it is not known.
+  /// The frame of the base in the world, or the reason why it is unknown.
   gecos::Result<robcl::Frame> base();
   /// Waits for the first sample of the new carrier. If none arrives, fails with robcl::MountRefused
   /// and changes nothing.

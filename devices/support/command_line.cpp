@@ -36,7 +36,7 @@ void CommandLine::read(int count, char** words) {
     const auto option = std::find_if(options_.begin(), options_.end(), [&](const Option& known) {
       return word == "--" + known.word;
     });
-    if (option == options_.end()) return refuse("'" + word + "' is not known");
+    if (option == options_.end()) return refuse("'" + word + "' is not an option of this program");
     if (++at == count) return refuse("'" + word + "' needs a value");
     if (as_number(option->standard) && !as_number(words[at])) {
       return refuse("'" + word + "' needs a number, not '" + words[at] + "'");

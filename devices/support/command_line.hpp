@@ -12,9 +12,9 @@ namespace devices {
 
 /// One option `--word VALUE` of a program.
 struct Option {
-  std::string word;      ///< without the dashes
-  std::string standard;  ///< used when it is not given
-  std::string says;      ///< for --help, with its unit
+  std::string word;      ///< name of the option, without the dashes
+  std::string standard;  ///< default value
+  std::string says;      ///< text for --help, with the unit
 };
 
 /// The arguments of a program. `main` must return `exit_status` if it has a value.

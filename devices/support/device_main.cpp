@@ -32,7 +32,7 @@ int device_main(const char* program, const std::function<int()>& work) {
     return work();
   } catch (const std::exception& error) {
     return fail(program, error.what());
-  } catch (...) {  // KDL throws types of its own
+  } catch (...) {  // KDL's exceptions do not derive from std::exception
     return fail(program, "something was thrown that is no std::exception");
   }
 }

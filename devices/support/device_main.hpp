@@ -1,4 +1,4 @@
-// The common part of every device program, around its servant.
+// The part that all device programs share: serving one servant, and errors in `main`.
 #pragma once
 
 #include <functional>
@@ -12,16 +12,16 @@ namespace devices {
 /// Periodic work of a device while it is served, on a thread of its own.
 struct Beat {
   gecos::Duration period;
-  std::function<void(double seconds)> work;  ///< gets the time since its last call, s
+  std::function<void(double seconds)> work;  ///< gets the time since the last call, s
 };
 
 struct Served {
   std::string program;  ///< "robcl-rx90": begins each line that is printed
-  std::string name;     ///< to register
+  std::string name;     ///< name to register
   bool simulated = true;
   /// Whether handlers wait for other objects; then each handler runs on the object's worker.
   bool blocking = false;
-  std::vector<Beat> beats{};  ///< started once it is served
+  std::vector<Beat> beats{};  ///< started once the object is served
 };
 
 /// Serves a thread-safe `servant` until SIGINT or SIGTERM. Prints one line when it is ready, or the

@@ -14,7 +14,7 @@ namespace devices {
 /// are skipped, not caught up.
 class Periodic {
  public:
-  /// `work` gets the time since its last call, in s: `period`, or a multiple after missed cycles.
+  /// `work` gets the time since the last call, in s: `period`, or a multiple after missed cycles.
   Periodic(gecos::Duration period, std::function<void(double seconds)> work);
 
  private:

@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double touching = 1e-3;  // m by which boxes may overlap and still count as touching
 
-/// The corners of a box are numbered by three bits, one per axis; an edge changes one of them.
+/// The twelve edges of a box, each as two corner numbers, which differ in one bit (bit i: axis i).
 constexpr std::array<std::array<std::size_t, 2>, 12> edges = {{{0, 1},
                                                                {2, 3},
                                                                {4, 5},
@@ -28,7 +28,7 @@ constexpr std::array<std::array<std::size_t, 2>, 12> edges = {{{0, 1},
                                                                {2, 6},
                                                                {3, 7}}};
 
-/// Where a line from `origin` enters and leaves the box, in multiples of `direction`.
+/// Where a line enters and leaves the box, in multiples of `direction` from `origin`.
 std::optional<std::array<double, 2>> through(const Box& box, const Vector3d& origin,
                                              const Vector3d& direction) {
   const Eigen::Quaterniond to_box = box.pose.orientation().conjugate();
@@ -65,13 +65,13 @@ std::vector<Vector3d> clipped(const std::vector<Vector3d>& polygon, Eigen::Index
   return kept;
 }
 
-/// The height of edge a over edge b where they cross as seen from above.
+/// The height of edge a over edge b where they cross, seen from above; nullopt if they do not.
 std::optional<double> height_over(const Vector3d& a0, const Vector3d& a1, const Vector3d& b0,
                                   const Vector3d& b1) {
   const Vector2d a = (a1 - a0).head<2>(), b = (b1 - b0).head<2>(), from = (b0 - a0).head<2>();
   const double cross = a.x() * b.y() - a.y() * b.x();
   if (std::abs(cross) < 1e-15)
-    return std::nullopt;  // parallel: their ends are corners, seen elsewhere
+    return std::nullopt;  // parallel edges: fall_onto tests their corners
   const double s = (from.x() * b.y() - from.y() * b.x()) / cross;
   const double t = (from.x() * a.y() - from.y() * a.x()) / cross;
   if (s < 0 || s > 1 || t < 0 || t > 1) return std::nullopt;
@@ -120,14 +120,14 @@ std::optional<Between> between_jaws(const Frame& jaws, const Vector2d& pad, doub
     }
   }
   if (found.lower <= found.upper) return found;
-  // No face in there: either nothing is, or the box fills it all.
+  // No face is between the jaws: the box is outside, or it fills all the space between them.
   const Vector3d middle = box.pose.inverse().transform(jaws.position());
   if ((middle.cwiseAbs() - box.size / 2).maxCoeff() > 0) return std::nullopt;
   return Between{-opening / 2, opening / 2};
 }
 
 std::optional<double> fall_onto(const Box& upper, const Box& lower) {
-  // Falling is stopped where a corner of one meets a face of the other, or two edges meet.
+  // The fall ends where a corner of one box meets a face of the other, or two edges meet.
   double fall = infinite;
   const auto meet = [&fall](double height) {
     if (height >= -touching) fall = std::min(fall, std::max(height, 0.0));

@@ -11,7 +11,7 @@ namespace devices {
 
 using robcl::Frame;
 
-/// A box; `pose` is in its middle, `size` along its own axes, m.
+/// A box. `pose` is the frame of its centre, `size` the lengths along the axes of that frame, m.
 struct Box {
   Frame pose;
   Eigen::Vector3d size = Eigen::Vector3d::Zero();
@@ -19,8 +19,8 @@ struct Box {
   std::array<Eigen::Vector3d, 8> corners() const;
 };
 
-/// Distance along the ray's z axis from its origin to the box, at most `reach`. A ray that starts
-/// inside meets it at 0.
+/// Distance from the origin of `ray`, along its z axis, to the box, at most `reach`, m; nullopt if
+/// the ray misses the box. It is 0 for a ray that starts inside the box.
 std::optional<double> ray_hit(const Frame& ray, double reach, const Box& box);
 
 /// The part of a box that lies between two jaws.
@@ -28,12 +28,13 @@ struct Between {
   double lower = 0, upper = 0;  ///< along y of the jaws, m
 };
 
-/// The part of the box inside |x| <= pad.x/2, |y| <= opening/2, |z| <= pad.z/2 of `jaws`.
+/// The part of the box with |x| <= pad[0]/2, |y| <= opening/2, |z| <= pad[1]/2 in the frame `jaws`;
+/// nullopt if there is none.
 std::optional<Between> between_jaws(const Frame& jaws, const Eigen::Vector2d& pad, double opening,
                                     const Box& box);
 
-/// How far `upper` can move straight down until it meets `lower`; nothing when it passes beside it
-/// or is already level with it or below. Boxes that touch give 0.
+/// Distance that `upper` can fall until it meets `lower`, m; 0 if the boxes touch. Nullopt if
+/// `upper` falls past `lower`, or is not above it.
 std::optional<double> fall_onto(const Box& upper, const Box& lower);
 
 }  // namespace devices

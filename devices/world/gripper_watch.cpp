@@ -30,7 +30,7 @@ GripperWatch::GripperWatch(gecos::Lab& lab, SimulatedWorld& world, std::string g
 void GripperWatch::tick() {
   carrier_.tick();
   jaws_.tick();
-  if (const auto jaws = jaws_.latest()) see(jaws->value);  // else what they hold stays held
+  if (const auto jaws = jaws_.latest()) see(jaws->value);  // else a held body stays held
   carry();
 }
 
@@ -49,7 +49,7 @@ void GripperWatch::see(const robcl::GripperState& jaws) {
     if (!name) return;
     carrier_.follow(*name);
     carrier_.tick();
-    if (!carrier_.frame()) return;  // not heard yet: seen again in the next cycle
+    if (!carrier_.frame()) return;  // no sample yet: try again in the next cycle
   }
   const gecos::MutexLock lock(guard_);
   held_ = holds;

@@ -9,15 +9,15 @@
 
 namespace devices {
 
-/// Lets a body follow one gripper: watches its jaws, and the flange that carries it.
+/// Moves the body that a gripper holds: watches its jaws, and the flange that carries the gripper.
 class GripperWatch {
  public:
   GripperWatch(gecos::Lab& lab, SimulatedWorld& world, std::string gripper);
 
-  /// Connects where needed, reads the state of the jaws, and moves the body they carry. One thread;
+  /// Connects if needed, reads the state of the jaws and moves the held body. Called by one thread;
   /// may block for up to 0.5 s while an object is not online.
   void tick();
-  /// Moves the carried body to its present place. Any thread; does not wait.
+  /// Moves the held body with the flange. Called by any thread; does not wait.
   void carry();
 
  private:

@@ -1,4 +1,4 @@
-// robcl-world: the simulated laboratory that grippers and sensors ask what is where.
+// robcl-world: the simulated laboratory, which grippers and sensors ask for the places of bodies.
 #include <chrono>
 #include <memory>
 #include <sstream>
@@ -27,8 +27,7 @@ int run(int count, char** words) {
       "robcl-world",
       "Serves a simulated laboratory: a table with a block on it, which grippers can carry.",
       {{"name", "WORLD", "name to register"},
-       {"grippers", "GRIPPER",
-        "names of the grippers that may carry something, with commas between"}},
+       {"grippers", "GRIPPER", "names of the grippers that may carry bodies, separated by commas"}},
       count, words);
   if (line.exit_status()) return *line.exit_status();
 

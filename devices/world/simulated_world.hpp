@@ -16,13 +16,13 @@ namespace devices {
 struct SimulatedBody {
   std::string name;
   Box box;
-  bool fixed = false;   ///< part of the laboratory: cannot be gripped
-  std::string held_by;  ///< gripper that carries it, empty when none
+  bool fixed = false;   ///< cannot be gripped or moved
+  std::string held_by;  ///< name of the gripper that holds the body; empty if none
 };
 
 /// Grasping attaches a body, in its present pose, to the gripper's carrier. A released body falls
 /// straight down onto the body below and keeps its orientation. Bodies that are not held do not
-/// move, even when the body below them is taken away. Any thread.
+/// move, even when the body below them is taken away. Thread-safe.
 class SimulatedWorld {
  public:
   struct Hit {
@@ -35,21 +35,21 @@ class SimulatedWorld {
   };
   enum class PlaceProblem { Unknown, Held, Fixed };
 
-  /// Area of one finger that can touch, m: across the fingers (x) and along the approach (z).
+  /// Size of a finger's contact area, m: across the finger (x) and along the approach (z).
   static constexpr double pad_across = 0.020, pad_along = 0.020;
 
-  /// The floor is at the height `floor`, m, and without end. Throws std::invalid_argument when two
-  /// bodies have one name.
+  /// The floor is infinite, at the height `floor`, m. Throws std::invalid_argument if two bodies
+  /// have the same name.
   SimulatedWorld(double floor, std::vector<SimulatedBody> bodies);
 
   std::vector<SimulatedBody> bodies() const;
   std::optional<SimulatedBody> find(std::string_view name) const;
 
-  /// First body on the ray along z of `origin`, at most `reach` away.
+  /// The first body on the ray along z of `origin`, at most `reach` m away.
   std::optional<Hit> cast(const Frame& origin, double reach) const;
 
   /// The body that jaws at `jaws` (closing along y) meet when they close from `opening`; of several
-  /// bodies the thickest. A body that is off the middle is gripped where it is.
+  /// bodies the thickest. A body that is not in the middle is gripped where it is.
   std::optional<Contact> between(const Frame& jaws, double opening) const;
 
   tl::expected<void, PlaceProblem> place(std::string_view name, const Frame& pose);
@@ -67,11 +67,11 @@ class SimulatedWorld {
   const double floor_;
   mutable gecos::Mutex guard_;
   std::vector<SimulatedBody> bodies_ GECOS_GUARDED_BY(guard_);
-  // Per gripper that holds something.
+  // One entry for each gripper that holds a body.
   std::map<std::string, Frame> carrier_from_body_ GECOS_GUARDED_BY(guard_);
 };
 
-/// A table whose top is at height 0, for the RX90 to stand on, and a block before it to grip.
+/// The demo laboratory: a table with its top at height 0, the RX90's place, and a block to grip.
 double demo_floor();
 std::vector<SimulatedBody> demo_bodies();
 

@@ -65,12 +65,12 @@ gecos::Result<void> WorldServant::place(const std::string& name, const robcl::Fr
     case SimulatedWorld::PlaceProblem::Unknown:
       return tl::unexpected(unknown(name));
     case SimulatedWorld::PlaceProblem::Fixed:
-      return tl::unexpected(gecos::Fault::rejected("'" + name + "' is part of the laboratory"));
+      return tl::unexpected(gecos::Fault::rejected("'" + name + "' is fixed and cannot be placed"));
     case SimulatedWorld::PlaceProblem::Held:
       break;
   }
   return tl::unexpected(
-      gecos::Fault::rejected("'" + name + "' is held by a gripper: open that first"));
+      gecos::Fault::rejected("'" + name + "' is held by a gripper: open it first"));
 }
 
 }  // namespace devices

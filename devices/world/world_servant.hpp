@@ -7,10 +7,10 @@
 
 namespace devices {
 
-/// SimulatedWorld as the object `robcl::World`. Thread-safe; no handler waits.
+/// Serves a SimulatedWorld as the object `robcl::World`. Thread-safe; no handler waits.
 class WorldServant final : public robcl::WorldServant {
  public:
-  /// `catch_up` moves carried bodies to their present places; called before every answer.
+  /// `catch_up` moves held bodies to their present places; every handler calls it first.
   WorldServant(SimulatedWorld& world, std::function<void()> catch_up);
 
  private:

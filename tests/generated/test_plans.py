@@ -206,10 +206,10 @@ print(wire.to_message(value).hex())
 @pytest.mark.parametrize(
     ("steps", "why"),
     [
-        (["d", "d", "x"], "'x' is no code of numbers"),
+        (["d", "d", "x"], "'x' is not a type code of numbers"),
         ([("struct", object), "d", "d"], "has no plan"),
         ([("rubbish",), "d", "d"], "no step of a plan is called rubbish"),
-        ([("items", "d", 0, None, 3), "d", "d"], "items of a plan take at least a byte each"),
+        ([("items", "d", 0, None, 3), "d", "d"], "each item of a plan must take at least one byte"),
     ],
 )
 def test_a_plan_that_is_none_is_refused(steps: list[Any], why: str) -> None:

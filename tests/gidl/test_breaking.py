@@ -338,4 +338,4 @@ class TestCommand:
     ) -> None:
         (here / "was" / "lab.gidl").write_text("struct S { Missing x; };\n")
         assert main(["breaking", "--against", "was"]) == 1
-        assert "--against: was has errors itself" in capsys.readouterr().err
+        assert "--against: was has errors in its interfaces" in capsys.readouterr().err

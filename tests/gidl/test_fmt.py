@@ -167,21 +167,21 @@ class TestCommand:
         assert main(["fmt", "--check"]) == 100
         out = capsys.readouterr().out
         assert "-struct  A { long x; };\n+struct A { long x; };\n" in out
-        assert out.endswith("gidl: 1 of 2 files not laid out; this mends it: gidl fmt\n")
+        assert out.endswith("gidl: 1 of 2 files not formatted; to fix, run: gidl fmt\n")
         assert (here / "idl" / "a.gidl").read_text() == "struct  A { long x; };\n"
 
     def test_check_names_the_files_that_were_named(
         self, here: Path, capsys: pytest.CaptureFixture[str]
     ) -> None:
         assert main(["fmt", "--check", "idl/b.gidl", "idl/a.gidl"]) == 100
-        assert capsys.readouterr().out.endswith("this mends it: gidl fmt idl/a.gidl\n")
+        assert capsys.readouterr().out.endswith("to fix, run: gidl fmt idl/a.gidl\n")
 
     def test_writes_what_differs_and_nothing_else(
         self, here: Path, capsys: pytest.CaptureFixture[str]
     ) -> None:
         stamp = (here / "idl" / "b.gidl").stat().st_mtime_ns
         assert main(["fmt"]) == 0
-        assert capsys.readouterr().out == "gidl: 2 files, 1 laid out anew\n"
+        assert capsys.readouterr().out == "gidl: 2 files, 1 formatted\n"
         assert (here / "idl" / "a.gidl").read_text() == "struct A { long x; };\n"
         assert (here / "idl" / "b.gidl").stat().st_mtime_ns == stamp
         assert main(["fmt", "--check"]) == 0
@@ -200,7 +200,7 @@ class TestCommand:
         assert main(["fmt"]) == 100
         said = capsys.readouterr()
         assert "idl/wrong.gidl:1:9: error[G0100]" in said.err
-        assert said.out == "gidl: 3 files, 1 laid out anew, 1 with errors left alone\n"
+        assert said.out == "gidl: 3 files, 1 formatted, 1 with errors left unchanged\n"
         assert (here / "idl" / "wrong.gidl").read_text() == "struct  { long x; };\n"
         assert (here / "idl" / "a.gidl").read_text() == "struct A { long x; };\n"
 
@@ -210,7 +210,7 @@ class TestCommand:
         half = "#if 1\nstruct  A {\n#else\nstruct B {\n#endif\n long x; };\n"
         (here / "idl" / "a.gidl").write_text(half)
         assert main(["fmt"]) == 100
-        assert "idl/a.gidl:2:1: error[G0014]: cannot be laid out" in capsys.readouterr().err
+        assert "idl/a.gidl:2:1: error[G0014]: cannot be formatted" in capsys.readouterr().err
         assert (here / "idl" / "a.gidl").read_text() == half
 
 

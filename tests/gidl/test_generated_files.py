@@ -142,8 +142,8 @@ class TestReports:
         assert places["G1401"] == ("generated/lcm/lab/oven.lcm", 3)
         assert places["G1402"] == ("generated/lcm/lab/stage.lcm", None)
         assert places["G1403"] == ("generated/lcm/lab/old.lcm", None)
-        assert found["G1401"]["help"] == ["this mends it: gidl gen --lang lcm"]
-        assert err.startswith("gidl: 3 files in generated/ not as generated;")
+        assert found["G1401"]["help"] == ["to fix, run: gidl gen --lang lcm"]
+        assert err.startswith("gidl: 3 files in generated/ not up to date;")
 
     def test_sarif(self, wrong: Path, capsys: pytest.CaptureFixture[str]) -> None:
         assert main([*self.COMMAND, "sarif"]) == 100
@@ -160,8 +160,8 @@ class TestReports:
         lines = capsys.readouterr().out.splitlines()
         assert all(line.startswith(("::error ", "::warning ")) for line in lines)
         assert (
-            "::error file=generated/lcm/lab/oven.lcm,line=3,col=1,title=gidl G1401::is not what "
-            "the interfaces say%0Ahelp: this mends it: gidl gen --lang lcm"
+            "::error file=generated/lcm/lab/oven.lcm,line=3,col=1,title=gidl G1401::differs from "
+            "the output of the interfaces%0Ahelp: to fix, run: gidl gen --lang lcm"
         ) in lines
 
     def test_text_has_the_difference(self, wrong: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -169,7 +169,7 @@ class TestReports:
         out, err = capsys.readouterr()
         assert "-// by hand\n" in out
         assert "warning[G0702]" in err
-        assert out.endswith("this mends it: gidl gen --lang lcm\n")
+        assert out.endswith("to fix, run: gidl gen --lang lcm\n")
 
     @pytest.mark.parametrize("verb", [["gen"], ["gen", "--check"]])
     def test_a_report_of_nothing_is_whole(

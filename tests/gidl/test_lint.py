@@ -87,4 +87,4 @@ def test_the_interfaces_of_the_tree_are_clean(
     assert main(["lint"]) == 0
     out, err = capsys.readouterr()
     assert out == ""
-    assert re.fullmatch(r"gidl: nothing to better in \d+ files\n", err)
+    assert re.fullmatch(r"gidl: no lint findings in \d+ files\n", err)

@@ -73,7 +73,7 @@ def test_a_folder_with_something_in_it_is_left_alone(
     (here / "lamp").mkdir()
     (here / "lamp" / "mine").write_text("mine")
     assert main(["new", "lamp"]) == 2
-    assert "is there already" in capsys.readouterr().err
+    assert "exists already" in capsys.readouterr().err
     assert [p.name for p in (here / "lamp").iterdir()] == ["mine"]
 
 
@@ -144,7 +144,7 @@ def test_or_for_the_one_that_is_named(here: Path, well: Path, wanted: str) -> No
         ([], 2, "takes a name like thermometer, or --mock"),
         (["--mock", "event.gidl"], 100, "error[G0801]: Bell::rung: events"),
         (["--mock", "types.gidl"], 2, "declares no interface to mock"),
-        (["--mock", "lab/well.gidl", "--into", "lab"], 2, "is there already"),
+        (["--mock", "lab/well.gidl", "--into", "lab"], 2, "exists already"),
     ],
 )
 def test_what_cannot_be_mocked_is_refused(

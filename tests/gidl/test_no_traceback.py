@@ -105,4 +105,4 @@ def test_too_long_a_chain_of_declarations(
     types = "".join(f"typedef T{i} T{i + 1};\n" for i in range(2000))
     file.write_text(f"typedef long T0;\n{types}struct S {{ T2000 x; }};\n")
     assert main(["gen", "--lang", "lcm", "--out", str(tmp_path / "made"), str(file)]) == 1
-    assert "build on each other in too long a chain" in capsys.readouterr().err
+    assert "refer to each other in too long a chain" in capsys.readouterr().err

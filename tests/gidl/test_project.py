@@ -152,22 +152,22 @@ class TestProjectFile:
     [
         ('roots = ["own"]\n\nlangauges = ["cpp"]\n', "3:1", "there is no key 'langauges'",
          "did you mean 'languages'?"),
-        ("colour = 1\n", "1:1", "there is no key 'colour'", "known are roots, imports,"),
+        ("colour = 1\n", "1:1", "there is no key 'colour'", "known keys are roots, imports,"),
         ('roots = [\n  "own",\n  "gone",\n]\n', "1:1",
-         "roots: there is no folder 'gone' beside gidl.toml", 'written as roots = ["idl"]'),
-        ('# own\nroots = "own"\n', "2:1", "roots: a list of folders is expected", "written as"),
+         "roots: there is no folder 'gone' beside gidl.toml", 'write for example roots = ["idl"]'),
+        ('# own\nroots = "own"\n', "2:1", "roots: a list of folders is expected", "for example"),
         ('languages = ["cpp", "cobol"]\n', "1:1",
-         "languages: 'cobol' is none of cpp, lcm, model, python", "written as"),
+         "languages: 'cobol' is none of cpp, lcm, model, python", "for example"),
         ('out = ""\n', "1:1", "out: the name of a folder is expected", 'out = "generated"'),
-        ('out = "a\\u0000b"\n', "1:1", "out: the name of a folder is expected", "written as"),
+        ('out = "a\\u0000b"\n', "1:1", "out: the name of a folder is expected", "for example"),
         ('[outputs]\ncpp = "a"\ncobol = "b"\n', "3:1", "there is no key 'outputs.cobol'", "did"),
         ('outputs = "b"\n', "1:1", "there is no key 'outputs'", "did you mean 'outputs."),
         ('[outputs]\n\ncpp = 1\n', "3:1", "outputs.cpp: the name of a folder is expected",
          'cpp = "src" below [outputs]'),
-        ('defines = ["A B"]\n', "1:1", "defines: 'A B' is no NAME or NAME=VALUE", "written as"),
+        ('defines = ["A B"]\n', "1:1", "defines: 'A B' is no NAME or NAME=VALUE", "for example"),
         ('wide = true\n', "1:1", "wide: 'utf8' is expected", 'wide = "utf8"'),
         ('strict = "yes"\n', "1:1", "strict: true or false is expected", "strict = true"),
-        ('except = ["G0102"]\n', "1:1", "except: 'G0102' is none of G0708,", "written as"),
+        ('except = ["G0102"]\n', "1:1", "except: 'G0102' is none of G0708,", "for example"),
         ('roots = ["own"]\nstrict true\n', "2:8", "is not TOML: Expected '=' after a key", ""),
         ('roots = ["own"\n', "2:1", "is not TOML: Unclosed array", ""),
     ],
@@ -230,7 +230,7 @@ def test_lines_are_found_behind_text_that_looks_like_a_key() -> None:
 def test_no_files_anywhere_is_wrong_usage(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (here / "own" / "lab" / "oven.gidl").unlink()
     assert main(["check"]) == 2
-    assert "the roots of gidl.toml have none" in capsys.readouterr().err
+    assert "the roots of gidl.toml have no interface files" in capsys.readouterr().err
 
 
 class TestOptions:

@@ -342,7 +342,7 @@ def test_the_shortest_deadline_is_one(held: Lamp) -> None:
 
 @pytest.mark.parametrize("seconds", [float("nan"), float("inf"), float("-inf")])
 def test_a_deadline_that_is_no_time_is_refused(lamp: Lamp, seconds: float) -> None:
-    with pytest.raises(ValueError, match=f"a finite number of seconds, not {seconds}; calls of"):
+    with pytest.raises(ValueError, match=f"a finite number of seconds, not {seconds}; for calls"):
         gecos.with_deadline(lamp, seconds)
 
 

@@ -83,7 +83,7 @@ def test_when_nobody_comes_it_ends_with_grace(lab: gecos.Lab) -> None:
         assert says(first) == "asked\n"
         first.kill()
         killed = time.monotonic()
-        with pytest.raises(gecos.CommandFailed, match="none to send it to again"):
+        with pytest.raises(gecos.CommandFailed, match="no server was found in time"):
             label.result()
         assert label.progress().detail is gecos.Detail.SERVER_CRASHED
         assert time.monotonic() - killed < GRACE_S + 0.5

@@ -50,7 +50,7 @@ def test_ls_of_an_empty_laboratory_says_so(
     lab: gecos.Lab, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert run(monkeypatch, "ls") == 0
-    assert capsys.readouterr().out == "nothing is online\n"
+    assert capsys.readouterr().out == "no object is online\n"
 
 
 def test_without_a_broker_it_says_what_was_tried(
@@ -71,7 +71,7 @@ def test_a_place_that_is_no_text_is_refused_by_name(
 ) -> None:
     monkeypatch.setenv(variable, os.fsdecode(b"/tmp/\xff"))
     assert run(monkeypatch, "ls") == 1
-    said = f"gecos: {variable} is b'/tmp/\\xff', which is not UTF-8; name another place\n"
+    said = f"gecos: {variable} is b'/tmp/\\xff', which is not UTF-8; set it to valid UTF-8\n"
     assert capsys.readouterr().err == said
 
 

@@ -118,11 +118,11 @@ class Unquotable(Exception):
         (asyncio.CancelledError(), "'label' raised CancelledError, which it does not declare"),
         (
             Unspeakable(ValueError()),
-            "raised Unspeakable, which it does not declare: its text cannot be had: ValueError",
+            "Unspeakable, which it does not declare: str() of the exception raised ValueError",
         ),
         (
             Unspeakable(SystemExit()),
-            "raised Unspeakable, which it does not declare: its text cannot be had: SystemExit",
+            "Unspeakable, which it does not declare: str() of the exception raised SystemExit",
         ),
         (Unquotable("burnt"), "'label' raised Unquotable, which it does not declare: burnt"),
         (RuntimeError("\ud800\0"), r"raised RuntimeError, which it does not declare: \ud800\0"),

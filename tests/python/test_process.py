@@ -179,7 +179,7 @@ def test_a_server_without_descriptors_tells_the_client_so_and_serves_the_others(
         others = gecos.Lab()
         let_in = []
         with pytest.raises(
-            gecos.CreateError, match=r"let us in: .*(ulimit -n|Too many open files)"
+            gecos.CreateError, match=r"accept the connection: .*(ulimit -n|Too many open files)"
         ):
             for _ in range(64):
                 let_in.append(others.create(Lamp, "LAMP", medium="shm"))

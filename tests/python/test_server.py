@@ -35,7 +35,7 @@ def test_a_servant_whose_handler_closed_its_server_can_be_served_by_another(
     lamp.before_label = lambda: (server.close(), closed.set())
     lab.create(Lamp, "LAMP").label().wait()
     assert closed.wait(30.0)
-    with pytest.raises(gecos.ServeError, match="publishes while it is not served"):
+    with pytest.raises(gecos.ServeError, match="cannot publish while it is not served"):
         lamp.publish_level(1.0)
     server.close()
     with gecos.Server(lab) as second:
@@ -75,7 +75,7 @@ def test_an_object_without_its_threads_is_not_served_and_leaves_none(
         patched.setattr(threading.Thread, "start", only_one)
         with pytest.raises(gecos.ServeError) as refused:
             server.add("LAMP2", second)
-    assert str(refused.value) == "LAMP2: no thread for its handlers: can't start new thread"
+    assert str(refused.value) == "LAMP2: cannot start its handler threads: can't start new thread"
     began[0].join(30.0)
     assert set(threading.enumerate()) <= before
     server.add("LAMP2", second)
@@ -102,9 +102,9 @@ def test_without_a_broker_create_says_what_was_tried(place: Path) -> None:
         alone.create(Lamp, "LAMP", patience=0.2)
     assert str(caught.value) == (
         "LAMP: NO_SERVER: no broker answers; start `gecos broker`, or say where it is in "
-        "GECOS_BROKER (tried inproc:BROKER: nobody in this process serves it; "
+        "GECOS_BROKER (tried inproc:BROKER: no server in this process has this address; "
         f"shm:{place}/BROKER.sock: no server is there (the directory is for uid {os.getuid()} "
-        "alone; programs of other users are met over lcm))"
+        "alone; programs of other users are reached over lcm))"
     )
 
 
@@ -218,14 +218,14 @@ def test_what_an_add_that_was_broken_off_serves_answers_for_no_other(
 
 @pytest.mark.parametrize("given", [PlainLamp, Lamp, None])
 def test_what_is_no_servant_is_not_served(server: gecos.Server, given: Any) -> None:
-    with pytest.raises(TypeError, match=r"^TORCH: what is served is an object of a class that you"):
+    with pytest.raises(TypeError, match=r"^TORCH: the servant must be an object of a class that"):
         server.add("TORCH", given)
 
 
 def test_serve_says_that_it_belongs_to_the_main_thread() -> None:
     with (
         ThreadPoolExecutor(1) as other,
-        pytest.raises(RuntimeError, match=r"the main thread alone gets; in another one use"),
+        pytest.raises(RuntimeError, match="that thread receives signals; in another thread use"),
     ):
         other.submit(gecos.serve, {}).result()
 
@@ -290,13 +290,13 @@ def test_one_servant_is_one_object(server: gecos.Server, servant: PlainLamp) -> 
     with pytest.raises(gecos.ServeError, match="TWIN: this PlainLamp is served already"):
         server.add("TWIN", servant)
     server.close()
-    with pytest.raises(gecos.ServeError, match="one that is closed serves nothing"):
+    with pytest.raises(gecos.ServeError, match="a closed server serves nothing"):
         servant.publish_level(1.0)
 
 
 @pytest.mark.parametrize("name", ["", "LA\0MP"])
 def test_a_name_that_is_none_is_refused(server: gecos.Server, name: str) -> None:
-    with pytest.raises(gecos.ServeError, match="at least one character, and none that is NUL"):
+    with pytest.raises(gecos.ServeError, match="at least one character and must not contain NUL"):
         server.add(name, PlainLamp())
 
 

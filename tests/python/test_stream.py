@@ -150,8 +150,8 @@ def test_while_another_thread_waits_for_the_next_one_is_told_instead_of_waiting_
             stream.latest()
         except RuntimeError as error:
             refused = error
-    assert "open a stream for each of them" in str(refused)
-    with pytest.raises(TimeoutError, match="another thread waits"):
+    assert "open a stream for each thread or task" in str(refused)
+    with pytest.raises(TimeoutError, match="another thread or task was waiting"):
         stream.next(0.01)
     servant.publish_level(5.0)
     reader.join(30)

@@ -1,8 +1,8 @@
-"""Incompatible changes between two checked models of interfaces.
+"""Finds incompatible changes between an old and a new checked model of interfaces.
 
 WIRE: old and new programs refuse or misread each other. SOURCE: programs have to be changed before
-they build again. QOS: a weaker promise. SECURITY: different clients may call. A change is reported
-once, under the first category that applies.
+they build again. QOS: an interface promises less. SECURITY: access or protection changed. A change
+is reported once, under the first category that applies.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ __all__ = ["CATEGORIES", "category_of", "compare"]
 
 
 def compare(old: Model, new: Model, label: str = "old:") -> list[Finding]:
-    """Findings, sorted by category, then place. Places in the old files begin with `label`."""
+    """The findings, sorted by category, then by place. Paths of old files begin with `label`."""
     sides = Sides(old, new)
     report = Report(label)
     values.compare(sides, report)

@@ -1,4 +1,4 @@
-"""The old interfaces to compare with: a folder, or the tree of a git commit."""
+"""Reads the old interfaces to compare with, from a folder or from a git commit."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ _GIT = "git#"
 
 
 class AgainstError(ValueError):
-    """The version to compare with cannot be read; the text says why and what to do."""
+    """The old interfaces cannot be read; the text says why and what to do."""
 
 
 @dataclass(frozen=True, slots=True)
 class Root:
-    """A root folder of includes on disk, and the name by which messages show it ("main:idl/")."""
+    """A root folder of includes on disk, and its name in messages ("main:idl/")."""
 
     folder: Path
     label: str
@@ -34,7 +34,7 @@ class Baseline:
     roots: tuple[Root, ...]
 
     def files(self, wanted: Collection[str] | None) -> list[str]:
-        """All files of the old version, or those whose stems are in `wanted`."""
+        """Paths of all files of the old version, or only of those whose stems are in `wanted`."""
         found: dict[str, str] = {}
         for root in self.roots:
             for place in interfaces_below(root.folder):
@@ -52,9 +52,9 @@ class Baseline:
 
 @contextmanager
 def baseline(text: str, roots: Sequence[Path]) -> Iterator[Baseline]:
-    """`text` is a folder, which stands for the first of `roots`, or git#ref=main, which has all of
-    them (git#ref=v1.2,subdir=interfaces has this one). It lives as long as the context. Raises
-    AgainstError."""
+    """The old interfaces that `text` names. A folder is the old version of the first of `roots`.
+    git#ref=main has the old version of all `roots`; git#ref=v1.2,subdir=interfaces only of that
+    folder. Files of a commit are deleted when the context ends. Raises AgainstError."""
     if not text.startswith(_GIT):
         folder = Path(text)
         if not folder.is_dir():
@@ -98,13 +98,13 @@ def _extracted(ref: str, folder: Path, into: Path) -> Root:
     run = _git("-C", top or ".", "archive", "--format=tar", f"{ref}:{tree}")
     if run.returncode != 0:
         said = run.stderr.decode("utf-8", "replace").strip().splitlines()
-        reason = said[-1] if said else "no word"
+        reason = said[-1] if said else "no reason given"
         raise AgainstError(f"git has no {folder.as_posix()}/ in '{ref}': {reason}")
     with tarfile.open(fileobj=io.BytesIO(run.stdout)) as archive:
-        if hasattr(tarfile, "data_filter"):  # missing in Debian 12's Python 3.11.2
+        if hasattr(tarfile, "data_filter"):  # data_filter is missing in Debian 12's Python 3.11.2
             archive.extractall(into, filter="data")
         else:
-            archive.extractall(into)  # git made it: no absolute paths, nothing outside
+            archive.extractall(into)  # git archives have no path outside `into`
     return Root(into, f"{ref}:{folder.as_posix()}/".replace(":./", ":"))
 
 

@@ -1,4 +1,4 @@
-"""Compares interfaces: their calls, the access these need, and the promised quality."""
+"""Compares interfaces: their bases, operations, attributes and promises."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def _bases(sides: Sides, old: Interface, new: Interface, report: Report) -> None
         for m, i in ((sides.old, old), (sides.new, new))
     ]
     for base in sorted(names[0] - names[1]):
-        report.add("G1001", old.name, f"'{new.name}' is no '{base}' any more",
+        report.add("G1001", old.name, f"'{new.name}' does not inherit '{base}' any more",
                    "old clients do not find the inherited operations", "keep the base",
                    new=new.facts, old=old.facts)  # fmt: skip
 
@@ -90,7 +90,7 @@ def _operation(sides: Sides, old: Operation, new: Operation, report: Report) -> 
         is_now = new.feedback.name if new.feedback else "not there"
         report.add("G1002", subject,
                    f"the feedback of '{subject}' was {old.feedback.name} and is {is_now}",
-                   "old clients cannot read it", "keep it, and let it grow at its end",
+                   "old clients cannot read it", "keep it, and add members at its end",
                    new=places[0], old=places[1])  # fmt: skip
 
 
@@ -135,20 +135,20 @@ def _raises(
         change = "raises" if name in names[1] else "does not raise"
         report.add("G1007", old.scoped_name,
                    f"'{old.scoped_name}' {change} '{name}' now{when}", _REFUSED,
-                   "let an @appendable exception that it raises grow, or add another operation",
+                   "add members to an @appendable exception, or add another operation",
                    new=new.facts, old=old.facts)  # fmt: skip
 
 
 def _hash(sides: Sides, old: Call, new: Call, report: Report) -> None:
-    """Reports a changed hash that no other finding explains: two sides that differ cannot talk."""
+    """Reports a changed hash, for which programs refuse each other, if no other finding does."""
     if _hashed(sides.old, old) == _hashed(sides.new, new) or report.has_broken(old.scoped_name):
         return
     names: set[str] = set()
     for used in _types(old):
         reached(sides.old, used, names)
     if not any(report.has_broken(name) for name in names):
-        report.add("G1008", old.scoped_name, f"the hash of '{old.scoped_name}' is another",
-                   _REFUSED, "compare `gidl dump` of both", new=new.facts,
+        report.add("G1008", old.scoped_name, f"the hash of '{old.scoped_name}' has changed",
+                   _REFUSED, "compare `gidl dump` of old and new", new=new.facts,
                    old=old.facts)  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""Compares promises: weaker quality, and removed protection."""
+"""Compares what interfaces promise: reports weaker quality and changed protection."""
 
 from __future__ import annotations
 
@@ -9,13 +9,14 @@ from gidl.breaking.sides import Call
 from gidl.model import Attribute, Facts, Interface, Operation
 from gidl.policy import Access, OnLoss, Qos, Stream
 
-_RELIES = "programs that rely on it miss it"
+_RELIES = "programs that rely on the old promise may fail"
 _KEEP = "keep the promise"
 _ASK = "keep it, or ask the person responsible for the laboratory's safety"
 
 
 def interface(old: Interface, new: Interface, report: Report) -> frozenset[str]:
-    """Reports the promises that the whole interface weakens. Findings of members omit them."""
+    """Reports the quality terms that the interface weakens. Returns their texts, so that they are
+    not reported again for each member."""
     weaker = tuple(_weaker(old.qos, new.qos))
     for text in weaker:
         _qos(report, old.name, f"'{old.name}' {text}", new.facts, old.facts)
@@ -49,7 +50,7 @@ def _qos(report: Report, subject: str, message: str, new: Facts, old: Facts) -> 
 
 
 def _weaker(old: Qos, new: Qos) -> Iterator[str]:
-    """The promises of `old` that `new` does not keep."""
+    """A text for each quality term of `old` that is weaker in `new`."""
     for what, was, is_now in (
         ("class", old.quality_class, new.quality_class),
         ("reliability", old.reliability, new.reliability),
@@ -67,7 +68,7 @@ def _weaker(old: Qos, new: Qos) -> Iterator[str]:
         if longest is not None and (limit is None or limit > longest):
             yield f"promised a {what} of {duration(longest)} and promises {duration(limit)}"
     if old.depth is not None and (new.depth is None or new.depth < old.depth):
-        yield f"kept {old.depth} samples and keeps {new.depth or 'an unsaid number'}"
+        yield f"kept {old.depth} samples and keeps {new.depth or 'an undeclared number'}"
     if new.media is not None:
         lost = sorted(set(old.media or ("inproc", "shm", "lcm", "tcp")) - set(new.media))
         if lost:
@@ -85,33 +86,29 @@ def duration(nanoseconds: int | None) -> str:
 
 def _stream(old: Stream | None, new: Stream | None) -> Iterator[str]:
     if old is None or new is None:
-        return  # another attribute on the wire: reported there
+        return  # a WIRE finding reports that the attribute became, or ceased to be, a stream
     if old.rate_hz is not None and (new.rate_hz is None or new.rate_hz < old.rate_hz):
-        now = "at an unsaid rate" if new.rate_hz is None else f"at {new.rate_hz:g} Hz"
+        now = "at an undeclared rate" if new.rate_hz is None else f"at {new.rate_hz:g} Hz"
         yield f"came at {old.rate_hz:g} Hz and comes {now}"
     if old.watchdog_ns is not None and (
         new.watchdog_ns is None or new.watchdog_ns > old.watchdog_ns
     ):
         yield (
-            f"acted on a silence of {duration(old.watchdog_ns)} and acts on "
-            f"{duration(new.watchdog_ns)}"
+            f"had the watchdog time {duration(old.watchdog_ns)} and has {duration(new.watchdog_ns)}"
         )
 
 
 def _behaviour(old: Operation, new: Operation) -> Iterator[str]:
     if old.idempotent and not new.idempotent:
-        yield "is not @idempotent any more: after a loss nobody sends it again"
+        yield "is not @idempotent any more: it is not sent again when its server is lost"
     if old.cancelable and not new.cancelable:
         yield "cannot be cancelled any more"
     if old.ordered and not new.ordered:
-        yield "does not keep its place among its caller's commands any more"
+        yield "is not @ordered any more: it may overtake actor commands of its caller"
     if old.parallel != new.parallel:
-        yield "runs beside others now" if new.parallel else "does not run beside others any more"
+        yield "is @parallel now" if new.parallel else "is not @parallel any more"
     if old.on_new != new.on_new:
-        yield (
-            f"answered a running command with '{old.on_new.value}' and answers with "
-            f"'{new.on_new.value}'"
-        )
+        yield f'had @on_new("{old.on_new.value}") and has @on_new("{new.on_new.value}")'
     if old.on_loss is OnLoss.FINISH and new.on_loss is OnLoss.STOP:
         yield "does not finish any more when its holder is lost"
 
@@ -147,7 +144,7 @@ def _attribute_security(old: Attribute, new: Attribute) -> Iterator[tuple[str, s
 def _access(what: str, old: Access, new: Access) -> Iterator[tuple[str, str]]:
     text = f"needed {old.name.lower()} status for {what or 'calling '}and needs {new.name.lower()}"
     if new < old:
-        yield text, "clients may use it that could not before"
+        yield text, "more clients may use it than before"
     elif new > old:
         yield text, "clients that used it are refused"
 

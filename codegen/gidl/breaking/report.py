@@ -9,7 +9,7 @@ CATEGORIES = ("WIRE", "SOURCE", "QOS", "SECURITY")
 
 
 def category_of(code: str) -> str:
-    """G10.. is WIRE, G11.. SOURCE, G12.. QOS, G13.. SECURITY."""
+    """The category of a code: G10xx is WIRE, G11xx SOURCE, G12xx QOS, G13xx SECURITY."""
     return CATEGORIES[int(code[1:3]) - 10]
 
 
@@ -17,7 +17,7 @@ class Report:
     def __init__(self, label: str) -> None:
         self.findings = Findings()
         self._label = label
-        self._broken: set[str] = set()  # subjects of WIRE findings
+        self._broken: set[str] = set()  # scoped names that have a WIRE finding
 
     def add(
         self,
@@ -30,8 +30,8 @@ class Report:
         new: Facts | None = None,
         old: Facts | None = None,
     ) -> None:
-        """Adds a finding at the place in the new files, with a note at the old one; a removal with
-        no place in the new files is shown in the old ones."""
+        """Adds a finding that points at `new`, with a note that points at `old`. Without `new`, as
+        for a removed declaration, the finding points at `old`."""
         notes: tuple[Note, ...] = ()
         if new is not None:
             at = new.location
@@ -46,7 +46,7 @@ class Report:
         self.findings.error(code, at, f"{category}: {message}", why, instead, notes=notes)
 
     def has_broken(self, subject: str) -> bool:
-        """Whether a WIRE finding is about this declaration or member."""
+        """Whether the declaration or member named `subject` has a WIRE finding."""
         return subject in self._broken
 
     def _old(self, place: Location) -> Location:

@@ -1,4 +1,4 @@
-"""The old and the new model: corresponding declarations, and types as they are encoded."""
+"""Pairs old with new declarations, and compares types by their encoding."""
 
 from __future__ import annotations
 
@@ -35,8 +35,9 @@ class Sides:
     new: Model
 
     def declarations(self) -> Iterator[tuple[AnyDeclaration, AnyDeclaration | None]]:
-        """The old declarations, each with its new one or None. Removed ones are yielded only for
-        files that were asked for: another file may just not be included any more."""
+        """Each old declaration with the corresponding new one, or None if it was removed. Removed
+        declarations of files that were not asked for are left out: the file may merely be no longer
+        included."""
         became = {_key(self.new, d): d for d in self.new.declarations()}
         for file in self.old.files:
             for declaration in file.declarations:
@@ -47,15 +48,15 @@ class Sides:
                     yield declaration, new
 
     def calls(self, old: Interface, new: Interface) -> Iterator[tuple[Call, Call | None]]:
-        """Own members of the old interface, each with its new one or None. Members correspond by
-        the name that enters codes and hashes."""
+        """Each own member of the old interface with the corresponding new one, or None if it was
+        removed. Members correspond if their names in function codes and hashes are equal."""
         became = {member_name(self.new, m): m for m in new.members}
         for member in old.members:
             yield member, became.get(member_name(self.old, member))
 
     def same_type(self, old: Type | None, new: Type | None) -> bool:
-        """Whether both types have the same names and shape on the wire. The contents of a named
-        type are not compared here but where it is declared."""
+        """Whether both types are encoded alike. Of a declared type only the name is compared here;
+        its members are compared with its declaration."""
         return wire_text(self.old, old) == wire_text(self.new, new)
 
 
@@ -88,7 +89,7 @@ def wire_text(model: Model, used: Type | None) -> str:
 
 
 def units(model: Model, used: Type) -> str:
-    """Units declared inside a type, by its typedefs and sequences."""
+    """The units that typedefs and sequences inside a type declare, separated by commas."""
     match used:
         case SequenceType(element, _, unit):
             return f"{unit or ''},{units(model, element)}"
@@ -104,7 +105,7 @@ def units(model: Model, used: Type) -> str:
 
 
 def reached(model: Model, used: Type | None, into: set[str]) -> None:
-    """Names of all types that a value of this type may hold."""
+    """Adds to `into` the names of all types that a value of type `used` may contain."""
     from gidl.lint.uses import declared_names, direct_names
 
     work = list(direct_names(used)) if used is not None else []

@@ -1,4 +1,4 @@
-"""Members and parameters: sequences of slots that may grow at their ends."""
+"""Compares old and new slots: the members of a struct, or the parameters of an operation."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ _MISREAD = "old and new programs read each other's bytes wrongly"
 
 @dataclass(frozen=True, slots=True)
 class Owner:
-    """The struct or operation that the slots belong to."""
+    """The struct whose members, or the operation whose parameters, are compared."""
 
-    subject: str  # scoped name
-    what: str  # "member" or "parameter"
+    subject: str  # scoped name of the struct or operation
+    what: str  # what messages call a slot: "member" or "parameter"
     grows: bool
     old: Facts
     new: Facts
@@ -50,7 +50,7 @@ def _may_be_left_out(slot: Slot) -> bool:
 
 
 def _leaves_core(owner: Owner, old: Sequence[Slot], new: Sequence[Slot], key: str) -> bool:
-    """Whether a slot moved into or out of the trailing slots that a writer may leave out."""
+    """Whether a slot became, or ceased to be, a trailing slot that a writer may leave out."""
     return owner.grows and (key in _tail(old)) != (key in _tail(new))
 
 
@@ -93,7 +93,7 @@ def _added(
 ) -> None:
     for index, slot in enumerate(new):
         if _key(slot) in before or gone:
-            continue  # next to a removed slot it replaces that one
+            continue  # it may replace a removed slot, which is already reported
         what = f"{owner.what} '{slot.name}' of '{owner.subject}'"
         at_end = all(_key(s) not in before for s in new[index:])
         if not owner.grows:
@@ -108,7 +108,7 @@ def _added(
             )  # fmt: skip
         elif not _may_be_left_out(slot):
             report.add(
-                "G1003", owner.subject, f"{what} is new and must be there",
+                "G1003", owner.subject, f"{what} is new and required",
                 "messages of an old program lack it", "write @default(...) or @optional before it",
                 new=slot.facts,
             )  # fmt: skip
@@ -165,7 +165,7 @@ def value(
     optional: tuple[bool, bool],
     places: tuple[Facts, Facts],
 ) -> bool:
-    """Whether a value has the same encoding as before; reports it otherwise."""
+    """Whether the old and the new value have the same encoding; reports a difference."""
     was, is_now = wire_text(sides.old, types[0]), wire_text(sides.new, types[1])
     if was != is_now:
         report.add("G1002", subject, f"{what} was {was} and is {is_now}", _MISREAD,

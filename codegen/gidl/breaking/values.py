@@ -1,4 +1,4 @@
-"""Types and constants."""
+"""Compares types and constants."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def _article(kind: str) -> str:
 def _gone(old: AnyDeclaration, report: Report) -> None:
     if isinstance(old, Interface):
         report.add("G1001", old.name, f"interface '{old.name}' is gone",
-                   "old clients find no object of it",
+                   "old clients find no object with this interface",
                    "keep it, with @deprecated; @hash_as(\"old\") where it has a new name",
                    old=old.facts)  # fmt: skip
         return
@@ -101,7 +101,7 @@ def _one(sides: Sides, old: AnyDeclaration, new: AnyDeclaration, report: Report)
             if old.value != new.value or not sides.same_type(old.type, new.type):
                 report.add("G1102", old.name,
                            f"constant '{old.name}' was {old.value!r} and is {new.value!r}",
-                           "programs built before mean another value",
+                           "programs built before use the old value",
                            "keep it, and add another constant", new=new.facts,
                            old=old.facts)  # fmt: skip
 
@@ -116,13 +116,13 @@ def _struct(sides: Sides, old: Struct, new: Struct, report: Report) -> None:
                         old.facts, new.facts)  # fmt: skip
     slots.compare(sides, report, owner, sides.old.all_members(old), sides.new.all_members(new))
     if old.maps_to != new.maps_to:
-        report.add("G1102", old.name, f"'{old.name}' is another hand-written type now",
-                   "programs hold values of the type it had", "keep @maps_to",
+        report.add("G1102", old.name, f"'{old.name}' maps to another hand-written type now",
+                   "programs use the old type", "keep @maps_to",
                    new=new.facts, old=old.facts)  # fmt: skip
 
 
 def _refused(old: AnyDeclaration, new: AnyDeclaration, what: str, report: Report) -> None:
-    report.add("G1004", old.name, f"the {what} of '{old.name}' are others than before",
+    report.add("G1004", old.name, f"the {what} of '{old.name}' have changed",
                "a reader refuses bits that it does not know", "make another type beside it",
                new=new.facts, old=old.facts)  # fmt: skip
 
@@ -167,8 +167,8 @@ def _enum(old: EnumDeclaration, new: EnumDeclaration, report: Report) -> None:
     for name, now in after.items():
         if name not in before and not grows:
             report.add("G1004", old.name, f"'{name}' of '{old.name}' is new",
-                       "an old reader refuses it", "a next enum can have @default_literal, which "
-                       "makes room for more", new=now.facts)  # fmt: skip
+                       "an old reader refuses it", "a new enum can have @default_literal, which "
+                       "readers use for unknown literals", new=now.facts)  # fmt: skip
 
 
 def _union(sides: Sides, old: Union, new: Union, report: Report) -> None:
@@ -185,7 +185,7 @@ def _union(sides: Sides, old: Union, new: Union, report: Report) -> None:
         ]
         texts.append((union.extensibility, wire_text(model, union.discriminator), arms))
     if texts[0] != texts[1]:
-        report.add("G1004", old.name, f"the cases of '{old.name}' are others than before",
+        report.add("G1004", old.name, f"the cases of '{old.name}' have changed",
                    "a reader refuses a case that it does not know", "make another union beside it",
                    new=new.facts, old=old.facts)  # fmt: skip
         return

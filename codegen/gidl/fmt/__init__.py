@@ -1,8 +1,8 @@
-"""One canonical layout of a .gidl file.
+"""Prints a .gidl file in one canonical layout.
 
-Where a thing stands is decided here, with three exceptions that stay the author's: blank lines (one
-at most), whether a short body stands on one line, and breaks after annotations and `(`. Every
-token and every comment is kept, in order; `layout` proves it before it gives a text back.
+The formatter decides all white space, except for three choices of the author: blank lines (at most
+one in a row), whether a short body is on one line, and line breaks after annotations and `(`. It
+keeps every token and every comment, in order; `layout` verifies this before it returns a text.
 """
 
 from __future__ import annotations
@@ -16,7 +16,8 @@ __all__ = ["UnreadableError", "layout"]
 
 def layout(text: str) -> str:
     """`text` in the canonical layout; applying `layout` again changes nothing. @pre `text` parses.
-    Raises UnreadableError with the line if braces do not match (`#if` around half of a body)."""
+    Raises UnreadableError with the line if braces do not match, as with `#if` around half of a
+    body."""
     pieces = scan(text)
     result = printed(structure(pieces))
     _prove(pieces, scan(result))
@@ -24,7 +25,7 @@ def layout(text: str) -> str:
 
 
 def _prove(before: list[Piece], after: list[Piece]) -> None:
-    """Raises if the layout changed more than white space."""
+    """Raises UnreadableError if the pieces differ in more than white space."""
     old, new = _essence(before), _essence(after)
     if old != new:
         at = next((i for i, (a, b) in enumerate(zip(old, new, strict=False)) if a != b), -1)

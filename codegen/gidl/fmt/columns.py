@@ -1,4 +1,4 @@
-"""Columns: members of a struct, and short declarations of one kind, stand as a table."""
+"""Aligns members of a struct, and short declarations of one kind, in columns."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from gidl.fmt.tree import Body, Item
 if TYPE_CHECKING:
     from gidl.fmt.printer import Laid
 
-_WIDEST_PADDING = 12  # columns; with wider gaps nothing is aligned
+_WIDEST_PADDING = 12  # columns; where more padding would be needed, nothing is aligned
 _PRIMITIVES = frozenset(
     ("unsigned", "long", "short", "double", "float", "boolean", "octet", "char", "int8", "uint8",
      "int16", "uint16", "int32", "uint32", "int64", "uint64")
@@ -18,7 +18,7 @@ _PRIMITIVES = frozenset(
 
 
 def align(keyword: str, run: list[Laid], indent: int) -> None:
-    """Pads the lines of items that follow each other."""
+    """Aligns consecutive one-line items by padding their lines."""
     if keyword in ("struct", "exception"):
         _members(run, indent)
     elif keyword in ("module", "interface", "file"):
@@ -26,8 +26,8 @@ def align(keyword: str, run: list[Laid], indent: int) -> None:
 
 
 def _members(run: list[Laid], indent: int) -> None:
-    """Aligns types and names in columns. Consecutive members with annotations are a separate
-    table."""
+    """Aligns the types and names of members in columns. Consecutive members with annotations form
+    a table of their own."""
     plain: list[tuple[Laid, list[str]]] = []
     annotated: list[tuple[Laid, list[str]]] = []
     for laid in run:
@@ -59,7 +59,7 @@ def _pad(rows: list[tuple[Laid, list[str]]], indent: int) -> None:
 
 
 def _cells(item: Item) -> list[str] | None:
-    """Annotations, type and names of a member; None if the member has another shape."""
+    """Annotations, type and names of a member as texts; None for a member of any other form."""
     from gidl.fmt.printer import leading
 
     if item.bodies or any(p.is_comment for p in item.pieces):
@@ -73,7 +73,7 @@ def _cells(item: Item) -> list[str] | None:
 
 
 def _type_end(pieces: list[Piece], at: int) -> int:
-    """Index after the type that begins at `at`."""
+    """The index of the piece after the type that begins at index `at`."""
     if pieces[at].text in _PRIMITIVES:
         while at < len(pieces) and pieces[at].text in _PRIMITIVES:
             at += 1
@@ -116,7 +116,7 @@ def _heads(run: list[Laid]) -> None:
 
 
 def _short_body(item: Item) -> Body | None:
-    """The braces of a declaration on one line that begins with its keyword."""
+    """The body of an enum, exception or struct that begins with its keyword; None for others."""
     bodies = item.bodies
     first = item.parts[0]
     is_plain = isinstance(first, Piece) and bool(bodies) and first.text == bodies[0].keyword

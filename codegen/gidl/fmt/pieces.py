@@ -1,4 +1,4 @@
-"""Text to pieces: tokens, comments and preprocessor lines, each with the white space it needs."""
+"""Splits text into pieces (tokens, comments, preprocessor lines) and decides their spacing."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _NOT_CALLED = frozenset(("case", "raises", "getraises", "setraises", "switch"))
 
 
 class UnreadableError(ValueError):
-    """The structure of the text is not valid IDL."""
+    """The text cannot be laid out: its structure is not valid IDL."""
 
     def __init__(self, line: int, message: str) -> None:
         super().__init__(message)
@@ -23,17 +23,17 @@ class UnreadableError(ValueError):
 
 @dataclass(slots=True)
 class Piece:
-    """A piece that is never split: a token, a comment or a preprocessor line."""
+    """A part of the text that is never split: a token, a comment or a preprocessor line."""
 
-    kind: str  # "id" "op" ... of the lexer, "comment" or "directive"
+    kind: str  # token kind of the lexer ("id", "op", ...), "comment" or "directive"
     text: str
     line: int
-    column: int  # from 0
+    column: int  # counted from 0
     end_line: int
-    first_on_line: bool  # nothing but white space before it
+    first_on_line: bool  # only white space precedes the piece on its line
     blank_before: bool
-    role: str = ""  # use of a bracket: "annotation" "params" "group" "angle" "angles"
-    spaced: bool = True  # a space before it when it follows something on its line
+    role: str = ""  # of a bracket: "annotation", "params", "group", "angle", "angles"
+    spaced: bool = True  # print a space before the piece, unless it begins a line
 
     @property
     def is_comment(self) -> bool:
@@ -53,7 +53,7 @@ def scan(text: str) -> list[Piece]:
         match = TOKEN.match(text, at)
         kind = match.lastgroup if match else None
         if match is None or kind in ("wide", "open_comment"):
-            raise UnreadableError(line, "has text that is not of the language")
+            raise UnreadableError(line, "has characters that are not valid IDL")
         body = match.group()
         if kind == "space":
             newlines += body.count("\n")
@@ -99,7 +99,7 @@ def _adjoins(piece: Piece, following: Piece) -> bool:
 
 
 class _Spacing:
-    """Decides for each token whether a space stands before it, and what each bracket is."""
+    """Decides for each token whether a space precedes it, and for each bracket its role."""
 
     def __init__(self, pieces: list[Piece]) -> None:
         self._pieces = [p for p in pieces if p.kind not in ("comment", "directive")]

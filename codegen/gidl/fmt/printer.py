@@ -1,4 +1,4 @@
-"""Bodies and items to text."""
+"""Prints bodies and items as text."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ from gidl.fmt.pieces import Piece
 from gidl.fmt.tree import Body, Item
 
 WIDTH = 120
-_STEP = 2  # columns per level
-_CONTINUED = 4  # extra columns of continuation lines
+_STEP = 2  # columns of indentation per level
+_CONTINUED = 4  # columns of extra indentation for continuation lines
 
 
 @dataclass(slots=True)
 class Laid:
-    """An item in lines, before the comment after its last line is placed."""
+    """The printed lines of an item. The comments after its last line are not yet added."""
 
     item: Item
     lines: list[str]
-    comments: str = ""  # after the last line
-    section: int = 0  # items of one section are aligned in columns
+    comments: str = ""  # text of the comments after the last line
+    section: int = 0  # items with the same section number are aligned in columns
 
 
 def printed(root: Body) -> str:
@@ -29,7 +29,7 @@ def printed(root: Body) -> str:
 
 
 def _elements(body: Body, indent: int) -> list[str]:
-    """The lines of all elements of a body, aligned in columns where it is a table."""
+    """The lines of all elements of a body; elements that form a table are aligned in columns."""
     laid: list[Laid | list[str]] = []
     section = 0
     for index, element in enumerate(body.elements):
@@ -95,7 +95,7 @@ def _with_comments(part: Laid, column: int) -> list[str]:
 
 
 def _alone(piece: Piece, indent: int) -> list[str]:
-    """A comment or preprocessor line that stands alone on its line."""
+    """The lines of a preprocessor line, or of a comment without code on its line."""
     if piece.kind == "directive":
         return piece.text.split("\n")
     first, *more = piece.text.split("\n")
@@ -103,7 +103,8 @@ def _alone(piece: Piece, indent: int) -> list[str]:
 
 
 def _shifted(lines: list[str], shift: int, column: int) -> list[str]:
-    """Further lines of a comment, moved with its first; stars stand below its star."""
+    """The second and later lines of a comment, moved like its first line. Leading stars are
+    aligned below the star of `/*`."""
     stripped = [line.strip() for line in lines]
     if stripped and all(line.startswith("*") for line in stripped):
         return [" " * (column + 1) + line for line in stripped]
@@ -115,11 +116,11 @@ def _shifted(lines: list[str], shift: int, column: int) -> list[str]:
 
 
 # ---------------------------------------------------------------------------------------------
-# One item
+# Printing of one item
 
 
 def _item(item: Item, indent: int, keyword: str) -> list[str]:
-    """Lines of an item in a body of several lines; long lines are broken."""
+    """The lines of an item that is not printed on one line with its body; long lines are broken."""
     breaks_kept = keyword != "("
     split = False
     while True:
@@ -139,7 +140,7 @@ def _item(item: Item, indent: int, keyword: str) -> list[str]:
 
 
 def leading(item: Item) -> int:
-    """How many parts at the beginning are annotations (and comments between them)."""
+    """How many leading parts of an item are annotations, or comments between annotations."""
     parts = item.parts
     at = 0
     while at < len(parts):
@@ -158,7 +159,7 @@ def leading(item: Item) -> int:
 
 
 def _annotation_end(parts: list[Piece | Body], at: int) -> int:
-    """Index after the annotation whose name begins at `at`."""
+    """The index of the part after the annotation whose name begins at index `at`."""
     at += 1
     while (
         at + 1 < len(parts)
@@ -184,8 +185,8 @@ def _annotation_end(parts: list[Piece | Body], at: int) -> int:
 @dataclass(slots=True)
 class _Writer:
     indent: int
-    breaks_kept: bool  # the author's line breaks after annotations
-    split: bool  # a break between the annotations and the declaration
+    breaks_kept: bool  # whether to keep the author's line breaks after annotations
+    split: bool  # whether to break the line between the annotations and the declaration
     lines: list[str] = field(default_factory=list)
     now: str = ""
     must_break: bool = False
@@ -272,7 +273,7 @@ class _Writer:
 
 
 def inline(body: Body) -> str:
-    """A body on one line, with its brackets."""
+    """The text of a body on one line, with its brackets."""
     assert body.closing is not None
     comments = [c.text for c in body.after_opening]
     words = comments + [inline_item(item) for item in body.items]

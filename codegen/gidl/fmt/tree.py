@@ -1,4 +1,4 @@
-"""Pieces to bodies and items: what stands in braces, and in the parentheses of parameters."""
+"""Groups pieces into bodies (in braces, or the parentheses of parameters) and their items."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from gidl.fmt.pieces import Piece, UnreadableError
 
-_LISTS = ("enum", "bitmask")  # their items end with a comma
+_LISTS = ("enum", "bitmask")  # keywords of bodies whose items end with a comma
 
 
 @dataclass(slots=True)
@@ -14,8 +14,8 @@ class Item:
     """A declaration, a member, an enumerator or a parameter, with its closing token."""
 
     parts: list[Piece | Body] = field(default_factory=list)
-    trailing: list[Piece] = field(default_factory=list)  # comments after it on its line
-    continued: list[Piece] = field(default_factory=list)  # `//` below that comment, in its column
+    trailing: list[Piece] = field(default_factory=list)  # comments on the line where the item ends
+    continued: list[Piece] = field(default_factory=list)  # `//` lines that continue `trailing`
 
     @property
     def first(self) -> Piece:
@@ -33,14 +33,14 @@ class Item:
 
 @dataclass(slots=True)
 class Body:
-    """`{ ... }` or the parameters of an operation."""
+    """A block `{ ... }`, or the parameter list of an operation."""
 
     opening: Piece
     keyword: str  # "struct", "interface", ...; "(" for parameters
-    elements: list[Item | Piece] = field(default_factory=list)  # pieces: comments, directives
+    elements: list[Item | Piece] = field(default_factory=list)  # a Piece: comment or directive
     closing: Piece | None = None
-    after_opening: list[Piece] = field(default_factory=list)  # comments after `{` on its line
-    broken: bool = False  # the author did not write it on one line, or it cannot stand on one
+    after_opening: list[Piece] = field(default_factory=list)  # comments on the line of `{`
+    broken: bool = False  # printed on several lines: the author wrote it so, or it must be
 
     @property
     def items(self) -> list[Item]:
@@ -48,7 +48,7 @@ class Body:
 
 
 def structure(pieces: list[Piece]) -> Body:
-    """The file as one body without braces."""
+    """The whole file as one body without braces."""
     opening = Piece("op", "", 1, 0, 1, True, False)
     root = Body(opening, "file", broken=True)
     reader = _Reader(pieces)
@@ -79,7 +79,7 @@ class _Reader:
                 self._item(body)
 
     def _same_line(self, body: Body, piece: Piece) -> None:
-        """Keeps a comment after a preprocessor line on that line."""
+        """Keeps comments that follow a preprocessor line on that line."""
         comments = self._comments_behind(piece)
         if comments:
             body.elements[-1] = Item([piece], comments)
@@ -109,7 +109,8 @@ class _Reader:
         body.elements.extend(self._left_over(item))
 
     def _left_over(self, item: Item) -> list[Item | Piece]:
-        """Comments read into an item that nothing closed: the last parameter or enumerator."""
+        """Removes the comments after the last parameter or enumerator from its parts: no comma
+        ended it before them. Comments on its line become trailing ones; returns the others."""
         last = len(item.parts)
         while last > 1 and isinstance(part := item.parts[last - 1], Piece) and part.is_comment:
             last -= 1

@@ -1,7 +1,7 @@
-"""Advice on files that are right: one rule per file, each with a code and a folder of tests.
+"""Advice on valid interfaces: one rule per module, each with a code and a folder of tests.
 
-A rule sees the whole model and speaks of the files that were asked for only. What is meant the way
-it stands is said in the interface, not to the tool: a number without a unit has `@unit("1")`.
+A rule reads the whole model, but only findings in the files that were asked for are reported. An
+author confirms an intended exception in the interface: `@unit("1")` marks a pure number.
 """
 
 from __future__ import annotations

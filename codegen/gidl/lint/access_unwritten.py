@@ -1,4 +1,4 @@
-"""An operation states who may call it instead of relying on the default."""
+"""Lint: an operation should declare who may call it, instead of relying on the default."""
 
 from __future__ import annotations
 
@@ -16,8 +16,7 @@ def check(model: Model, findings: Findings) -> None:
             "G0902",
             member.facts.location,
             f"{what} '{member.name}' does not say who may use it",
-            f"write @{applies}, the present default, or the intended one of @sensor, @actor "
-            "and @master",
+            f"write @sensor, @actor or @master; the default here is @{applies}",
         )
 
 

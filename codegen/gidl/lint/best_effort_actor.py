@@ -1,4 +1,4 @@
-"""A command that moves a robot is not sent over a connection that may lose it."""
+"""Lint: an actor command should not be BEST_EFFORT, because it could be lost on the way."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ def check(model: Model, findings: Findings) -> None:
             findings.warning(
                 "G0903",
                 member.facts.place_of("qos"),
-                f"{what} '{member.name}' acts, and its line may lose it (BEST_EFFORT)",
+                f"{what} '{member.name}' acts, but may be lost: it is BEST_EFFORT",
                 "write reliability=RELIABLE, or leave reliability out",
             )
 

@@ -1,4 +1,4 @@
-"""A declaration that is not deprecated uses no deprecated one."""
+"""Lint: a declaration that is not deprecated should not use a deprecated one."""
 
 from __future__ import annotations
 

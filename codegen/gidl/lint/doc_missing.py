@@ -1,4 +1,4 @@
-"""Interfaces, operations and events have a comment for the caller."""
+"""Lint: interfaces, operations and events should have a comment for the caller."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whether a struct may grow is decided when it is written; unwritten, it never can."""
+"""Lint: a struct should declare @appendable or @final; the default, @final, is permanent."""
 
 from __future__ import annotations
 
@@ -16,6 +16,6 @@ def check(model: Model, findings: Findings) -> None:
             findings.warning(
                 "G0910",
                 facts.location,
-                f"{kind} '{declaration.simple_name}' does not say whether it may grow",
-                "write @appendable, or @final, which applies now and is for ever",
+                f"{kind} '{declaration.simple_name}' is declared neither @appendable nor @final",
+                "write @appendable, or @final, which is the default and cannot be changed later",
             )

@@ -1,4 +1,4 @@
-"""Numbers on the wire are SI; a value in another unit is converted where it comes from."""
+"""Lint: units should be SI units; programs convert other units where they read the value."""
 
 from __future__ import annotations
 
@@ -43,5 +43,5 @@ def _unit(unit: str, what: str, at: Location, findings: Findings) -> None:
         "G0905",
         at,
         f"{what} is in '{unit}', and '{strange}' is no SI unit",
-        f"{hint}: convert at the edge, where the number comes from",
+        f"{hint}: convert the number where it enters the program",
     )

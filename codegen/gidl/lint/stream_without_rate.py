@@ -1,4 +1,4 @@
-"""A stream says how often it comes: buffers, watchdogs and plots are laid out for that."""
+"""Lint: a stream should declare its rate: buffers, watchdogs and plots are designed for it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A floating number whose name is that of a physical quantity says its unit."""
+"""Lint: a floating-point number named like a physical quantity should declare its unit."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from gidl.diagnostics import Findings
 from gidl.model import ArrayType, MapType, Model, NamedType, SequenceType, Type, Typedef
 from gidl.rules.walk import Slot, numeric_core, slots
 
-# The last of these words in a name decides: `tool_speed` is a speed, `force_threshold` a force.
+# The last word of a name that is listed here decides: `tool_speed` is a speed, `force_threshold`
+# a force.
 _UNITS = {
     "m": """distance length width height depth radius diameter range reach position offset
             opening stroke gap clearance thickness translation elevation altitude path""",
@@ -50,7 +51,7 @@ def check(model: Model, findings: Findings) -> None:
         if core is None or not core.kind.is_floating or _has_unit(model, slot):
             continue
         if slot.what.startswith("type ") or _is_fraction(slot):
-            continue  # where the type is used, its unit may be said; a fraction has none
+            continue  # a use of a typedef may declare the unit; a fraction has no unit
         name = _name(slot)
         if name is None:
             continue
@@ -92,7 +93,7 @@ def _has_unit(model: Model, slot: Slot) -> bool:
 
 
 def _inside(model: Model, used: Type) -> bool:
-    """Whether a typedef or the elements of a sequence say the unit."""
+    """Whether a typedef or a sequence inside the type declares a unit."""
     match used:
         case SequenceType(element, _, unit):
             return unit is not None or _inside(model, element)

@@ -1,4 +1,4 @@
-"""An include is there for something: a name of the file, or of what that file includes."""
+"""Lint: a file should use a name from each file that it includes, directly or indirectly."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ def check(model: Model, findings: Findings) -> None:
                 findings.warning(
                     "G0912",
                     Location(file.path, 1, 1),
-                    f"nothing of '{path}' is used here",
+                    f"no name of '{path}' is used in this file",
                     f'leave out #include "{path}"',
                 )
 
 
 def _reach(path: str, files: dict[str, File]) -> set[str]:
-    """The file and all it includes."""
+    """Paths of the file `path` and of all files that it includes, directly or indirectly."""
     reached: set[str] = set()
     work = [path]
     while work:

@@ -1,4 +1,4 @@
-"""Which declaration uses which."""
+"""Finds which declarations a declaration uses."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ from gidl.model import (
 
 @dataclass(frozen=True, slots=True)
 class Use:
-    name: str  # scoped name of the declaration that is used
-    what: str  # the user, in words: "member 'pose'"
-    facts: Facts  # facts of the user
-    by_deprecated: bool  # the user is deprecated itself
+    name: str  # scoped name of the used declaration
+    what: str  # what uses it, as messages call it: "member 'pose'"
+    facts: Facts  # facts of the member or declaration that uses it
+    by_deprecated: bool  # the using member or declaration is deprecated
 
 
 def uses(model: Model, file: File) -> Iterator[Use]:
@@ -103,12 +103,12 @@ def _names(used: Type) -> Iterator[str]:
 
 
 def direct_names(used: Type) -> list[str]:
-    """Declared names inside a type as it is written."""
+    """Names of the declarations that appear in the text of a type, typedefs not resolved."""
     return list(_names(used))
 
 
 def declared_names(model: Model, name: str) -> set[str]:
-    """Declared names that a declaration holds."""
+    """Names of the declarations that the declaration `name` uses."""
     for file in model.files:
         if file.path == model.file_of(name):
             only = File(file.path, (), (model.find(name),))

@@ -1,4 +1,4 @@
-"""An interface has a version: what evolves says how far it has come."""
+"""Lint: an interface should declare a version."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A stream of commands has a watchdog: it limits how long the sender may be silent."""
+"""Lint: a stream that clients send should have a watchdog, which limits the sender's silence."""
 
 from __future__ import annotations
 
@@ -15,6 +15,6 @@ def check(model: Model, findings: Findings) -> None:
             findings.warning(
                 "G0909",
                 member.facts.place_of("stream"),
-                f"nothing guards '{member.name}' against a sender that falls silent",
+                f"stream '{member.name}' has no watchdog against a sender that falls silent",
                 'write @stream(dir="in", watchdog="48ms") with the longest silence that is safe',
             )

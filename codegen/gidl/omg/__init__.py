@@ -1,4 +1,4 @@
-"""The model as plain OMG IDL, for tools that do not know ours: `gidl dump --omg=corba|dds`."""
+"""Prints a model as OMG IDL, for tools that do not read .gidl: `gidl dump --omg=corba|dds`."""
 
 from __future__ import annotations
 
@@ -14,6 +14,6 @@ DIALECTS: Mapping[str, type[OmgWriter]] = {"corba": CorbaWriter, "dds": DdsWrite
 
 
 def omg_text(model: Model, dialect: str, whole: bool, findings: Findings) -> str:
-    """The files asked for, or all (`whole`), in that dialect. What it cannot express is a finding
-    with its place."""
+    """The files asked for, or with `whole` all files, as OMG IDL in `dialect`. Each construct that
+    the dialect cannot express becomes a finding."""
     return DIALECTS[dialect](model, findings).text(whole)

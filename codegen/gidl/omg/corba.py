@@ -33,12 +33,12 @@ class CorbaWriter(OmgWriter):
         "int64": "long long", "uint64": "unsigned long long", "float": "float", "double": "double",
     }  # fmt: skip
 
-    # -- what stands together ------------------------------------------------------------------
+    # -- units: declarations that are printed together -----------------------------------------
 
     def _units(
         self, declarations: Iterable[AnyDeclaration]
     ) -> Iterator[tuple[AnyDeclaration, ...]]:
-        """An interface with what is declared inside it, or one declaration."""
+        """Units: an interface with the declarations inside it, or any other single declaration."""
         inside: list[AnyDeclaration] = []
         for declaration in declarations:
             if not self._is_written(declaration):
@@ -79,7 +79,9 @@ class CorbaWriter(OmgWriter):
                 if [e.number for e in declaration.enumerators] != list(
                     range(len(declaration.enumerators))
                 ):
-                    self._cannot("numbers of enumerators", "leave out @value, or use constants")
+                    self._cannot(
+                        "enumerators with explicit numbers", "leave out @value, or use constants"
+                    )
                 self._enum(
                     declaration, deeper, [self._name(e.name) for e in declaration.enumerators]
                 )
@@ -113,7 +115,7 @@ class CorbaWriter(OmgWriter):
         self._line(f"{before}{self._type(member.type)} {declarator};{unit}", deeper)
 
     def _no_optional(self) -> None:
-        self._cannot("what may be absent", "a sequence of at most one element travels alike")
+        self._cannot("an optional value", "use a sequence of at most one element")
 
     def _union(self, union: Union, deeper: int) -> None:
         used = union.discriminator
@@ -154,7 +156,7 @@ class CorbaWriter(OmgWriter):
         self._line("};")
 
     def _named(self, used: Type, name: str, of: str) -> str:
-        """A type where CORBA wants one with a name: a sequence gets a typedef before."""
+        """The name of a type. A sequence gets a typedef first, because CORBA requires a name."""
         if not isinstance(used, SequenceType):
             return self._type(used)
         if used not in self._aliases:
@@ -168,9 +170,9 @@ class CorbaWriter(OmgWriter):
 
     def _attribute(self, attribute: Attribute) -> None:
         if attribute.streams_in:
-            self._cannot("an inward stream", "declare an operation that takes the sample")
+            self._cannot("a stream that clients send", "declare an operation that takes the sample")
         if attribute.get_raises or attribute.set_raises:
-            self._cannot("what an attribute raises", "declare operations that get and set")
+            self._cannot("exceptions of an attribute", "declare operations that get and set")
         if attribute.optional:
             self._no_optional()
         used = self._named(attribute.type, "", attribute.name)

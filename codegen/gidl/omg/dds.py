@@ -1,6 +1,7 @@
-"""DDS types as Cyclone's idlc takes them: structs, unions, enums, bitmasks, typedefs, constants.
+"""DDS types for Cyclone's idlc: structs, unions, enums, bitmasks, typedefs and constants.
 
-Interfaces and exceptions go. What is declared in an interface stands in a module of its name.
+Interfaces and exceptions are omitted. Types declared in an interface are printed in a module that
+has the interface's name.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""Common parts of both dialects: order, modules, forward declarations, names, values.
+"""What the CORBA and DDS writers share: order, modules, forward declarations, names, values.
 
-Names are written in full, with `::` in front: nothing a type name could clash with. A declaration
-that is used before it is declared is declared forward where it is first needed.
+Names of types are absolute, with a leading `::`, so that no other name can hide them. A type that
+is used before its declaration gets a forward declaration before its first use.
 """
 
 from __future__ import annotations
@@ -39,24 +39,22 @@ from gidl.model import (
     Value,
 )
 
-_KEYWORDS = frozenset((*USED_BY_LOWER, *UNUSED_BY_LOWER))  # keywords of any tool: all are escaped
+_KEYWORDS = frozenset((*USED_BY_LOWER, *UNUSED_BY_LOWER))  # escaped where they are names
 _FORWARD = {Struct: "struct", Union: "union", Interface: "interface"}
 
 
 class OmgWriter(ABC):
     """Writes a model in one dialect of OMG IDL. @pre the model has no errors."""
 
-    dialect: str  # as people call it
-    primitives: dict[str, str]  # by names of `.gidl`; a missing one cannot be expressed
+    dialect: str  # name in messages: "CORBA" or "DDS"
+    primitives: dict[str, str]  # by .gidl name; only those that the dialect can express
 
     def __init__(self, model: Model, findings: Findings) -> None:
         self._model = model
         self._findings = findings
         self._lines: list[str] = []
-        self._modules: tuple[str, ...] = ()  # the open modules
-        self._declared: set[str] = (
-            set()
-        )  # names that were declared so far, forward declarations too
+        self._modules: tuple[str, ...] = ()  # names of the open modules, outermost first
+        self._declared: set[str] = set()  # names declared so far, also by forward declarations
         self._at = Location("", 1, 1)  # location of the declaration that is being written
 
     def text(self, whole: bool) -> str:
@@ -72,7 +70,8 @@ class OmgWriter(ABC):
         return "\n".join(self._lines) + "\n"
 
     def _types_in_types(self, files: Iterable[File]) -> bool:
-        """OMG IDL 4.2 declares nothing inside a struct or union."""
+        """Whether a struct or union contains type declarations, which OMG IDL 4.2 does not allow;
+        reports them."""
         found = False
         for declaration in (d for file in files for d in file.declarations):
             scope = declaration.scope
@@ -111,7 +110,7 @@ class OmgWriter(ABC):
     def _units(
         self, declarations: Iterable[AnyDeclaration]
     ) -> Iterator[tuple[AnyDeclaration, ...]]:
-        """Declarations that stand together; the last of each names the scope they stand in."""
+        """Groups of declarations that are printed together, in the scope of the last of them."""
 
     @abstractmethod
     def _unit(self, unit: tuple[AnyDeclaration, ...]) -> None: ...
@@ -120,7 +119,7 @@ class OmgWriter(ABC):
         return tuple(declaration.scope.split("::")) if declaration.scope else ()
 
     def _enter(self, wanted: tuple[str, ...]) -> None:
-        """Closes and opens modules until these are open."""
+        """Closes and opens modules until exactly the modules `wanted` are open."""
         common = 0
         while (
             common < min(len(wanted), len(self._modules))
@@ -173,7 +172,7 @@ class OmgWriter(ABC):
         return "::" + "::".join(self._name(part) for part in scoped.split("::"))
 
     def _type(self, used: Type) -> str:
-        """The type without the dimensions of an array, which follow the name."""
+        """The text of a type, without the dimensions of an array: they follow the member's name."""
         match used:
             case PrimitiveType(kind):
                 written = self.primitives.get(kind.value)
@@ -271,5 +270,6 @@ _PLAIN = re.compile(rb"[ !#-&(-\[\]-~]")
 
 
 def _escaped(text: bytes) -> str:
-    """Three octal digits for a special character, so that no following digit extends the escape."""
+    """`text` with special characters as octal escapes. Each has three digits, so that a following
+    digit does not become part of the escape."""
     return "".join(chr(byte) if _PLAIN.match(bytes([byte])) else f"\\{byte:03o}" for byte in text)

@@ -1,4 +1,4 @@
-"""The rules a model obeys beyond being well formed: one file each."""
+"""Semantic rules that a model must satisfy: one module for each rule."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ ALL: tuple[Rule, ...] = (
 
 
 def check_all(model: Model, findings: Findings, codes_of: codes.CodesOf) -> None:
-    """Every rule on the whole model, so that one run shows everything."""
+    """Checks all rules on the whole model, so that one run reports all findings."""
     for rule in ALL:
         rule(model, findings)
     codes.check(model, findings, codes_of)

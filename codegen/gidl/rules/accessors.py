@@ -1,4 +1,4 @@
-"""The names generated for an attribute, `set_x` and `publish_x`, are not taken by other members."""
+"""Rule: no member may have a name generated for an attribute: `set_x` or `publish_x`."""
 
 from __future__ import annotations
 

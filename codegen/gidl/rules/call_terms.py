@@ -1,4 +1,4 @@
-"""Annotations that say how a call runs stand on calls that run so."""
+"""Rule: an annotation about how a call runs must suit its kind: sensor, actor or getter."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def _operation(operation: Operation, findings: Findings) -> None:
                 findings.error(
                     "G0408",
                     facts.place_of(annotation),
-                    f"'@{annotation}' is about actor commands, and '{operation.name}' is a sensor "
+                    f"'@{annotation}' needs an actor command, but '{operation.name}' is a sensor "
                     "operation",
                     "leave it out, or write @actor",
                 )

@@ -1,4 +1,4 @@
-"""Function codes are unique in an object, and the reserved ones stay reserved."""
+"""Rule: function codes are unique in an object; 0 to 255 are reserved for built-in operations."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ LAST_RESERVED = 255
 
 Member = Operation | Attribute
 CodesOf = Callable[[Model, Interface], Iterable[tuple[int, str, Member]]]
-"""Every code that an interface itself declares, the name it stands for, and the member."""
+"""Returns each function code that an interface itself declares, with its name and member."""
 
 
 def check(model: Model, findings: Findings, codes_of: CodesOf) -> None:
@@ -32,17 +32,16 @@ def _reserved(
             findings.error(
                 "G0602",
                 member.facts.place_of("id"),
-                f"'{name}' is an operation of every object and needs a code from 1 to "
-                f"{LAST_RESERVED}",
-                "write @id(n) with a free one",
+                f"'{name}' is a built-in operation and needs a code from 1 to {LAST_RESERVED}",
+                "write @id(n) with a free code",
             )
     elif inside:
         hashed = "has" if member.facts.has("id") else "hashes to"
         findings.error(
             "G0602",
             member.facts.place_of("id"),
-            f"'{name}' {hashed} the code {code}, and 0 to {LAST_RESERVED} are reserved for what "
-            "every object answers",
+            f"'{name}' {hashed} the code {code}, but 0 to {LAST_RESERVED} are reserved for "
+            "built-in operations",
             f"write @id(n) with n above {LAST_RESERVED}",
         )
 
@@ -66,6 +65,6 @@ def _unique(
                 "G0603",
                 member.facts.place_of("id") if is_own else interface.facts.location,
                 f"'{name}' and '{first[0]}' have the same function code {code}",
-                f"write @id(n) on one of them, n above {LAST_RESERVED} and new",
+                f"write @id(n) on one of them, with an unused n above {LAST_RESERVED}",
                 notes=(Note("the other one", first[1].facts.location),),
             )

@@ -1,4 +1,4 @@
-"""A default is a value the member may have, and says so alone."""
+"""Rule: a default lies inside the range of its member, and the member is not also @optional."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def check(model: Model, findings: Findings) -> None:
                 "G0508",
                 at,
                 f"{slot.what} has a default and is optional",
-                "left out it either has a value (@default) or is absent (@optional)",
+                "a value that is left out is either the default (@default) or absent (@optional)",
             )
         _in_range(slot, findings)
 

@@ -1,4 +1,4 @@
-"""Only what a caller gives has a default."""
+"""Rule: only an `in` parameter may have a default, and @unit and @optional need a result."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def check(model: Model, findings: Findings) -> None:
                     parameter.facts.place_of("default"),
                     f"the {parameter.direction.value} parameter '{parameter.name}' cannot have a "
                     "default",
-                    "a default is for what the caller may leave out: 'in' parameters",
+                    "only an 'in' parameter, which a caller may leave out, has a default",
                 )
         if member.result is None and member.facts.has("unit"):
             findings.error(

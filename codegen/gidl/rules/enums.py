@@ -1,4 +1,4 @@
-"""Enumerators and flags have numbers of their own, within the bits of their type."""
+"""Rule: enumerators and flags have distinct numbers, which fit the bits of their type."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def _enum(enum: EnumDeclaration, findings: Findings) -> None:
             findings.error(
                 "G0317",
                 at,
-                f"'{enumerator.name}' has the number {enumerator.number} of '{first[0]}'",
+                f"'{enumerator.name}' has the same number {enumerator.number} as '{first[0]}'",
                 notes=(Note("first here", first[1]),),
             )
         if not least <= enumerator.number <= min(most, (1 << 31) - 1):
@@ -54,7 +54,7 @@ def _bitmask(mask: Bitmask, findings: Findings) -> None:
             findings.error(
                 "G0317",
                 at,
-                f"'{flag.name}' has the bit {flag.position} of '{first[0]}'",
+                f"'{flag.name}' has the same bit {flag.position} as '{first[0]}'",
                 notes=(Note("first here", first[1]),),
             )
         if flag.position >= mask.bit_bound:

@@ -1,4 +1,4 @@
-"""An event is a oneway operation that the server calls."""
+"""Rule: an event is oneway and has no annotation for calls, because the server sends it."""
 
 from __future__ import annotations
 

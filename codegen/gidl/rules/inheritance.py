@@ -1,4 +1,4 @@
-"""No operation or attribute is declared twice along a line of inheritance, in any spelling."""
+"""Rule: members of an interface and all its bases have different names, even without case."""
 
 from __future__ import annotations
 
@@ -26,7 +26,8 @@ def check(model: Model, findings: Findings) -> None:
 def _inherited(
     model: Model, interface: Interface, findings: Findings
 ) -> dict[str, Operation | Attribute]:
-    """Members of all bases; two bases with a member of one name are reported."""
+    """The members of all bases, by lower-case name. Reports bases that have members of the same
+    name."""
     found: dict[str, Operation | Attribute] = {}
     for base in interface.all_bases:
         for member in model.interface(base).members:

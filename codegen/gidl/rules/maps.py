@@ -1,4 +1,4 @@
-"""Keys of a map are what can be compared exactly: no floating-point numbers, no containers."""
+"""Rule: map keys can be compared exactly, so they are no floating-point numbers or containers."""
 
 from __future__ import annotations
 

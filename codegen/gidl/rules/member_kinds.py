@@ -1,4 +1,4 @@
-"""@bulk stands on sequences of numbers, @secret on strings."""
+"""Rule: only sequences and arrays of numbers may be @bulk, and only strings may be @secret."""
 
 from __future__ import annotations
 

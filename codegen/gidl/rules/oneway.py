@@ -1,4 +1,4 @@
-"""A oneway operation gets no answer: no result, no `out`, no exception, nothing to cancel."""
+"""Rule: a oneway operation has no reply, so it has no result, `out`, exception or cancellation."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def check(model: Model, findings: Findings) -> None:
                     parameter.facts.location,
                     f"{name} cannot have the {parameter.direction.value} parameter "
                     f"'{parameter.name}'",
-                    "nothing comes back: write 'in', or leave out 'oneway'",
+                    "there is no reply: write 'in', or leave out 'oneway'",
                 )
         if member.raises:
             findings.error(
@@ -33,6 +33,6 @@ def check(model: Model, findings: Findings) -> None:
             findings.error(
                 "G0404",
                 member.facts.place_of("cancelable"),
-                f"{name} cannot be cancelable: nobody hears of its progress",
+                f"{name} cannot be cancelable: its caller gets no reply",
                 "leave out 'oneway'",
             )

@@ -1,4 +1,4 @@
-"""Quality terms that contradict each other can be met by no medium."""
+"""Rule: quality terms must not contradict each other, because no medium could meet them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Quality is narrowed downwards: nothing promises less than what stands above it."""
+"""Rule: a member or derived interface may not promise less quality than its interface or base."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def _compare(
 ) -> None:
     if not facts.has("qos"):
         return
-    if stream is not None:  # these terms apply to samples; an open stream is plain LCM
+    if stream is not None:  # samples may differ in these terms; an open stream also in its class
         own = replace(own, reliability=None, depth=None, lifespan_ns=None)
         own = replace(own, quality_class=None) if stream.is_open else own
     for said in _weaker(own, above.qos):
@@ -38,13 +38,13 @@ def _compare(
             "G0413",
             facts.place_of("qos"),
             f"'{name}' promises less than interface '{above.simple_name}': {said}",
-            "terms may only be narrowed below: promise less above, or declare another interface",
+            "promise at least as much, weaken the promise of the interface, or declare another one",
             notes=(Note("promised here", above.facts.place_of("qos")),),
         )
 
 
 def _weaker(own: Qos, above: Qos) -> Iterator[str]:
-    """The promises of `own` that are weaker than those above, in words."""
+    """A text for each quality term of `own` that is weaker than in `above`."""
     for term in ("quality_class", "reliability", "liveliness"):
         mine, theirs = getattr(own, term), getattr(above, term)
         if mine is not None and theirs is not None and mine < theirs:
@@ -52,11 +52,11 @@ def _weaker(own: Qos, above: Qos) -> Iterator[str]:
     for term in ("deadline", "start_by", "latency"):
         mine, theirs = getattr(own, f"{term}_ns"), getattr(above, f"{term}_ns")
         if mine is not None and theirs is not None and mine > theirs:
-            yield f"its {term} is {_shown(mine)}, above it is {_shown(theirs)}"
+            yield f"its {term} {_shown(mine)} is longer than {_shown(theirs)}"
     if own.media is not None and above.media is not None:
         more = [medium for medium in own.media if medium not in above.media]
         if more:
-            yield f"{', '.join(more)} is no medium of {', '.join(above.media)}"
+            yield f"{', '.join(more)} is not among the media {', '.join(above.media)}"
 
 
 def _shown(nanoseconds: int) -> str:

@@ -1,4 +1,4 @@
-"""Types contain themselves only through sequences, and nest at most 16 deep."""
+"""Rule: a type may contain itself only through a sequence, and types nest at most 16 deep."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class _Walker:
         self._open: list[str] = []
 
     def depth(self, name: str) -> int:
-        """How many structs and unions stand inside each other, sequences not followed."""
+        """The nesting depth of structs and unions in type `name`; sequences are not followed."""
         if name in self._depths:
             return self._depths[name]
         if name in self._open:

@@ -1,4 +1,4 @@
-"""Rules of streams: direction, watchdog, and the conditions of an open stream."""
+"""Rules for streams: direction, watchdog, and the requirements of an open stream."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def check(model: Model, findings: Findings) -> None:
                 findings.error(
                     "G0410",
                     member.facts.place_of("open_stream"),
-                    f"attribute '{member.name}' is no stream, so it cannot be an open one",
+                    f"attribute '{member.name}' is no stream, so it cannot be an open stream",
                     'write @stream(rate="...") as well',
                 )
             continue
@@ -34,7 +34,7 @@ def _direction(attribute: Attribute, findings: Findings) -> None:
             findings.error(
                 "G0410",
                 facts.place_of("stream"),
-                f"clients send '{attribute.name}', so it is not readonly",
+                f"clients send '{attribute.name}', so it cannot be readonly",
                 "leave out 'readonly', or write dir=\"out\"",
             )
         if attribute.get_raises or attribute.set_raises:
@@ -45,7 +45,7 @@ def _direction(attribute: Attribute, findings: Findings) -> None:
         findings.error(
             "G0410",
             facts.place_of("stream"),
-            "a watchdog guards what clients send, and this stream is published",
+            "only a stream that clients send can have a watchdog; the server publishes this one",
             "leave out 'watchdog'",
         )
 
@@ -55,7 +55,7 @@ def _open(model: Model, attribute: Attribute, findings: Findings) -> None:
     target = model.target(attribute.type)
     declaration = model.find(target.name) if isinstance(target, NamedType) else None
     if attribute.streams_in:
-        findings.error("G0411", at, "an open stream is one that the server publishes")
+        findings.error("G0411", at, "only a stream that the server publishes can be an open stream")
     elif not isinstance(declaration, Struct) or declaration.is_appendable:
         findings.error(
             "G0411",

@@ -1,4 +1,4 @@
-"""A base struct never grows, and a derived one does not repeat its members."""
+"""Rule: a base struct is not @appendable, and a derived struct does not repeat its members."""
 
 from __future__ import annotations
 

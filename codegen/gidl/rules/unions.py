@@ -1,4 +1,4 @@
-"""Every value of a union's discriminator chooses at most one member."""
+"""Rule: each value of a union's discriminator selects at most one member."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def _union(model: Model, union: Union, findings: Findings) -> None:
                 findings.error(
                     "G0315",
                     at,
-                    f"label {_shown(label)} stands on two members of union '{union.simple_name}'",
+                    f"label {_shown(label)} selects two members of union '{union.simple_name}'",
                     notes=(Note("first here", seen[label]),),
                 )
             seen.setdefault(label, at)
@@ -49,7 +49,7 @@ def _union(model: Model, union: Union, findings: Findings) -> None:
         findings.error(
             "G0315",
             default,
-            "this default is never chosen: the labels name every value already",
+            "this default is never selected: the labels name every value already",
             "leave it out",
         )
     for case in union.cases:
@@ -57,13 +57,13 @@ def _union(model: Model, union: Union, findings: Findings) -> None:
             findings.error(
                 "G0508",
                 case.member.facts.place_of("optional", "default"),
-                f"member '{case.member.name}' of a union is there exactly when it is chosen",
+                f"member '{case.member.name}' of a union is present exactly when it is selected",
                 "leave out @optional and @default",
             )
 
 
 def _value_count(model: Model, union: Union) -> int | None:
-    """How many values the discriminator has, where they can all be named."""
+    """How many values the discriminator has if it is an enum or a boolean; else None."""
     used = union.discriminator
     if isinstance(used, NamedType):
         enum = model.find(used.name)

@@ -1,4 +1,4 @@
-"""Units are known ones, and stand on numbers."""
+"""Rule: a unit consists of known units, and only a number may have a unit."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def _words(text: str) -> frozenset[str]:
     return frozenset(text.split())
 
 
-# SI and what is accepted beside it. A unit is a product of these, written with "*", "/" and "^2".
+# SI units and other accepted units. A unit is a product of them, such as "N*m" or "m/s^2".
 BASE_UNITS = _words(
     """
     m s kg A K mol cd rad sr Hz N Pa J W C V F ohm S Wb T H lm lx Bq Gy Sv kat 1 mm cm km um nm
@@ -53,7 +53,7 @@ def check(model: Model, findings: Findings) -> None:
 
 
 def _inside(model: Model, used: Type, facts: Facts, findings: Findings) -> None:
-    """Units written inside sequences."""
+    """Checks the units that sequences inside a type declare."""
     match used:
         case SequenceType(element, _, unit):
             if unit is not None:
@@ -92,7 +92,7 @@ def _known(unit: str, at: Location, findings: Findings) -> None:
 
 def _on_number(model: Model, used: Type, what: str, at: Location, findings: Findings) -> None:
     if numeric_core(model, used) is None:
-        findings.error("G0509", at, f"{what} is no number, so it has no unit")
+        findings.error("G0509", at, f"{what} is no number, so it cannot have a unit")
 
 
 _NAMES = {unit: "" for unit in BASE_UNITS if len(unit) > 1}

@@ -1,4 +1,4 @@
-"""Versions are MAJOR.MINOR, old names are names."""
+"""Rule: a version has the form MAJOR.MINOR, and the argument of @hash_as is a name."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def check(model: Model, findings: Findings) -> None:
 
 
 def _since_within(interface: Interface, findings: Findings) -> None:
-    """Nothing appears in a version the interface has not reached."""
+    """Checks that no member has a @since later than the version of its interface."""
     version = _key(interface.facts.version)
     for member in interface.members:
         since = _key(member.facts.since)
@@ -37,7 +37,7 @@ def _since_within(interface: Interface, findings: Findings) -> None:
             findings.error(
                 "G0512",
                 member.facts.place_of("since"),
-                f"'{member.name}' is there since {member.facts.since}, and '"
+                f"'{member.name}' exists since version {member.facts.since}, but '"
                 f"{interface.simple_name}' has version {interface.facts.version}",
                 "raise the version of the interface",
             )

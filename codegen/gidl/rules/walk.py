@@ -1,4 +1,4 @@
-"""Walks that several rules share."""
+"""Iteration over the model, which several rules share."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ from gidl.model import (
 
 @dataclass(frozen=True, slots=True)
 class Slot:
-    """A place that holds a value: member, arm, parameter, attribute, result or typedef."""
+    """A place that holds a value: a member, parameter, attribute, result or typedef."""
 
-    what: str  # "member 'speed'"
+    what: str  # what messages call it: "member 'speed'"
     type: Type
     facts: Facts
     unit: str | None = None
@@ -79,13 +79,14 @@ def _of_parameter(p: Parameter) -> Slot:
 
 
 def members(model: Model) -> Iterator[Operation | Attribute]:
-    """Every operation, event and attribute, where it is declared."""
+    """Every operation, event and attribute, once: from the interface that declares it."""
     for interface in model.interfaces():
         yield from interface.members
 
 
 def meet_first(model: Model, interface: Interface, one: str, other: str) -> bool:
-    """Whether `interface` is the first to have both of two interfaces in its line."""
+    """Whether no base of `interface` already combines the interfaces `one` and `other`. So a clash
+    between the two is reported only once."""
     for base in interface.all_bases:
         line = {i.name for i in model.with_bases(model.interface(base))}
         if one in line and other in line:
@@ -94,7 +95,7 @@ def meet_first(model: Model, interface: Interface, one: str, other: str) -> bool
 
 
 def numeric_core(model: Model, used: Type) -> PrimitiveType | None:
-    """The number inside typedefs, arrays, sequences and map values; None where there is none."""
+    """The number type inside typedefs, arrays, sequences and map values, or None."""
     target = model.target(used)
     while isinstance(target, ArrayType | SequenceType | MapType):
         inner = target.value if isinstance(target, MapType) else target.element

@@ -1,1 +1,1 @@
-"""One package per language: `lower` decides how types and codecs look, `view` prepares files."""
+"""Code generators, one package per language: `lower` prints types and codecs, `view` the files."""

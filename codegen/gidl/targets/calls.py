@@ -1,4 +1,4 @@
-"""Contents of calls: parameters, results and streams, the same for every language."""
+"""Parameters, results and streams of calls, for the targets of all languages."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def attribute_value(a: Attribute) -> CallValue:
 
 
 def reply_values(operation: Operation, call: CallLayout) -> list[CallValue]:
-    """The result, then `inout` and `out` parameters."""
+    """The values in a reply: the result, then the `inout` and `out` parameters."""
     values = []
     if operation.result is not None:
         values.append(
@@ -64,7 +64,7 @@ def reply_values(operation: Operation, call: CallLayout) -> list[CallValue]:
 
 
 def first_missing(values: Sequence[CallValue]) -> int:
-    """Index from which on an older caller may have left values out."""
+    """The index of the first of the trailing values that an older caller may leave out."""
     index = len(values)
     while index and (values[index - 1].optional or values[index - 1].default is not None):
         index -= 1
@@ -100,19 +100,19 @@ def _struct_of(operation: Operation, part: str, doc: str, values: Sequence[CallV
 
 
 def stream_attributes(model: Model, layout: Layout, interface: Interface) -> list[Attribute]:
-    """Outward streams, inherited ones too, by code."""
+    """The streams that the server publishes, also inherited ones, sorted by function code."""
     members = model.all_interface_members(interface)
     found = [m for m in members if isinstance(m, Attribute) and m.streams_out]
     return sorted(found, key=lambda a: layout.stream(a.scoped_name).code)
 
 
 def short_name(call: CallLayout) -> str:
-    """ "move", "tool_offset="."""
+    """The name of a call without its scope: "move", or "tool_offset=" for a setter."""
     return call.name.rpartition("::")[2]
 
 
 def passes_objects(model: Model, file: File) -> bool:
-    """Whether a type or a call of the file holds objects, which travel as gecos::ObjectRef."""
+    """Whether a type or a call of the file contains objects, encoded as gecos::ObjectRef."""
     return any(
         isinstance(model.find(name), Interface)
         for declaration in file.declarations
@@ -140,12 +140,12 @@ def _used_types(declaration: AnyDeclaration) -> Iterator[Type]:
 
 
 def refuse_unsupported(interface: Interface) -> None:
-    """Raises UnsupportedError for constructs that the model has but no output supports yet."""
+    """Raises UnsupportedError for constructs in the interface that no target supports yet."""
     if BUILT_IN in interface.all_bases:
         raise UnsupportedError(
             interface.facts.location,
             f"{interface.name}: every object answers the operations of {BUILT_IN}, so an interface"
-            " does not inherit them; leave it out of the bases",
+            " must not inherit from it; leave it out of the bases",
         )
     for member in interface.members:
         if isinstance(member, Operation) and member.is_event:

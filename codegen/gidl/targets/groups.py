@@ -1,8 +1,8 @@
-"""Lines that may be broken: a view says where, and nothing reads generated text to find out.
+"""Line breaking of generated code: views mark where lines may be broken, so no code is parsed.
 
-A *group* is a pair of brackets around parts: the arguments of a call, the elements of a list. It is
-a piece of text like any other, and may stand inside a part of another group. `laid_out_groups`
-prints a line flat where it fits, else breaks its first group and then, where need be, those inside.
+A *group* is a text of parts in brackets: the arguments of a call, the elements of a list. A part
+may contain further groups. `laid_out_groups` keeps a line that fits. It breaks a longer line at its
+first group, then at the groups inside, until all lines fit.
 
     text = f"{name} = call{group(['first', 'call' + group(['second'])])}"
 """
@@ -14,13 +14,13 @@ from dataclasses import dataclass
 
 WIDTH = 100
 _STEP = "    "
-# Code points for private use. `without_marks` keeps them out of what users write.
+# Marks of groups: private-use code points, which `without_marks` removes from texts of users.
 _OPEN, _NEXT, _CLOSE, _SPACE = "\ue000", "\ue001", "\ue002", "\ue003"
 _MARKS = str.maketrans("", "", _OPEN + _NEXT + _CLOSE + _SPACE)
 
 
 def group(parts: Iterable[str], opening: str = "(", closing: str = ")") -> str:
-    """Text of `parts` between brackets, separated by commas. Flat: "(a, b)"."""
+    """A group of `parts` in brackets, separated by commas. On one line: "(a, b)"."""
     inside = _NEXT.join(parts)
     return f"{opening}{_OPEN}{inside}{_CLOSE}{closing}" if inside else f"{opening}{closing}"
 
@@ -30,12 +30,12 @@ def call(function: str, *arguments: str) -> str:
 
 
 def clauses(parts: Iterable[str], opening: str = "(", closing: str = ")") -> str:
-    """The same for parts that spaces separate: "[x for x in y]"."""
+    """A group of `parts` in brackets, separated by spaces: "[x for x in y]"."""
     return f"{opening}{_OPEN}{_SPACE.join(parts)}{_CLOSE}{closing}"
 
 
 def without_marks(text: str) -> str:
-    """`text` of a user, so that nothing in it is taken for a group."""
+    """The `text` of a user without the code points that mark groups."""
     return text.translate(_MARKS)
 
 
@@ -45,8 +45,8 @@ def flat(text: str) -> str:
 
 
 def laid_out_groups(text: str, closes_alone: bool) -> str:
-    """`text` with the groups of long lines broken. `closes_alone` is the style of Python: a comma
-    after the last part, and the closing bracket on a line of its own; C++ closes after the part."""
+    """`text` with the groups of long lines broken. With `closes_alone` (Python), the last part gets
+    a comma and the closing bracket its own line; else (C++) the bracket follows the last part."""
     lines: list[str] = []
     for line in text.split("\n"):
         lines += _laid_out(line, closes_alone) if _OPEN in line else [line]
@@ -71,10 +71,10 @@ def _laid_out(line: str, closes_alone: bool) -> list[str]:
 
 @dataclass(frozen=True, slots=True)
 class _Broken:
-    head: str  # with the opening bracket
+    head: str  # text of the line up to the opening bracket, inclusive
     parts: list[str]
-    tail: str  # with the closing bracket; may hold more groups
-    comma: str  # after each part; "" between clauses
+    tail: str  # rest of the line from the closing bracket on; may contain more groups
+    comma: str  # separator after each part; "" between clauses
 
 
 def _first_group(line: str) -> _Broken:

@@ -1,4 +1,4 @@
-"""How generated text is laid out: without a formatter, by what the views say of long lines."""
+"""Lays out generated text without a formatter: breaks long lines where the views allow it."""
 
 from __future__ import annotations
 
@@ -6,17 +6,17 @@ from gidl.targets.groups import laid_out_groups
 
 
 def laid_out(text: str, language: str) -> str:
-    """`text` with as many empty lines as the language's readers expect, and no long line."""
+    """`text` with long lines broken, and with the empty lines that are usual in `language`."""
     python = language == "python"
     lines = laid_out_groups(text, closes_alone=python).split("\n")
     return "\n".join(_spaced(lines, python)).strip("\n") + "\n"
 
 
 def _spaced(lines: list[str], python: bool) -> list[str]:
-    """Two empty lines around what stands at the left edge of Python, else one at most."""
+    """Puts two empty lines around top-level blocks of Python; leaves at most one elsewhere."""
     result: list[str] = []
-    empty, block = 0, False  # block: inside a class or function at the left edge
-    decorated = False  # after a decorator of it
+    empty, block = 0, False  # block: inside a top-level class or function
+    decorated = False  # after the decorator of a top-level class or function
     for line in lines:
         if not line.strip():
             empty += 1

@@ -1,4 +1,4 @@
-"""Names, files and notes: what the targets share, whatever their language."""
+"""Names, output files and documentation lines, which the targets of all languages share."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ from gidl.targets.groups import without_marks
 
 @dataclass(frozen=True, slots=True)
 class OutputFile:
-    """One file to write: `template` printed with `view`. The path is below the output folder."""
+    """A file to write: `template` rendered with `view`. `path` is relative to the output folder."""
 
     path: str
-    language: str  # folder of the target whose templates these are
+    language: str  # folder in `targets` that contains the template
     template: str
     view: object
 
 
 class UnsupportedError(Exception):
-    """The interface uses something that no target can print yet."""
+    """The interface uses a construct that no target supports yet."""
 
     def __init__(self, location: Location, text: str) -> None:
         super().__init__(f"{location.file}:{location.line}:{location.column}: {text}")
@@ -37,7 +37,7 @@ class UnsupportedError(Exception):
 
 
 class LocalNames:
-    """Names for locals, parameters and helpers of one scope; a taken name gets underscores."""
+    """Unique names for locals, parameters and helpers of a scope: a taken name gets underscores."""
 
     def __init__(self, taken: Iterable[str] = ()) -> None:
         self._taken = set(taken)
@@ -50,13 +50,13 @@ class LocalNames:
 
 
 def wrapped(line: str, width: int) -> list[str]:
-    """A line of a comment in lines of at most `width` characters, but for words that are longer,
-    as addresses are."""
+    """A line of a comment, wrapped to `width` characters. Longer words, such as URLs, are not
+    split."""
     return textwrap.wrap(line, width, break_long_words=False, break_on_hyphens=False) or [""]
 
 
 def doc_lines(facts: Facts, note: str = "") -> tuple[str, ...]:
-    """The author's comment, then unit and range in brackets, then since and deprecation."""
+    """Documentation: the author's comment, then `note` in brackets, then @since and @deprecated."""
     lines: list[str] = []
     for line in without_marks(facts.doc).strip().splitlines():
         lines += wrapped(line.strip(), 88)
@@ -74,7 +74,7 @@ def doc_lines(facts: Facts, note: str = "") -> tuple[str, ...]:
 
 
 def value_note(unit: str | None, limits: Range | None, bound: int | None = None) -> str:
-    """ "m, 0.01 to 1.0": what a reader must know of a number and its type does not say."""
+    """Unit, range and largest size of a value for documentation, such as "m, 0.01 to 1.0"."""
     parts = [unit] if unit else []
     if limits is not None:
         parts.append(range_words(limits))
@@ -92,7 +92,7 @@ def range_words(limits: Range) -> str:
 
 
 def range_text(limits: Range) -> str:
-    """The range as messages show it: "[0.01, 1.0]"."""
+    """A range as messages show it: "[0.01, 1.0]"."""
     lower = "-inf" if limits.minimum is None else str(limits.minimum)
     upper = "inf" if limits.maximum is None else str(limits.maximum)
     return f"[{lower}, {upper}]"
@@ -116,7 +116,7 @@ def snake_case(name: str) -> str:
 
 
 def has_output(model: Model, path: str) -> bool:
-    """Files of annotations alone give nothing in any language."""
+    """Whether code is generated for the file `path`: not if it only declares annotations."""
     file = next(f for f in model.files if f.path == path)
     printed = any(not isinstance(d, AnnotationDeclaration) for d in file.declarations)
     return printed or bool(file.includes)

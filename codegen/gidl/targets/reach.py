@@ -1,4 +1,4 @@
-"""Which types can hold which: recursion is data, and decoders bound its depth."""
+"""Finds which types can contain which. Types may be recursive: decoders limit the depth."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from gidl.model import (
 
 
 def type_reaches(model: Model, start: str, goal: str) -> bool:
-    """Whether a value of type `start` can hold one of type `goal` inside."""
+    """Whether a value of type `start` can contain a value of type `goal`."""
     open_names, seen = _direct(model, start), set[str]()
     while open_names:
         name = open_names.pop()
@@ -43,7 +43,7 @@ def _direct(model: Model, name: str) -> set[str]:
 
 
 def named_types(used: Type) -> set[str]:
-    """Names of the declarations that a type is written with."""
+    """Names of the declarations that appear in the text of a type."""
     match used:
         case NamedType(name):
             return {name}

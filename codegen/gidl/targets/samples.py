@@ -1,4 +1,4 @@
-"""Which value a mock answers with, the same in every language."""
+"""Chooses the values that a generated mock server returns, equal in all languages."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from gidl.wire_nodes import (
 
 
 def number(kind: Primitive, limits: Range | None) -> int | float:
-    """The middle of the range; if one side is open, the number nearest to 0."""
+    """The middle of the range `limits`; if one side is open, the number in it nearest to 0."""
     if limits is None:
         return 0 if kind.is_integer else 0.0
     low, high = limits.minimum, limits.maximum
@@ -38,8 +38,8 @@ def number(kind: Primitive, limits: Range | None) -> int | float:
 
 
 def is_made_by_default(model: Model, node: Node, alone: bool) -> bool:
-    """Whether the default value of a member is the value to answer with. A value that stands
-    `alone` has no initial value of its own: an enumerator is then 0."""
+    """Whether a default-constructed value is already the value that a mock returns. A value that
+    is `alone`, not a member, has no declared default: an enum is then 0."""
     match node:
         case ScalarNode(kind, limits):
             return not kind.is_number or number(kind, limits) == 0
@@ -63,10 +63,10 @@ def is_made_by_default(model: Model, node: Node, alone: bool) -> bool:
 
 
 def arm_of(union: Union) -> UnionCase:
-    """The first arm that a label selects, else the default arm."""
+    """The first arm of the union that a label selects, else the default arm."""
     return next((case for case in union.cases if case.labels), union.cases[0])
 
 
 def nanoseconds(rate_hz: float | None) -> int:
-    """Between two samples of a stream; a second where no rate is declared."""
+    """The time between two samples of a stream; one second if no rate is declared."""
     return round(1e9 / rate_hz) if rate_hz else 1_000_000_000

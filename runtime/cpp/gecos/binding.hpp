@@ -7,30 +7,30 @@
 #include "gecos/base/ids.hpp"
 #include "gecos/lab.hpp"
 
-/// What bindings of other languages and the broker's own program need beside the headers that users
-/// include.
+/// Functions for language bindings and the broker program, in addition to the public headers.
 namespace gecos::session {
 
-/// This life of this process: drawn at random at first use. A forked child has one of its own.
+/// The incarnation of this process: a random number, drawn at first use. A forked child draws its
+/// own.
 IncarnationId process_incarnation();
 
-/// The lab's session with its broker, opened when there is none; else what was tried. `lab` holds
-/// a core.
+/// The session of `lab` with its broker, opened when there is none; on failure, what was tried.
+/// @pre `lab` holds a value.
 tl::expected<std::shared_ptr<ClientSession>, std::string> broker_session(const LabOrWhyNot& lab,
                                                                          TimePoint deadline);
 
 struct BrokerPlace {
   std::string address;
-  IncarnationId incarnation{};  ///< of the process that answers there
+  IncarnationId incarnation{};  ///< of the broker's process
 };
-/// The brokers that answer at the places where programs of this host may look for one. Waits at
-/// most `patience` at each. `lab` holds a core.
+/// The brokers that answer at the addresses where programs of this host may look for a broker.
+/// Waits at most `patience` at each address. @pre `lab` holds a value.
 std::vector<BrokerPlace> find_brokers(const LabOrWhyNot& lab, Duration patience);
 
 class HandlerHere;
 
-/// While it lives, the handler that runs on this thread, if one does, waits for `command` without a
-/// bound.
+/// Records, while this object lives, that the handler on this thread waits for `command` without a
+/// time-out. Does nothing when no handler runs on this thread.
 class WaitsHere {
  public:
   explicit WaitsHere(const CommandCore& command);

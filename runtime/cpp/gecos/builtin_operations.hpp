@@ -8,16 +8,16 @@
 #include "gecos/object.hpp"
 #include "gecos/object_types.hpp"  // generated from idl/gecos/object.gidl
 
-/// Built-in operations of every object. They are free functions, so their names cannot clash.
+/// The built-in operations of every object, as free functions: an interface may use the same names.
 namespace gecos {
 
-/// Status of one object that this session holds. Ends when it is destroyed, which is `release()`,
-/// when it is released, or when it is lost. Move-only.
+/// Actor or master status of one object, held by this session. A lease ends when it is released or
+/// lost; its destructor calls `release()`. Move-only.
 ///
-/// Once a release has returned the server knows of it: others may have the status, as soon as what
-/// was issued under it has ended. It waits for the server's word, at most a second. What is issued
-/// afterwards without another lease is DENIED: one that is destroyed at once, before anything was
-/// issued under it, says so in the log.
+/// A release waits for the server's reply, at most a second. After that other clients may get the
+/// status, as soon as the commands issued under it have ended. Commands issued later without
+/// another lease are DENIED. A lease that is destroyed at once, before any command was issued under
+/// it, logs a warning.
 class [[nodiscard("keep the lease: the status is given back when it is destroyed")]] Lease {
  public:
   Lease(std::shared_ptr<session::ClientSession> session, Grant grant);
@@ -27,11 +27,11 @@ class [[nodiscard("keep the lease: the status is given back when it is destroyed
 
   Status status() const { return grant_.status; }
   std::uint64_t epoch() const { return grant_.epoch; }
-  /// Gives it back; queued and running commands still finish.
+  /// Releases the status; queued and running commands still finish.
   void release();
-  /// Gives it back and stops what is queued and running under it.
+  /// Releases the status and stops the commands that are queued and running under it.
   void release_now();
-  /// Nothing was issued since it was acquired, which was less than 100 ms ago.
+  /// True when the lease was acquired less than 100 ms ago and no call was issued since.
   bool fresh() const;
 
  private:
@@ -39,23 +39,24 @@ class [[nodiscard("keep the lease: the status is given back when it is destroyed
 
   std::shared_ptr<session::ClientSession> session_;
   Grant grant_;
-  std::uint64_t held_;    ///< what the session calls it
-  std::uint64_t issued_;  ///< calls of the session until then
+  std::uint64_t held_;    ///< result of ClientSession::lease_acquired
+  std::uint64_t issued_;  ///< calls that the session had issued before the lease was acquired
   TimePoint since_;
 };
 
-/// Why status was not given.
+/// Why the server refused actor or master status.
 struct LeaseRefusal {
   Failure failure;
-  std::vector<Holder> holders;  ///< each holder, since when and until when
+  std::vector<Holder> holders;  ///< each present holder, since when and until when
 };
 std::ostream& operator<<(std::ostream& out, const LeaseRefusal& refusal);
 
-/// Actor status: commands that move or change the device. `password` lets others who know it join.
+/// Acquires actor status, which allows commands that move or change the device. Clients that pass
+/// the same `password` share the status.
 [[nodiscard(
     "keep the lease: the status is given back when it is destroyed")]] Checked<Lease, LeaseRefusal>
 actor(const Object& object, std::string password = {});
-/// Master status: as actor, and other clients' calls are refused.
+/// Acquires master status: like actor status, and the calls of other clients are refused.
 [[nodiscard(
     "keep the lease: the status is given back when it is destroyed")]] Checked<Lease, LeaseRefusal>
 master(const Object& object, std::string password = {});
@@ -69,15 +70,16 @@ Command<std::vector<Holder>> holders(const Object& object);
 /// The outcome of a command, or its present state.
 struct Outcome {
   Detail detail = Detail::OutcomeUnknown;
-  std::string text;  ///< why, when it is not Done
+  std::string text;  ///< the reason, unless `detail` is Done
   State state() const { return project(detail); }
 };
 std::ostream& operator<<(std::ostream& out, const Outcome& outcome);
 
-/// What became of an actor command whose own outcome is OUTCOME_UNKNOWN, through a new proxy. The
-/// command's state stays what it is. NotStarted is a promise: what has not arrived by now never
-/// starts. Sent: it has not arrived and may still start; ask again. OutcomeUnknown: the server was
-/// started anew since, or keeps it no more (it keeps the last 1024 of each object).
+/// Asks, through a new proxy, for the outcome of an actor command that ended as OUTCOME_UNKNOWN.
+/// The state of that command does not change. NotStarted is a promise: the command has not arrived
+/// and never starts. Sent: the command has not arrived and may still start; ask again.
+/// OutcomeUnknown: the server was restarted since, or no longer keeps the outcome (it keeps the
+/// last 1024 of each object).
 Command<Outcome> outcome(const Object& object, const CommandId& id);
 
 }  // namespace gecos

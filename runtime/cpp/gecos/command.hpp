@@ -18,7 +18,8 @@
 
 namespace gecos {
 
-/// The paper's four states. Exactly one of the last three is reached, and then it never changes.
+/// The four states of a command, as in the paper (docs/paper-map.md). Every command reaches exactly
+/// one of the last three, which is final.
 enum class State : std::uint8_t {
   Running,
   Finished,
@@ -28,7 +29,7 @@ enum class State : std::uint8_t {
 std::string_view to_string(State state);  ///< "RUNNING", as in the paper
 std::ostream& operator<<(std::ostream& out, State state);
 
-/// The finer state, which projects onto one of the four.
+/// The detailed state of a command; `project` maps it onto one of the four states.
 enum class Detail : std::uint8_t {
   // RUNNING
   Sent,
@@ -65,15 +66,15 @@ std::string_view to_string(Detail detail);  ///< "SERVER_CRASHED"
 std::optional<Detail> detail_from(std::uint8_t number);
 std::ostream& operator<<(std::ostream& out, Detail detail);
 
-/// Why a command did not finish, with its evidence.
+/// Why a command did not finish, with the declared exception if the handler raised one.
 struct Failure {
   Detail detail = Detail::Fault;
   std::string text;       ///< what, where, what to do
   std::string exception;  ///< scoped name of the declared exception when detail is Fault
-  Bytes evidence;         ///< that exception, encoded
+  Bytes evidence;         ///< the declared exception, encoded
 
   State state() const { return project(detail); }
-  /// The declared exception E, when that is what was raised.
+  /// The declared exception, when the handler raised one of type E.
   template <wire::GeneralContents E>
   std::optional<E> as() const {
     if (exception != E::type_name()) return std::nullopt;
@@ -83,12 +84,12 @@ struct Failure {
 };
 std::ostream& operator<<(std::ostream& out, const Failure& failure);
 
-/// Which command it is, to ask for its outcome later, also from another program. All zero: it was
-/// never sent.
+/// Identifies a command, so that any program can ask for its outcome later. All zero: the command
+/// was never sent.
 struct CommandId {
-  std::uint64_t incarnation = 0;  ///< the server's process
-  std::uint64_t session = 0;      ///< random: who knows it may ask
-  std::uint64_t counter = 0;      ///< in that session
+  std::uint64_t incarnation = 0;  ///< incarnation of the server's process
+  std::uint64_t session = 0;      ///< random; a client that knows it may ask for the outcome
+  std::uint64_t counter = 0;      ///< number of the call in the session
 
   friend bool operator==(const CommandId&, const CommandId&) = default;
 };
@@ -96,59 +97,60 @@ std::string to_string(const CommandId& id);  ///< three hexadecimal numbers, "01
 std::optional<CommandId> command_id_from(std::string_view text);
 std::ostream& operator<<(std::ostream& out, const CommandId& id);
 
-/// Where a command stands, all read at one instant.
+/// The progress of a command; all members were read at the same instant.
 struct Progress {
   Detail detail = Detail::Sent;
-  std::uint32_t position = 0;  ///< commands before it, while Queued
-  double fraction = 0;         ///< 0 to 1, as the server last said
+  std::uint32_t position = 0;  ///< number of commands before this one, while Queued
+  double fraction = 0;         ///< 0 to 1, as last reported by the server
 };
 
 namespace session {
 
-/// A command without its types: what caller and session share. Thread-safe. Dropping it detaches;
-/// it never cancels.
+/// A command without its result type, shared by caller and session. Thread-safe. Dropping a
+/// CommandCore never cancels: its command runs on.
 class CommandCore {
  public:
   virtual ~CommandCore() = default;
   virtual CommandId id() const = 0;
   virtual Progress progress() const = 0;
-  /// Latest feedback, encoded; empty when none has come.
+  /// Latest feedback, encoded; empty when none has arrived.
   virtual Bytes feedback() const = 0;
-  /// Waits until it is terminal or `deadline`; true when terminal. Never hangs: every command ends
-  /// within its bound, whatever dies.
+  /// Waits until the command is terminal or `deadline` has passed; true when terminal. Never hangs:
+  /// every command ends in bounded time, whichever process dies.
   virtual bool wait_until(TimePoint deadline) = 0;
-  /// Asks the server to stop it. The state tells whether that came in time.
+  /// Asks the server to cancel the command. The final state tells whether the request was in time.
   virtual void cancel() = 0;
-  /// Valid once terminal: the encoded result, when Done. Stays valid for the core's life.
+  /// The encoded result of a command that is Done. Call it only when the command is terminal; the
+  /// view is valid as long as this object.
   virtual ByteView result() const = 0;
-  /// Valid once terminal and not Done.
+  /// Why the command failed. Call it only when the command is terminal and not Done.
   virtual const Failure& failure() const = 0;
-  /// Descriptor that becomes readable when the command is terminal; the core owns it.
+  /// Descriptor that becomes readable when the command is terminal; this object owns it.
   virtual int descriptor() = 0;
-  /// Runs `then` once the command is terminal: at once when it is, else on the lab's thread of
-  /// callbacks, even when the command was dropped. An exception of `then` is logged and goes no
-  /// further.
+  /// Calls `then` once the command is terminal: immediately when it is terminal already, else on
+  /// the lab's callback thread, even when the command was dropped. An exception that `then` throws
+  /// is logged and not propagated.
   virtual void when_ended(std::function<void()> then) = 0;
-  /// The called operation, "RX90.move". Valid while it runs, and after a failure that no caller had
-  /// asked before.
+  /// The called operation, "RX90.move". Valid while the command runs, and after a failure that no
+  /// caller had observed.
   virtual std::string about() const { return {}; }
 
-  /// Marks its outcome as observed, or as of no interest: its failure is not logged.
+  /// Marks the outcome as observed, or as of no interest: a failure is then not logged.
   void observe() { observed_.store(true, std::memory_order_relaxed); }
   bool observed() const { return observed_.load(std::memory_order_relaxed); }
 
  private:
-  std::atomic<bool> observed_{false};  // publishes nothing but itself
+  std::atomic<bool> observed_{false};  // orders no other memory: relaxed is enough
 };
 
-/// `co_await command`: resumes on the lab's thread of callbacks with what `get()` gives.
+/// `co_await command`: resumes on the lab's callback thread with the result of `get()`.
 template <class Command>
 class CommandAwaiter {
  public:
   explicit CommandAwaiter(Command command) : command_(std::move(command)) {}
   bool await_ready() const { return command_.wait_for(Duration{}) != State::Running; }
   void await_suspend(std::coroutine_handle<> waits) const {
-    // The awaiter may be gone before this returns: the coroutine owns it.
+    // The coroutine owns this awaiter and may destroy it before await_suspend returns.
     const auto core = command_.core();
     core->observe();
     core->when_ended([waits] { waits.resume(); });
@@ -163,7 +165,7 @@ class CommandAwaiter {
 template <class Feedback>
 class AnyCommand {
  public:
-  /// For `gecos::outcome`, when the connection was lost.
+  /// The argument for `gecos::outcome` after the connection was lost.
   CommandId id() const { return core_->id(); }
   State state() const& { return project(progress().detail); }
   State state() && = delete;
@@ -173,7 +175,7 @@ class AnyCommand {
   }
   Progress progress() && = delete;
 
-  /// Latest feedback, when some has come.
+  /// Latest feedback; nothing when none has arrived.
   std::optional<Feedback> feedback() const requires(!std::is_void_v<Feedback>) {
     core_->observe();
     const Bytes bytes = core_->feedback();
@@ -184,17 +186,18 @@ class AnyCommand {
 
   /// Waits until the command is terminal.
   State wait() const { return wait_until(TimePoint::max()); }
-  /// Waits at most `patience`; Running when that was not enough.
+  /// Waits at most `patience`; Running when the command has not ended by then.
   State wait_for(Duration patience) const { return wait_until(deadline_after(patience)); }
-  /// Asks the server to stop it. The state tells whether that came in time.
+  /// Asks the server to cancel the command. The final state tells whether the request was in time.
   void cancel() const {
     core_->observe();
     core_->cancel();
   }
-  /// Declares that its outcome is of no interest: its failure is not logged.
+  /// Declares that the outcome is of no interest: a failure is then not logged.
   void detach() const { core_->observe(); }
 
-  /// Readable once the command is terminal, for poll and its like. The command owns it.
+  /// A descriptor for poll, select or epoll, readable once the command is terminal. The command
+  /// owns it.
   int descriptor() const {
     core_->observe();
     return core_->descriptor();
@@ -203,7 +206,7 @@ class AnyCommand {
 
  protected:
   explicit AnyCommand(std::shared_ptr<CommandCore> core) : core_(std::move(core)) {}
-  /// Waits; why there is no result, if there is none.
+  /// Waits until the command is terminal; returns its failure unless it finished.
   tl::expected<void, Failure> ended() const {
     if (wait() != State::Finished) return tl::unexpected(core_->failure());
     return {};
@@ -226,13 +229,13 @@ class AnyCommand {
 
 }  // namespace session
 
-/// A call that was issued. T is its result, Feedback what it reports while it runs.
+/// An issued call. T is the type of its result, Feedback the type that it reports while it runs.
 ///
-/// The call is on its way when you have this; nothing waits until you ask. Dropping it lets it run;
-/// the failure of a command whose outcome no caller observed is logged, once for each operation of
-/// an object and way to fail. `while (robot.move(x).state() == State::Running)` does not compile:
-/// each turn would issue a new command. Keep the command: `auto move = robot.move(x); while
-/// (move.state() == State::Running)`.
+/// The method of the proxy issues the call and returns at once; only `wait`, `wait_for` and `get`
+/// block. Dropping the Command lets the call run on. A failure that no caller observed is logged,
+/// once for each operation of an object and kind of failure. `while (robot.move(x).state() ==
+/// State::Running)` does not compile: each iteration would issue a new command. Keep the command:
+/// `auto move = robot.move(x); while (move.state() == State::Running)`.
 template <class T, class Feedback = void>
 class [[nodiscard]] Command : public session::AnyCommand<Feedback> {
  public:
@@ -241,7 +244,7 @@ class [[nodiscard]] Command : public session::AnyCommand<Feedback> {
   Command(std::shared_ptr<session::CommandCore> core, Decode decode)
       : session::AnyCommand<Feedback>(std::move(core)), decode_(decode) {}
 
-  /// Waits, then gives the result or why there is none.
+  /// Waits until the command is terminal, then returns its result or its failure.
   tl::expected<T, Failure> get() const {
     if (auto ended = this->ended(); !ended) return tl::unexpected(std::move(ended.error()));
     wire::Decoder from(this->core()->result());
@@ -253,8 +256,9 @@ class [[nodiscard]] Command : public session::AnyCommand<Feedback> {
     return value;
   }
 
-  /// Calls `callback` with what `get()` gives, once the command is terminal: at once when it is,
-  /// else on the lab's thread of callbacks, one after another. It may block, and issue commands.
+  /// Calls `callback` with the result of `get()` once the command is terminal: immediately when it
+  /// is terminal already, else on the lab's callback thread, one callback after another. A callback
+  /// may block and issue commands.
   template <class Callback>
   void then(Callback callback) const {
     this->call_once_ended(*this, std::move(callback));
@@ -265,7 +269,7 @@ class [[nodiscard]] Command : public session::AnyCommand<Feedback> {
   Decode decode_;
 };
 
-/// A call without result. The same promises.
+/// A call of an operation without a result; otherwise like Command<T>.
 template <class Feedback>
 class [[nodiscard]] Command<void, Feedback> : public session::AnyCommand<Feedback> {
  public:

@@ -22,19 +22,19 @@ struct OperationDescription {
   std::string_view name{};  ///< "move", "tool", "tool=" for a setter
   std::uint64_t hash = 0;
   OperationKind kind = OperationKind::Operation;
-  access::Status status = access::Status::Actor;  ///< what the caller needs
-  bool safety = false;      ///< overtakes every queue, never refused for status
-  bool presence = true;     ///< needs somebody in the laboratory
+  access::Status status = access::Status::Actor;  ///< the status that the caller needs
+  bool safety = false;      ///< bypasses the queues; never refused for lack of status
+  bool presence = true;     ///< needs a person in the laboratory
   bool idempotent = false;  ///< may be sent again in a new session
   bool cancelable = false;  ///< long-running: runs on the object's worker, has progress
   bool parallel = false;    ///< may run beside other actor commands of the object
-  bool ordered = false;     ///< sensor operation that keeps its place among its caller's commands
+  bool ordered = false;     ///< sensor operation that starts in order with its caller's commands
   OnNew on_new = OnNew::Queue;
   OnLoss on_loss = OnLoss::Stop;
   qos::Quality quality{};
 };
 
-/// For generated tables: `rest` names what differs from the defaults.
+/// For generated tables: `rest` contains the members that differ from their defaults.
 constexpr OperationDescription operation(std::uint32_t code, std::string_view name,
                                          std::uint64_t hash, OperationDescription rest = {}) {
   rest.code = FunctionCode{code};
@@ -43,7 +43,7 @@ constexpr OperationDescription operation(std::uint32_t code, std::string_view na
   return rest;
 }
 
-/// The same for a readable attribute, which needs sensor status alone and may be read again.
+/// Like `operation`, for the getter of an attribute: it needs only sensor status and is idempotent.
 constexpr OperationDescription getter(std::uint32_t code, std::string_view name, std::uint64_t hash,
                                       OperationDescription rest = {}) {
   rest.kind = OperationKind::Getter;
@@ -53,7 +53,7 @@ constexpr OperationDescription getter(std::uint32_t code, std::string_view name,
   return operation(code, name, hash, rest);
 }
 
-/// An outward stream; its one-shot getter is the operation with the same code.
+/// A stream that the server publishes; the operation with the same code reads its attribute once.
 struct StreamDescription {
   FunctionCode code{};
   std::string_view name{};
@@ -63,25 +63,25 @@ struct StreamDescription {
   qos::Quality quality{};
 };
 
-/// Stamp of a sample that is measured as it is published.
+/// Time stamp for a sample that is measured at the moment of its publication.
 inline constexpr std::int64_t measured_now = std::numeric_limits<std::int64_t>::min();
 
 struct InterfaceDescription {
   std::string_view name{};  ///< "robcl::Rx90"
   std::string_view version{};
   std::uint64_t hash = 0;
-  std::span<const std::string_view> bases{};  ///< every interface it also is
-  /// Direct bases, whose operations and streams it has too.
+  std::span<const std::string_view> bases{};  ///< scoped names of all direct and indirect bases
+  /// The direct bases, whose operations and streams this interface inherits.
   std::span<const InterfaceDescription* const> inherits{};
   std::span<const OperationDescription>
       operations{};  ///< operations that are not inherited, sorted by code
-  std::span<const StreamDescription> streams{};  ///< likewise
+  std::span<const StreamDescription> streams{};  ///< streams that are not inherited, sorted by code
   qos::Quality quality{};
 
-  /// Its own or an inherited one; null when it has none of this code.
+  /// The own or inherited operation (stream) with this code; null when there is none.
   const OperationDescription* find(FunctionCode code) const;
   const StreamDescription* find_stream(FunctionCode code) const;
-  /// Its own and all inherited ones, each once, sorted by code.
+  /// All own and inherited operations (streams), each once, sorted by code.
   std::vector<const OperationDescription*> all_operations() const;
   std::vector<const StreamDescription*> all_streams() const;
   bool is_a(std::string_view interface_name) const;

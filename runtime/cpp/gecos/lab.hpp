@@ -27,21 +27,22 @@ struct LabOptions {
   Duration grace = std::chrono::seconds(1);  ///< how long a lost peer may stay UNREACHABLE
   Duration lease_ttl = std::chrono::milliseconds(500);  ///< silence that ends a session
   Duration heartbeat = std::chrono::milliseconds(100);
-  /// What is used in place of a medium when it is opened; null: the medium itself. A double that
-  /// loses packets (gecos/media/testing/faulty.hpp), say.
+  /// Wraps each medium when it is opened, for example in a test double that loses packets
+  /// (gecos/media/testing/faulty.hpp). Null: no wrapper.
   std::function<std::unique_ptr<media::Medium>(std::unique_ptr<media::Medium>)> wrap_medium{};
 };
 
 struct CreateOptions {
-  /// The medium to use; `create` fails when this one is impossible although others exist.
+  /// The medium to use; `create` fails when this medium is not available, even if others are.
+  /// Nothing: the best available one.
   std::optional<media::Kind> medium{};
   /// Longest wait for an answer of the broker and of the server.
   Duration patience = std::chrono::seconds(2);
-  /// Life of the server process that is meant, as in an ObjectRef; 0: whichever it has now.
+  /// Required incarnation of the server process, as in an ObjectRef; 0: any.
   std::uint64_t incarnation = 0;
 };
 
-/// Why `create` gave nothing: a reason per name that was tried.
+/// Why `create` failed: a reason for each name that was tried.
 struct CreateError {
   struct Attempt {
     std::string name;
@@ -55,20 +56,21 @@ std::ostream& operator<<(std::ostream& out, const CreateError& error);
 
 namespace session {
 class Context;
-/// An opened session and what had to be passed over to get it.
+/// An opened session, and why the names before it in the list were skipped.
 struct Created {
   std::shared_ptr<ClientSession> session;
   CreateError passed_over;
 };
-/// Why a Lab stands on nothing.
+/// Why a Lab could not be set up.
 struct NoLab {
   std::string text;
-  /// What this process has no more of; nothing where its environment asks for what there is none
-  /// of.
+  /// The system error when this process has no thread or descriptor left; nothing when an
+  /// environment variable is invalid.
   std::optional<std::system_error> missing{};
 };
 using LabOrWhyNot = tl::expected<std::shared_ptr<Context>, NoLab>;
-/// "this process has nothing left for a Lab: eventfd (see `ulimit -n` …): Too many open files".
+/// The error text when a resource is missing: "this process has nothing left for a Lab: eventfd
+/// (see `ulimit -n` …): Too many open files".
 std::string nothing_left(std::string_view what_for, const std::system_error& why);
 tl::expected<Created, CreateError> create(const LabOrWhyNot& lab,
                                           const InterfaceDescription& wanted,
@@ -76,11 +78,11 @@ tl::expected<Created, CreateError> create(const LabOrWhyNot& lab,
                                           const CreateOptions& options);
 }  // namespace session
 
-/// The laboratory as this process sees it: finds objects and connects to them. Thread-safe.
-/// A process may have several; each has its own connection to a broker.
+/// The laboratory as this process sees it: finds objects and connects to them. Thread-safe. A
+/// process may have several Labs; each has its own connection to a broker.
 ///
-/// Making one does not fail: where this process has no thread or descriptor left for it, or
-/// GECOS_LOG names no level, `create` and a Server's `add` give that as their reason.
+/// The constructor does not fail: when this process has no thread or descriptor left, or GECOS_LOG
+/// is not a log level, `create` and `Server::add` fail with that reason.
 class Lab {
  public:
   explicit Lab(LabOptions options = {});
@@ -88,18 +90,18 @@ class Lab {
   Lab(const Lab&) = delete;
   Lab& operator=(const Lab&) = delete;
 
-  /// Says goodbye to every object, although proxies, leases or streams are still alive: leases are
-  /// given back, what has arrived under them still finishes, calls that wait and readers of streams
-  /// end, and what is called afterwards is CONNECTION_FAILED. `create` gives nothing any more.
-  /// Servers of this lab go on. Takes at most about a second, and .2 s more for each server over
-  /// lcm that does not answer; more than once does nothing.
+  /// Ends the sessions with all objects, even while proxies, leases or streams exist: leases are
+  /// released, commands that have arrived under them still finish, waiting calls and stream readers
+  /// end, and later calls are CONNECTION_FAILED. From then on `create` fails. Servers of this lab
+  /// continue. Takes at most about a second, plus 0.2 s for each server over lcm that does not
+  /// answer. A second call does nothing.
   ///
-  /// The destructor does none of this: a proxy keeps what it stands on, and its session ends with
-  /// it.
+  /// The destructor ends no session: a proxy keeps the parts of the lab that it needs, and its
+  /// session ends with the last copy of the proxy.
   void close();
 
-  /// The first of `names` that is online and of the right type. A result that is used unchecked
-  /// ends the program with the text of its CreateError.
+  /// A proxy for the first object of `names` that is online and has the interface of Proxy. Using a
+  /// failed result without a check ends the program with the text of the CreateError.
   template <class Proxy>
   Checked<Proxy, CreateError> create(const std::vector<std::string>& names,
                                      CreateOptions options = {}) {
@@ -107,8 +109,8 @@ class Lab {
     if (!created) return tl::unexpected(std::move(created.error()));
     return Proxy(std::move(created->session));
   }
-  /// Names written in place, `create<Manipulator>({"RX90", "SIM"})`: two literals in braces would
-  /// also make one std::string.
+  /// For names in braces, `create<Manipulator>({"RX90", "SIM"})`: without this overload two
+  /// literals in braces could also construct a single std::string.
   template <class Proxy>
   Checked<Proxy, CreateError> create(std::initializer_list<const char*> names,
                                      CreateOptions options = {}) {
@@ -118,8 +120,8 @@ class Lab {
   Checked<Proxy, CreateError> create(std::string name, CreateOptions options = {}) {
     return create<Proxy>(std::vector<std::string>{std::move(name)}, options);
   }
-  /// The object that is meant, as long as it is served by the process that the reference speaks of:
-  /// one that was started since may have another state. A nil reference is refused.
+  /// A proxy for the referenced object. Fails when the server process of the reference no longer
+  /// serves the object: a restarted server may have another state. A nil reference is refused.
   template <class Proxy>
   Checked<Proxy, CreateError> create(const ObjectRef& reference, CreateOptions options = {}) {
     if (reference.boot != 0) options.incarnation = reference.boot;

@@ -17,11 +17,11 @@
 
 namespace gecos {
 
-/// How calls through one copy of a proxy are made.
+/// Options for the calls through one copy of a proxy.
 struct CallOptions {
-  /// Time from sending to completion. The server knows it and ends the call when it is over.
-  /// Nothing: the operation's own `@qos(deadline=…)`, or none. Zero or less, as `end - now` is when
-  /// time is over: the call is not sent and ends EXPIRED.
+  /// Longest time from sending to completion. The server receives it and ends the call when it has
+  /// passed. Nothing: the `@qos(deadline=…)` of the operation, if it has one. Zero or less, such as
+  /// `end - now` after `end`: the call is not sent and ends EXPIRED.
   std::optional<Duration> deadline{};
 };
 
@@ -31,39 +31,43 @@ namespace session {
 class ClientSession {
  public:
   virtual ~ClientSession() = default;
-  /// Issues a call whose arguments take `size` bytes. Never blocks and never fails: what goes wrong
-  /// is in the command.
+  /// Issues a call whose arguments take `size` bytes. Never blocks and never fails: the returned
+  /// command reports errors.
   virtual std::shared_ptr<CommandCore> call(const OperationDescription& operation, std::size_t size,
                                             FunctionRef<void(wire::Encoder&)> encode,
                                             const CallOptions& options) = 0;
-  /// Opens an outward stream.
+  /// Subscribes to a stream of the object.
   virtual tl::expected<std::shared_ptr<StreamCore>, Failure> subscribe(
       const StreamDescription& stream) = 0;
-  /// Interface that the object really has (the proxy's own or one derived from it).
+  /// Scoped name of the object's actual interface: the proxy's own or one derived from it.
   virtual const std::string& interface_name() const = 0;
   virtual const std::string& object_name() const = 0;
   virtual const media::Offer& offer() const = 0;
-  /// The reference by which others find the object; nil for a proxy that was never created.
+  /// The reference by which other programs find the object; nil for a proxy that `create` did not
+  /// make.
   virtual ObjectRef reference() const = 0;
-  /// A lease was acquired: commands are issued under its epoch from now on. Gives what
-  /// `lease_released` wants.
+  /// Tells the session that a lease was acquired: from now on it issues commands under `epoch`.
+  /// Returns the argument for `lease_released`.
   virtual std::uint64_t lease_acquired(std::uint64_t epoch) = 0;
-  /// That lease is given back. After the last one of a status, commands are issued under none.
+  /// Tells the session that a lease was released. After the last lease of a status the session
+  /// issues commands without an epoch.
   virtual void lease_released(std::uint64_t held) = 0;
-  /// Calls that were sent so far.
+  /// Number of calls that were issued so far.
   virtual std::uint64_t issued() = 0;
 };
 
-/// Stands in for a proxy that was never created: every call is CONNECTION_FAILED/NO_SERVER.
+/// The session of a proxy that `create` did not make: every call is CONNECTION_FAILED/NO_SERVER.
 const std::shared_ptr<ClientSession>& nil_session();
 
-/// The session of a proxy whose lab was closed: as `nil_session`, in the name of the one it `was`.
+/// The session of a proxy whose lab was closed: like `nil_session`, but with the names of `was`,
+/// the session before.
 std::shared_ptr<ClientSession> closed_session(const ClientSession& was);
 
-/// A command that ended before anything was sent.
+/// A command that failed before anything was sent.
 std::shared_ptr<CommandCore> ended(Failure failure);
 
-/// A call whose parameters must not be sent: the command of such a call, BAD_PARAMETER.
+/// Converts to the command of a call with invalid parameters: the call is not sent and ends
+/// BAD_PARAMETER.
 class Refused {
  public:
   explicit Refused(std::string why);
@@ -72,7 +76,7 @@ class Refused {
     if constexpr (std::is_void_v<T>) {
       return Command<T, Feedback>(core_);
     } else {
-      return Command<T, Feedback>(core_, nullptr);  // it has no result to decode
+      return Command<T, Feedback>(core_, nullptr);  // a refused call has no result
     }
   }
 
@@ -83,14 +87,14 @@ class Refused {
 }  // namespace session
 
 /// The base of every generated proxy: a copyable handle to a session with an object. Copies share
-/// the session. It has no public member of its own, so an interface may use any name; what every
-/// object answers is reached by the free functions of `gecos/builtin_operations.hpp`.
+/// the session. This class has no public members, so an interface may use any name. The built-in
+/// operations are the free functions of `gecos/builtin_operations.hpp`.
 class Object {
  protected:
   Object() : gecos_session_(session::nil_session()) {}
   explicit Object(std::shared_ptr<session::ClientSession> gecos_session)
       : gecos_session_(std::move(gecos_session)) {}
-  // Copied, never moved: as a virtual base it would be moved once per path that leads to it.
+  // Copied, never moved: a virtual base would be moved from once for each path that leads to it.
   Object(const Object&) = default;
   Object& operator=(const Object&) = default;
 
@@ -107,7 +111,7 @@ class Object {
   const {
     return Command<T, Feedback>(gecos_session_->call(operation, size, encode, gecos_options_));
   }
-  /// The same without arguments.
+  /// Like the overloads above, for an operation without arguments.
   template <class T, class Feedback = void>
   requires(!std::is_void_v<T>) Command<T, Feedback> gecos_call(
       const OperationDescription& operation, bool (*decode)(wire::Decoder&, T&))
@@ -140,11 +144,11 @@ inline const std::shared_ptr<session::ClientSession>& session_of(const Object& o
   return object.gecos_session_;
 }
 
-/// The object as a value: what operations take and give where an interface is the type of a
-/// parameter or result. `Lab::create` makes a proxy of it again, in any process of the laboratory.
+/// A reference to the object, which operations pass when the type of a parameter or result is an
+/// interface. `Lab::create` makes a proxy from it in any process of the laboratory.
 inline ObjectRef reference(const Object& object) { return session_of(object)->reference(); }
 
-/// The same object, called with other options: `gecos::with(robot, {.deadline = 2s}).move(goal)`.
+/// A copy of `proxy` with other call options: `gecos::with(robot, {.deadline = 2s}).move(goal)`.
 template <class Proxy>
 Proxy with(Proxy proxy, CallOptions options) {
   static_cast<Object&>(proxy).gecos_options_ = options;

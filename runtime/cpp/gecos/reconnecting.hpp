@@ -1,6 +1,6 @@
 #pragma once
 
-/// Proxies and streams of programs that outlive the servers they use.
+/// Proxies and streams for programs that run longer than the servers that they use.
 #include <chrono>
 #include <functional>
 #include <optional>
@@ -15,13 +15,13 @@ namespace gecos {
 
 struct ReconnectOptions {
   CreateOptions create{};                                   ///< options of each attempt
-  Duration between_tries = std::chrono::milliseconds(500);  ///< from the end of one that failed
-  /// A stream that has given nothing for so long is opened again, through a new proxy.
+  Duration between_tries = std::chrono::milliseconds(500);  ///< from the end of a failed attempt
+  /// A stream without a new sample for this long is opened again, through a new proxy.
   Duration silence = std::chrono::seconds(1);
 };
 
 /// A proxy that is created when it is first needed, and again after its server was lost. The object
-/// need not be online before. Thread-safe; `lab` must outlive it.
+/// need not be online yet. Thread-safe; `lab` must outlive this object.
 template <class Proxy>
 class Reconnecting {
  public:
@@ -30,8 +30,9 @@ class Reconnecting {
 
   const std::string& name() const { return name_; }
 
-  /// The proxy. Where there is none it is created, which takes `create.patience` at most; for
-  /// `between_tries` after that failed its reason is given at once. Other threads wait meanwhile.
+  /// The proxy; created when there is none, which takes `create.patience` at most, while other
+  /// threads wait. For `between_tries` after a failed attempt the reason of that failure is
+  /// returned at once.
   tl::expected<Proxy, std::string> get() {
     const MutexLock lock(mutex_);
     if (proxy_) return *proxy_;
@@ -43,9 +44,9 @@ class Reconnecting {
     return tl::unexpected(problem_);
   }
 
-  /// What `call` gives, which issues a command through the proxy that it is passed and waits for
-  /// it. The proxy is dropped when the server was lost; the call is repeated once, through a new
-  /// one, when it is proved that it did not start (CONNECTION_FAILED).
+  /// Returns the result of `call`, which issues a command through the given proxy and waits for it.
+  /// The proxy is dropped when the server was lost. When the command provably did not start
+  /// (CONNECTION_FAILED), `call` is repeated once, through a new proxy.
   template <class Call>
   std::invoke_result_t<Call&, const Proxy&> call(Call call) {
     auto result = call_once(call);
@@ -53,7 +54,8 @@ class Reconnecting {
     return call_once(call);
   }
 
-  /// The next `get` creates a new proxy, unless that was done since `lost` was given.
+  /// Drops the proxy `lost`, so that the next `get` creates a new one. Does nothing when `lost` was
+  /// replaced already.
   void drop(const Proxy& lost) {
     const MutexLock lock(mutex_);
     if (proxy_ && session_of(*proxy_) == session_of(lost)) proxy_.reset();
@@ -82,12 +84,12 @@ class Reconnecting {
   TimePoint next_try_ GECOS_GUARDED_BY(mutex_){};
 };
 
-/// A stream that is opened again, through a new proxy, when it is lost or silent. One thread calls
-/// `tick`; any thread reads. `lab` must outlive it.
+/// A stream that is opened again, through a new proxy, when it is lost or silent. Only one thread
+/// may call `tick`; any thread may read. `lab` must outlive this object.
 template <class Proxy, class T>
 class ReconnectingStream {
  public:
-  /// `[](const Manipulator& arm) { return arm.flange(gecos::stream); }`
+  /// Opens the stream: `[](const Manipulator& arm) { return arm.flange(gecos::stream); }`
   using Open = std::function<tl::expected<Stream<T>, Failure>(const Proxy&)>;
 
   ReconnectingStream(Lab& lab, std::string name, Open open, ReconnectOptions options = {})
@@ -95,17 +97,17 @@ class ReconnectingStream {
         name_(std::move(name)),
         open_(std::move(open)),
         options_(std::move(options)),
-        problem_("'" + name_ + "' was not heard yet") {}
+        problem_("'" + name_ + "' sent no sample yet") {}
 
   const std::string& name() const { return name_; }
 
-  /// Opens it, or opens it again, where that is needed. Call it now and then: it returns at once
-  /// while samples come, else within `create.patience` and the second that a stream may take.
+  /// Opens the stream when it is not open, is lost or is silent. Call this periodically: it returns
+  /// at once while samples arrive, else within `create.patience` plus a second to open the stream.
   void tick() {
     {
       const MutexLock lock(mutex_);
       if (std::chrono::steady_clock::now() < next_try_ || alive()) return;
-      if (stream_) problem_ = "'" + name_ + "' is silent";
+      if (stream_) problem_ = "'" + name_ + "' no longer sends samples";
       stream_.reset();
       proxy_.reset();
     }
@@ -122,17 +124,18 @@ class ReconnectingStream {
     proxy_ = std::move(*created);
   }
 
-  /// The newest sample; why there is none, where the newest is older than `silence`. Never waits.
+  /// The newest sample, or the reason when there is none or it is older than `silence`. Never
+  /// waits.
   tl::expected<Sample<T>, std::string> latest() {
     const MutexLock lock(mutex_);
     if (!stream_) return tl::unexpected(problem_);
     auto sample = stream_->latest();
     if (sample && sample->age <= options_.silence) return *std::move(sample);
-    if (!sample && !stream_->lost()) return tl::unexpected("'" + name_ + "' was not heard yet");
-    return tl::unexpected("'" + name_ + "' is silent");
+    if (!sample && !stream_->lost()) return tl::unexpected("'" + name_ + "' sent no sample yet");
+    return tl::unexpected("'" + name_ + "' no longer sends samples");
   }
 
-  /// The proxy that the stream was opened through; nothing while there is no stream.
+  /// The proxy through which the stream was opened; nothing while there is no stream.
   std::optional<Proxy> proxy() const {
     const MutexLock lock(mutex_);
     return proxy_;

@@ -11,7 +11,7 @@
 namespace gecos {
 namespace {
 
-/// The name of a type as one writes it.
+/// The demangled name of a type.
 std::string readable(const char* mangled) {
   int problem = 0;
   const std::unique_ptr<char, decltype(&std::free)> name(
@@ -27,7 +27,8 @@ Failure undeclared(std::string_view operation, const std::string& what, const st
           {}};
 }
 
-/// Hands `use` what `encode` writes, from the stack unless it is more than `usual` bytes.
+/// Passes the bytes that `encode` writes to `use`. They lie on the stack, or on the heap when
+/// `size` exceeds `usual`.
 template <std::size_t usual, class Use>
 void with_encoded(std::size_t size, FunctionRef<void(wire::Encoder&)> encode, Use use) {
   std::byte buffer[usual];

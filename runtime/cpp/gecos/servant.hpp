@@ -31,8 +31,8 @@ struct Caller {
 /// Why a handler gives no result: a declared exception, or one of the reasons below.
 class Fault {
  public:
-  /// A declared exception of the operation: `return tl::unexpected(OutOfReach{"…"});` Where its
-  /// members are out of their ranges the caller gets that as the text of a plain FAULT.
+  /// A declared exception of the operation: `return tl::unexpected(OutOfReach{"…"});` When a member
+  /// is out of its range, the caller gets a FAULT with that text instead.
   template <wire::GeneralContents E>
   requires requires {
     { E::type_name() } -> std::convertible_to<std::string_view>;
@@ -40,16 +40,17 @@ class Fault {
   Fault(const E& exception)  // NOLINT(google-explicit-constructor)
       : failure_(failure_of(exception)) {}
 
-  /// The command was refused as it stands; `why` says what to do.
+  /// The handler refuses the command; `why` says what the caller should do.
   static Fault rejected(std::string why) {
     return Fault({Detail::Rejected, std::move(why), {}, {}});
   }
   static Fault bad_parameter(std::string why) {
     return Fault({Detail::BadParameter, std::move(why), {}, {}});
   }
-  /// Something failed that no declared exception names.
+  /// A failure for which the operation declares no exception.
   static Fault failed(std::string why) { return Fault({Detail::Fault, std::move(why), {}, {}}); }
-  /// The handler ended early because it was asked to; the session knows why (cancel, stop, loss).
+  /// The handler ended early because it was interrupted; the session knows the reason (cancel,
+  /// stop, loss).
   static Fault interrupted() { return Fault({Detail::Canceled, "canceled", {}, {}}); }
 
   const Failure& failure() const { return failure_; }
@@ -64,7 +65,7 @@ class Fault {
     return {Detail::Fault, describe(exception), std::string(E::type_name()),
             wire::to_bytes(exception)};
   }
-  /// With its members, for a caller that only prints what went wrong.
+  /// The exception with its members, for a caller that only prints the failure.
   template <class E>
   static std::string describe(const E& exception) {
     if constexpr (requires(std::ostringstream out) { out << exception; }) {
@@ -72,7 +73,7 @@ class Fault {
       out << exception;
       return std::move(out).str();
     } else {
-      return "the handler raised it";
+      return "the handler raised this exception";
     }
   }
   Failure failure_;
@@ -91,24 +92,26 @@ class CallCore {
   virtual const OperationDescription& operation() const = 0;
   virtual ByteView arguments() const = 0;
   virtual const Caller& caller() const = 0;
-  /// The handler should end soon: canceled, stopped, lease lost, deadline passed, server closing.
+  /// True when the handler should end soon: canceled, stopped, lease lost, deadline passed, server
+  /// closing.
   virtual bool interrupted() const = 0;
   /// Sleeps until interrupted() or `deadline`; true when interrupted.
   virtual bool wait_interrupted_until(TimePoint deadline) = 0;
-  /// False: its handler must not begin any more.
+  /// Called directly before the handler runs. False: the handler must not run any more.
   virtual bool begin() { return true; }
-  /// When its start was marked; nothing before.
+  /// When the server marked this call as started; nothing before.
   virtual std::optional<TimePoint> marked_at() const { return std::nullopt; }
   virtual void progress(double fraction, ByteView feedback) = 0;
-  /// The first of finish and fail counts; a later one is ignored.
+  /// Only the first call of `finish` or `fail` counts; later ones are ignored.
   virtual void finish(ByteView result) = 0;
   virtual void fail(Failure failure) = 0;
 };
 
 }  // namespace session
 
-/// A call that reached its object. Move-only; it is answered now or later, on any thread. Dropped
-/// without an answer it fails as FAULT "the handler gave no answer".
+/// A call that arrived at its object. Move-only; a servant answers it now or later, on any thread.
+/// A call that is destroyed without an answer fails as FAULT "the handler of 'move' gave no
+/// answer".
 class IncomingCall {
  public:
   explicit IncomingCall(std::shared_ptr<session::CallCore> core) : core_(std::move(core)) {}
@@ -124,25 +127,27 @@ class IncomingCall {
     return core_->wait_interrupted_until(deadline);
   }
   void progress(double fraction, ByteView feedback) { core_->progress(fraction, feedback); }
-  /// For servants that queue calls: directly before the handler runs. False: the call ended while
-  /// it was queued, or its caller gave it up; drop it unanswered.
+  /// For servants that queue calls: call this directly before the handler runs. False: the call
+  /// ended while it was queued, or its caller withdrew it; drop the call without an answer.
   [[nodiscard]] bool begin() { return core_->begin(); }
-  /// When the server marked it as started, directly before its handler begins; by CLOCK_BOOTTIME
-  /// (Clock::since_boot), at most a tick of the kernel (10 ms) too early. Nothing before begin(),
-  /// where the servant calls that.
+  /// When the server marked this call as started, directly before the handler begins: a time of
+  /// CLOCK_BOOTTIME (Clock::since_boot), at most a kernel tick (10 ms) too early. Nothing before
+  /// begin(), if the servant calls begin().
   std::optional<TimePoint> marked_at() const { return core_->marked_at(); }
 
   void finish(ByteView result) { std::exchange(core_, nullptr)->finish(result); }
   void fail(Failure failure) { std::exchange(core_, nullptr)->fail(std::move(failure)); }
-  /// As `fault` says. An exception that is none of `declared` is named as undeclared.
+  /// Fails the call as `fault` says. An exception that is not in `declared` becomes a FAULT that
+  /// names it as undeclared.
   void fail(const Fault& fault, std::initializer_list<std::string_view> declared);
-  /// In a catch block: as what was thrown, which no operation declares.
+  /// Call this in a catch block: fails the call as FAULT with the type and text of the thrown
+  /// exception.
   void fail_as_thrown();
 
   /// For generated skeletons: sizes, encodes and sends the result of a handler.
   void finish(std::size_t size, FunctionRef<void(wire::Encoder&)> encode);
-  /// As `result` says, with what `give` makes of its value. `handler` is the scoped name of the
-  /// operation. Always true: the call is answered.
+  /// Answers with `result`; `give` encodes and sends its value. `handler` is the scoped name of the
+  /// operation. Always returns true.
   template <class T, class Give>
   bool answer(std::string_view handler, const Result<T>& result,
               std::initializer_list<std::string_view> declared, Give give) {
@@ -155,7 +160,7 @@ class IncomingCall {
     }
     return true;
   }
-  /// The value alone: a number, or what encodes itself.
+  /// Answers with the encoded value of `result`, which is a number or encodes itself.
   template <class T>
   bool answer(std::string_view handler, const Result<T>& result,
               std::initializer_list<std::string_view> declared) {
@@ -163,7 +168,7 @@ class IncomingCall {
       finish(wire::plain_size(value), [&](wire::Encoder& to) { wire::put_plain(to, value); });
     });
   }
-  /// The value in a block of its own, as appendable types travel.
+  /// Answers with the value in a block (length, then fields), as appendable types are encoded.
   template <class T>
   bool answer_block(std::string_view handler, const Result<T>& result,
                     std::initializer_list<std::string_view> declared) {
@@ -173,9 +178,10 @@ class IncomingCall {
     });
   }
   bool answer(const Result<void>& result, std::initializer_list<std::string_view> declared);
-  /// Its arguments do not decode: BAD_PARAMETER. Always true.
+  /// Fails the call as BAD_PARAMETER, because its arguments do not decode. Always returns true.
   bool refuse(const wire::DecodeError& why);
-  /// The handler of `operation`, which is its scoped name, gave what must not be sent: FAULT.
+  /// Fails the call as FAULT, because the handler returned an invalid value. `operation` is its
+  /// scoped name.
   void fail_result(std::string_view operation, const std::string& why);
 
  private:
@@ -193,8 +199,8 @@ class Execution {
   bool wait_interrupted(Duration time) const {
     return call_.wait_interrupted_until(deadline_after(time));
   }
-  /// Tells the caller how far it is, 0 to 1. Only the latest is kept: call it as often as you like.
-  /// Feedback whose members are out of their ranges is not sent; the log says so.
+  /// Reports the completed fraction, 0 to 1, to the caller. Only the latest report is kept: call it
+  /// as often as you like. Feedback with a member out of its range is logged and not sent.
   void progress(double fraction) requires(std::is_void_v<Feedback>) {
     call_.progress(fraction, {});
   }
@@ -214,18 +220,18 @@ class Execution {
 
 namespace session {
 
-/// Where a servant's streams go; given to it when it is added to a server.
+/// Sends the samples of a servant's streams. The servant gets it when it is added to a server.
 class Publisher {
  public:
   virtual ~Publisher() = default;
-  /// `stamp_ns`: when it was measured, Unix time in ns, or `measured_now`.
+  /// `stamp_ns`: when the sample was measured, Unix time in ns, or `measured_now`.
   virtual void publish(const StreamDescription& stream, ByteView sample, std::int64_t stamp_ns) = 0;
 };
 
 }  // namespace session
 
-/// An object's implementation: generated skeletons derive from this, users from the skeleton.
-/// Handlers of one servant run one lane at a time unless it was added as thread-safe.
+/// An object's implementation: generated skeletons derive from this, users from the skeleton. The
+/// handlers of a servant run one at a time, unless it was added as thread-safe.
 class Servant {
  public:
   virtual ~Servant() = default;
@@ -234,14 +240,16 @@ class Servant {
   Servant& operator=(const Servant&) = delete;
 
   virtual const InterfaceDescription& gecos_interface() const = 0;
-  /// Decodes, runs the handler, answers. Turns what a handler throws into FAULT with its text. What
-  /// an override lets out is logged, and its call ends as FAULT without a text.
+  /// Decodes the arguments, runs the handler and answers. An exception from the handler becomes a
+  /// FAULT with its text. An exception from an override is logged, and the call ends as FAULT
+  /// without that text.
   virtual void gecos_dispatch(IncomingCall call);
 
-  /// True: gecos_dispatch() only queues, and IncomingCall::begin() is called before each handler.
+  /// True when gecos_dispatch() only queues calls; the servant must then call IncomingCall::begin()
+  /// before each handler.
   virtual bool gecos_begins_calls() const { return false; }
 
-  /// Whether the handlers of both run on one thread; for servants that queue calls.
+  /// For servants that queue calls: whether the handlers of both operations run on one thread.
   virtual bool gecos_share_thread(const OperationDescription& one,
                                   const OperationDescription& other) const {
     static_cast<void>(one);
@@ -249,8 +257,8 @@ class Servant {
     return false;
   }
 
-  /// A session in which calls came (Caller::session) has ended. On a thread of the server, beside
-  /// handlers: must not block.
+  /// Called when a session that sent calls (Caller::session) has ended. Runs on a thread of the
+  /// server, concurrently with handlers; must not block.
   virtual void gecos_session_ended(std::uint64_t session) { static_cast<void>(session); }
 
   void gecos_attach(std::shared_ptr<session::Publisher> publisher) {
@@ -259,15 +267,15 @@ class Servant {
 
  protected:
   /// For generated skeletons: answers a call of an own or inherited operation. False when the
-  /// interface has none of that code.
+  /// interface has no operation with that code.
   virtual bool gecos_answer(IncomingCall& call) {
     static_cast<void>(call);
     return false;
   }
-  /// For generated skeletons: sends a sample of `size` bytes to where the servant's streams go.
+  /// For generated skeletons: publishes a sample of `size` bytes.
   void gecos_publish(const StreamDescription& outward, std::size_t size,
                      FunctionRef<void(wire::Encoder&)> encode, std::int64_t stamp_ns);
-  /// The same for a number, or what encodes itself. `name` is the stream's scoped name.
+  /// Publishes a number, or a value that encodes itself. `name` is the stream's scoped name.
   template <class T>
   void gecos_publish(const StreamDescription& outward, std::string_view name, const T& value,
                      std::int64_t stamp_ns) {
@@ -276,7 +284,7 @@ class Servant {
         outward, wire::plain_size(value), [&](wire::Encoder& to) { wire::put_plain(to, value); },
         stamp_ns);
   }
-  /// The same for a value that travels in a block of its own.
+  /// Publishes a value in a block (length, then fields), as appendable types are encoded.
   template <class T>
   void gecos_publish_block(const StreamDescription& outward, std::string_view name, const T& value,
                            std::int64_t stamp_ns) {
@@ -292,7 +300,7 @@ class Servant {
     if (!wrong.empty()) gecos_not_published(name, wrong);
     return wrong.empty();
   }
-  /// A sample of the stream of this scoped name must not be sent.
+  /// Logs why a sample was not published. `name` is the stream's scoped name.
   static void gecos_not_published(std::string_view name, const std::string& why);
 
   /// Null until the servant was added to a server.

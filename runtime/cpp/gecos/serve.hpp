@@ -9,7 +9,7 @@
 
 namespace gecos {
 
-/// One object of `serve`.
+/// An object for `serve`.
 struct Serving {
   std::string name;
   Servant& servant;
@@ -17,22 +17,24 @@ struct Serving {
 };
 
 struct ServeOptions {
-  /// Begins what is said on stderr: "robcl-rx90: …". Empty: nothing does.
+  /// Prefix of the lines on stderr: "robcl-rx90: …". Empty: no prefix.
   std::string program{};
   /// The line on stdout once all objects are served. Empty: "serving RX90, GRIPPER".
   std::string ready{};
-  /// Called once all objects are served, before the line that says so. What it gives is kept until
-  /// the signal, and destroyed before the objects are withdrawn: the threads that publish, say.
+  /// Called once all objects are served, before the `ready` line is printed. Its return value, for
+  /// example the publishing threads, is kept until the signal and destroyed before the objects are
+  /// withdrawn.
   std::function<std::shared_ptr<void>()> started{};
 };
 
-/// Serves objects until SIGINT or SIGTERM; the last line of a `main`, whose exit status it gives.
+/// Serves objects until SIGINT or SIGTERM. Use it as the last line of `main`: it returns the exit
+/// status.
 ///
-/// The signals are its own from the beginning, so that none ends the program without a goodbye; the
-/// next one, while the objects are withdrawn, ends the program even when a handler hangs. Waits for
-/// a broker that is starting (`ObjectOptions::patience`) and prints one line once a client can
-/// reach all objects. Why one is not served, or what was thrown, of whatever type, is one line on
-/// stderr and the status 1.
+/// It handles both signals from the beginning, so that no signal ends the program without a
+/// goodbye. A second signal, while the objects are withdrawn, ends the program even when a handler
+/// hangs. Waits for a broker that is starting (`ObjectOptions::patience`) and prints one line once
+/// clients can reach all objects. When an object cannot be served, or an exception of any type is
+/// thrown, it prints one line on stderr and returns 1.
 int serve(Lab& lab, const std::vector<Serving>& objects, const ServeOptions& options = {});
 
 }  // namespace gecos

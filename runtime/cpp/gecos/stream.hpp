@@ -12,7 +12,7 @@
 
 namespace gecos {
 
-/// Tag of the subscribing overload of an outward stream: `robot.tool(gecos::stream)`.
+/// Tag that selects the subscribing overload of an attribute: `robot.tool(gecos::stream)`.
 struct StreamTag {};
 inline constexpr StreamTag stream{};
 
@@ -21,43 +21,46 @@ template <class T>
 struct Sample {
   T value{};
   std::uint64_t sequence = 0;  ///< rises by one per published sample
-  std::uint64_t lost = 0;  ///< samples between the last one read and this one that were not read
-  double stamp = 0;  ///< for people: when it was measured, Unix time in s by the server's clock
-  Duration age{};  ///< since it was measured, at reading; no clock that is set changes it. Exact on
-                   ///< one host; between hosts at least that, and at most a round trip more
+  std::uint64_t lost = 0;      ///< unread samples between the previously read sample and this one
+  double stamp = 0;  ///< when the value was measured: Unix time in s of the server, for display
+  Duration age{};    ///< time since measurement, taken at reading; no clock setting affects it.
+                     ///< Exact on one host; between hosts too large by at most a round trip
 };
 
-/// Why a stream gives nothing more.
+/// Why Stream::next() gave no sample.
 enum class StreamEnd : std::uint8_t {
   Nothing,  ///< no new sample that decodes within the patience given; the stream goes on
-  Lost,     ///< as Stream::lost(), and what had come before is read
+  Lost,     ///< the stream is lost(), and all samples that had arrived were read
 };
 std::string_view to_string(StreamEnd end);
 
 namespace session {
 
 struct RawSample : media::StreamSample {
-  TimePoint measured{};  ///< by our CLOCK_BOOTTIME; between hosts not later than it was
+  TimePoint measured{};  ///< by the reader's CLOCK_BOOTTIME; between hosts maybe too early
 };
 
-/// A subscription without its type.
+/// A subscription without the type of its samples.
 class StreamCore {
  public:
   virtual ~StreamCore() = default;  ///< unsubscribes
-  /// False before the first sample, and when the stream is lost.
+  /// Stores the newest sample in `into`. False before the first sample, and when the stream is
+  /// lost.
   virtual bool latest(RawSample& into) = 0;
-  /// What had come before a loss is still given, but nothing after the Lab was closed.
+  /// Waits for the next unread sample. After a loss the samples that had arrived before are still
+  /// given; after the Lab was closed, none are.
   virtual tl::expected<void, StreamEnd> next(RawSample& into, TimePoint deadline) = 0;
   virtual bool lost() const = 0;
-  /// Since it was measured; never negative.
+  /// Time since the sample was measured; never negative.
   virtual Duration age(const RawSample& sample) const = 0;
 };
 
 }  // namespace session
 
-/// A subscription to an outward stream. One thread reads at a time. Ends with its last copy.
-/// A slow reader loses old samples and gets their number; it never slows the writer. A sample that
-/// does not decode is passed over: it counts as lost (once one was read), and as `unreadable`.
+/// A subscription to a stream. Only one thread may read at a time. The subscription ends with its
+/// last copy. A slow reader loses old samples and gets their number; it never slows the writer. A
+/// sample that does not decode is skipped: it counts as `unreadable` and, after the first sample
+/// that was read, as lost.
 template <class T>
 class Stream {
  public:
@@ -65,16 +68,16 @@ class Stream {
   Stream(std::shared_ptr<session::StreamCore> core, Decode decode)
       : core_(std::move(core)), decode_(decode) {}
 
-  /// The newest sample, again if need be; nothing before the first, while the newest does not
-  /// decode, and once the stream is lost(). A server that is gone is noticed within a heartbeat
-  /// where the kernel reports it, else only after its silence has lasted `grace`: until then look
-  /// at `age`. Never waits.
+  /// The newest sample, even if it was read before. Nothing before the first sample, while the
+  /// newest one does not decode, and once the stream is lost(). The death of a server is detected
+  /// within a heartbeat where the kernel reports it, else after a silence of `grace`; until then
+  /// check `age`. Never waits.
   std::optional<Sample<T>> latest() {
     if (!core_->latest(raw_)) return std::nullopt;
     return decoded();
   }
-  /// The next unread sample, waiting for it at most `patience`. It is old when you read more slowly
-  /// than the server publishes; for what is true now, ask `latest()`.
+  /// The next unread sample, waiting for it at most `patience`. The sample is old when you read
+  /// more slowly than the server publishes; for the present value call `latest()`.
   tl::expected<Sample<T>, StreamEnd> next(Duration patience) {
     const TimePoint deadline = deadline_after(patience);
     for (;;) {
@@ -83,11 +86,12 @@ class Stream {
       if (std::chrono::steady_clock::now() >= deadline) return tl::unexpected(StreamEnd::Nothing);
     }
   }
-  /// The server is gone, silent or has closed the session, or the Lab was closed: latest() gives
-  /// nothing any more, next() what had come before, but nothing of a Lab that was closed.
+  /// True when the server is gone, silent or has closed the session, or the Lab was closed. Then
+  /// latest() gives nothing, and next() gives only the samples that had arrived before; none after
+  /// the Lab was closed.
   bool lost() const { return core_->lost(); }
-  /// How many samples came that do not decode. Their server is broken: one that means another type
-  /// is refused when the stream is opened.
+  /// Number of samples that did not decode. Their server is defective: a server with another sample
+  /// type is refused when the stream is opened.
   std::uint64_t unreadable() const { return unreadable_; }
 
  private:

@@ -6,7 +6,7 @@
         move = robot.move(goal)
         move.result()
 
-Names are loaded when they are first used: `gecos.wire` and generated types need no extension.
+Names are imported at first use: `gecos.wire` and generated types work without the C++ extension.
 """
 
 from __future__ import annotations

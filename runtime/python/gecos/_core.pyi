@@ -1,4 +1,4 @@
-"""The C++ runtime at the byte seam: untyped names that `gecos` gives their types."""
+"""The C++ runtime, with values as encoded bytes. The modules of `gecos` add the types."""
 
 from collections.abc import Sequence
 from typing import Literal
@@ -15,9 +15,9 @@ class Lab:
         patience: float,
         incarnation: int,
     ) -> Session | list[tuple[str, int, str]]:
-        """A session, or name, detail and reason of each attempt."""
+        """Returns a session, or the name, detail and reason of each failed attempt."""
     def broker(self, interface: Interface, patience: float) -> Session | str:
-        """The lab's own session with its broker, or why there is none."""
+        """Returns the lab's own session with its broker, or the reason why there is none."""
     def close(self) -> None: ...
 
 class Session:
@@ -30,7 +30,7 @@ class Session:
     def reference(self) -> tuple[str, int, int, str]:
         """The members of an ObjectRef."""
     def call(self, code: int, arguments: bytes, deadline: float | None) -> Command:
-        """An operation of the object's interface, or one that every object answers."""
+        """Calls an operation of the object's interface or a built-in operation."""
     def subscribe(self, code: int) -> Stream | tuple[int, str]: ...
     def outcome(self, command: str) -> Command: ...
     def acquire(self, status: int, password: str) -> Lease | tuple[int, str, str, bytes]: ...
@@ -39,23 +39,23 @@ class Session:
 class Command:
     def id(self) -> str: ...
     def about(self) -> str:
-        """The called operation, "RX90.move", after a failure that no caller had asked for."""
+        """The called operation, "RX90.move", after a failure that no caller had observed."""
     def observe(self) -> None:
-        """Marks its outcome as observed, or as of no interest: its failure is not logged."""
+        """Marks the command as observed: its failure is not logged."""
     def peek(self) -> tuple[int, int, float]:
-        """As progress(), but does not count as asking."""
+        """Like progress(), but does not mark the command as observed."""
     def progress(self) -> tuple[int, int, float]: ...
     def feedback(self) -> bytes: ...
     def wait(self, timeout: float | None) -> bool: ...
     def cancel(self) -> None: ...
     def answer(self, timeout: float | None) -> bytes | int:
-        """Waits; the encoded result, or the detail that there is instead of one."""
+        """Waits. Returns the encoded result, or the detail if there is no result."""
     def failure(self) -> tuple[int, str, str, bytes]: ...
     def descriptor(self) -> int: ...
 
 class Stream:
-    # The sample, its number, its stamp in Unix ns, and when it was measured in ns of our
-    # CLOCK_BOOTTIME.
+    # The encoded sample, its sequence number, its time stamp (Unix ns), and its time of measurement
+    # (ns of this host's CLOCK_BOOTTIME).
     def latest(self) -> tuple[bytes, int, int, int] | str | None: ...
     def next(self, timeout: float | None) -> tuple[bytes, int, int, int] | str: ...
     def close(self) -> None: ...
@@ -66,14 +66,14 @@ class Lease:
     @property
     def epoch(self) -> int: ...
     def fresh(self) -> bool:
-        """Nothing was issued since it was acquired, less than 100 ms ago."""
+        """Whether the lease was acquired less than 100 ms ago and no call was issued since."""
     def release(self) -> None: ...
     def release_now(self) -> None: ...
 
 class PulledServant:
     def next(self, lane: int) -> IncomingCall | Literal["stopped"] | None:
-        """The next call of a lane (0 safety, 1 short sensor operations, 2 the FIFO), "stopped" (of
-        lane 0) when somebody stopped the object, or None: it is closed. Waits without end."""
+        """Waits without limit for the next task of a lane (0 safety, 1 sensor, 2 FIFO): a call,
+        "stopped" (lane 0 only) if a client stopped the object, or None if the lane is closed."""
     def publish(self, code: int, sample: bytes, stamp_ns: int | None) -> None: ...
 
 class IncomingCall:
@@ -93,22 +93,22 @@ class IncomingCall:
 class Server:
     def __init__(self, lab: Lab) -> None: ...
     def await_broker(self, patience: float) -> str | None:
-        """None once a broker answers; where it was looked for when none did for `patience`."""
+        """Returns None once a broker answers, or after `patience` s the reason and the address."""
     def prepare(self, interface: Interface) -> PulledServant:
-        """The users whose clients may be served."""
+        """Makes a servant for `add`, whose calls Python threads pull."""
     def add(
         self, prepared: PulledServant, name: str, simulated: bool, media: Sequence[str]
     ) -> str | None:
-        """Serves what was prepared here; else says why it cannot be."""
+        """Serves a prepared servant. Returns None, or the reason why it is not served."""
     def forget(self, prepared: PulledServant) -> None:
-        """Ends the lanes of what was prepared and is not to be served."""
+        """Ends the lanes of a prepared servant that will not be served."""
     def close(self) -> None: ...
 
 def warn_of_other_brokers() -> None:
-    """Looks for brokers of other processes that programs of this host may reach."""
+    """Warns of brokers in other processes that programs on this host may reach."""
 
 class Broker:
-    """A broker in this process, at this host's well-known place."""
+    """A broker in this process, at this host's well-known address."""
 
     def __init__(self, lab: Lab) -> None: ...
     def close(self) -> None: ...

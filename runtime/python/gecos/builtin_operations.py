@@ -1,4 +1,4 @@
-"""Built-in operations of every object. They are functions, so their names cannot clash."""
+"""The built-in operations of every object, as functions: an interface may use the same names."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def stop(robot: Object) -> Command[None]:
 
 
 def ping(robot: Object) -> Command[None]:
-    """Finishes when the object's session has answered."""
+    """Checks that the object's server answers: the command finishes with the answer."""
     return _answers_of(robot).ping()
 
 
@@ -49,12 +49,13 @@ class Outcome:
 
 
 def outcome(robot: Object, command: str) -> Command[Outcome]:
-    """Asks for the outcome of an actor command, by its id, that ended here as OUTCOME_UNKNOWN.
+    """Asks the server for the outcome of an actor command that ended here as OUTCOME_UNKNOWN.
 
-    Call it with a new proxy; the state of the command itself never changes. NOT_STARTED is a
-    promise: the command has not arrived and will never start. SENT: it has not arrived and may
-    still start; ask again. OUTCOME_UNKNOWN: the server has restarted since, or no longer keeps the
-    outcome (it keeps the last 1024 of each object). Raises ValueError if `command` is not an id.
+    `robot` must be a new proxy, `command` is the command's id. The state of the command itself does
+    not change. NOT_STARTED guarantees that the command has not arrived and will never start. SENT:
+    the command has not arrived and may still start; ask again. OUTCOME_UNKNOWN: the server has
+    restarted since, or no longer keeps the outcome (it keeps the last 1024 outcomes of each
+    object). Raises ValueError if `command` is not an id.
     """
     from gecos_idl.object import _GECOS_OBJECT_OUTCOME
 
@@ -69,7 +70,7 @@ def outcome(robot: Object, command: str) -> Command[Outcome]:
 
 
 def _answers_of(robot: Object) -> GecosObject:
-    """A proxy of the object with the built-in interface that every object has."""
+    """A proxy of the object with the interface of the built-in operations."""
     from gecos_idl.object import GecosObject
 
     return GecosObject(robot._gecos_session)

@@ -1,4 +1,4 @@
-"""Callbacks at the end of a command: they run one by one on a Python thread of their own."""
+"""Callbacks at the end of a command: they run one by one on a dedicated Python thread."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ from gecos.shutdown import begin_thread
 
 
 class Ending(Protocol):
-    """The owner of a descriptor that becomes readable when the command is terminal."""
+    """The owner of a descriptor that becomes readable when a command is terminal."""
 
     def fileno(self) -> int: ...
 
 
 class _Awaited(NamedTuple):
-    ending: Ending  # keeps the descriptor
-    descriptor: int  # a duplicate: several callbacks may wait for one command
+    ending: Ending  # kept alive, because it owns the original descriptor
+    descriptor: int  # a duplicate, because several callbacks may wait for one command
     callback: Callable[[], object]
 
 
 class _Watch:
-    """A thread that sleeps on all descriptors at once. It ends with the program.
+    """A daemon thread that waits for the descriptors of all commands with callbacks.
 
     A signal handler or a `__del__` may call `add` while `add` is running on the same thread. So
     `add` must not wait for a lock: the interrupted call would never release it.
@@ -38,19 +38,19 @@ class _Watch:
     def __init__(self) -> None:
         self._new: deque[_Awaited] = deque()
         self._here, self._there = socket.socketpair()
-        self._there.setblocking(False)  # a callback on the reading thread may fill the socket
+        self._there.setblocking(False)  # else a send in a callback may block the reader
         self._runs = False
         self._taken = threading.Lock()  # held by the one thread that runs callbacks
 
     def add(self, ending: Ending, callback: Callable[[], object]) -> None:
         self._new.append(_Awaited(ending, os.dup(ending.fileno()), callback))
-        with contextlib.suppress(BlockingIOError):  # the thread has wake-ups pending
+        with contextlib.suppress(BlockingIOError):  # socket full: the thread wakes up anyway
             self._there.send(b"!")
         if not self._runs:
             begin_thread("gecos-callbacks", self._begin)
 
     def _begin(self) -> None:
-        """Runs the callbacks, unless another thread started at the same time already does."""
+        """Runs the callbacks, unless a thread that was started at the same time runs them."""
         self._runs = True
         if self._taken.acquire(blocking=False):
             self._run()
@@ -75,7 +75,7 @@ class _Watch:
             selector.register(awaited.descriptor, selectors.EVENT_READ, awaited)
 
     def close(self) -> None:
-        """Closes an instance that was never used."""
+        """Closes the sockets of a watch that was never used."""
         self._here.close()
         self._there.close()
 
@@ -89,11 +89,12 @@ def call(callback: Callable[[], object]) -> None:
         log.error("command", f"a callback of a command failed\n{traceback.format_exc()}")
 
 
-_watches: dict[str, _Watch] = {}  # at most one entry, made at first use
+_watches: dict[str, _Watch] = {}  # at most one watch, created at first use
 
 
 def when_ended(ending: Ending, callback: Callable[[], object]) -> None:
-    """Calls `callback` once `ending` is readable. Also for signal handlers and `__del__`."""
+    """Calls `callback` once the descriptor of `ending` is readable. Signal handlers and `__del__`
+    may call `when_ended`."""
     _watch().add(ending, callback)
 
 
@@ -102,7 +103,7 @@ def _watch() -> _Watch:
     if known is None:
         new = _Watch()
         known = _watches.setdefault("", new)
-        if known is not new:  # another thread was faster
+        if known is not new:  # another thread has created the watch meanwhile
             new.close()
     return known
 

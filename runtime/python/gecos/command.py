@@ -1,4 +1,4 @@
-"""A call that was issued: ask its state, wait for it, await it, cancel it."""
+"""Commands: calls that were issued and can be queried, waited for, awaited and canceled."""
 
 from __future__ import annotations
 
@@ -40,16 +40,16 @@ class Progress:
     """A consistent snapshot of a command's progress."""
 
     detail: Detail
-    position: int  # commands before it, while QUEUED
-    fraction: float  # 0 to 1, as the server last said
+    position: int  # number of commands ahead in the queue, while QUEUED
+    fraction: float  # 0 to 1, as the server last reported
 
 
 class Command(Generic[T, F]):
-    """An issued call. T is the type of its result, F of the feedback it reports while it runs.
+    """An issued call. T is the type of its result, F the type of the feedback of the handler.
 
-    Nothing blocks until you wait for the command. A dropped command keeps running. Dropping one
-    that was never observed warns, once per operation, if it has failed or is still running. A
-    failure after that is written to the log.
+    Issuing a call never blocks; only waiting does. A dropped command keeps running. Dropping a
+    command that was never observed warns, once per operation, if the command has failed or is still
+    running. Failures after the warning are written to the log.
     """
 
     __slots__ = ("__weakref__", "_core", "_method")
@@ -65,13 +65,13 @@ class Command(Generic[T, F]):
 
     @property
     def state(self) -> State:
-        """RUNNING, or the one of the three terminal states that the command has reached."""
+        """RUNNING, or the terminal state that the command has reached."""
         self._observe()
         return _STATES[self._core.progress()[0]]
 
     @property
     def id(self) -> str:
-        """The id for `gecos.outcome` after a lost connection: three hexadecimal numbers.
+        """The command's id, for `gecos.outcome` after a lost connection: three hexadecimal numbers.
 
         Any program that knows the id may ask for the outcome of the command.
         """
@@ -83,8 +83,8 @@ class Command(Generic[T, F]):
         return Progress(Detail(detail), position, fraction)
 
     def feedback(self) -> F | None:
-        """The latest feedback of the running command; None before the first feedback, or if it
-        does not decode."""
+        """The latest feedback of the running command; None before the first feedback, or if the
+        latest feedback does not decode."""
         self._observe()
         decode = self._method.feedback
         raw = self._core.feedback() if decode is not None else b""
@@ -94,7 +94,7 @@ class Command(Generic[T, F]):
             return None
 
     def wait(self, timeout: float | None = None) -> State:
-        """Waits at most `timeout` seconds until the command is terminal; else returns RUNNING."""
+        """Waits at most `timeout` seconds until the command is terminal. Returns its state."""
         self._observe()
         self._core.wait(timeout)
         return self.state
@@ -103,7 +103,7 @@ class Command(Generic[T, F]):
         """Waits for the result and returns it.
 
         Raises a declared exception, CommandFailed or ConnectionFailed if the command failed.
-        Raises TimeoutError if it still runs after `timeout` seconds, and leaves it running.
+        Raises TimeoutError if the command still runs after `timeout` seconds; it keeps running.
         """
         self._observe()
         answer = self._core.answer(timeout)
@@ -124,12 +124,12 @@ class Command(Generic[T, F]):
         return self._failure() if failed else None
 
     def cancel(self) -> None:
-        """Asks the server to stop the command. The state shows whether that came in time."""
+        """Asks the server to stop the command. The state shows whether the request came in time."""
         self._observe()
         self._core.cancel()
 
     def detach(self) -> None:
-        """Detaches the command: it runs on, and neither dropping it nor its failure warns."""
+        """Detaches the command: it keeps running; neither dropping it nor its failure warns."""
         self._observe()
         self._core.observe()
 
@@ -144,8 +144,8 @@ class Command(Generic[T, F]):
     def add_done_callback(self, callback: Callable[[Self], object]) -> None:
         """Calls `callback(command)` once the command is terminal, even if it was dropped.
 
-        Callbacks run one after another on a thread of their own, or at once on the calling thread
-        if the command has already ended. They may block and issue commands; their exceptions are
+        Callbacks run one after another on a dedicated thread, or at once on the calling thread if
+        the command has already ended. Callbacks may block and issue commands; their exceptions are
         logged.
         """
         if self.state is State.RUNNING:
@@ -182,21 +182,21 @@ class Command(Generic[T, F]):
         return f"<Command {self._name}: {Detail(detail).name}{more}>"
 
     def _observe(self) -> None:
-        """Marks the outcome as observed, or as of no interest."""
+        """Marks the command as observed. Does nothing here; `_Unobserved` overrides the method."""
 
 
 class _Unobserved(Command[T, F]):
-    """A command that was not observed yet. Only this class has a `__del__`: Ctrl-C during one is
-    lost, and `while True: oven.temperature().result()` would run one in each round."""
+    """A command that was not observed yet. Only this class has a `__del__`, because a Ctrl-C during
+    a `__del__` is lost, and `while True: oven.temperature().result()` would call it repeatedly."""
 
     __slots__ = ()
 
     def _observe(self) -> None:
-        self.__class__ = Command  # type: ignore[assignment]  # what it is without this class
+        self.__class__ = Command  # type: ignore[assignment]  # the class without `__del__`
 
     def __del__(self) -> None:
         if self._name in _warned:
-            return  # the log reports a failure
+            return  # warned before; the log reports a failure
         detail = Detail(self._core.peek()[0])
         if detail is Detail.DONE:
             return
@@ -209,11 +209,11 @@ class _Unobserved(Command[T, F]):
         warnings.warn(
             f"{what}; keep the command and wait() for it, or detach() it",
             UnobservedCommandWarning,
-            stacklevel=2,  # the line that drops it, as a rule the one that issued it
+            stacklevel=2,  # the line that drops the command, usually the line that issued it
         )
 
 
-_STATES = tuple(detail.state for detail in Detail)  # by the number of the detail
+_STATES = tuple(detail.state for detail in Detail)  # index: the number of the detail
 _warned: set[str] = set()
 
 
@@ -226,12 +226,13 @@ def _declared(
             try:
                 return decode(Decoder(evidence))
             except DecodeError as error:
-                return CommandFailed(Detail.FAULT, f"{text} (which does not decode: {error})")
+                return CommandFailed(Detail.FAULT, f"{text} (exception does not decode: {error})")
     return CommandFailed(Detail.FAULT, text)
 
 
 async def _readable(descriptor: int) -> None:
-    """Waits in the running loop until `descriptor` is readable. It may have several waiters."""
+    """Waits in the running event loop until `descriptor` is readable. Several tasks may wait for
+    the same descriptor."""
     import asyncio
 
     loop = asyncio.get_running_loop()

@@ -1,4 +1,4 @@
-"""Exceptions, which derive from the natural builtin and carry their evidence.
+"""The exceptions of gecos. Each derives from a built-in exception of similar meaning.
 
 Generated exceptions derive from `DeclaredError`; generated types import this module and the codec.
 """
@@ -19,7 +19,8 @@ if TYPE_CHECKING:
 
 
 class State(IntEnum):
-    """The paper's four states. Exactly one of the last three is reached; it never changes."""
+    """The paper's four states of a command. A command reaches exactly one of the last three, and
+    then its state never changes."""
 
     RUNNING = 0
     FINISHED = 1
@@ -28,7 +29,8 @@ class State(IntEnum):
 
 
 class Detail(IntEnum):
-    """The finer state, which projects onto one of the four. Numbers are those of the C++ side."""
+    """The detailed state of a command; `state` maps it to one of the four states. The numbers equal
+    those of `gecos::Detail` in C++."""
 
     SENT = 0
     QUEUED = 1
@@ -66,7 +68,8 @@ class Detail(IntEnum):
 
 
 class CommandFailed(RuntimeError):
-    """The command was not executed, or not to its end. `detail` says which, `text` why."""
+    """The command was not executed, or not completed. `detail` classifies the failure, `text` gives
+    the reason."""
 
     _detail: Detail = Detail.FAULT
 
@@ -102,26 +105,27 @@ def _made_again(
 
 
 class DeclaredError(CommandFailed):
-    """An exception that an interface declares: raised by a handler, raised again at the caller.
+    """An exception that an interface declares. The handler raises it at the server, and the command
+    raises it again at the caller.
 
-    Generated classes are dataclasses of its members (`eq=False`) that encode themselves.
+    Each generated class is a dataclass (`eq=False`) and encodes itself.
     """
 
-    _gecos_name: ClassVar[str] = ""  # scoped: "robcl::OutOfReach"
+    _gecos_name: ClassVar[str] = ""  # scoped name: "robcl::OutOfReach"
 
     if TYPE_CHECKING:
-        # The constructor that @dataclass makes for an exception without members; mypy misses it.
+        # mypy does not see the constructor that @dataclass makes for an exception without members.
         def __init__(self) -> None: ...
     else:
 
         def __new__(cls, *members: object, **named: object) -> Self:
-            return super().__new__(cls)  # `args` would show members that are secret
+            return super().__new__(cls)  # without arguments: `args` would show secret members
 
     @property
     def text(self) -> str:
         return str(self)
 
-    def __str__(self) -> str:  # does not use `text`: a member of the exception may have that name
+    def __str__(self) -> str:  # must not use `text`: the exception may have a member `text`
         shown = (
             f"{member.name}={getattr(self, member.name)!r}"
             if member.repr
@@ -151,14 +155,14 @@ class DeclaredError(CommandFailed):
 
 
 class Rejected(CommandFailed):
-    """Raised by a handler that refuses a command as it stands; the text says what to do."""
+    """Raised by a handler to refuse a command; the text tells the caller what to do."""
 
     def __init__(self, text: str) -> None:
         super().__init__(Detail.REJECTED, text)
 
 
 class Interrupted(CommandFailed):
-    """Raised by a handler that ends early because `run.interrupted` asked it to."""
+    """Raised by a handler that ends early because `run.interrupted` is True."""
 
     def __init__(self) -> None:
         super().__init__(Detail.CANCELED, "canceled")
@@ -178,7 +182,7 @@ class ConnectionFailed(ConnectionError):
 
 @dataclass(frozen=True, slots=True)
 class Attempt:
-    """One name that `create` tried in vain."""
+    """A name to which `create` could not connect, and the reason."""
 
     name: str
     detail: Detail  # NO_SERVER, REFUSED or QOS_UNAVAILABLE
@@ -218,4 +222,4 @@ class UnobservedCommandWarning(RuntimeWarning):
 
 
 class DroppedLeaseWarning(RuntimeWarning):
-    """A lease was dropped before any command was issued under it, so its status is gone."""
+    """A lease was dropped, and so released, before any command was issued under it."""

@@ -35,7 +35,7 @@ class Execution(Generic[F]):
     @property
     def interrupted(self) -> bool:
         """Whether the handler should end soon and raise `gecos.Interrupted()`: the call was
-        canceled or stopped, its caller's lease or deadline is over, or the server closes."""
+        canceled or stopped, the caller lost its lease, the deadline passed, the server closes."""
         return self._core.interrupted()
 
     def wait_interrupted(self, seconds: float) -> bool:
@@ -53,5 +53,5 @@ class Execution(Generic[F]):
 
 
 def _encoded(feedback: object) -> bytes:
-    contents: Contents = feedback  # type: ignore[assignment]  # what F is bound to by gidl
+    contents: Contents = feedback  # type: ignore[assignment]  # gidl only uses Contents types as F
     return to_bytes(contents)

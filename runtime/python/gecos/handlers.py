@@ -1,4 +1,4 @@
-"""Threads that run the handlers of a servant and send what the handlers return or raise."""
+"""Threads that run the handlers of a servant and send the results and exceptions of handlers."""
 
 from __future__ import annotations
 
@@ -17,17 +17,18 @@ if TYPE_CHECKING:
     from gecos.server import Server
 
 LANES = ("safety", "sensor", "fifo")  # in the order of `Lane` in pulled_servant.hpp
-_LONGEST_TEXT = 10_000  # characters of a failure
+_LONGEST_TEXT = 10_000  # characters of a failure's text
 
 
 class Lane(threading.Thread):
-    """Runs the handlers of a servant's lane, one after the other, until the lane is closed."""
+    """The thread of one lane of a servant: runs the lane's handlers one after another until the
+    lane is closed."""
 
     def __init__(
         self, server: Server, name: str, servant: Servant, core: _core.PulledServant, lane: int
     ) -> None:
         super().__init__(name=f"gecos-{LANES[lane]}-{name}", daemon=True)
-        self._server = server  # kept alive by its threads
+        self._server = server  # so that running threads keep their server alive
         self.servant = servant
         self.core = core
         self._object_name = name
@@ -44,7 +45,7 @@ class Lane(threading.Thread):
             self._running = None
 
     def tell_running(self) -> None:
-        """Reports on stderr the handler that `close()` of the server waits for."""
+        """Writes to stderr which handler the server's `close()` waits for."""
         running = self._running
         if running is None:
             return
@@ -52,13 +53,13 @@ class Lane(threading.Thread):
             handler = self.servant._gecos_handlers.get(running.code)
             method = handler.method if handler else "?"
             advice = (
-                "let it look at `run.interrupted`, or sleep in `run.wait_interrupted(…)`"
+                "check `run.interrupted` in the handler, or sleep in `run.wait_interrupted(…)`"
                 if handler and handler.operation.cancelable
-                else "make its operation @cancelable: only such a handler is told to end"
+                else "make the operation @cancelable, so that its handler can be interrupted"
             )
         else:
             method = "gecos_on_stop"
-            advice = "let it only say that all shall stop, and not wait until it has"
+            advice = "gecos_on_stop must only request the stop, and not wait until all has stopped"
         log.error(
             "server",
             f"closing waits for the handler {type(self.servant).__name__}.{method}, which has "
@@ -68,7 +69,7 @@ class Lane(threading.Thread):
 
 
 def _answer(servant: Servant, call: _core.IncomingCall, name: str) -> None:
-    """Runs the handler of `call` and answers. An exception ends the call, not its lane's thread."""
+    """Runs the handler of `call` and replies. An exception ends the call, not the lane's thread."""
     handler = servant._gecos_handlers.get(call.code)
     if handler is None:
         call.fail(Detail.UNKNOWN_OPERATION, f"no operation has the code {call.code:#x}", "", b"")
@@ -78,11 +79,11 @@ def _answer(servant: Servant, call: _core.IncomingCall, name: str) -> None:
     except DecodeError as error:
         call.fail(Detail.BAD_PARAMETER, f"{handler.operation.name}: {error}", "", b"")
         return
-    except BaseException as error:  # raised by a value type that a user wrote
+    except BaseException as error:  # raised by a hand-written value type
         what = f"the arguments of '{handler.operation.name}' cannot be read: "
         _fault(call, name, what + _named(error), error)
         return
-    if call.interrupted():  # stopped or canceled while another handler had the thread
+    if call.interrupted():  # stopped or canceled while another handler occupied the thread
         call.fail(Detail.CANCELED, f"{handler.operation.name}: ended before it started", "", b"")
         return
     if handler.operation.cancelable:
@@ -95,7 +96,7 @@ def _answer(servant: Servant, call: _core.IncomingCall, name: str) -> None:
     try:
         result = b"".join(handler.result(value))
     except BaseException as error:
-        what = f"the handler of '{handler.operation.name}' gave what cannot be sent: "
+        what = f"the handler of '{handler.operation.name}' returned a value that cannot be sent: "
         _fault(call, name, what + _named(error), error)
     else:
         call.finish(result)
@@ -104,7 +105,7 @@ def _answer(servant: Servant, call: _core.IncomingCall, name: str) -> None:
 def _raised(
     call: _core.IncomingCall, handler: Handler, object_name: str, error: BaseException
 ) -> None:
-    """Ends the call with the exception that its handler raised, as far as that can be sent."""
+    """Ends the call as failed, and sends the exception that its handler raised if possible."""
     raised = f"the handler of '{handler.operation.name}' raised "
     try:
         declared = (DeclaredError,) if handler.raises is None else handler.raises
@@ -136,18 +137,18 @@ def _text(error: BaseException) -> str:
     try:
         return str(error)
     except BaseException as unspeakable:
-        return f"its text cannot be had: {type(unspeakable).__name__}"
+        return f"str() of the exception raised {type(unspeakable).__name__}"
 
 
 def _trace(error: BaseException) -> str:
     try:
         return "".join(traceback.format_exception(error))
-    except BaseException as unspeakable:  # raised by its notes or its causes
-        return f"its trace cannot be had: {type(unspeakable).__name__}"
+    except BaseException as unspeakable:  # raised by the notes or the causes of `error`
+        return f"formatting the traceback raised {type(unspeakable).__name__}"
 
 
 def _sendable(text: str) -> str:
-    """Replaces half surrogate pairs and NUL, which cannot be sent, and cuts texts of megabytes."""
+    """Replaces lone surrogates and NUL, which cannot be sent, and shortens very long texts."""
     text = text.encode(errors="backslashreplace").decode().replace("\0", "\\0")
     return text if len(text) <= _LONGEST_TEXT else f"{text[:_LONGEST_TEXT]} …"
 

@@ -1,8 +1,8 @@
 """The interface description that the session uses: constant tables that gidl generates.
 
 Each operation declares its parameters and result once, as steps of `gecos.wire.layout`; the codecs
-of proxies and servants are derived from them. The twin of `gecos/description.hpp`; `_core` reads
-these objects by their attributes.
+of proxies and servants are derived from these steps. `gecos/description.hpp` has the same tables in
+C++; `_core` reads the Python tables by the names of their attributes.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ F = TypeVar("F")
 
 
 class Access(IntEnum):
-    """Status that a caller needs; each includes the ones before it."""
+    """The status that an operation requires of its caller. A status includes all lower ones."""
 
     SENSOR = 0
     ACTOR = 1
@@ -70,7 +70,7 @@ ANY_MEDIUM = Media(0)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Quality:
-    """The quality that a connection must have. A duration of zero demands nothing."""
+    """The quality that an interface demands of a connection. A duration of 0 means: no demand."""
 
     line: QualityClass = QualityClass.TIME_INDEPENDENT
     best_effort: bool = False
@@ -106,7 +106,7 @@ class Operation:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OutwardStream:
-    """A stream of samples. The operation with the same code is its one-shot getter."""
+    """A stream of samples. The operation with the same code reads a single value."""
 
     code: int
     name: str
@@ -122,33 +122,33 @@ class Interface:
     version: str = ""
     hash: int = 0
     bases: tuple[str, ...] = ()  # all direct and indirect bases
-    operations: tuple[Operation, ...] = ()  # own and all inherited
-    streams: tuple[OutwardStream, ...] = ()  # likewise
+    operations: tuple[Operation, ...] = ()  # own and all inherited operations
+    streams: tuple[OutwardStream, ...] = ()  # own and all inherited streams
     quality: Quality = ASKED_NOTHING
     handlers: Mapping[int, Handler] = field(default_factory=dict, compare=False, repr=False)
 
     def __post_init__(self) -> None:
-        """Removes duplicates: several bases may bring the same operation or stream."""
+        """Removes duplicates: several bases may inherit the same operation or stream."""
         object.__setattr__(self, "operations", tuple(dict.fromkeys(self.operations)))
         object.__setattr__(self, "streams", tuple(dict.fromkeys(self.streams)))
 
 
 def nothing(source: Decoder) -> None:
-    """Reads the reply of an operation without result."""
+    """Decodes the empty reply of an operation without result."""
 
 
 def no_arguments(source: Decoder) -> tuple[()]:
-    """Reads the request of an operation without parameters."""
+    """Decodes the empty request of an operation without parameters."""
     return ()
 
 
 def no_parts() -> Parts:
-    """Writes the request of an operation without parameters."""
+    """Encodes the empty request of an operation without parameters."""
     return []
 
 
 def no_result(value: None) -> Parts:
-    """Writes the reply of an operation without result."""
+    """Encodes the empty reply of an operation without result."""
     return []
 
 
@@ -157,34 +157,35 @@ _NO_ARGUMENTS = Arguments("", (), (), ())
 
 @dataclass(frozen=True)  # no slots: Method[T, F](…) sets an extra attribute
 class Method(Generic[T, F]):
-    """How a proxy calls an operation: decoders of its reply, feedback and exceptions. A `Method`
-    made by `method` also has the codecs of the arguments and how a servant answers."""
+    """How a proxy calls an operation: the decoders of its reply, feedback and exceptions. A
+    `Method` made by `method` also has the codec of the arguments and the encoder of the reply."""
 
     operation: Operation
     result: Callable[[Decoder], T]
     feedback: Callable[[Decoder], F] | None = None
     raises: tuple[type[DeclaredError], ...] = ()
-    request: Callable[..., Parts] = no_parts  # writes the arguments
+    request: Callable[..., Parts] = no_parts  # encodes the arguments
     arguments: Arguments = _NO_ARGUMENTS
-    body: Callable[[Any], Parts] = no_result  # writes what `result` reads
+    body: Callable[[Any], Parts] = no_result  # encodes the value that `result` decodes
     stream: OutwardStream | None = None
-    handler: str = ""  # the servant's method
+    handler: str = ""  # name of the servant's method
 
 
 @dataclass(frozen=True, slots=True)
 class Handler:
-    """How a servant answers an operation: its method, the decoder and the encoder."""
+    """How a servant answers a call: its method, the decoder of the arguments, the encoder of the
+    result."""
 
     operation: Operation
-    method: str  # method of the servant; its last parameter is `run` when it is cancelable
+    method: str  # method of the servant; its last parameter is `run` if the operation is cancelable
     arguments: Callable[[Decoder], tuple[Any, ...]]
     result: Callable[[Any], Parts]
     raises: tuple[type[DeclaredError], ...] | None = None  # None: every DeclaredError
 
 
 def values(names: str, *steps: Step, defaults: tuple[Any, ...] = ()) -> tuple[Any, ...]:
-    """The parameters of an operation: their names, and a layout step for each. An older caller
-    may leave out the last ones, as many as there are `defaults`."""
+    """The parameters of an operation: their names, and a layout step for each. `defaults` are for
+    the last parameters, which an older caller may omit."""
     return names.split(), steps, defaults
 
 
@@ -199,8 +200,8 @@ def method(
     handler: str = "",
 ) -> Method[Any, Any]:
     """Builds the `Method` of an operation. `stream`: the rate in Hz and the bytes of the largest
-    sample (0: unbounded) where the result is also published as a stream. `handler`: the name of
-    the servant's method where it differs from the operation's."""
+    sample (0: unbounded), if the result is also published as a stream. `handler`: the name of the
+    servant's method, if it differs from the name of the operation."""
     name, sender = operation.name, operation.name.removesuffix("=")
     result, body = (nothing, no_result) if gives is None else _answer(kind_of(gives), name)
     outward = None
@@ -229,7 +230,7 @@ def method(
 
 
 def _answer(kind: Carried, label: str) -> tuple[Callable[[Decoder], Any], Callable[[Any], Parts]]:
-    """Returns the functions that read and write a reply body."""
+    """Returns the functions that decode and encode a reply."""
 
     def read(source: Decoder) -> Any:
         return kind.take(source, label)
@@ -279,7 +280,7 @@ def interface(
     methods: Iterable[Method[Any, Any]],
     quality: Quality = ASKED_NOTHING,
 ) -> Interface:
-    """Builds an interface with all members of its bases. `bases` are proxy classes."""
+    """Builds an interface with its own and all inherited members. `bases` are proxy classes."""
     inherited: list[Interface] = [base._gecos_interface for base in bases]  # type: ignore[attr-defined]
     own = tuple(methods)
     handlers = {code: each for base in inherited for code, each in base.handlers.items()}

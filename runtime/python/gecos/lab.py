@@ -19,9 +19,9 @@ P = TypeVar("P", bound=Object)
 
 
 class Lab:
-    """Finds objects through a broker: the address given ("shm:…", "lcm:…"), else `GECOS_BROKER`,
-    else the broker of this host. Any thread may use it. Use it as a context manager to close it
-    early; otherwise it is closed in order at the end of the program."""
+    """Finds objects through a broker at the address `broker` ("shm:…", "lcm:…"), else at
+    `GECOS_BROKER`, else on this host. Thread-safe. Use a Lab as a context manager to close it
+    early; otherwise it is closed at the end of the program, after all leases and servers."""
 
     def __init__(self, broker: str | None = None) -> None:
         check_environment()
@@ -43,8 +43,8 @@ class Lab:
         server. Raises CreateError with a reason for each name.
 
         A reference may be given instead of names (`lab.create(Tool, changer.current().result())`).
-        It is valid while the process that it refers to serves the object, because a restarted
-        process may have another state. A nil reference is refused.
+        A reference is valid only while the server process that it refers to serves the object,
+        because a restarted process may have another state. A nil reference is refused.
         """
         table, incarnation = _table_of(interface), 0
         if isinstance(names, str):
@@ -71,10 +71,10 @@ class Lab:
     def close(self) -> None:
         """Closes the session with every object, even if proxies, leases or streams remain.
 
-        Leases are released. Commands that arrived under them still finish, but end here as
-        OUTCOME_UNKNOWN. Readers of streams raise StreamLost. Proxies of this Lab are unusable
-        afterwards; its servers continue. Takes at most about one second, and 0.2 s more for each
-        server over lcm that does not answer.
+        Leases are released. Commands that arrived at a server under these leases still finish
+        there, but end in this process as OUTCOME_UNKNOWN. Readers of streams raise StreamLost.
+        Proxies of this Lab are unusable afterwards; servers of this Lab keep running. Takes at most
+        about one second, and 0.2 s more for each server over lcm that does not answer.
         """
         self._core.close()
 
@@ -95,6 +95,6 @@ def _table_of(interface: type[Object]) -> Interface:
         return interface._gecos_interface
     given = f"the class {interface.__name__}" if isinstance(interface, type) else repr(interface)
     raise TypeError(
-        "the interface comes first, as the class that gidl generated for it, and then the names: "
-        f'`from robcl.rx90 import Rx90` and `lab.create(Rx90, "RX90")`; not {given}'
+        f"the first argument must be the class that gidl generated for the interface, not {given}: "
+        '`from robcl.rx90 import Rx90` and `lab.create(Rx90, "RX90")`'
     )

@@ -14,10 +14,12 @@ from gecos.wire import DecodeError, from_bytes
 
 
 class Lease:
-    """Status of one object, held until it is released, closed, lost, or the program ends.
+    """Actor or master status of one object, held until the lease is released or lost, or the
+    program ends.
 
     Releasing drains: commands issued under the lease still finish before another client gets the
-    status. Once `release` has returned, the server knows of it; later commands are DENIED.
+    status. Once `release` has returned, the server knows of the release, and denies later commands
+    (DENIED).
     """
 
     def __init__(self, core: _core.Lease, object_name: str) -> None:
@@ -28,11 +30,11 @@ class Lease:
 
     @property
     def epoch(self) -> int:
-        """Fencing token of this status."""
+        """The epoch (fencing token) of the lease."""
         return self._core.epoch
 
     def release(self) -> None:
-        """Releases the status; queued and running commands still finish. Calling it again has no
+        """Releases the status; queued and running commands still finish. A second call has no
         effect."""
         self.__class__ = Lease
         self._core.release()
@@ -61,8 +63,8 @@ class Lease:
 
 
 class _Untouched(Lease):
-    """A lease neither entered nor released. Only this class has a `__del__`: Ctrl-C during one is
-    lost."""
+    """A lease that was neither entered nor released. Only this class has a `__del__`, because a
+    Ctrl-C during a `__del__` is lost."""
 
     def __del__(self) -> None:
         if self._core.fresh():
@@ -85,7 +87,8 @@ def actor(robot: Object, password: str = "") -> Lease:
 
 
 def master(robot: Object, password: str = "") -> Lease:
-    """Acquires master status: like `actor`, and calls of other clients are refused."""
+    """Acquires master status: like actor status, but the object refuses the calls of all other
+    clients."""
     return _acquire(robot, Access.MASTER, password)
 
 
@@ -110,5 +113,5 @@ def _refusal(where: str, text: str, exception: str, evidence: bytes) -> LeaseRef
     try:
         refused = from_bytes(StatusRefused, evidence)
     except DecodeError as error:
-        return LeaseRefused(f"{where}: {text} (its holders do not decode: {error})")
+        return LeaseRefused(f"{where}: {text} (the list of holders does not decode: {error})")
     return LeaseRefused(refused.reason, refused.holders)  # the reason names object and status

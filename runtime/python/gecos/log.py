@@ -1,4 +1,4 @@
-"""Errors without a caller to report to go to stderr, in the format of the C++ log."""
+"""Writes errors that no caller can receive to stderr, in the format of the C++ log."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The name of this program, which other users see when it holds a robot."""
+"""The name of this program, which other users see while the program holds a robot."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pathlib import Path
 def program_name() -> str:
     """The script's file name, or the module's name under `python -m`, else "python"."""
     spec = getattr(sys.modules.get("__main__"), "__spec__", None)
-    if spec is not None and spec.name != "__main__":  # as in a folder or archive
+    if spec is not None and spec.name != "__main__":  # "__main__": a folder or archive was run
         return str(spec.name).removesuffix(".__main__")
     name = Path(sys.argv[0]).name if sys.argv else ""
     if name in ("", "-", "-c"):
@@ -19,13 +19,13 @@ def program_name() -> str:
 
 
 def check_environment() -> None:
-    """Raises RuntimeError if a variable that names a path or address is not UTF-8, because no
-    message could show that value."""
+    """Raises RuntimeError if GECOS_BROKER or GECOS_RUNTIME_DIR is not UTF-8, because no message
+    could show its value."""
     for variable in ("GECOS_BROKER", "GECOS_RUNTIME_DIR"):
         value = os.environ.get(variable, "")
         try:
             value.encode()
         except UnicodeEncodeError:
             raise RuntimeError(
-                f"{variable} is {os.fsencode(value)!r}, which is not UTF-8; name another place"
+                f"{variable} is {os.fsencode(value)!r}, which is not UTF-8; set it to valid UTF-8"
             ) from None

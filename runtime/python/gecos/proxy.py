@@ -46,7 +46,7 @@ P = TypeVar("P", bound="Object")
 
 
 class Object:
-    """A session with an object. `lab.create` makes it; copies share the session."""
+    """The base class of proxies. `lab.create` makes a proxy; its copies share one session."""
 
     _gecos_interface: ClassVar[Interface] = Interface(name="gecos::Object")
 
@@ -58,10 +58,10 @@ class Object:
 
         def __setattr__(self, name: str, value: object) -> None:
             if not name.startswith("_gecos"):
-                setter = "what can be set has a method set_…(…)"
+                setter = "attributes that can be set have a method set_…(…)"
                 if hasattr(self, f"set_{name}"):
-                    setter = f"call set_{name}(…) for it"
-                raise AttributeError(f"{self!r}: {name} is not set by assigning; {setter}")
+                    setter = f"call set_{name}(…) instead"
+                raise AttributeError(f"{self!r}: {name} cannot be assigned; {setter}")
             super().__setattr__(name, value)
 
     def _gecos_call(self, method: Method[T, F], arguments: Parts) -> Command[T, F]:
@@ -76,7 +76,7 @@ class Object:
 
 
 class StreamAttribute(Generic[T]):
-    """A continuously published attribute: call it for one value, or open its stream."""
+    """A continuously published attribute: call the attribute for one value, or open its stream."""
 
     __slots__ = ("_method", "_object")
 
@@ -89,7 +89,7 @@ class StreamAttribute(Generic[T]):
         return self._object._gecos_call(self._method, [])
 
     def stream(self) -> Stream[T]:
-        """Subscribes to the attribute. Raises ConnectionFailed or CommandFailed if that fails."""
+        """Subscribes to the attribute. Raises ConnectionFailed or CommandFailed on failure."""
         session = self._object._gecos_session
         opened = session.subscribe(self._method.operation.code)
         name = f"{session.object_name}.{self._method.operation.name}"
@@ -103,22 +103,23 @@ class StreamAttribute(Generic[T]):
 
 def reference(proxy: Object) -> ObjectRef:
     """A reference to the object as a value, for parameters and results whose type is an interface.
-    `lab.create` makes a proxy from it, in any process."""
+    In any process, `lab.create` makes a proxy from the reference."""
     from gecos_idl.object_ref_types import ObjectRef
 
     return ObjectRef(*proxy._gecos_session.reference())
 
 
 def with_deadline(proxy: P, seconds: float) -> P:
-    """A proxy of the same object whose calls fail unless they complete `seconds` after sending.
+    """Returns a proxy of the same object. Its calls fail unless they complete `seconds` after
+    sending.
 
-    With 0 or less, for example `end - time.monotonic()` past `end`, calls are not sent and end as
-    EXPIRED. Raises ValueError unless `seconds` is a finite number.
+    If `seconds` is 0 or less, for example `end - time.monotonic()` after `end`, calls are not sent
+    and end as EXPIRED. Raises ValueError unless `seconds` is a finite number.
     """
     if not math.isfinite(seconds):
         raise ValueError(
-            f"a deadline is a finite number of seconds, not {seconds}; "
-            "calls of the proxy itself have none but their operation's own"
+            f"a deadline must be a finite number of seconds, not {seconds}; for calls with only "
+            "the deadline of their operation, use the original proxy"
         )
     twin = copy.copy(proxy)
     twin._gecos_deadline = seconds

@@ -1,4 +1,4 @@
-"""`async for` over a stream: a thread of its own waits for each sample."""
+"""`async for` over a stream: a dedicated thread waits for each sample."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ if TYPE_CHECKING:
     from gecos.stream import Sample, Stream
 
 T = TypeVar("T")
-_LONGEST = 0.1  # s until the thread notices that no reader waits any more
+_LONGEST = 0.1  # s until the thread notices that the task has stopped waiting
 
 
 class Turn(Generic[T]):
-    """One wait for one sample."""
+    """One request of a task for the next sample."""
 
     def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
-        self.over = False  # no reader waits any more
-        self.taken: deque[Sample[T]] = deque()  # at most one; the thread that pops it owns it
+        self.over = False  # True when the task has stopped waiting
+        self.taken: deque[Sample[T]] = deque()  # at most one sample; who pops it owns it
         self._loop = loop
         self._ended = loop.create_future()
         self._error: BaseException | None = None
@@ -38,7 +38,7 @@ class Turn(Generic[T]):
         return self.taken.pop()
 
     def serve(self, stream: Stream[T]) -> None:
-        """Waits for the sample. Runs on the reader's thread."""
+        """Waits for the next sample of `stream`. Runs on the reader's thread."""
         while not self.over:
             try:
                 stream._next(_LONGEST, self)
@@ -47,7 +47,7 @@ class Turn(Generic[T]):
             except BaseException as error:
                 self._error = error
             break
-        with contextlib.suppress(RuntimeError):  # the loop is closed
+        with contextlib.suppress(RuntimeError):  # the event loop is closed
             self._loop.call_soon_threadsafe(_set, self._ended)
 
 
@@ -57,10 +57,11 @@ def _set(future: asyncio.Future[None]) -> None:
 
 
 class SampleReader(AsyncIterator["Sample[T]"]):
-    """Awaits samples, by a thread of its own. The thread waits only while a task awaits a sample,
-    so it never reads ahead; it ends when this object is destroyed.
+    """Awaits samples with a dedicated thread. The thread waits only while a task awaits a sample,
+    so it never reads ahead. The thread ends when the SampleReader is destroyed.
 
-    It is not a thread of the event loop's pool, which is small: each stream would occupy one.
+    The event loop's thread pool is not used, because each stream would occupy one of its few
+    threads.
     """
 
     def __init__(self, stream: Stream[T]) -> None:
@@ -87,7 +88,7 @@ def _serve(
     asked: SimpleQueue[Turn[T] | weakref.ref[SampleReader[T]]],
     end: weakref.ref[SampleReader[T]],
 ) -> None:
-    """Runs the reader's thread. It keeps `end`: a destroyed weak reference calls no callback."""
+    """Runs the reader's thread. Keeps `end` alive: a destroyed weak reference calls no callback."""
     while isinstance(turn := asked.get(), Turn):
         turn.serve(stream)
-        del turn  # releases the event loop too
+        del turn  # a Turn keeps its event loop alive

@@ -1,4 +1,5 @@
-"""An object's implementation: generated skeletons derive from `Servant`, users from the skeleton.
+"""The implementation of an object: a generated skeleton derives from `Servant`, and the
+user's class derives from the skeleton.
 
 What gidl generates for a server:
 
@@ -32,28 +33,29 @@ if TYPE_CHECKING:
     from gecos import _core
 
 
-class Servant(ABC):  # noqa: B024  # the skeletons declare what is abstract
-    """Handlers may raise a declared exception of their operation, `gecos.Rejected` or
-    `gecos.Interrupted`; any other exception becomes a FAULT with its text, and is logged.
+class Servant(ABC):  # noqa: B024  # the skeletons declare the abstract methods
+    """The base class of servants. A handler may raise a declared exception of its operation,
+    `gecos.Rejected` or `gecos.Interrupted`; any other exception becomes a FAULT and is logged.
 
     Each object has three threads, and each thread calls one handler at a time: one for safety
-    operations, one for sensor operations that are neither cancelable nor ordered, one for all
-    others.
+    operations, one for sensor operations that are neither cancelable nor ordered, one for all other
+    operations.
     """
 
     _gecos_interface: ClassVar[Interface] = Interface(name="gecos::Object")
     _gecos_handlers: ClassVar[Mapping[int, Handler]] = {}
-    _gecos_core: _core.PulledServant | None = None  # set while it is served
+    _gecos_core: _core.PulledServant | None = None  # set while the servant is served
 
     def gecos_on_stop(self) -> None:  # noqa: B027  # most servants watch run.interrupted instead
-        """Called when a client stops the object: halt the device. Runs on the thread of the safety
-        operations while other handlers may still run. Leases and queue are already cleared."""
+        """Called when a client stops the object. Override it to halt the device. Runs on the thread
+        of the safety operations while other handlers may still run. Leases and queue are already
+        cleared."""
 
     def _gecos_publish(self, code: int, sample: Parts, stamp: float | None) -> None:
         if self._gecos_core is None:
             raise ServeError(
-                f"{self._gecos_interface.name}: publishes while it is not served; add it to a "
-                "gecos.Server first (one that is closed serves nothing any more)"
+                f"{self._gecos_interface.name}: a servant cannot publish while it is not served; "
+                "add it to a gecos.Server first (a closed server serves nothing)"
             )
         stamp_ns = None if stamp is None else round(stamp * 1e9)
         self._gecos_core.publish(code, b"".join(sample), stamp_ns)

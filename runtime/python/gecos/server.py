@@ -1,4 +1,4 @@
-"""Serves objects: C++ accepts clients, queues calls and checks access; Python threads run them."""
+"""Serves objects: C++ accepts clients, checks access and queues calls; Python runs the handlers."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from gecos.termination_signals import TerminationSignals
 
 BROKER_PATIENCE = 10.0
 """How long a server waits for a broker that is starting, in seconds."""
-_claiming = threading.Lock()  # guards the server of each servant
-_PATIENCE_WITH_HANDLERS = 1.0  # s, until close() reports the handlers it waits for
+_claiming = threading.Lock()  # guards `_gecos_core` of all servants
+_PATIENCE_WITH_HANDLERS = 1.0  # s until close() reports the handlers that it waits for
 
 
 class Server:
@@ -28,7 +28,8 @@ class Server:
             server.add("LASER", Lds())
 
     Each object has three threads: one for its stop and its safety operations, one for sensor
-    operations that are neither cancelable nor ordered, one for all others in their order.
+    operations that are neither cancelable nor ordered, one for all other operations in order of
+    arrival.
     """
 
     def __init__(self, lab: Lab) -> None:
@@ -38,9 +39,9 @@ class Server:
         shutdown.at_exit(self, shutdown.Turn.SERVERS)
 
     def await_broker(self, patience: float = BROKER_PATIENCE) -> None:
-        """Waits at most `patience` seconds for a broker that is starting; `add` does this too.
+        """Waits at most `patience` seconds for a broker that is starting; `add` waits too.
 
-        Raises ServeError, which says where the broker was expected.
+        Raises ServeError, which says where the broker was expected, if no broker answers.
         """
         if why := self._core.await_broker(patience):
             raise ServeError(why)
@@ -48,21 +49,22 @@ class Server:
     def add(
         self, name: str, servant: Servant, *, simulated: bool = False, media: Iterable[str] = ()
     ) -> None:
-        """Serves `servant` under `name` from now on. Clients may use `media`, or all if empty.
+        """Serves `servant` under `name` from now on. Clients may use `media`; empty: all media.
 
-        Raises ServeError when no broker answers, the name is taken or nothing can be opened.
+        Raises ServeError when no broker answers, the name is taken or no medium can be opened.
         """
         if not isinstance(servant, Servant):
             given = f"the class {servant.__name__}" if isinstance(servant, type) else repr(servant)
             raise TypeError(
-                f"{name}: what is served is an object of a class that you derived from a generated "
+                f"{name}: the servant must be an object of a class that derives from a generated "
                 f"…Servant, not {given}"
             )
         self.await_broker()
         with self._adding:
             prepared = self._core.prepare(servant._gecos_interface)
             lanes = [Lane(self, name, servant, prepared, lane) for lane in range(len(LANES))]
-            # Registered first, so that close() knows them. Lanes that have ended are dropped.
+            # New lanes are registered before they start, so that close() waits for them. Ended
+            # lanes are removed.
             self._lanes = [*filter(Lane.is_alive, self._lanes), *lanes]
             may_be_served = False
             try:
@@ -72,17 +74,17 @@ class Server:
                 if why := self._core.add(prepared, name, simulated, list(media)):
                     raise ServeError(why)  # `why` names the object
             except BaseException as error:
-                if not may_be_served or isinstance(error, Exception):  # else Ctrl-C came too late
+                if not may_be_served or isinstance(error, Exception):  # else: object stays served
                     _release(servant, prepared)
-                    self._core.forget(prepared)  # which ends its lanes
+                    self._core.forget(prepared)  # ends the lanes of the servant
                 raise
 
     def close(self) -> None:
-        """Withdraws all objects, interrupts running handlers and waits for them. A handler that is
-        still running after 1 s is named on stderr, and still waited for. When a handler closes its
-        own server, `close` waits for no handler."""
+        """Withdraws all objects, interrupts running handlers and waits until they return. After 1 s
+        the handlers that still run are named on stderr; `close` keeps waiting for them. When a
+        handler closes its own server, `close` waits for no handler."""
         self._core.close()
-        lanes = [lane for lane in self._lanes if lane.ident is not None]  # the started ones
+        lanes = [lane for lane in self._lanes if lane.ident is not None]  # lanes that were started
         if threading.current_thread() in lanes:
             for lane in lanes:
                 _release(lane.servant, lane.core)
@@ -113,14 +115,14 @@ def _claim(servant: Servant, prepared: _core.PulledServant, name: str) -> None:
     with _claiming:
         if servant._gecos_core is not None:
             raise ServeError(
-                f"{name}: this {type(servant).__name__} is served already under another name, "
-                "and would publish for one of them only; make one for each object"
+                f"{name}: this {type(servant).__name__} is served already under another name, and "
+                "a servant can publish under one name only; create a servant for each name"
             )
         servant._gecos_core = prepared
 
 
 def _release(servant: Servant, prepared: _core.PulledServant) -> None:
-    """Clears the servant's core, unless another server has claimed the servant since."""
+    """Clears `_gecos_core` of the servant, unless another server has claimed the servant since."""
     with _claiming:
         if servant._gecos_core is prepared:
             servant._gecos_core = None
@@ -131,7 +133,7 @@ def _start(lanes: Iterable[Lane], name: str) -> None:
         for lane in lanes:
             lane.start()
     except RuntimeError as error:
-        raise ServeError(f"{name}: no thread for its handlers: {error}") from None
+        raise ServeError(f"{name}: cannot start its handler threads: {error}") from None
 
 
 def serve(
@@ -144,11 +146,11 @@ def serve(
     """Serves objects under their names until SIGINT or SIGTERM. Call it from the main thread."""
     if threading.current_thread() is not threading.main_thread():
         raise RuntimeError(
-            "gecos.serve waits for signals, which the main thread alone gets; in another one use "
-            "`with gecos.Server(lab) as server: server.add(…)`"
+            "call gecos.serve from the main thread, because only that thread receives signals; in "
+            "another thread use `with gecos.Server(lab) as server: server.add(…)`"
         )
-    # Signals last: while the server closes, the next signal ends the program even if a handler
-    # hangs.
+    # TerminationSignals must be the inner context: then a signal while the server closes ends the
+    # program even if a handler hangs.
     with Server(lab or Lab()) as server, TerminationSignals() as signals:
         if not _broker_found(server, signals):
             return

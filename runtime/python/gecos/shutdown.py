@@ -1,6 +1,6 @@
 """Orderly end of the program: leases are released and drain, then sessions are closed.
 
-So the commands of a program that ends without waiting still finish, and its robot is free after.
+So commands that the program did not wait for still finish, and the robot is free afterwards.
 """
 
 from __future__ import annotations
@@ -31,11 +31,13 @@ _waiting: dict[Turn, WeakSet[Closable]] = {turn: WeakSet() for turn in Turn}
 
 
 def at_exit(closable: Closable, turn: Turn) -> None:
-    """Closes `closable` at the end of the program if it still exists; also if already closed."""
+    """Calls `closable.close()` at the end of the program if the object still exists then, even if
+    it was closed before."""
     _waiting[turn].add(closable)
 
 
-_starting = threading.RLock()  # a __del__ or signal handler may interrupt begin_thread and call it
+# Recursive, because a __del__ or a signal handler may call begin_thread inside begin_thread.
+_starting = threading.RLock()
 _over = False
 
 
@@ -44,7 +46,7 @@ def begin_thread(name: str, run: Callable[..., None], *words: object) -> None:
     while the interpreter shuts down would crash it."""
     with _starting:
         if _over:
-            raise RuntimeError(f"{name}: no thread begins any more, the program ends")
+            raise RuntimeError(f"{name}: cannot start a thread, because the program is ending")
         threading.Thread(target=run, args=words, name=name, daemon=True).start()
 
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from gecos.reader import Turn
 
 T = TypeVar("T")
-_MOMENT = 0.01  # s
+_MOMENT = 0.01  # s of one wait for the lock of the stream
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,23 +27,24 @@ class Sample(Generic[T]):
 
     value: T
     sequence: int  # rises by one per published sample
-    lost: int  # samples between the previous one read and this one, which were not read
+    lost: int  # unread samples between the previous sample that was read and this sample
     stamp: float  # time of measurement, for display: Unix time in s by the server's clock
-    age: float  # s since it was measured, at reading; no clock that is set changes it. Exact on one
-    # host; between hosts at least that, and at most a round trip more
+    age: float  # s from measurement to reading; setting a clock does not change it. Exact on one
+    # host; between hosts at most one round-trip time too large, and never too small
 
 
 class Stream(Generic[T]):
-    """Received samples in order, starting with the newest one. A slow reader loses old samples;
-    `Sample.lost` counts them. A sample that does not decode is skipped: it counts as `unreadable`,
-    and also as lost once a sample was read.
+    """The samples of a subscription in order, starting with the newest sample. A slow reader loses
+    old samples; `Sample.lost` counts them. A sample that does not decode is skipped: `unreadable`
+    counts it, and after the first sample that was read `Sample.lost` counts it too.
 
-    Iterating waits for each sample and ends after `close()`. It raises StreamLost when the server
-    is gone or silent or closed the session, or when the Lab is closed. One thread or task reads at
-    a time: others wait for it in `next`, within their timeout, and `latest` raises RuntimeError.
+    Iterating waits for each sample and ends after `close()`. Iterating raises StreamLost when the
+    server is gone or silent or closed the session, or when the Lab is closed. Only one thread or
+    task reads at a time: other threads wait in `next`, within their timeout, and their calls of
+    `latest` raise RuntimeError.
 
-    `async for` waits on a thread of its own. Cancelling it loses no sample: a sample already
-    received goes to the next reader, or counts as lost if a later sample was read before.
+    `async for` waits on a dedicated thread. Cancelling the `async for` loses no sample: a sample
+    already received goes to the next reader, or counts as lost if a later sample was read before.
     """
 
     def __init__(self, core: _core.Stream, decode: Callable[[Decoder], T], name: str) -> None:
@@ -51,20 +52,20 @@ class Stream(Generic[T]):
         self._decode = decode
         self._name = name
         self._reading = threading.Lock()
-        self._waits = False  # whether a reader waits for a sample
+        self._waits = False  # True while a reader waits for a sample
         self._turn: Turn[T] | None = None  # the awaiting reader in an `async for`
         self._closed = False
         self._read = 0
         self._measured_ns = 0  # time stamp of the last sample that was read
         self._returned: deque[Sample[T]] = deque()  # samples whose readers were cancelled
-        self._unread: Sample[T] | None = None  # the last sample, when it was returned
-        self._missed = 0  # samples returned after a later one was read
+        self._unread: Sample[T] | None = None  # the last sample, if a cancelled reader returned it
+        self._missed = 0  # samples that were returned after a later sample was read
         self._last_unreadable = 0
         self._unreadable = 0
 
     def latest(self) -> Sample[T] | None:
-        """The newest sample, even if it was read before; None before the first, while the newest
-        does not decode, and after `close()`. Never waits for a sample.
+        """The newest sample, even if it was read before. None before the first sample, while the
+        newest sample does not decode, and after `close()`. Never waits for a sample.
 
         Raises StreamLost when the server is gone or silent, or the Lab was closed. A silent server
         is noticed only after 1.3 s; until then check `age`. Raises RuntimeError while another
@@ -73,8 +74,8 @@ class Stream(Generic[T]):
         while self._occupied() or not self._reading.acquire(timeout=_MOMENT):
             if self._occupied():
                 raise RuntimeError(
-                    f"stream {self._name}: another thread or task waits for its next sample, and "
-                    "this would wait with it; open a stream for each of them"
+                    f"stream {self._name}: latest() would block, because another thread or task "
+                    "waits for the next sample; open a stream for each thread or task"
                 )
         try:
             self._look_back()
@@ -86,10 +87,10 @@ class Stream(Generic[T]):
             self._reading.release()
 
     def next(self, timeout: float | None = None) -> Sample[T]:
-        """The next unread sample; it is old when you read more slowly than the server publishes.
-        For the current value, call `latest()`.
+        """The next unread sample. It is old if you read more slowly than the server publishes; for
+        the current value, call `latest()`.
 
-        Raises TimeoutError after `timeout` seconds without one, EOFError when the stream was
+        Raises TimeoutError after `timeout` seconds without a sample, EOFError when the stream was
         closed, StreamLost when the server is gone or the Lab was closed.
         """
         sample = self._next(timeout)
@@ -99,8 +100,8 @@ class Stream(Generic[T]):
 
     @property
     def unreadable(self) -> int:
-        """Number of received samples that do not decode. Such a server is broken: a server whose
-        type differs is refused when the stream is opened."""
+        """Number of received samples that do not decode. They mean that the server is faulty: a
+        server with another sample type is already refused when the stream is opened."""
         return self._unreadable
 
     def __iter__(self) -> Iterator[Sample[T]]:
@@ -108,7 +109,7 @@ class Stream(Generic[T]):
             yield sample
 
     def __aiter__(self) -> AsyncIterator[Sample[T]]:
-        from gecos.reader import SampleReader  # asyncio takes its time to import
+        from gecos.reader import SampleReader  # not at the top: importing asyncio is slow
 
         return SampleReader(self)
 
@@ -122,7 +123,8 @@ class Stream(Generic[T]):
         patience = -1 if timeout is None else min(max(0.0, timeout), threading.TIMEOUT_MAX)
         if not self._reading.acquire(timeout=patience):
             raise TimeoutError(
-                f"stream {self._name}: no sample within {timeout} s, for which another thread waits"
+                f"stream {self._name}: no sample within {timeout} s, because another thread or "
+                "task was waiting for a sample all that time"
             )
         try:
             self._turn, self._waits = turn, True
@@ -142,7 +144,7 @@ class Stream(Generic[T]):
             if sample is not None:
                 if turn is not None:
                     turn.taken.append(sample)
-                    if turn.over:  # cancelled meanwhile
+                    if turn.over:  # the reader was cancelled meanwhile
                         self._take_back(turn)
                 return sample
         finally:
@@ -155,12 +157,12 @@ class Stream(Generic[T]):
         return self._waits and not (turn is not None and turn.over)
 
     def _take_back(self, turn: Turn[T]) -> None:
-        """Takes back a sample that the cancelled reader did not return. Any thread."""
+        """Keeps a sample that a cancelled reader received but did not use. Runs on any thread."""
         with contextlib.suppress(IndexError):
             self._returned.append(turn.taken.pop())
 
     def _look_back(self) -> None:
-        """Called by the reader: takes the samples that were returned."""
+        """Takes over the samples that cancelled readers returned. Only the reader may call it."""
         while self._returned:
             sample = self._returned.popleft()
             if sample.sequence == self._read:

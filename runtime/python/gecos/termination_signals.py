@@ -1,4 +1,4 @@
-"""Turns SIGINT and SIGTERM into the orderly end of a server."""
+"""Waits for SIGINT or SIGTERM, so that a server can end in an orderly way."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from types import TracebackType
 from typing import Self
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
-_ENOUGH = 4096  # bytes to peek at: other signals may have come first
+_ENOUGH = 4096  # bytes to peek at: other signals may have arrived before SIGINT or SIGTERM
 
 
 class TerminationSignals:
-    """Inside the block SIGINT and SIGTERM only end `wait`. Main thread only.
+    """Inside the `with` block, SIGINT and SIGTERM only end `wait`. For the main thread only.
 
-    A signal arrives on a socket, whichever thread the kernel delivers it to. So none is lost
-    between checking and sleeping, and no handler takes a lock.
+    Python writes each signal to a socket, whichever thread the kernel delivers the signal to. So
+    no signal is lost between checking and sleeping, and no signal handler takes a lock.
     """
 
     def __enter__(self) -> Self:
@@ -26,7 +26,7 @@ class TerminationSignals:
         return self
 
     def wait(self) -> None:
-        """Sleeps until the first of these signals; returns at once when one arrived before."""
+        """Sleeps until SIGINT or SIGTERM; returns at once if one of them has already arrived."""
         while self._here.recv(1)[0] not in _SIGNALS:
             pass
 

@@ -2,7 +2,7 @@
 
 #include <nanobind/nanobind.h>
 
-/// The parts that make up the module.
+/// Functions that define the classes of the module `_core`.
 namespace gecos::python {
 
 void bind_client(nanobind::module_& module);

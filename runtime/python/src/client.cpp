@@ -1,4 +1,5 @@
-// The client side of the untyped interface, in encoded bytes: Lab, Session, Command, Stream, Lease.
+// The client classes of `_core`, with encoded bytes for values: Lab, Session, Command, Stream,
+// Lease.
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
@@ -17,7 +18,7 @@ namespace {
 
 namespace nb = nanobind;
 
-/// A proxy for a bare session, to call the built-in operations of every object.
+/// A proxy without an interface, to call the built-in operations, which every object has.
 struct AnyObject : Object {
   explicit AnyObject(std::shared_ptr<session::ClientSession> session)
       : Object(std::move(session)) {}
@@ -99,8 +100,8 @@ CommandHandle outcome(SessionHandle& self, const std::string& command) {
   const auto id = command_id_from(command);
   if (!id) {
     throw nb::value_error(("'" + command +
-                           "' is not the id of a command: three hexadecimal numbers "
-                           "with - between them, as command.id gives it")
+                           "' is not the id of a command: an id is three hexadecimal numbers "
+                           "joined by '-', as command.id returns it")
                               .c_str());
   }
   return CommandHandle(gecos::outcome(AnyObject(self.get()), *id).core());
@@ -178,7 +179,7 @@ nb::object next(StreamHandle& self, std::optional<double> timeout) {
         got = core->next(self.sample(), until);
         return got || got.error() != StreamEnd::Nothing;
       },
-      [&] { return self.get() == nullptr; });  // closed meanwhile
+      [&] { return self.get() == nullptr; });  // another thread closed the stream
   if (self.get() == nullptr) {
     without_gil([last = std::move(core)]() mutable { last.reset(); });
     return nb::str("closed");

@@ -13,7 +13,7 @@ namespace {
 
 namespace nb = nanobind;
 
-/// A table together with what it points to. Deques: texts and tables never move.
+/// A table together with the data it points to. The elements of the deques never move.
 struct OwnedDescription {
   std::deque<std::string> texts;
   std::vector<std::string_view> bases;
@@ -29,7 +29,7 @@ T field(nb::handle table, const char* name) {
   return nb::cast<T>(table.attr(name));
 }
 
-/// An IntEnum of Python whose numbers are those of the C++ one.
+/// Converts a Python IntEnum to the C++ enum with the same values; throws for values above `last`.
 template <class Enum>
 Enum enumerator(nb::handle table, const char* name, Enum last) {
   const auto number = field<std::uint8_t>(table, name);
@@ -88,7 +88,7 @@ StreamDescription stream_of(nb::handle table, OwnedDescription& owner) {
 }  // namespace
 
 const InterfaceDescription& description_of(nb::handle interface) {
-  // Leaked on purpose: threads of the session may still look at tables while the process exits.
+  // Leaked on purpose: threads of the session may still read tables while the process exits.
   static auto& kept = *new std::deque<OwnedDescription>();
   static auto& known = *new std::unordered_map<PyObject*, const InterfaceDescription*>();
   if (const auto found = known.find(interface.ptr()); found != known.end()) return *found->second;
@@ -112,7 +112,7 @@ const InterfaceDescription& description_of(nb::handle interface) {
   owned.table.bases = owned.bases;
   owned.table.operations = owned.operations;
   owned.table.streams = owned.streams;
-  interface.inc_ref();  // for ever, so that no other interface gets its address
+  interface.inc_ref();  // never released, so that no other interface gets this address
   known.emplace(interface.ptr(), &owned.table);
   return owned.table;
 }

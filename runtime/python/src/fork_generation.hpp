@@ -7,7 +7,7 @@
 
 namespace gecos::python {
 
-inline std::atomic<std::uint64_t> fork_counter{0};  // publishes nothing but itself
+inline std::atomic<std::uint64_t> fork_counter{0};  // orders no other memory: relaxed
 
 /// Number of forks between this process and the one that loaded the module. Used instead of the
 /// process id because `getpid` takes longer than half a call.

@@ -3,7 +3,7 @@
 #include <Python.h>
 #include <unistd.h>
 
-/// The only way in this module to release the GIL for a while.
+/// The only class with which this module may release the GIL.
 namespace gecos::python {
 
 /// Releases the GIL for its lifetime. @pre the GIL is held.

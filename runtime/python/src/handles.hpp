@@ -28,8 +28,8 @@ class Owner {
   void demand(const char* what) const {
     if (!inherited()) return;
     throw std::runtime_error(std::string(what) +
-                             " belongs to the process that forked this one; make a Lab, and what "
-                             "you need of it, in the child");
+                             " belongs to the process that forked this one; in the child, make a "
+                             "new Lab and new proxies, streams and servers from it");
   }
 
  private:

@@ -22,7 +22,8 @@ void as_os_error(const std::exception_ptr& raised, void*) {
 }  // namespace
 
 NB_MODULE(_core, module) {
-  module.doc() = "The C++ runtime at the byte seam: untyped names that `gecos` gives their types.";
+  module.doc() =
+      "The C++ runtime, with values as encoded bytes. The modules of `gecos` add the types.";
   nanobind::register_exception_translator(as_os_error);
   gecos::python::count_forks();
   gecos::python::bind_client(module);
@@ -31,7 +32,7 @@ NB_MODULE(_core, module) {
     const auto detail = gecos::detail_from(number);
     return std::string(detail ? gecos::to_string(*detail) : "");
   });
-  // Proxies and servers of a module's top level live until the very end; `gecos.shutdown` has taken
-  // leave of their sessions by then.
+  // Proxies and servers in global variables live until the interpreter has ended; by then
+  // `gecos.shutdown` has closed their sessions. nanobind must not report them as leaks.
   nanobind::set_leak_warnings(false);
 }

@@ -16,12 +16,12 @@
 namespace gecos::python {
 
 enum class Lane : std::uint8_t {
-  Safety,  ///< stops, safety operations
+  Safety,  ///< stop requests and safety operations
   Sensor,  ///< sensor operations that are neither cancelable nor ordered
   Fifo,    ///< all other operations, in the order of arrival
 };
 
-/// A client stopped the object.
+/// The task that tells the handlers that a client stopped the object.
 struct Stopped {};
 using Task = std::variant<IncomingCall, Stopped>;
 
@@ -31,7 +31,7 @@ class TaskQueue {
   void push(Task task);
   /// Waits for the next task that may begin; nullopt after `close`. A returned call has started.
   std::optional<Task> next();
-  /// Ends `next`; calls that still wait are rejected.
+  /// Makes `next` return nullopt and rejects the calls that still wait.
   void close();
 
  private:
@@ -53,9 +53,9 @@ class PulledServant final : public Servant {
   bool gecos_begins_calls() const override { return true; }
   bool gecos_share_thread(const OperationDescription& one,
                           const OperationDescription& other) const override;
-  /// Any thread.
+  /// Queues a Stopped task. Any thread.
   void stopped() { queue(Lane::Safety).push(Stopped{}); }
-  /// Any thread; waits for the next task of the lane, nullopt after `close`.
+  /// Waits for the next task of the lane; nullopt after `close`. Any thread.
   std::optional<Task> next(Lane lane) { return queue(lane).next(); }
   /// Closes all lanes: `next` returns no further task.
   void close();

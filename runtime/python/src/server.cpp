@@ -1,5 +1,5 @@
-// The server side of the untyped interface, in encoded bytes: Server, PulledServant, IncomingCall,
-// Broker.
+// The server classes of `_core`, with encoded bytes for values: Server, PulledServant,
+// IncomingCall, Broker.
 #include "gecos/server.hpp"
 
 #include <nanobind/stl/optional.h>
@@ -25,8 +25,8 @@ namespace {
 
 namespace nb = nanobind;
 
-/// A call that Python answers. The first answer moves the call out; later answers are ignored, and
-/// so are answers from a child that the handler forked: the parent answers.
+/// A call that Python answers. The first answer moves `call_` out; later answers are ignored.
+/// Answers of a child process that the handler forked are ignored, too: the parent must answer.
 class CallHandle {
  public:
   explicit CallHandle(IncomingCall call) : code_(call.operation().code), call_(std::move(call)) {}
@@ -57,7 +57,7 @@ class ServantHandle {
   const std::shared_ptr<PulledServant>& servant() const { return servant_; }
 
   /// The next call of a lane, "stopped", or None after the lane is closed or in a forked child.
-  /// Waits without slices: only the main thread handles signals, and it does not wait here.
+  /// Waits without slices: only the main thread, which never waits here, handles signals.
   nb::object next(int lane) {
     if (owner_.inherited()) return nb::none();
     auto task = without_gil([&] { return servant_->next(static_cast<Lane>(lane)); });
@@ -101,13 +101,13 @@ class ServerHandle {
   nb::object add(const ServantHandle& prepared, const std::string& name, bool simulated,
                  const std::vector<std::string>& media) {
     owner_.demand("this Server");
-    auto server = server_;  // another thread may close meanwhile
+    auto server = server_;  // another thread may call `close` meanwhile
     if (server == nullptr) return nb::str((name + " is not served: the server is closed").c_str());
     ObjectOptions options;
     options.simulated = simulated;
-    options.thread_safe = true;  // dispatching only queues
+    options.thread_safe = true;  // gecos_dispatch only queues the call
     options.patience =
-        std::chrono::seconds(2);  // await_broker was before; the broker may be restarted
+        std::chrono::seconds(2);  // await_broker found a broker; the broker may be restarting
     for (const std::string& medium : media) {
       const auto kind = media::kind_from(medium);
       if (!kind) {
@@ -121,7 +121,7 @@ class ServerHandle {
     const auto added = without_gil([&, server = std::move(server)]() mutable {
       const std::lock_guard lock(serving_);
       auto result = server->add(name, *servant, std::move(options));
-      server.reset();  // the last reference, if closed meanwhile
+      server.reset();  // the last reference if `close` ran meanwhile
       return result;
     });
     if (!added) return nb::str(added.error().text.c_str());
@@ -129,14 +129,14 @@ class ServerHandle {
     return nb::str((name + " is not served any more: the server was closed").c_str());
   }
 
-  /// Waits for a broker. Returns None when it answers, else the reason and the expected place.
+  /// Waits for a broker. Returns None if it answers, else the reason and where it was expected.
   nb::object await_broker(double patience) {
     owner_.demand("this Server");
     std::string why = "the server is closed";
     const auto closed = [this] { return server_ == nullptr; };
     bool found = false;
     const auto wait = [&, held = std::weak_ptr(server_)](TimePoint until) {
-      const auto server = held.lock();  // another thread may close meanwhile
+      const auto server = held.lock();  // another thread may call `close` meanwhile
       if (server == nullptr) return true;
       const auto answers = server->await_broker(until - SystemClock().now());
       if (!answers) why = answers.error().text;
@@ -167,7 +167,7 @@ class ServerHandle {
     }
     without_gil([this, servants = servants_, server = std::exchange(server_, nullptr)]() mutable {
       for (const auto& servant : servants) servant->close();
-      const std::lock_guard lock(serving_);  // another thread may be adding
+      const std::lock_guard lock(serving_);  // waits while another thread adds a servant
       server.reset();
       // This object keeps the servants alive; servants must not keep the lab and its thread alive.
       for (const auto& servant : servants) servant->gecos_attach(nullptr);
@@ -180,7 +180,7 @@ class ServerHandle {
   std::shared_ptr<Lab> lab_;
   std::mutex serving_;  // held while a servant is added or all are released; locked without the GIL
   std::vector<std::shared_ptr<PulledServant>> servants_;
-  std::shared_ptr<Server> server_;  // last: ends before the servants it serves
+  std::shared_ptr<Server> server_;  // last member: destroyed before the servants it serves
 };
 
 /// A broker in this process, with a server of its own.
@@ -205,7 +205,7 @@ class BrokerHandle {
   struct Serving {
     explicit Serving(Lab& lab) : server(lab) {}
     broker::Broker broker;
-    Server server;  // last: ends before the servant it serves
+    Server server;  // last member: destroyed before the broker, its servant
   };
   const Owner owner_;
   std::shared_ptr<Lab> lab_;

@@ -14,12 +14,12 @@
 #include "gecos/base/thread.hpp"
 #include "gil.hpp"
 
-/// Waiting for Python: without the GIL, and Python's signal handlers run after each slice of time.
+/// Waiting without the GIL; Python's signal handlers run after each slice of time.
 namespace gecos::python {
 
 inline constexpr Duration longest_deafness = std::chrono::milliseconds(100);
 
-/// Seconds of Python as a duration: None and infinity mean for ever, negative numbers and NaN zero.
+/// Converts seconds from Python: None and infinity mean for ever, negative values and NaN zero.
 inline Duration patience_of(std::optional<double> seconds) {
   if (!seconds || *seconds > 1e9) return Duration::max();
   if (!(*seconds > 0)) return Duration::zero();
@@ -27,8 +27,9 @@ inline Duration patience_of(std::optional<double> seconds) {
 }
 
 /// Calls `wait(until)` in slices, without the GIL, until it returns true, the time is over, or
-/// `given_up`, called with the GIL, returns true. Between slices Python's signal handlers run: an
-/// exception of theirs (KeyboardInterrupt) ends the wait. Returns whether `wait` returned true.
+/// `given_up`, called with the GIL, returns true. Between slices Python's signal handlers run;
+/// an exception that they raise (KeyboardInterrupt) ends the wait. Returns whether `wait` returned
+/// true.
 template <class Wait, class GivenUp>
 bool wait_in_slices(std::optional<double> seconds, Wait wait, GivenUp given_up) {
   const Duration patience = patience_of(seconds);
@@ -59,7 +60,7 @@ auto run_interruptibly(Work work) {
   std::future<Value> value = task->get_future();
   try {
     start_thread("gecos-python", [task] { (*task)(); }).detach();
-  } catch (const std::system_error&) {  // no thread left: then no signal ends the wait
+  } catch (const std::system_error&) {  // no thread is available: then no signal ends the wait
     const WithoutGil released;
     (*task)();
   }
@@ -69,7 +70,7 @@ auto run_interruptibly(Work work) {
   return value.get();
 }
 
-/// Runs `work`, which may block for a moment, without the GIL.
+/// Runs `work`, which may block for a short time, without the GIL.
 template <class Work>
 decltype(auto) without_gil(Work work) {
   const WithoutGil released;

@@ -220,7 +220,7 @@ TEST_F(KeyDirectoryTest, WhatIsNoDirectoryIsSaidSo) {
   write(keys, "");
   EXPECT_EQ(why_not_opened(),
             keys.string() +
-                ": is no directory, and keys need one; GECOS_KEY_DIR names another directory");
+                ": is no directory, and keys need one; set GECOS_KEY_DIR to use another directory");
   EXPECT_FALSE(KeyDirectory::open((keys / "below").string()));
 }
 
@@ -252,11 +252,11 @@ TEST_F(KeyDirectoryTest, ADirectoryThatCannotBeWrittenOrBelongsToAnotherIsSaidSo
       const std::string unwritable = changed ? why_no_identity() : "";
       const bool said =
           unwritable == secret().string() +
-                            ": the key cannot be written (Permission denied); GECOS_KEY_DIR names "
-                            "another directory";
+                            ": the key cannot be written (Permission denied); set GECOS_KEY_DIR "
+                            "to use another directory";
       ::_exit(said && ::seteuid(0) == 0 && ::chmod(keys.c_str(), 0700) == 0 &&
                       why_not_opened().find("belongs to uid 65534, and this program runs as uid 0; "
-                                            "GECOS_KEY_DIR") != std::string::npos
+                                            "set GECOS_KEY_DIR") != std::string::npos
                   ? 0
                   : 1);
     }
@@ -267,10 +267,9 @@ TEST_F(KeyDirectoryTest, ADirectoryThatCannotBeWrittenOrBelongsToAnotherIsSaidSo
   }
   open();
   ::chmod(keys.c_str(), 0500);
-  EXPECT_EQ(
-      why_no_identity(),
-      secret().string() +
-          ": the key cannot be written (Permission denied); GECOS_KEY_DIR names another directory");
+  EXPECT_EQ(why_no_identity(), secret().string() +
+                                   ": the key cannot be written (Permission denied); set "
+                                   "GECOS_KEY_DIR to use another directory");
   ::chmod(keys.c_str(), 0700);
 }
 
@@ -278,7 +277,7 @@ TEST_F(KeyDirectoryTest, APathThatCannotBeMadeIsSaidSo) {
   keys = "/proc/gecos/keys";
   EXPECT_EQ(why_not_opened(),
             "/proc/gecos/keys: the key directory cannot be made (No such file or directory); "
-            "GECOS_KEY_DIR names another directory");
+            "set GECOS_KEY_DIR to use another directory");
 }
 
 class EnvironmentTest : public ::testing::Test {

@@ -43,7 +43,7 @@ TEST(CommandLine, SaysWhatIsWrongWithAWordBeforeTheUsage) {
     const std::string said = ::testing::internal::GetCapturedStderr();
     return said.substr(0, said.find('\n'));
   };
-  EXPECT_EQ(says({"--sped", "1"}), "robcl-belt: '--sped' is not known");
+  EXPECT_EQ(says({"--sped", "1"}), "robcl-belt: '--sped' is not an option of this program");
   EXPECT_EQ(says({"--speed"}), "robcl-belt: '--speed' needs a value");
   EXPECT_EQ(says({"--speed", "fast"}), "robcl-belt: '--speed' needs a number, not 'fast'");
   EXPECT_EQ(says({"--speed", "nan"}), "robcl-belt: '--speed' needs a number, not 'nan'");

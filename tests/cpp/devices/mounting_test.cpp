@@ -26,7 +26,7 @@ TEST_F(MountingTest, ACarrierThatWasNotHeardYetIsNotGuessed) {
   const auto unknown = carrier.frame();
   ASSERT_FALSE(unknown);
   EXPECT_EQ(unknown.error(),
-            "where the flange of 'RX90' is, is not known: 'RX90' was not heard yet");
+            "the position of the flange of 'RX90' is unknown: 'RX90' sent no sample yet");
   EXPECT_TRUE(near(heard(carrier), arm_.flange(), 1e-3, 1e-2));
 }
 

@@ -126,7 +126,7 @@ TEST(LcmReceiver, SaysWhatMendsAMissingRoute) {
   nowhere.group = "10.0.0.1";
   const auto opened = LcmReceiver::open(nowhere, 20017);
   ASSERT_FALSE(opened);
-  EXPECT_NE(opened.error().text.find("cannot hear 10.0.0.1:20017"), std::string::npos);
+  EXPECT_NE(opened.error().text.find("cannot receive from 10.0.0.1:20017"), std::string::npos);
   EXPECT_NE(opened.error().text.find("ip route add 10.0.0.1/32 dev lo"), std::string::npos);
 }
 

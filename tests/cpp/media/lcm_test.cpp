@@ -250,7 +250,7 @@ TEST(LcmPort, AdvisesNoRouteToWhatIsNoMulticastGroup) {
   options.group = "1.2.3.4";
   const auto port = LcmPort::open(options, 20017);
   ASSERT_FALSE(port);
-  EXPECT_NE(port.error().text.find("1.2.3.4 is no multicast group"), std::string::npos);
+  EXPECT_NE(port.error().text.find("1.2.3.4 is not a multicast group"), std::string::npos);
   EXPECT_EQ(port.error().text.find("ip route"), std::string::npos) << port.error().text;
 }
 

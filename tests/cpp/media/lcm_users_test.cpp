@@ -54,7 +54,7 @@ TEST_F(LcmUsers, AClientWhoseKeyIsNotAdmittedIsNotMetAndToldWhatToDo) {
   auto client = std::move(*bob_->connect(acceptor->address()));
   ASSERT_TRUE(client->send(bytes_of("let me in"), {}));
   for (int i = 0; i < 20; ++i) EXPECT_EQ(acceptor->accept(), nullptr);
-  const std::string text = trouble(*acceptor, *client, "is not admitted there");
+  const std::string text = trouble(*acceptor, *client, "it does not admit our key");
   EXPECT_NE(text.find(options("bob").key_directory + "/"), std::string::npos) << text;
   admit("bob", "ada");
   EXPECT_NE(wait_for_client(*acceptor, *client), nullptr) << "from now on, with the same link";
@@ -83,14 +83,14 @@ TEST_F(LcmUsers, WhoMeetsNobodyIsToldHowFarItsPacketsGo) {
   };
   EXPECT_NE(said(0).find("GECOS_LCM_TTL is 0, so our packets stay on this host"), std::string::npos)
       << said(0);
-  EXPECT_NE(said(1).find("only where its own GECOS_LCM_TTL is 1 or more"), std::string::npos)
+  EXPECT_NE(said(1).find("only if its own GECOS_LCM_TTL is 1 or more"), std::string::npos)
       << said(1);
 }
 
 TEST_F(LcmUsers, AnImpostorAtAWellKnownPlaceIsRefused) {
   const auto impostor = ada_->listen("BROKER", true).value();
   auto client = std::move(*bob_->connect(bob_->well_known_address("BROKER")));
-  const std::string text = trouble(*impostor, *client, "who answered there was refused");
+  const std::string text = trouble(*impostor, *client, "the answering server is refused");
   EXPECT_NE(text.find("is not admitted here"), std::string::npos) << text;
 }
 

@@ -31,8 +31,8 @@ TEST(RuntimeDirectory, IsRefusedWhereOthersCouldListenIn) {
   ASSERT_EQ(::chmod(scratch.path().c_str(), 0777), 0);
   const auto refused = shm::prepare_directory(scratch.path());
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().text, "shm: others may write to " + scratch.path() +
-                                      ", who could listen in; run:  chmod go-w " + scratch.path());
+  EXPECT_EQ(refused.error().text, "shm: other users may write to " + scratch.path() +
+                                      " and could listen in; run:  chmod go-w " + scratch.path());
   const auto file = scratch.path() + "/file";
   std::filesystem::copy("/proc/self/comm", file);
   EXPECT_FALSE(shm::prepare_directory(file));
@@ -158,7 +158,7 @@ TEST(TwoUsers, EachHaveABrokerOfTheirOwnInADirectoryThatRootMadeForAll) {
   ASSERT_TRUE(first.wait_ready());
   const std::string alone = heard_by(bob);
   EXPECT_NE(alone.find("no server is there (the directory is for uid 20002 alone; programs of "
-                       "other users are met over lcm)"),
+                       "other users are reached over lcm)"),
             std::string::npos)
       << alone;
   const ChildProcess second = broker_of(bob);
@@ -175,7 +175,8 @@ TEST(TwoUsers, NobodyIsToldToEndTheProgramOfAnother) {
   const ChildProcess broker = broker_of(ada);
   ASSERT_TRUE(broker.wait_ready());
   const auto said = heard_by(bob);
-  EXPECT_NE(said.find("it belongs to another user, who is met over lcm alone"), std::string::npos)
+  EXPECT_NE(said.find("it belongs to another user, who is reached over lcm only"),
+            std::string::npos)
       << said;
   ASSERT_EQ(::chown(scratch.path().c_str(), 0, 0), 0);
   const auto second = make_shm()->listen("BROKER", true);
@@ -194,7 +195,7 @@ TEST(WellKnownPlace, ThatIsALinkToNothingOrAFileIsNotTakenForAServer) {
   const auto medium = make_shm({.directory = scratch.path()});
   const std::string place = scratch.path() + "/RX90.sock";
   const std::string expected = "shm: " + place +
-                               " is no socket, and no link to one that is served; remove it, or "
+                               " exists, but is not the socket of a server; remove it, or "
                                "name a directory of your own in GECOS_RUNTIME_DIR";
   std::filesystem::create_symlink(scratch.path() + "/gone", place);
   const auto dangling = medium->listen("RX90", true);

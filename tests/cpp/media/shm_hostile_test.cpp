@@ -437,7 +437,7 @@ TEST_F(ShmHostile, AClientRefusesAServersUnsealedMemory) {
   const std::array given{memfd.get(), event.descriptor()};
   ASSERT_TRUE(shm::send_control(socket.get(), {.type = ControlType::Welcome}, given));
   EXPECT_EQ(client.wait_for_loss(), Loss::Broken);
-  EXPECT_EQ(client.link->loss_text(), "it sent memory that is not sealed");
+  EXPECT_EQ(client.link->loss_text(), "the peer sent memory that is not sealed");
 }
 
 TEST_F(ShmHostile, AClientRefusesStreamsOfImpossibleSizes) {

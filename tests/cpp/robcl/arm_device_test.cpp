@@ -149,7 +149,7 @@ TEST_F(Arm, MountAndToolAreRefusedWhileItMoves) {
     arm_.step(cycle);
   }
   ASSERT_FALSE(mounted.has_value());
-  EXPECT_EQ(mounted.error().reason, "the arm is moving; mount it when it stands");
+  EXPECT_EQ(mounted.error().reason, "the arm is moving; mount it when it has stopped");
   ASSERT_FALSE(tool.has_value());
   EXPECT_TRUE(mover.get().has_value());
   EXPECT_TRUE(arm_.mount(translate(1, 0, 0)).has_value());

@@ -130,7 +130,7 @@ TEST(ArmModel, RefusesWhatIsNoArmAndSaysWhy) {
   };
   EXPECT_EQ(refusal(robot("type='prismatic'><limit lower='0' upper='1' velocity='1' effort='1'/>"),
                     "a", "b"),
-            "joint 'j' does not turn; arms here have revolute joints only");
+            "joint 'j' is not revolute, continuous or fixed; other types are not supported");
   EXPECT_EQ(refusal(robot("type='revolute'><limit lower='0' upper='1' velocity='0' effort='1'/>"),
                     "a", "b"),
             "joint 'j' needs a velocity above 0");
@@ -138,8 +138,9 @@ TEST(ArmModel, RefusesWhatIsNoArmAndSaysWhy) {
                     "a", "b"),
             "joint 'j': lower limit is not below the upper one");
   EXPECT_EQ(refusal(robot("type='fixed'>"), "a", "tip"), "there is no link 'tip'");
-  EXPECT_EQ(refusal(robot("type='fixed'>"), "b", "a"), "link 'a' is not carried by link 'b'");
-  EXPECT_EQ(refusal(robot("type='fixed'>"), "a", "b"), "it has 0 joints, 1 to 8 are supported");
+  EXPECT_EQ(refusal(robot("type='fixed'>"), "b", "a"), "link 'a' is not a descendant of link 'b'");
+  EXPECT_EQ(refusal(robot("type='fixed'>"), "a", "b"),
+            "the arm has 0 moving joints; 1 to 8 are supported");
   const auto missing = ArmModel::from_urdf_file("/nowhere/x.urdf", "a", "b", 0.25);
   EXPECT_EQ(missing.error().text, "/nowhere/x.urdf: cannot be read");
 }

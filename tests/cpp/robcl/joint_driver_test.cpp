@@ -224,7 +224,7 @@ TEST(Drives, ThatWereNotServedForLongerThanTheyAllowDoNotGoOn) {
   const auto outcome = controller.wait(std::chrono::seconds(0));
   ASSERT_TRUE(outcome.has_value());
   EXPECT_EQ(outcome->end, ArmController::End::Fault);
-  EXPECT_EQ(outcome->fault.text.rfind("the control loop stood still for 0.5", 0), 0U)
+  EXPECT_EQ(outcome->fault.text.rfind("the control loop stalled for 0.5", 0), 0U)
       << outcome->fault.text;
 }
 
@@ -251,7 +251,7 @@ TEST(DriverThatDoesNotReturn, EndsTheMoveAndNoOtherBeginsBeforeItDoes) {
   auto loop = std::async(std::launch::async, [&] { arm.step(beat); });
   const auto failed = arm.move_joints(beside_start(), {}, watcher);
   ASSERT_FALSE(failed);
-  EXPECT_EQ(to_string(failed.error()), "the driver does not return: the control loop stands still");
+  EXPECT_EQ(to_string(failed.error()), "the driver does not return: the control loop has stalled");
   const auto refused = arm.move_joints(beside_start(), {}, watcher);
   ASSERT_FALSE(refused);
   EXPECT_TRUE(std::holds_alternative<DriverFault>(refused.error())) << to_string(refused.error());

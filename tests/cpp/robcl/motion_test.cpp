@@ -201,7 +201,7 @@ TEST_F(Motion, AGoalInMillimetresIsAskedAbout) {
   ASSERT_NE(reach, nullptr);
   EXPECT_EQ(
       reach->reason,
-      "the goal is 583.1 m from the base, the arm reaches 1.405 m: were its numbers millimetres?");
+      "the goal is 583.1 m from the base, the arm reaches 1.405 m: is the goal in millimetres?");
   EXPECT_FALSE(planner_.joints_to(ready, translate(500, 0, 300), Frame(), {}).has_value());
 }
 
@@ -209,7 +209,7 @@ TEST_F(Motion, AJointGoalOutsideTheLimitsNamesTheJoint) {
   const auto plan = planner_.joints(ready, joints({0, 0, 0, 0, -110, 0}), {});
   ASSERT_FALSE(plan.has_value());
   EXPECT_EQ(to_string(plan.error()),
-            "joint 5 would have to stand at -110.0 deg, it turns from -105.0 to 120.0 deg");
+            "joint 5 would have to stand at -110.0 deg, its range is -105.0 to 120.0 deg");
 }
 
 TEST_F(Motion, AMoveToWhereItStandsIsOverAtOnce) {

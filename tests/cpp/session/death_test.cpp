@@ -324,10 +324,9 @@ TEST(ServerDiesAmongImages, AndEveryCallEndsAndNoMemoryIsLeft) {
     auto refused = call();
     for (; refused->progress().detail == Detail::Sent; refused = call())
       commands.push_back(refused);
-    EXPECT_EQ(
-        refused->failure().text,
-        "'read' of PROBE was not sent: shm is full of what the server has not taken yet; wait "
-        "for a call that was sent before");
+    EXPECT_EQ(refused->failure().text,
+              "'read' of PROBE was not sent: shm is full of packets that the server has not read "
+              "yet; wait for an earlier call");
     child.kill_at_once();
     for (const auto& command : commands) {
       command->wait_until(gecos::TimePoint::max());

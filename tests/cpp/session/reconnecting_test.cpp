@@ -110,7 +110,7 @@ TEST_F(ReconnectingTest, AProxyThatWasReplacedAlreadyIsNotDroppedAgain) {
 TEST_F(ReconnectingTest, AStreamIsOpenedAgainAfterItsServerWasLost) {
   const auto open = [](const probe::Probe& there) { return there.level(stream); };
   ReconnectingStream<probe::Probe, std::int32_t> level(lab_, "PROBE", open, at_once());
-  EXPECT_EQ(level.latest().error(), "'PROBE' was not heard yet");
+  EXPECT_EQ(level.latest().error(), "'PROBE' sent no sample yet");
   level.tick();
   EXPECT_NE(level.latest().error().find("no object is called PROBE"), std::string::npos);
   EXPECT_FALSE(level.proxy());
@@ -128,7 +128,7 @@ TEST_F(ReconnectingTest, AStreamIsOpenedAgainAfterItsServerWasLost) {
   EXPECT_TRUE(level.proxy());
   end();
   while (level.latest()) std::this_thread::yield();
-  EXPECT_EQ(level.latest().error(), "'PROBE' is silent");
+  EXPECT_EQ(level.latest().error(), "'PROBE' no longer sends samples");
   start();
   EXPECT_TRUE(heard(12));
 }

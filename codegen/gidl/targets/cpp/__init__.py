@@ -1,1 +1,1 @@
-"""C++20: types that encode themselves, client proxies, servant skeletons."""
+"""Generates C++20: types that encode themselves, client proxies, servant skeletons."""

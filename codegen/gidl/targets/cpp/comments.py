@@ -1,4 +1,4 @@
-"""The author's comments, as lines after `///`."""
+"""Prepares the author's comments for lines that begin with `///`."""
 
 from __future__ import annotations
 
@@ -13,6 +13,6 @@ def doc_lines(facts: Facts, note: str = "") -> tuple[str, ...]:
 
 
 def comment(lines: Iterable[str]) -> tuple[str, ...]:
-    """None of them goes on in the line of code after it, as one does that ends in a backslash, or
-    in the trigraph for it."""
+    """`lines` such that none continues on the next line of code. A line that ends in a backslash,
+    or in the trigraph for a backslash, gets a full stop."""
     return tuple(f"{line} ." if line.endswith(("\\", "??/")) else line for line in lines)

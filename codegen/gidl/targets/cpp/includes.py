@@ -1,4 +1,4 @@
-"""Which headers of the standard library the text of a declaration needs."""
+"""Finds the headers of the standard library that the text of a declaration needs."""
 
 from __future__ import annotations
 

@@ -36,11 +36,11 @@ from gidl.wire_nodes import ScalarNode
 
 @dataclass(frozen=True, slots=True)
 class HeldView:
-    """An attribute: what was set is what is got."""
+    """An attribute of a mock. Its getter returns the value that was last set."""
 
     name: str
     type: str
-    value: tuple[str, ...]  # lines of its first value
+    value: tuple[str, ...]  # lines of the initialiser
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,10 +59,10 @@ class StreamView:
 
 @dataclass(frozen=True, slots=True)
 class MockView:
-    name: str  # "MockRx90"
-    base: str  # "robcl::Rx90Servant"
+    name: str  # name of the class: "MockRx90"
+    base: str  # base class: "robcl::Rx90Servant"
     scoped_name: str
-    object: str  # what it is served as
+    object: str  # name of the object that the mock serves
     variable: str
     own: OwnNames
     held: tuple[HeldView, ...]
@@ -74,18 +74,18 @@ class MockView:
 class MocksView:
     source: str
     header: str
-    space: str  # the namespace of all that is its own
+    space: str  # the namespace of the mocks
     mocks: tuple[MockView, ...]
     publishes: bool
 
 
 @dataclass(frozen=True, slots=True)
 class OwnNames:
-    """Own names of a mock's class. A method or a parameter of the same name takes precedence."""
+    """Names that a mock's class needs for itself. They avoid those of methods and parameters."""
 
     mock: str
     streams: str
-    held: Mapping[str, str]  # by attribute
+    held: Mapping[str, str]  # member variables, by attribute
 
 
 def mocks_view(lowering: Lowering, path: str, interfaces: Sequence[Interface]) -> MocksView:
@@ -116,11 +116,11 @@ def mocks_view(lowering: Lowering, path: str, interfaces: Sequence[Interface]) -
 
 
 OWN_TYPE = TypeName(("gecos",), "")
-"""Names that are used besides the types of the interfaces."""
+"""A name in the namespace gecos, which a mock uses besides the types of its interfaces."""
 
 
 def _words(lowering: Lowering, interface: Interface) -> set[str]:
-    """Methods and parameters of an interface."""
+    """Names of the methods and parameters of an interface."""
     found = CPP_TYPES.members(lowering.model, interface)
     for member in lowering.model.all_interface_members(interface):
         if isinstance(member, Operation):
@@ -244,14 +244,15 @@ class _Facts(ServerSide):
 
 
 def _free(wanted: str, taken: Collection[str]) -> str:
-    """A name for a local that no name in `taken` begins with, because loops append to it."""
+    """A name for a local variable. No name in `taken` begins with it, because nested loops append
+    suffixes to it."""
     while any(name.startswith(wanted) for name in taken):
         wanted += "_"
     return wanted
 
 
 def sample(lowering: Lowering, value: CallValue, taken: Collection[str] = ()) -> list[str]:
-    """An initial value, as the lines after a member's name."""
+    """The initialiser of a member variable, as the lines after its name."""
     if value.optional:
         return ["{}"]
     local = _free("mock_value", taken)
@@ -266,7 +267,7 @@ def sample(lowering: Lowering, value: CallValue, taken: Collection[str] = ()) ->
 
 
 def in_place(lowering: Lowering, value: CallValue, taken: Collection[str]) -> str:
-    """The same as an expression."""
+    """The value that a mock returns for `value`, as an expression."""
     kind = lowering.type(value.type, value.optional)
     first, *rest = sample(lowering, value, taken)
     if not rest:

@@ -1,7 +1,6 @@
-"""How the names of declarations are written in C++.
+"""C++ names of declarations, from the table of names in the layout.
 
-The table of the layout decides them. Types are named absolutely, `::robcl::Frame`, so that nothing
-around the place where a name stands can give it another meaning.
+Names of types are absolute, `::robcl::Frame`, so that no name in an enclosing scope can hide them.
 """
 
 from __future__ import annotations
@@ -12,7 +11,7 @@ from gidl.type_names import TypeName, escaped
 from gidl.wire_layout import Layout
 
 OBJECT_REF = "::gecos::ObjectRef"
-"""The type of a value whose declared type is an interface, and the header of that type."""
+"""The C++ type of a value whose declared type is an interface."""
 OBJECT_REF_STEM = "gecos/object_ref"
 
 
@@ -21,14 +20,14 @@ def absolute(place: TypeName) -> str:
 
 
 def hand_written(declaration: AnyDeclaration) -> tuple[str, str] | None:
-    """Type and header, where the declaration maps to a type that is written by hand."""
+    """Type and header of the hand-written C++ type that a declaration maps to, or None."""
     maps_to = declaration.maps_to if isinstance(declaration, Struct) else None
     return maps_to.cpp if maps_to is not None else None
 
 
 def type_name(model: Model, layout: Layout, scoped_name: str) -> str:
-    """The type of a value: a hand-written one where the struct maps to one, a reference where an
-    interface is used as a type."""
+    """The C++ type of a value: the hand-written type that a struct maps to, ObjectRef for an
+    interface, else the generated type."""
     declaration = model.find(scoped_name)
     by_hand = hand_written(declaration)
     if by_hand is not None:
@@ -39,7 +38,7 @@ def type_name(model: Model, layout: Layout, scoped_name: str) -> str:
 
 
 def function_name(model: Model, layout: Layout, scoped_name: str, function: str) -> str:
-    """A function that stands beside the type of a value: `::robcl::decode_enum`."""
+    """The name of `function` in the namespace of a value's type: `::robcl::decode_enum`."""
     return f"{type_name(model, layout, scoped_name).rpartition('::')[0]}::{function}"
 
 
@@ -48,5 +47,5 @@ def member_name(name: str) -> str:
 
 
 def method_names(model: Model, interface: Interface) -> set[str]:
-    """Every name that the operations and attributes of an interface bring to its class."""
+    """The C++ names of all operations and attributes of an interface, also inherited ones."""
     return {escaped(m.name, CPP_WORDS) for m in model.all_interface_members(interface)}

@@ -1,4 +1,4 @@
-"""The C++ files of a model, each with its template and what that prints."""
+"""Lists the C++ files to generate for a model, each with its template and view."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""The .lcm files that lcm-gen reads: the same bytes and fingerprints for every type."""
+"""Prints .lcm files for lcm-gen: types have the same encoding and fingerprint as in gidl's code."""

@@ -1,4 +1,4 @@
-"""The .lcm files of a model. All lowering is done by gidl.lcm_lowering; here are only words."""
+"""Builds the views of a model's .lcm files from the structs that gidl.lcm_lowering computes."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from gidl.wire_layout import Layout
 @dataclass(frozen=True, slots=True)
 class MemberView:
     doc: tuple[str, ...]
-    text: str  # "double x[3];"
+    text: str  # the declaration: "double x[3];"
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +53,7 @@ def files(model: Model, layout: Layout) -> Iterator[OutputFile]:
 
 
 def _packages(model: Model, structs: tuple[LcmStruct, ...]) -> tuple[PackageView, ...]:
-    """One package after the other; structs without a package come first."""
+    """The packages, sorted by name; structs without a package come first."""
     names = sorted({struct.package for struct in structs})
     return tuple(
         PackageView(name, tuple(_struct(model, s) for s in structs if s.package == name))
@@ -72,7 +72,7 @@ def _struct(model: Model, struct: LcmStruct) -> StructView:
 
 
 def _facts(model: Model, struct: LcmStruct) -> dict[str, Facts]:
-    """The author's comments on the struct ("") and on its members."""
+    """The facts (such as comments) of the struct, under "", and of its members, by name."""
     if struct.source is None:
         return {}
     declaration = model.find(struct.source)

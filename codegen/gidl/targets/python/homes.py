@@ -1,4 +1,4 @@
-"""A module's names for classes, and the classes that it imports."""
+"""Where generated classes are defined, and how a module names and imports them."""
 
 from __future__ import annotations
 
@@ -10,27 +10,27 @@ from gidl.model import File, Interface, Model, Operation, Struct
 from gidl.targets.naming import LocalNames
 from gidl.wire_layout import Layout
 
-# What a value of an interface's type is, and where that is declared.
+# The type of a value whose declared type is an interface, and the file that declares ObjectRef.
 OBJECT_REF = "gecos::ObjectRef"
 _OBJECT_REF_FILE = "gecos/object_ref.gidl"
 
 
 class Home(NamedTuple):
-    """Where a class is defined, and what it is called there."""
+    """The module that defines a class, and the name of the class in that module."""
 
     module: str
     name: str
 
 
 class Homes:
-    """The homes of all that is declared, by the table of names."""
+    """The homes of the classes of all declarations, from the table of Python names."""
 
     def __init__(self, model: Model, layout: Layout) -> None:
         self._model = model
         self._names = layout.python_names
 
     def value(self, scoped_name: str) -> Home:
-        """The home of a type. The values of an interface type are references to objects."""
+        """The home of the class of a value. A value of an interface type is an ObjectRef."""
         if scoped_name != OBJECT_REF and isinstance(self._model.find(scoped_name), Interface):
             scoped_name = OBJECT_REF
         if scoped_name == OBJECT_REF and not self._model.has(OBJECT_REF):
@@ -45,12 +45,12 @@ class Homes:
         return Home(self._module(interface), self._names.servants[interface].name)
 
     def result(self, operation: Operation) -> Home:
-        """The home of the results of an operation with several results."""
+        """The home of the result class of an operation with several results."""
         name = self._names.results[operation.scoped_name].name
         return Home(self._types_module(operation.interface), name)
 
     def results_of(self, file: File) -> list[Operation]:
-        """The operations of a file with several results."""
+        """The operations of a file that have several results."""
         interfaces = [d for d in file.declarations if isinstance(d, Interface)]
         known = self._names.results
         return [o for i in interfaces for o in i.operations if o.scoped_name in known]
@@ -76,8 +76,8 @@ class Homes:
 
 
 class ModuleNames:
-    """One module's names for classes: its own from the table, those of other modules as they are
-    called there. Where that is taken an alias is imported, which no declaration can be called."""
+    """One module's names for classes. A class has the name that its home gives it; if this name is
+    taken, the class is imported under an alias, which no declaration can have as its name."""
 
     def __init__(
         self,
@@ -86,8 +86,8 @@ class ModuleNames:
         taken: Iterable[str] = (),
         own_modules: Iterable[str] = (),
     ) -> None:
-        """`used` are the classes that the module names; those of `own_modules` it has as they are
-        called there. `taken` are all names that it gives itself."""
+        """`used` are the classes that the module uses; those of `own_modules` are not imported.
+        `taken` are all names that the module itself defines."""
         self.homes = homes
         self._own = frozenset(own_modules)
         self._here = set(taken)
@@ -116,7 +116,7 @@ class ModuleNames:
         return self._called(self.homes.result(operation))
 
     def imports(self) -> dict[str, set[str]]:
-        """The imports from each module: "Frame", "Frame as _Frame__lab_types"."""
+        """What to import from each module: "Frame", "Frame as _Frame__lab_types"."""
         modules: dict[str, set[str]] = {}
         for home, called in self._imported.items():
             text = home.name if called == home.name else f"{home.name} as {called}"
@@ -128,7 +128,7 @@ class ModuleNames:
 
 
 class NamesAsUsed(ModuleNames):
-    """Names for a module that imports each class when it is named for the first time."""
+    """Names for a module. Each class is imported when its name is requested for the first time."""
 
     def __init__(self, homes: Homes, taken: Iterable[str]) -> None:
         super().__init__(homes)
@@ -141,14 +141,15 @@ class NamesAsUsed(ModuleNames):
 
 
 class AllNames(ModuleNames):
-    """Names outside any module: each class has the name of its own module."""
+    """Names without imports: each class has the name that its home gives it."""
 
     def _called(self, home: Home) -> str:
         return home.name
 
 
 def mapped_import(struct: Struct, called: str) -> tuple[str, str]:
-    """Module and text that import the hand-written type under the name of the declared one."""
+    """The module to import from, and the text after `import`: the hand-written class, under the
+    name `called`."""
     assert struct.maps_to is not None and struct.maps_to.python is not None
     module, name = struct.maps_to.python
     return module, name if name == called else f"{name} as {called}"

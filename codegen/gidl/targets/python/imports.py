@@ -1,4 +1,4 @@
-"""Import lines in the order that readers and linters expect."""
+"""Prints import lines in the order that linters expect."""
 
 from __future__ import annotations
 
@@ -8,26 +8,26 @@ _WIDTH = 100
 
 
 def import_order(name: str) -> tuple[int, str, str]:
-    """CONSTANTS, then Classes, then everything else."""
+    """Sort key for imported names: CONSTANTS, then Classes, then all others."""
     name = name.partition(" as ")[0]
     kind = 0 if name.isupper() and len(name) > 1 else 1 if name[0].isupper() else 2
     return kind, name.lower(), name
 
 
 def export_order(name: str) -> tuple[int, str]:
-    """The order of `__all__`: the same, but capitals come first everywhere."""
+    """Sort key for `__all__`: like `import_order`, but capitals sort before small letters."""
     kind, _, _ = import_order(name)
     return kind, name
 
 
 def private(names: Iterable[str]) -> list[str]:
-    """How a module brings in what it needs itself: "Kind as _Kind". No name of an interface begins
-    with an underscore, so none can hide it."""
+    """Imports under private names: "Kind as _Kind". No name of an interface begins with an
+    underscore, so none can hide such an import."""
     return [f"{name} as _{name}" for name in names]
 
 
 def import_lines(modules: Mapping[str, Iterable[str]]) -> list[str]:
-    """`from module import names` for each module that gives any, by module."""
+    """`from module import names` for each module with names to import, sorted by module."""
     lines: list[str] = []
     for module in sorted(modules):
         given = sorted(set(modules[module]), key=import_order)

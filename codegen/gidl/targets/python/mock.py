@@ -25,7 +25,7 @@ from gidl.wire_nodes import Node
 
 @dataclass(frozen=True, slots=True)
 class HeldView:
-    """An attribute: what was set is what is got."""
+    """An attribute of a mock. Its getter returns the value that was last set."""
 
     name: str
     hint: str
@@ -46,12 +46,12 @@ class StreamView:
 
 @dataclass(frozen=True, slots=True)
 class MockView:
-    name: str  # "MockRx90"
-    base: str  # "Rx90Servant"
+    name: str  # name of the class: "MockRx90"
+    base: str  # base class: "Rx90Servant"
     scoped_name: str
-    object: str  # what it is served as
+    object: str  # name of the object that the mock serves
     variable: str
-    beats: str  # method that gives its streams
+    beats: str  # name of the method that returns the mock's streams
     beats_hint: str
     held: tuple[HeldView, ...]
     methods: tuple[MethodView, ...]
@@ -115,14 +115,14 @@ def _as(name: str, called: str) -> str:
 
 
 class _Facts(Members):
-    """Heads of methods as people write them: a mock is theirs."""
+    """Method heads as in hand-written code, without private names: users edit their mocks."""
 
     def __init__(self, lowering: Lowering, interface: Interface, own: OwnNames) -> None:
         super().__init__(lowering, interface, names.Constants())
         self._own_names = own
 
     def hidden_by(self, methods: set[str]) -> None:
-        """Says what the class of the mock has."""
+        """Sets the names of all methods of the mock's class, which may hide builtins."""
         self._beside = methods
 
     def _in_class(self, hint: str) -> str:
@@ -141,7 +141,7 @@ class _Mock(MockValues):
         self._methods = {name for member in members for name in names.method_names(member)}
 
     def view(self, served: LocalNames) -> MockView:
-        """`served` are the names of those before it."""
+        """The view of the mock. `served` are the object names of earlier mocks in the file."""
         held, methods, streams = [], [], []
         for interface in self._model.with_bases(self.interface):
             facts = _Facts(self._lowering, interface, self._own)

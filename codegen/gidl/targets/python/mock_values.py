@@ -1,4 +1,4 @@
-"""Names in a mock in Python, and the values of its replies."""
+"""Names in a Python mock, and the values that its methods return."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ from gidl.wire_nodes import (
 
 
 class OwnNames:
-    """Own names of a mock. A parameter or a method of the same name takes precedence; types give
-    way to them."""
+    """Names that a mock needs for itself. They avoid the names of parameters and methods; the names
+    of types avoid them."""
 
     def __init__(self, taken: Iterable[str]) -> None:
         free = LocalNames(taken)
@@ -51,7 +51,7 @@ class OwnNames:
 
 
 def plain_hint(hint: str, own: OwnNames, hidden: Collection[str]) -> str:
-    """A hint as people write it, also where methods hide builtins."""
+    """A type hint as in hand-written code. A builtin that a method hides becomes `builtins.x`."""
 
     def other(found: re.Match[str]) -> str:
         return f"{own['builtins']}.{found[0]}" if found[0] in hidden else found[0]
@@ -72,7 +72,7 @@ class MockValues:
         return f"{self._own['builtins']}.{word}" if word in hidden else word
 
     def _value(self, node: Node, default: Value | None = None, hidden: Collection[str] = ()) -> str:
-        """An expression where the names `hidden` are those of parameters."""
+        """An expression for a value, used where parameters hide the names `hidden`."""
         if default is not None and not isinstance(node, OptionalNode):
             return self._lowering.literal(default, node)
         match node:

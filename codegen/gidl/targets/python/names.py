@@ -1,4 +1,4 @@
-"""How the names of an interface are written in Python, and where they live."""
+"""Python names for the declarations, members and constants of an interface."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from gidl.model import Attribute, Operation, Struct
 from gidl.targets.naming import LocalNames, snake_case, wrapped
 from gidl.type_names import escaped
 
-# What a name cannot be in Python gets an underscore after. All that generated code needs of the
-# runtime and the standard library has one in front, as no name of an interface has; what is left
-# are the words of gidl.languages and those below.
+# A name that is reserved in Python gets a trailing underscore. What generated code imports from the
+# runtime and the standard library gets a leading underscore, which no name of an interface has. So
+# only the words of gidl.languages and the words below are reserved.
 METHOD_WORDS = PYTHON_WORDS | {"property", "gecos_on_stop"}
 STRUCT_WORDS = PYTHON_WORDS | PYTHON_CLASS_WORDS | {"encode", "decode", "fingerprint"}
-# A declared exception also is a CommandFailed and a BaseException.
+# Declared exceptions derive from CommandFailed and BaseException, whose attributes are reserved.
 EXCEPTION_WORDS = STRUCT_WORDS | {"text", "detail", "args", "add_note", "with_traceback"}
-# What an enumerator cannot be called: what an enum has, and the whole number that it is.
+# Enumerators must not have the names of attributes of IntEnum.
 ENUM_WORDS = PYTHON_WORDS | words(
     """
     mro name value as_integer_ratio bit_count bit_length conjugate denominator from_bytes imag
@@ -28,21 +28,21 @@ ENUM_WORDS = PYTHON_WORDS | words(
 
 
 def mapped(struct: Struct) -> tuple[str, str] | None:
-    """Module and name of the hand-written type, where there is one."""
+    """Module and name of the hand-written class that a struct maps to, or None."""
     return struct.maps_to.python if struct.maps_to else None
 
 
 def member_name(name: str, words: frozenset[str] = STRUCT_WORDS) -> str:
-    """`name`, with underscores after it where it is one of `words`. Two names stay two: of names
-    that differ in underscores alone, each gets as many more as keep the first from all `words`."""
+    """`name`, with underscores appended if it would be one of `words`. Names that differ only in
+    trailing underscores all get the same number of them, so that they remain different."""
     plain = name.rstrip("_")
     taken = (len(word) - len(plain) for word in words if word.rstrip("_") == plain)
     return name + "_" * max((more + 1 for more in taken), default=0)
 
 
 class Constants:
-    """A module's names for its own constants: ("Manipulator", "tool_offset") is
-    `_MANIPULATOR_TOOL_OFFSET`. Each has a name of its own, also where capitals make two alike."""
+    """Unique names of a module's constants: ("Manipulator", "tool_offset") becomes
+    `_MANIPULATOR_TOOL_OFFSET`. Names that are equal in capitals are told apart by underscores."""
 
     def __init__(self) -> None:
         self._taken = LocalNames()
@@ -59,7 +59,7 @@ def method_name(name: str) -> str:
     return escaped(name, METHOD_WORDS)
 
 
-# The rules of the compiler exclude members with the names of these two methods.
+# gidl.rules.accessors refuses members whose names are equal to one of these two method names.
 def setter(attribute: str) -> str:
     return f"set_{attribute}"
 
@@ -69,7 +69,7 @@ def publisher(attribute: str) -> str:
 
 
 def method_names(member: Operation | Attribute) -> Iterator[str]:
-    """All that proxy and servant have for a member."""
+    """Names of all methods that proxy and servant may have for a member."""
     yield method_name(member.name)
     if isinstance(member, Attribute):
         yield from (setter(member.name), publisher(member.name))
@@ -80,7 +80,7 @@ def enumerator(name: str) -> str:
 
 
 def docstring(lines: tuple[str, ...]) -> tuple[str, ...]:
-    """The lines as they can stand between three quotes."""
+    """`lines` wrapped and escaped for a docstring in triple quotes."""
     fitting = [part for line in lines for part in wrapped(line, 86)]
     quotes = '"{3,}|"+$' if len(fitting) == 1 else '"{3,}'
     return tuple(

@@ -1,4 +1,4 @@
-"""The Python files of a model, each with its template and what that prints."""
+"""Lists the Python files to generate for a model, each with its template and view."""
 
 from __future__ import annotations
 

@@ -19,7 +19,7 @@ std::string needs(Status needed) {
   return "needs " + status + " status";
 }
 
-/// Read in every language: no spelling of one of them.
+/// Programs in all languages show this text, so it must not use the syntax of one language.
 std::string how_to_get(Status needed) {
   return "take it with " + std::string(to_string(needed)) + "(object) of gecos";
 }
@@ -77,16 +77,16 @@ tl::expected<Grant, LeaseRefusal> LeaseTable::acquire(SessionId session, const C
   for (const auto& [id, other] : members_) {
     if (id == session) continue;
     if (other.holder.status != target) {
-      return tl::unexpected(refuse(Reason::HeldByOther,
-                                   status + " status refused while others have another one", now));
+      return tl::unexpected(
+          refuse(Reason::HeldByOther, status + " status refused: others hold another status", now));
     }
-    if (member) continue;  // it has joined already: it knew the password
+    if (member) continue;  // the session has joined already, so it knew the password
     if (password_.empty()) {
       return tl::unexpected(
           refuse(Reason::HeldByOther, status + " status refused: it is not shared", now));
     }
     if (!password_.proves_the_same_as(password)) {
-      const std::string given = password.empty() ? "none was given" : "this is not the one";
+      const std::string given = password.empty() ? "none was given" : "the given one is wrong";
       return tl::unexpected(
           refuse(Reason::WrongPassword,
                  status + " status refused: it is shared by password, and " + given, now));
@@ -210,7 +210,7 @@ tl::expected<void, Denial> LeaseTable::may_queue(SessionId session, Epoch epoch,
   if (member != nullptr && member->holder.releasing && needed != Status::Sensor) {
     return tl::unexpected(Denial{
         Denial::Reason::NeedsStatus,
-        needs(needed) + "; it was given back and only drains; " + how_to_get(needed) + " again"});
+        needs(needed) + "; the lease was released and drains; " + how_to_get(needed) + " again"});
   }
   return authorise(member, session, epoch, needed, now);
 }

@@ -22,25 +22,26 @@ struct Client {
   std::int32_t pid = 0;
 };
 
-/// One line of the roster.
+/// A holder of actor or master status: one line of the roster.
 struct Holder {
   SessionId session{};
   Status status = Status::Actor;
   Client client;
   TimePoint since{};
-  TimePoint expires{};     ///< when it is lost if it stays silent; means nothing while releasing
-  bool releasing = false;  ///< given back; its last commands still run
+  TimePoint expires{};     ///< when a silent holder loses the status; unused while releasing
+  bool releasing = false;  ///< the status was released; its last commands still run
 };
-/// "actor status is held by ada on lab1 (grip_block, pid 4711) for 3.2 s, lost in 0.4 s if silent".
+/// The text "actor status is held by ada on lab1 (grip_block, pid 4711) for 3.2 s, lost in 0.4 s if
+/// silent".
 std::string describe(const Holder& holder, TimePoint now);
 
-/// Status that was given. Commands issued under it carry the epoch.
+/// A granted status. Commands issued under it contain its epoch.
 struct Grant {
   Status status = Status::Sensor;
   Epoch epoch{};
 };
 
-/// Why status was not given, and who has it.
+/// Why a status was refused, and which clients hold it.
 struct LeaseRefusal {
   enum class Reason : std::uint8_t { HeldByOther, WrongPassword };
   Reason reason = Reason::HeldByOther;
@@ -51,13 +52,13 @@ struct LeaseRefusal {
 /// Why a command may not be queued or started.
 struct Denial {
   enum class Reason : std::uint8_t {
-    NeedsStatus,   ///< the session does not hold what the operation asks for
-    OthersMaster,  ///< somebody else is master, and refuses everybody
-    LeaseEnded,    ///< it was issued under a status that has ended since
-    Stopped,       ///< likewise, and a stop ended that status
+    NeedsStatus,   ///< the session lacks the status that the operation needs
+    OthersMaster,  ///< another client is master, so all others are refused
+    LeaseEnded,    ///< the command was issued under a status that has ended
+    Stopped,       ///< the command was issued under a status that a stop ended
   };
   Reason reason = Reason::NeedsStatus;
-  std::string text;  ///< goes on after what was refused: "needs actor status; …"
+  std::string text;  ///< follows the name of the operation: "needs actor status; …"
 };
 
 /// Decides who may command one object. Every client may read; moving needs a lease.
@@ -65,49 +66,52 @@ struct Denial {
 /// A lease ends when its holder releases it, is lost, or stays silent for `ttl`, so a crashed
 /// client cannot lock a robot forever. Time is passed in: no clock, no I/O, tests need no sleep.
 ///
-/// The epoch fences commands: it rises whenever the object becomes free and at stop, and what was
-/// issued under an older one does not start. It does not rise when a holder joins or one of several
-/// leaves. Epochs of two server lives differ; 0 is never one.
+/// The epoch fences commands: it rises whenever the object becomes free and at stop, and a command
+/// issued under an older epoch does not start. It does not rise when a holder joins, or when one of
+/// several holders leaves. Epochs of two incarnations of a server differ; no epoch is 0.
 class LeaseTable {
  public:
   LeaseTable(IncarnationId incarnation, Duration ttl);
 
-  /// Gives `session` actor or master status. A session that has it already keeps it, raised to
-  /// `wanted`, and has to release it once more. Others join with the password of the first holder.
-  /// @pre `wanted` is not Sensor: that needs no lease.
+  /// Grants actor or master status to `session`. A session that has a status already keeps it,
+  /// raised to `wanted` if that is higher, and must release it once more. Other sessions join with
+  /// the password of the first holder. @pre `wanted` is not Sensor, which needs no lease.
   tl::expected<Grant, LeaseRefusal> acquire(SessionId session, const Client& client, Status wanted,
                                             const Proof& password, TimePoint now);
 
-  /// A sign of life of `session`, holder or not.
+  /// Called at each sign of life of `session`, which need not be a holder.
   void renew(SessionId session, TimePoint now);
 
   enum class Commands : std::uint8_t { None, Pending };
-  /// Gives back what was acquired under `epoch`; a stale epoch changes nothing. With commands still
-  /// pending it is RELEASING: they start and finish, and no other client gets a lease, until
-  /// `drained`. True when the session holds nothing any more.
+  /// Releases a status that was acquired under `epoch`; a stale epoch changes nothing. While its
+  /// commands are pending the session is releasing: they start and finish, and no other client gets
+  /// a lease, until `drained`. True when the session no longer holds any status.
   bool release(SessionId session, Epoch epoch, Commands commands);
-  /// The last command of a releasing session has ended.
+  /// Called when the last command of a releasing session has ended.
   void drained(SessionId session);
 
-  /// The session is gone without a word, revoked, or gave up at once: its share ends now. A
-  /// releasing one goes on draining, for it was given back in order. True when something was lost.
+  /// Ends the lease of a session at once, because the session was lost or revoked or gave up at
+  /// once. A releasing session continues to drain, because it has released in order. True when a
+  /// lease was lost.
   bool lose(SessionId session);
-  /// Ends the share of everybody silent for the TTL and names them, in no order.
+  /// Ends the lease of every holder that was silent for the TTL; returns these holders in no order.
   std::vector<Holder> expire(TimePoint now);
-  /// Ends every lease but that of `by`, which goes on under the new epoch. Names those who lost
-  /// theirs. A call issued before that arrives later is denied as Stopped, with `why`.
+  /// Ends every lease except that of `by`, which continues under the new epoch. Returns the holders
+  /// that lost their leases. A call that was issued before the stop but arrives later is denied as
+  /// Stopped, with `why`.
   std::vector<Holder> stop(SessionId by, const std::string& why);
-  /// Nothing of `session` arrives any more.
+  /// Forgets how `session` lost its status, because no call of it can arrive any more.
   void forget(SessionId session);
 
   /// May `session` have a command queued that needs `needed` and was issued under `epoch`?
   tl::expected<void, Denial> may_queue(SessionId session, Epoch epoch, Status needed,
                                        TimePoint now) const;
-  /// May it start now? As may_queue, but a releasing session's commands still may.
+  /// May the command start now? Like may_queue, but commands of a releasing session may still
+  /// start.
   tl::expected<void, Denial> may_start(SessionId session, Epoch epoch, Status needed,
                                        TimePoint now) const;
 
-  std::vector<Holder> roster() const;  ///< holders, the longest first
+  std::vector<Holder> roster() const;  ///< holders, in the order in which they acquired
   Epoch epoch() const;
   /// The status that the session holds; at least Sensor.
   Status status_of(SessionId session) const;
@@ -116,10 +120,10 @@ class LeaseTable {
  private:
   struct Member {
     Holder holder;
-    std::uint32_t claims = 1;  ///< how often it acquired and did not release
+    std::uint32_t claims = 1;  ///< how many acquisitions are not released yet
   };
   using Members = std::unordered_map<SessionId, Member>;
-  /// How a session lost what it held last, while others held on or a stop came.
+  /// How a session lost its last status: by its silence or by a stop.
   struct Loss {
     Epoch epoch;
     Denial::Reason reason = Denial::Reason::LeaseEnded;
@@ -134,7 +138,7 @@ class LeaseTable {
   const IncarnationId incarnation_;
   const Duration ttl_;
   std::uint32_t changes_ = 1;
-  Members members_;  ///< all of one status
+  Members members_;  ///< all have the same status
   std::unordered_map<SessionId, Loss> losses_;
   Proof password_;
 };

@@ -7,10 +7,10 @@
 
 namespace gecos::access {
 
-/// Finished proof that a client knows a password: two that come from the same password are equal.
+/// A proof that a client knows a password: two proofs from the same password are equal.
 ///
-/// Nothing here prints or logs one. Compared in a time that tells nothing about where they differ,
-/// and wiped from memory at the end.
+/// Nothing here prints or logs a proof. Proofs are compared in constant time, and wiped from memory
+/// at the end.
 class Proof {
  public:
   Proof() = default;  ///< the proof of a client without a password
@@ -29,8 +29,8 @@ class Proof {
   Bytes bytes_;
 };
 
-/// The password itself as a proof. Proofs that arrive over a session's authenticated channel may be
-/// compared so; a caller that derives a key from it first passes the key to Proof instead.
+/// The password itself as a proof, for proofs that arrive over a session's authenticated channel. A
+/// caller that derives a key from the password passes that key to Proof instead.
 Proof plain_proof(std::string_view password);
 
 }  // namespace gecos::access

@@ -7,9 +7,9 @@ namespace gecos::access {
 
 /// The rights of a client at an object; each status includes the ones before it.
 enum class Status : std::uint8_t {
-  Sensor,  ///< read; every client has it
-  Actor,   ///< move and change; one client at a time unless shared by password
-  Master,  ///< like actor, and everybody else's calls are refused
+  Sensor,  ///< may read; every client has this status
+  Actor,   ///< may move and change; one client unless shared by password
+  Master,  ///< like actor, and the calls of other clients are refused
 };
 std::string_view to_string(Status status);
 

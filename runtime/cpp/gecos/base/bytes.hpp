@@ -1,4 +1,4 @@
-// Owned and borrowed runs of bytes.
+// Owned and borrowed sequences of bytes.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// The result of an operation or its failure; unchecked use of a failure throws the reason.
+// The result of an operation or its error; using an error as a result ends the program.
 #pragma once
 
 #include <sstream>
@@ -9,12 +9,12 @@
 
 namespace gecos {
 
-/// Ends the program: it used a result that is none. Prints `why`.
+/// Logs `why` and aborts the program, which used an error as a result.
 [[noreturn]] void used_unchecked(const std::string& why);
 
-/// A `tl::expected` for what programs are tempted to use unchecked. Where it holds an error,
-/// `*result` and `result->…` end the program with the text of that error, also with NDEBUG, where
-/// `tl::expected` reads memory that holds no value.
+/// A `tl::expected` that checks each access. When it holds an error, `*result` and `result->…` end
+/// the program with the text of that error, also with NDEBUG, when a plain `tl::expected` would
+/// read memory that holds no value.
 template <class T, class E>
 class [[nodiscard]] Checked : public tl::expected<T, E> {
  public:

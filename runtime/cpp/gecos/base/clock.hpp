@@ -1,4 +1,5 @@
-// Time is passed in. Code that must read it asks a Clock, so that tests need no sleep.
+// Most functions take the time as a parameter. Code that must read the time uses a Clock, so that
+// tests need not sleep.
 #pragma once
 
 #include <atomic>
@@ -9,22 +10,23 @@ namespace gecos {
 using Duration = std::chrono::nanoseconds;
 using TimePoint = std::chrono::time_point<std::chrono::steady_clock, Duration>;
 
-/// May be asked from every thread.
+/// A source of time. Thread-safe.
 class Clock {
  public:
   virtual ~Clock() = default;
 
-  /// Never goes back; unrelated to the time of day and to other hosts.
+  /// Monotonic time, unrelated to the time of day and to other hosts.
   virtual TimePoint now() const = 0;
 
-  /// Likewise, and goes on while the machine is suspended (CLOCK_BOOTTIME). Only differences to
-  /// other readings of it mean something.
+  /// Monotonic time that also counts while the machine is suspended (CLOCK_BOOTTIME). Compare it
+  /// only with other readings of since_boot().
   virtual TimePoint since_boot() const { return now(); }
 
-  /// It goes with the time of this world, so that other counters of time tell of it, too.
+  /// True when this clock shows real time, so that other clocks of the system advance with it.
   virtual bool real() const { return false; }
 
-  /// Seconds since 1970 UTC, for stamps that leave the process. May be set back by an operator.
+  /// Seconds since 1970 UTC, for stamps that leave the process. An operator may set this clock
+  /// back.
   virtual double unix_seconds() const = 0;
 };
 
@@ -36,7 +38,8 @@ class SystemClock final : public Clock {
   double unix_seconds() const override;
 };
 
-/// When `patience` from now is over, by the system's clock. Duration::max() is for ever.
+/// The time `patience` from now, by the system's clock. Duration::max() gives TimePoint::max():
+/// never.
 TimePoint deadline_after(Duration patience);
 
 /// A clock for tests: it advances only by `advance`. `unix_seconds` advances with it.
@@ -53,7 +56,7 @@ class FakeClock final : public Clock {
  private:
   const TimePoint start_;
   const double unix_start_;
-  std::atomic<Duration::rep> passed_{0};  // publishes nothing but itself
+  std::atomic<Duration::rep> passed_{0};  // orders no other memory
 };
 
 }  // namespace gecos

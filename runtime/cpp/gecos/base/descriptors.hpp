@@ -1,12 +1,12 @@
-// How many descriptors are left to this process.
+// Checks whether this process may open more file descriptors.
 #pragma once
 
 #include <cstddef>
 
 namespace gecos {
 
-/// Whether this process can open `count` more descriptors now: it takes them and gives them back.
-/// False with errno.
+/// Whether this process can open `count` more descriptors now: opens and closes that many. When
+/// false, errno is set.
 bool descriptors_left(std::size_t count);
 
 }  // namespace gecos

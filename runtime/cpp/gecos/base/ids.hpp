@@ -1,4 +1,4 @@
-// Numbers that must not be mixed up with each other.
+// Distinct types for ids, which must not be confused with each other.
 #pragma once
 
 #include <cstdint>
@@ -6,16 +6,16 @@
 
 namespace gecos {
 
-/// One proxy's conversation with one object; chosen by the server, 0 before it has chosen.
+/// Identifies the session of one proxy with one object. The server chooses the id; 0 before that.
 enum class SessionId : std::uint64_t {};
 
-/// Which operation is meant: the hash of its scoped name, or its `@id`.
+/// Identifies an operation: the hash of its scoped name, or its `@id`.
 enum class FunctionCode : std::uint32_t {};
 
-/// One life of a server process. A restarted server has another one.
+/// Identifies one run of a server process. A restarted server has another id.
 enum class IncarnationId : std::uint64_t {};
 
-/// Fencing token of a status: commands of an older epoch do not start.
+/// Fencing token of a status: commands issued under an older epoch do not start.
 enum class Epoch : std::uint64_t {};
 
 /// The plain number behind an id, for the wire, for hashing and for printing.

@@ -18,8 +18,9 @@ namespace {
 
 constexpr std::array<std::string_view, 4> level_names{"error", "warning", "info", "debug"};
 
-/// Lines of several threads never mix, and no thread waits for a stderr that is not read: a pipe
-/// that is full loses lines, and says how many once it is read again.
+/// Writes whole lines to stderr: lines of several threads never mix, and no thread waits when
+/// stderr is not read. Lines that a full pipe does not accept are lost; the log says how many once
+/// the pipe is read again.
 class Stderr {
  public:
   static Stderr& instance() {
@@ -39,11 +40,11 @@ class Stderr {
   /// The size that a pipe accepts in one piece whenever poll() reports it as writable.
   static constexpr std::size_t longest = PIPE_BUF;
 
-  Stderr() {  // a forked child must find it unlocked
+  Stderr() {  // a forked child must find the mutex unlocked
     ::pthread_atfork(before_fork, after_fork, after_fork);
   }
 
-  // The lock is held over a fork, from one function to another.
+  // before_fork() locks the mutex and after_fork() unlocks it: the analysis cannot follow that.
   static void before_fork() GECOS_NOT_ANALYSED { instance().mutex_.lock(); }
   static void after_fork() GECOS_NOT_ANALYSED { instance().mutex_.unlock(); }
 
@@ -76,7 +77,7 @@ void write_line(LogLevel level, std::string_view component, std::string_view mes
   Stderr::instance().write_line(std::move(line));
 }
 
-/// The level of GECOS_LOG when it was read.
+/// The log level in GECOS_LOG, or the problem with its value.
 struct Asked {
   LogLevel level = LogLevel::Warning;
   std::optional<std::string> problem;
@@ -100,7 +101,7 @@ const Asked& environment() {
 const std::optional<std::string>& log_level_problem() { return environment().problem; }
 
 bool detail::read_log_level(LogLevel level) {
-  std::uint8_t unread = log_level_unread;  // unless a program chose another meanwhile
+  std::uint8_t unread = log_level_unread;  // the exchange fails after a set_log_level()
   log_level.compare_exchange_strong(unread, static_cast<std::uint8_t>(environment().level),
                                     std::memory_order_relaxed);
   return log_enabled(level);

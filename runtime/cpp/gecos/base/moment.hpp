@@ -4,16 +4,17 @@
 
 namespace gecos {
 
-/// Readings of the kernel's two coarse clocks: about the tick of the kernel (1 to 10 ms) in which a
-/// thread runs, for half of what a precise clock costs. Never at first.
+/// A reading of the kernel's two coarse clocks: it identifies the kernel tick (1 to 10 ms) in which
+/// a thread runs, at half the cost of a precise clock. A default-constructed Moment equals no
+/// reading.
 struct Moment {
-  std::int64_t monotonic_ns = 0;  ///< goes on while a process is stopped
-  std::int64_t unix_ns = 0;       ///< and has leapt when a machine was suspended
+  std::int64_t monotonic_ns = 0;  ///< advances while the process is stopped
+  std::int64_t unix_ns = 0;       ///< jumps when the machine was suspended
 
   static Moment now();
 
-  /// Certainly no more than a tick has passed between the two. Only a wall clock that was set back
-  /// by the length of a suspension, to the nanosecond, could deceive it.
+  /// Equal Moments are at most one kernel tick apart. The only exception is a wall clock that was
+  /// set back by exactly the length of a suspension.
   friend bool operator==(const Moment&, const Moment&) = default;
 };
 

@@ -10,7 +10,8 @@
 
 namespace gecos {
 
-/// A std::mutex that clang checks: members say which one guards them (thread_annotations.hpp).
+/// A std::mutex for clang's thread-safety analysis: members declare which mutex guards them
+/// (thread_annotations.hpp).
 class GECOS_CAPABILITY("mutex") Mutex {
  public:
   Mutex() = default;
@@ -20,7 +21,7 @@ class GECOS_CAPABILITY("mutex") Mutex {
   void lock() GECOS_ACQUIRE() { mutex_.lock(); }
   bool try_lock() GECOS_TRY_ACQUIRE(true) { return mutex_.try_lock(); }
   void unlock() GECOS_RELEASE() { mutex_.unlock(); }
-  /// Tells the analysis that the caller holds it; checks nothing at run time.
+  /// Tells the analysis that the caller holds this mutex; checks nothing at run time.
   void assert_held() const GECOS_ASSERT_HELD() {}
 
  private:
@@ -28,9 +29,9 @@ class GECOS_CAPABILITY("mutex") Mutex {
   std::mutex mutex_;
 };
 
-/// Likewise, for what every call takes, each time for moments and hardly ever contended: that costs
-/// two atomic operations and no call of a function, less than half of what std::mutex takes. A
-/// thread that has to wait sleeps. After U. Drepper, "Futexes Are Tricky", 2011, mutex2.
+/// A mutex for data that every call locks, briefly and hardly ever contended: this costs two atomic
+/// operations and no function call, less than half the time of std::mutex. A thread that has to
+/// wait sleeps. After U. Drepper, "Futexes Are Tricky", 2011, mutex2.
 class GECOS_CAPABILITY("mutex") FutexMutex {
  public:
   FutexMutex() = default;
@@ -44,13 +45,13 @@ class GECOS_CAPABILITY("mutex") FutexMutex {
   void unlock() GECOS_RELEASE() {
     if (state_.exchange(free, std::memory_order_release) == contended) state_.notify_one();
   }
-  /// Tells the analysis that the caller holds it; checks nothing at run time.
+  /// Tells the analysis that the caller holds this mutex; checks nothing at run time.
   void assert_held() const GECOS_ASSERT_HELD() {}
 
  private:
   static constexpr std::uint32_t free = 0;
   static constexpr std::uint32_t held = 1;
-  static constexpr std::uint32_t contended = 2;  ///< held, and somebody may sleep
+  static constexpr std::uint32_t contended = 2;  ///< held, and other threads may sleep
 
   bool take() {
     std::uint32_t expected = free;
@@ -63,10 +64,10 @@ class GECOS_CAPABILITY("mutex") FutexMutex {
     }
   }
 
-  std::atomic<std::uint32_t> state_{free};  // publishes what it guards
+  std::atomic<std::uint32_t> state_{free};  // acquire and release order the guarded data
 };
 
-/// Holds a mutex while it lives, as std::unique_lock does.
+/// Holds a mutex while this object lives, like std::unique_lock.
 template <class M>
 class GECOS_SCOPED_CAPABILITY MutexLock {
  public:
@@ -77,12 +78,12 @@ class GECOS_SCOPED_CAPABILITY MutexLock {
   MutexLock(const MutexLock&) = delete;
   MutexLock& operator=(const MutexLock&) = delete;
 
-  /// Gives it up before the end. @pre it is held
+  /// Unlocks the mutex before the end. @pre the mutex is held
   void unlock() GECOS_RELEASE() {
     mutex_.unlock();
     holds_ = false;
   }
-  /// @pre it was given up
+  /// Locks the mutex again. @pre `unlock` was called
   void lock() GECOS_ACQUIRE() {
     mutex_.lock();
     holds_ = true;
@@ -94,7 +95,7 @@ class GECOS_SCOPED_CAPABILITY MutexLock {
   bool holds_ = true;
 };
 
-/// Gives a mutex up while it lives, which the caller holds.
+/// Unlocks a mutex while this object lives. @pre the caller holds the mutex
 template <class M>
 class GECOS_SCOPED_CAPABILITY MutexUnlock {
  public:
@@ -107,8 +108,9 @@ class GECOS_SCOPED_CAPABILITY MutexUnlock {
   M& mutex_;
 };
 
-/// std::condition_variable over Mutex. (Over FutexMutex: std::condition_variable_any.) The mutex is
-/// held before and after each wait, and while `done` is asked: it says so in its first line.
+/// A std::condition_variable for Mutex. (For FutexMutex use std::condition_variable_any.) The mutex
+/// is held before and after each wait, and while `done` is called; `done` must state that by
+/// `assert_held()` in its first line.
 class ConditionVariable {
  public:
   void notify_one() noexcept { changed_.notify_one(); }
@@ -123,12 +125,12 @@ class ConditionVariable {
     Native native(lock);
     changed_.wait(native.held, done);
   }
-  /// False when `deadline` came first.
+  /// False when `deadline` passed before a notification.
   bool wait_until(MutexLock<Mutex>& lock, TimePoint deadline) {
     Native native(lock);
     return changed_.wait_until(native.held, deadline) == std::cv_status::no_timeout;
   }
-  /// Gives `done()` at the end.
+  /// Returns the last result of `done()`.
   template <class Done>
   bool wait_until(MutexLock<Mutex>& lock, TimePoint deadline, Done done) {
     Native native(lock);
@@ -147,7 +149,7 @@ class ConditionVariable {
  private:
   struct Native {
     explicit Native(MutexLock<Mutex>& lock) : held(lock.mutex_.mutex_, std::adopt_lock) {}
-    ~Native() { held.release(); }  // stays locked: it is the lock's
+    ~Native() { held.release(); }  // the mutex stays locked: `lock` owns it
     Native(const Native&) = delete;
     Native& operator=(const Native&) = delete;
     std::unique_lock<std::mutex> held;

@@ -1,5 +1,5 @@
-// Expected failures are values: `tl::expected<T, E>` with a small enum, and its evidence, as E.
-// The one place that names where it comes from, so that std::expected can take over.
+// Expected failures are values: `tl::expected<T, E>` where E is a small enum with its evidence. No
+// other header includes tl/expected.hpp, so that std::expected can replace it.
 #pragma once
 
 #include <tl/expected.hpp>

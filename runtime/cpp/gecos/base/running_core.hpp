@@ -13,14 +13,14 @@ extern const unsigned int __rseq_size [[gnu::weak]];
 
 namespace gecos {
 
-/// Where it is not known which core somebody runs on.
+/// The value for a core that is not known.
 inline constexpr std::int32_t unknown_core = -1;
 
-/// The core of the calling thread as the kernel keeps it in the thread's own memory (restartable
-/// sequences): one load. Negative where the kernel was not asked to.
+/// The core of the calling thread, which the kernel stores in the thread's memory (restartable
+/// sequences): one load. Negative when the thread has not registered for that.
 inline std::int32_t registered_core() {
 #if defined(__x86_64__) || defined(__aarch64__)
-  constexpr std::ptrdiff_t cpu_id = 4;  // its place in struct rseq, which is kernel ABI
+  constexpr std::ptrdiff_t cpu_id = 4;  // its offset in struct rseq, which is kernel ABI
   if (&__rseq_size == nullptr || &__rseq_offset == nullptr || __rseq_size == 0) return unknown_core;
 #ifdef __x86_64__
   const char* thread = nullptr;
@@ -34,7 +34,7 @@ inline std::int32_t registered_core() {
 #endif
 }
 
-/// The core that the calling thread runs on; right afterwards it may be another one.
+/// The core that the calling thread runs on; the kernel may move the thread right afterwards.
 inline std::int32_t running_core() {
   const std::int32_t core = registered_core();
   return core >= 0 ? core : ::sched_getcpu();

@@ -7,13 +7,13 @@
 
 namespace gecos {
 
-/// Bytes of its own; as many as a usual call carries lie in the object itself, without an
-/// allocation.
+/// An owned sequence of bytes. Up to 128 bytes, enough for a usual call, lie in the object itself,
+/// without an allocation.
 class ShortBytes {
  public:
   ShortBytes() = default;
   explicit ShortBytes(ByteView bytes) { assign(bytes); }
-  // Its view points into it.
+  // Not copyable, because a view points into the object.
   ShortBytes(const ShortBytes&) = delete;
   ShortBytes& operator=(const ShortBytes&) = delete;
 
@@ -29,7 +29,7 @@ class ShortBytes {
 
  private:
   std::size_t size_ = 0;
-  std::array<std::byte, 128> few_;  // written before it is read: size_ says how much
+  std::array<std::byte, 128> few_;  // uninitialized: only size_ bytes are read
   Bytes many_;
 };
 

@@ -6,7 +6,7 @@
 namespace gecos {
 namespace {
 
-/// Nothing when this thread was kept from running between its two clocks.
+/// The time of suspension; nothing when this thread was preempted between reading the two clocks.
 std::optional<Duration> measured(const Clock& clock) {
   const TimePoint before = clock.now();
   const TimePoint since_boot = clock.since_boot();
@@ -14,7 +14,7 @@ std::optional<Duration> measured(const Clock& clock) {
   return since_boot - before;
 }
 
-std::atomic<Duration::rep> noted{// publishes nothing but itself
+std::atomic<Duration::rep> noted{// orders no other memory
                                  measured(SystemClock()).value_or(Duration::zero()).count()};
 
 }  // namespace

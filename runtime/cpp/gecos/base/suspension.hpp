@@ -4,10 +4,11 @@
 
 namespace gecos {
 
-/// How long this machine has been suspended since it was started, as this process saw it last: what
-/// coarse and cheap clocks leave out. One load; any thread.
+/// The total time for which this machine was suspended since its start, as last noted by this
+/// process; coarse clocks do not count that time. One load; thread-safe.
 Duration noted_suspension();
-/// Looks again. Maintenance does so at each tick.
+/// Measures and stores the total time of suspension again. The maintenance thread calls this at
+/// each tick.
 void note_suspension(const Clock& clock);
 
 }  // namespace gecos

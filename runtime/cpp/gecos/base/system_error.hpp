@@ -6,10 +6,10 @@
 
 namespace gecos {
 
-/// "Permission denied"; where that helps with what to do about it. `error` is an errno.
+/// The text of the errno `error`, "Permission denied", with advice if there is some.
 std::string system_text(int error);
 
-/// Throws std::system_error whose text begins with `what` was tried.
+/// Throws std::system_error for the errno `error`; its text begins with `what`, the failed call.
 [[noreturn]] void throw_system_error(std::string_view what, int error);
 
 }  // namespace gecos

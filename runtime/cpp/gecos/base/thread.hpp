@@ -6,8 +6,8 @@
 
 namespace gecos {
 
-/// A thread of ours: named for debuggers (at most 15 characters), and no signal is delivered to it,
-/// so that the program's own threads get them. Throws std::system_error when none can be had.
+/// Starts a thread that has a name for debuggers (at most 15 characters) and blocks all signals, so
+/// that the program's own threads get them. Throws std::system_error when no thread can be started.
 std::thread start_thread(const std::string& name, std::function<void()> run);
 
 }  // namespace gecos

@@ -7,7 +7,7 @@
 namespace gecos::broker {
 namespace {
 
-/// Converts the age that a server reports; the number may be nonsense.
+/// Converts the time for which a server says it has served an object; the number may be invalid.
 Duration duration_of(double seconds) {
   constexpr double century = 3.2e9;
   if (!(seconds > 0)) return Duration::zero();
@@ -21,7 +21,7 @@ tl::expected<void, ServeError> Broker::serve(Server& server, std::vector<media::
   ObjectOptions options;
   options.simulated = true;  // there is nothing that could hurt anybody
   options.well_known = true;
-  // Nobody but this process was ever here, and it starts now.
+  // No other process can use these media, so no object was served before this start.
   const bool alone = media::within_process(media);
   {
     const MutexLock lock(mutex_);
@@ -46,7 +46,7 @@ Result<std::optional<double>> Broker::enlist(const Entry& what, double served_fo
   if (!before) {
     log_info("broker", what.name + " is a " + what.interface_name);
   } else if (*before != what) {
-    log_warning("broker", what.name + " goes from pid " + std::to_string(before->pid) + " on " +
+    log_warning("broker", what.name + " moves from pid " + std::to_string(before->pid) + " on " +
                               before->hostname + " to pid " + std::to_string(what.pid) + " on " +
                               what.hostname + ", which has served it for longer");
   }
@@ -78,7 +78,7 @@ Result<std::vector<Entry>> Broker::list() {
 void Broker::gecos_session_ended(std::uint64_t session) {
   const MutexLock lock(mutex_);
   for (const auto& name : directory_.end_session(session)) {
-    log_info("broker", name + " is gone with its server");
+    log_info("broker", name + " was removed: its server is gone");
   }
 }
 

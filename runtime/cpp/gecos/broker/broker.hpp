@@ -12,12 +12,12 @@
 
 namespace gecos::broker {
 
-/// The broker as an object: `broker.serve(server)` puts it at this host's well-known place.
-/// An entry is dropped when the session that enlisted it ends. In its first second it prefers
+/// The broker as an object: `broker.serve(server)` serves it at this host's well-known address. An
+/// entry is dropped when the session that enlisted it ends. In its first second the broker prefers
 /// objects that were served before it started (directory.hpp).
 class Broker final : public BrokerServant {
  public:
-  /// Serves itself. Fails when this host has a broker already.
+  /// Serves this broker. Fails when this host has a broker already.
   tl::expected<void, ServeError> serve(Server& server, std::vector<media::Kind> media = {});
 
   void gecos_dispatch(IncomingCall call) override;
@@ -33,8 +33,8 @@ class Broker final : public BrokerServant {
   struct {
     std::uint64_t session = 0;
     std::uint64_t incarnation = 0;
-  } calling_;    ///< whose call is being answered: handlers run one at a time
-  Mutex mutex_;  ///< sessions end on other threads than calls run on
+  } calling_;    ///< the client of the current call: handlers run one at a time
+  Mutex mutex_;  ///< calls run on one thread, sessions end on another
   Directory directory_ GECOS_GUARDED_BY(mutex_){SystemClock().since_boot()};
 };
 

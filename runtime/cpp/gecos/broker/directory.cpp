@@ -17,7 +17,7 @@ tl::expected<Duration, NameTaken> Directory::enlist(const Claim& claim, const En
   Place& place = found->second;
   if (place.entry == entry && (place.session == claim.session || entry.boot == claim.incarnation)) {
     place.session = claim.session;
-    place.since = std::min(place.since, since);  // nearer to the truth the less it was under way
+    place.since = std::min(place.since, since);  // the claim with the least delay is most exact
     return provisional;
   }
   if (!gives_way(place, entry, since, now)) {

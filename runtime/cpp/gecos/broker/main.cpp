@@ -1,4 +1,4 @@
-// gecos-broker: knows where the objects of this host are.
+// gecos-broker: the directory that leads from an object's name to the addresses of its server.
 #include <cstdio>
 #include <cstring>
 
@@ -11,9 +11,8 @@ namespace {
 
 constexpr const char* usage =
     "usage: gecos-broker [inproc|shm|lcm]...\n"
-    "Knows where the objects of this host are. Without arguments it is found over every medium "
-    "that\n"
-    "can be opened here. Prints one line when it is ready and ends on SIGINT or SIGTERM.\n";
+    "The directory of the objects of this host. Without arguments it serves clients over every\n"
+    "available medium. Prints one line when it is ready and ends on SIGINT or SIGTERM.\n";
 
 }  // namespace
 
@@ -26,7 +25,7 @@ int main(int count, char** arguments) {
     }
     const auto kind = gecos::media::kind_from(arguments[at]);
     if (!kind) {
-      std::fprintf(stderr, "gecos-broker: '%s' is no medium\n%s", arguments[at], usage);
+      std::fprintf(stderr, "gecos-broker: '%s' is not a medium\n%s", arguments[at], usage);
       return 2;
     }
     media.push_back(*kind);

@@ -22,12 +22,12 @@ std::vector<std::string> other_brokers(Duration patience) {
 void warn_of_other_brokers() try {
   for (const auto& place : other_brokers(std::chrono::milliseconds(500))) {
     log_warning("broker", "another broker answers at " + place +
-                              ": a name is unique at each of them only. Programs use the one of "
-                              "this host's socket unless GECOS_BROKER says otherwise; end one of "
-                              "them, or set GECOS_BROKER for all programs");
+                              ": names are unique within one broker only. Programs use the broker "
+                              "of this host's socket unless GECOS_BROKER names another; end one of "
+                              "the brokers, or set GECOS_BROKER for all programs");
   }
-} catch (const std::exception& failed) {  // no threads or descriptors
-  log_warning("broker", std::string("other brokers were not looked for: ") + failed.what());
+} catch (const std::exception& failed) {  // no threads or descriptors are left
+  log_warning("broker", std::string("cannot search for other brokers: ") + failed.what());
 }
 
 }  // namespace gecos::broker

@@ -7,11 +7,11 @@
 
 namespace gecos::broker {
 
-/// The places at which programs of this host may look for a broker and reach one of another
-/// process. Waits at most `patience` at each.
+/// The addresses at which programs of this host would find a broker of another process. Waits at
+/// most `patience` at each address.
 std::vector<std::string> other_brokers(Duration patience);
 
-/// Looks for them, and tells the user that names are unique at each of them only.
+/// Searches for other brokers and logs a warning for each: names are unique within one broker only.
 void warn_of_other_brokers();
 
 }  // namespace gecos::broker

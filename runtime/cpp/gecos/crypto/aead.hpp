@@ -7,21 +7,23 @@
 #include "gecos/base/bytes.hpp"
 #include "gecos/crypto/secret.hpp"
 
-/// ChaCha20-Poly1305 with a counter for a nonce, as Noise has it: four zero bytes, then the
-/// counter, little-endian. Nothing here allocates.
+/// ChaCha20-Poly1305 with the nonce of Noise: four zero bytes, then a counter, little-endian. No
+/// function here allocates.
 namespace gecos::crypto {
 
 inline constexpr std::size_t tag_bytes = 16;
 
-/// Encrypts `text` where it stands and writes the tag over both. Never twice with one counter.
+/// Encrypts `text` in place and writes the tag of `associated` and `text`. Must never be called
+/// twice with the same key and counter.
 void aead_seal(const Key& key, std::uint64_t counter, ByteView associated,
                std::span<std::byte> text, std::span<std::byte, tag_bytes> tag);
 
-/// Decrypts `text` where it stands; false, and `text` is lost, when it was not sealed so.
+/// Decrypts `text` in place. False, and `text` is destroyed, when it was not sealed with these
+/// parameters.
 [[nodiscard]] bool aead_open(const Key& key, std::uint64_t counter, ByteView associated,
                              std::span<std::byte> text, std::span<const std::byte, tag_bytes> tag);
 
-/// Noise's REKEY: the next key, from which this one cannot be found.
+/// Noise's REKEY: the next key, from which `key` cannot be computed.
 Key next_key(const Key& key);
 
 }  // namespace gecos::crypto

@@ -5,11 +5,11 @@
 
 namespace gecos::crypto {
 
-/// Result of a handshake: both directions and the peer's key. The two halves may be used
-/// by one thread each.
+/// Result of a handshake: both directions and the peer's key. One thread may use `out` while
+/// another uses `in`.
 struct Channel {
   PublicKey peer;
-  Hash binding;  ///< the same on both sides, and of this channel alone
+  Hash binding;  ///< equal on both sides, and unique to this channel
   Sealer out;
   Opener in;
 

@@ -30,13 +30,13 @@ std::array<std::byte, 16> digest_of(ByteView first, ByteView context) {
 std::string_view to_string(Refusal refusal) {
   switch (refusal) {
     case Refusal::Busy:
-      return "too many at a time";
+      return "too many handshakes at a time";
     case Refusal::Malformed:
-      return "not meant for this server and place, or altered";
+      return "not for this server and context, or altered";
     case Refusal::NotAdmitted:
-      return "not admitted";
+      return "the key is not admitted";
     case Refusal::Replayed:
-      return "answered long ago";
+      return "a replay: the message was answered long ago";
   }
   return "unknown";
 }

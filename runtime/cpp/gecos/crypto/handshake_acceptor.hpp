@@ -14,52 +14,52 @@
 namespace gecos::crypto {
 
 struct HandshakeRule {
-  /// First messages that are looked at: so many at once, and so many per second after that. Each
-  /// costs up to .2 ms, so a flood of them takes a bounded share of the thread that also serves
-  /// calls.
+  /// Limit for checking first messages: `burst` at once, then `per_second`. Each check takes up to
+  /// 0.2 ms, so a flood takes a bounded share of the thread that also serves calls.
   std::uint32_t burst = 256;
   std::uint32_t per_second = 200;
   /// How long a repeated first message gets the same answer again.
   Duration answers_kept = std::chrono::seconds{5};
-  /// First messages that are known again, and refused, when somebody plays them back later.
+  /// Number of first messages that are remembered, so that a later replay of them is refused.
   std::size_t remembered = 4096;
 };
 
 enum class Refusal : std::uint8_t {
-  Busy,         ///< too many at a time; an honest client repeats its message
-  Malformed,    ///< no first message, not for this key and context, or altered
-  NotAdmitted,  ///< proved who it is, and is not let in
-  Replayed,     ///< answered long ago
+  Busy,         ///< too many first messages; the client should repeat its message
+  Malformed,    ///< not a first message for this key and context, or altered
+  NotAdmitted,  ///< the client has proved its key, which is not admitted
+  Replayed,     ///< the message was answered more than `answers_kept` ago
 };
 std::string_view to_string(Refusal refusal);
 
-/// A server's side of opening channels. Nothing is kept of a first message before it has proved who
-/// wrote it and that one is admitted.
+/// The server's side of opening channels. Stores nothing from a first message until the message has
+/// proved its sender and that sender is admitted.
 ///
-/// A recorded first message that comes again after `remembered` others, or to the server's next
-/// life, does make a channel, of which the player has no key: until Channel::in.opened_any()
-/// the holder of the channel must not let it displace another, must not act on its payload, and has
-/// to drop it when nothing was opened within `answers_kept`.
+/// A first message that is replayed after `remembered` others, or to a restarted server, does make
+/// a channel, but the attacker does not have its keys. Until Channel::in.opened_any() the owner of
+/// a channel must not replace another channel by it, must not act on its payload, and must drop it
+/// when nothing was opened within `answers_kept`.
 ///
-/// Reads no clock; one thread at a time.
+/// Reads no clock; only one thread at a time may use an acceptor.
 class HandshakeAcceptor {
  public:
   using Admission = std::function<bool(const PublicKey& peer)>;
 
-  /// `own` must outlive it.
+  /// `own` must outlive the acceptor.
   HandshakeAcceptor(const Identity& own, Admission is_admitted, HandshakeRule rule = {},
                     RekeyRule rekey = {});
 
   struct Answer {
-    Bytes second;                    ///< to be sent back
+    Bytes second;                    ///< the second message, to be sent back
     std::optional<Channel> channel;  ///< nothing when the first message was a repetition
-    Bytes payload;                   ///< the client's; empty when repeated
+    Bytes payload;                   ///< the client's payload; empty after a repetition
   };
   struct Refused {
     Refusal why;
-    std::optional<PublicKey> who;  ///< where it is proved
+    std::optional<PublicKey> who;  ///< the client's key, if it is proved
   };
-  /// `context`: see HandshakeInitiator. `payload` goes back to the client, encrypted.
+  /// Checks and answers a first message. `context`: see HandshakeInitiator. `payload` goes back to
+  /// the client, encrypted.
   tl::expected<Answer, Refused> answer(ByteView first, ByteView context, ByteView payload,
                                        TimePoint now);
 
@@ -69,7 +69,7 @@ class HandshakeAcceptor {
   using Digest = std::array<std::byte, 16>;
   struct Known {
     TimePoint when;
-    Bytes second;  // empty once it was kept long enough
+    Bytes second;  // empty after `answers_kept`
   };
   bool may_look(TimePoint now);
   void remember(const Digest& digest, Known known);
@@ -83,7 +83,7 @@ class HandshakeAcceptor {
   std::optional<TimePoint> budgeted_;
   std::map<Digest, Known> known_;
   std::deque<Digest> order_;   // the keys of known_, oldest first
-  std::size_t forgotten_ = 0;  // so many of order_ have no answer any more
+  std::size_t forgotten_ = 0;  // number of the oldest in order_ without an answer
 };
 
 }  // namespace gecos::crypto

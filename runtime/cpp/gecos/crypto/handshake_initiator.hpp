@@ -4,21 +4,21 @@
 
 namespace gecos::crypto {
 
-/// A client's side of opening a channel.
+/// The client's side of opening a channel.
 ///
 ///     auto initiator = HandshakeInitiator::begin(identity, server_key, context, payload);
-///     send(initiator->first());      // repeated as it is, 20, 40, 80, then 160 ms apart, until
-///     auto opened = initiator->finish(answer, now);   // succeeds, then `opened->channel` is ready
+///     send(initiator->first());   // and repeat it unchanged after 20, 40, 80, then every 160 ms
+///     auto opened = initiator->finish(answer, now);   // until it succeeds: use opened->channel
 ///
-/// Repeating the same bytes is what lets the server answer twice without a second channel. An
-/// initiator that has no answer after the server's HandshakeRule::answers_kept (5 s) has to begin
-/// anew.
+/// The same bytes must be repeated, so that the server can answer twice without a second channel.
+/// An initiator without an answer after the server's HandshakeRule::answers_kept (5 s) must begin a
+/// new handshake.
 ///
-/// `context` is what both sides know about where they meet (address, the datagram's header in
-/// clear); it is not sent, and a first message is worth nothing in any other context.
+/// `context` is data that both sides know (address, the clear header of the datagram). It is not
+/// sent, and a first message is refused in any other context.
 class HandshakeInitiator {
  public:
-  /// `own` must outlive it. WeakKey when `server` is no key that an honest program has.
+  /// `own` must outlive the initiator. Fails as WeakKey when `server` is not a secure public key.
   static tl::expected<HandshakeInitiator, HandshakeProblem> begin(const Identity& own,
                                                                   const PublicKey& server,
                                                                   ByteView context,
@@ -28,9 +28,9 @@ class HandshakeInitiator {
 
   struct Opened {
     Channel channel;
-    Bytes payload;  ///< the server's, encrypted and proved
+    Bytes payload;  ///< the server's payload, which was encrypted and authenticated
   };
-  /// A forged answer changes nothing; the right answer may still arrive.
+  /// A forged answer changes nothing; the genuine answer may still arrive.
   tl::expected<Opened, HandshakeProblem> finish(ByteView second, TimePoint now,
                                                 RekeyRule rule = {}) const;
 

@@ -10,7 +10,7 @@ constexpr std::size_t sealed_key_bytes = key_bytes + tag_bytes;
 SymmetricState begin(ByteView prologue, const PublicKey& responder) {
   SymmetricState state(noise_name);
   state.mix_hash(prologue);
-  state.mix_hash(responder.bytes);  // known beforehand: <- s
+  state.mix_hash(responder.bytes);  // the initiator knows it beforehand (Noise: <- s)
   return state;
 }
 
@@ -26,11 +26,11 @@ SymmetricState begin(ByteView prologue, const PublicKey& responder) {
 std::string_view to_string(HandshakeProblem problem) {
   switch (problem) {
     case HandshakeProblem::WrongSize:
-      return "no message of this handshake";
+      return "too short for a message of this handshake";
     case HandshakeProblem::WeakKey:
-      return "a public key that no honest program makes";
+      return "a weak public key";
     case HandshakeProblem::Forged:
-      return "not meant for this key and place, or altered";
+      return "not for this key and context, or altered";
   }
   return "unknown";
 }
@@ -39,7 +39,7 @@ IkInitiator::IkInitiator(const Identity& own, const PublicKey& responder, ByteVi
                          const KeyPair& ephemeral)
     : own_(own), responder_(responder), ephemeral_(ephemeral), state_(begin(prologue, responder)) {}
 
-// -> e, es, s, ss
+// Noise message pattern: -> e, es, s, ss
 tl::expected<Bytes, HandshakeProblem> IkInitiator::write_first(ByteView payload) {
   Bytes message(first_overhead + payload.size());
   const std::span<std::byte> all(message);
@@ -56,7 +56,7 @@ tl::expected<Bytes, HandshakeProblem> IkInitiator::write_first(ByteView payload)
   return message;
 }
 
-// <- e, ee, se
+// Noise message pattern: <- e, ee, se
 tl::expected<IkInitiator::Finished, HandshakeProblem> IkInitiator::read_second(
     ByteView message) const {
   if (message.size() < IkResponder::second_overhead) {

@@ -9,25 +9,25 @@
 #include "gecos/crypto/keys.hpp"
 #include "gecos/crypto/noise.hpp"
 
-/// The handshake Noise_IK_25519_ChaChaPoly_SHA256, bare: two messages, after which both sides know
-/// each other's public key and share two keys. The initiator knows the responder's public key
-/// beforehand. Repeating, admission and limits are of handshake_initiator.hpp and
+/// The handshake Noise_IK_25519_ChaChaPoly_SHA256: two messages, after which both sides know each
+/// other's public key and share two keys. The initiator knows the responder's public key
+/// beforehand. Repetition, admission and limits are in handshake_initiator.hpp and
 /// handshake_acceptor.hpp.
 namespace gecos::crypto {
 
 inline constexpr std::string_view noise_name = "Noise_IK_25519_ChaChaPoly_SHA256";
 
 enum class HandshakeProblem : std::uint8_t {
-  WrongSize,  ///< no message of this handshake
-  WeakKey,    ///< a public key that gives everybody the same secret
-  Forged,     ///< not for us, not from whom it says, about something else (prologue), or altered
+  WrongSize,  ///< too short for a message of this handshake
+  WeakKey,    ///< a public key that gives the same shared secret with every key
+  Forged,     ///< wrong recipient, sender or prologue, or an altered message
 };
 std::string_view to_string(HandshakeProblem problem);
 
 struct SessionKeys {
   Key send;
   Key receive;
-  Hash binding;  ///< the same on both sides, and of this handshake alone
+  Hash binding;  ///< equal on both sides, and unique to this handshake
 };
 
 class IkInitiator {
@@ -37,14 +37,14 @@ class IkInitiator {
   IkInitiator(const Identity& own, const PublicKey& responder, ByteView prologue,
               const KeyPair& ephemeral = KeyPair::draw());
 
-  /// Once.
+  /// Writes the first message. Must be called only once.
   tl::expected<Bytes, HandshakeProblem> write_first(ByteView payload);
 
   struct Finished {
     SessionKeys keys;
     Bytes payload;
   };
-  /// A forged message changes nothing: the right one may still come.
+  /// A forged message changes nothing: the genuine message may still arrive.
   tl::expected<Finished, HandshakeProblem> read_second(ByteView message) const;
 
  private:
@@ -58,7 +58,7 @@ class IkResponder {
  public:
   static constexpr std::size_t second_overhead = key_bytes + tag_bytes;
 
-  /// Keeps nothing of a message that fails.
+  /// Stores nothing from a message that fails.
   static tl::expected<IkResponder, HandshakeProblem> read_first(const Identity& own,
                                                                 ByteView message,
                                                                 ByteView prologue);

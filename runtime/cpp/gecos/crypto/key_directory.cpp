@@ -19,7 +19,7 @@ namespace {
 
 constexpr ::mode_t open_to_others = S_IRWXG | S_IRWXO;
 constexpr ::mode_t writable_by_others = S_IWGRP | S_IWOTH;
-constexpr const char* how_to_move = "; GECOS_KEY_DIR names another directory";
+constexpr const char* how_to_move = "; set GECOS_KEY_DIR to use another directory";
 
 tl::unexpected<KeyError> fail(const std::string& path, const std::string& what) {
   return tl::unexpected(KeyError{path + ": " + what});
@@ -56,7 +56,7 @@ std::optional<std::string> not_ours(const struct stat& found, ::mode_t bits, con
   return std::nullopt;
 }
 
-/// mkdir -p, everything that is missing for us alone. False with errno.
+/// Like mkdir -p; only this user may access the new directories. When false, errno is set.
 bool make_directories(const std::string& path) {
   if (::mkdir(path.c_str(), S_IRWXU) == 0 || errno == EEXIST) return true;
   const auto slash = path.find_last_of('/');
@@ -75,14 +75,14 @@ bool write_all(int to, std::span<const std::byte> bytes) {
   return true;
 }
 
-/// Puts a whole file in place or none. False with errno; EEXIST when another one came first.
+/// Creates a complete file or none. When false, errno is set: EEXIST when the file exists already.
 bool put_file(const std::string& path, const std::string& directory, const KeyText& text) {
   const std::string fresh =
       directory + "/.new-" + KeyPair::draw().public_key.short_name() + std::to_string(::getpid());
   const File file(::open(fresh.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW,
                          S_IRUSR | S_IWUSR));
   if (!file) return false;
-  // link() rather than rename(): it never replaces what another process has put there.
+  // link(), because rename() would replace a file that another process has created.
   const bool done = ::fchmod(file.get(), S_IRUSR | S_IWUSR) == 0 &&
                     write_all(file.get(), text.bytes()) && ::fsync(file.get()) == 0 &&
                     ::link(fresh.c_str(), path.c_str()) == 0;
@@ -92,7 +92,7 @@ bool put_file(const std::string& path, const std::string& directory, const KeyTe
   return done;
 }
 
-/// The key in a file. Nothing in the optional: there is no such file.
+/// Reads the key in a file; nothing in the optional when there is no such file.
 tl::expected<std::optional<Secret<key_bytes>>, KeyError> read_file(const std::string& path,
                                                                    KeyFileKind kind) {
   const File file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
@@ -101,7 +101,7 @@ tl::expected<std::optional<Secret<key_bytes>>, KeyError> read_file(const std::st
     return fail_with_errno(path, "cannot be read");
   }
   struct stat found {};
-  if (::fstat(file.get(), &found) != 0) return fail_with_errno(path, "cannot be looked at");
+  if (::fstat(file.get(), &found) != 0) return fail_with_errno(path, "cannot be examined");
   if (!S_ISREG(found.st_mode)) return fail(path, "is no regular file: remove it");
   if (kind == KeyFileKind::SecretKey) {
     if (const auto why = not_ours(found, open_to_others, "600")) {
@@ -150,14 +150,14 @@ std::string KeyDirectory::default_path() {
       found != nullptr) {
     return std::string(found->pw_dir) + "/.config/gecos/keys";
   }
-  return "/tmp/gecos-keys-" + std::to_string(::geteuid());  // safe: it is refused unless ours alone
+  return "/tmp/gecos-keys-" + std::to_string(::geteuid());  // open() refuses it unless private
 }
 
 tl::expected<KeyDirectory, KeyError> KeyDirectory::open(std::string path) {
   while (path.size() > 1 && path.back() == '/') path.pop_back();
   if (!make_directories(path)) return fail_with_errno(path, "the key directory cannot be made");
   struct stat found {};
-  if (::stat(path.c_str(), &found) != 0) return fail_with_errno(path, "cannot be looked at");
+  if (::stat(path.c_str(), &found) != 0) return fail_with_errno(path, "cannot be examined");
   if (!S_ISDIR(found.st_mode)) {
     return fail(path, std::string("is no directory, and keys need one") + how_to_move);
   }
@@ -175,12 +175,12 @@ tl::expected<Identity, KeyError> KeyDirectory::identity() const {
     if (!put_file(secret_path, path_, text) && errno != EEXIST) {
       return fail_with_errno(secret_path, "the key cannot be written");
     }
-    secret = read_file(secret_path, KeyFileKind::SecretKey);  // maybe another process's
-    if (secret && !*secret) return fail(secret_path, "was removed as soon as it was made");
+    secret = read_file(secret_path, KeyFileKind::SecretKey);  // another process may have made it
+    if (secret && !*secret) return fail(secret_path, "was removed right after its creation");
   }
   if (!secret) return tl::unexpected(secret.error());
   const KeyPair pair = KeyPair::of(**secret);
-  // For copying to others. Not vital, so a directory that became read-only still works.
+  // This file is for copying to other users. It is optional, so a read-only directory still works.
   const std::string public_path = path_ + "/" + pair.public_key.to_string() + ".public";
   if (::access(public_path.c_str(), F_OK) != 0 &&
       !put_file(public_path, path_, key_file_text(KeyFileKind::PublicKey, pair.public_key.bytes)) &&

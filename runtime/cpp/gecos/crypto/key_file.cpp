@@ -21,7 +21,7 @@ std::string_view word_of(KeyFileKind kind) {
   return kind == KeyFileKind::SecretKey ? "gecos-secret-1 " : "gecos-public-1 ";
 }
 
-/// Hex digits of `bytes`, without a NUL after them.
+/// Writes the hex digits of `bytes` to `to`, without a NUL.
 void write_hex(std::span<const std::byte> bytes, std::byte* to) {
   constexpr std::string_view digits = "0123456789abcdef";
   for (const std::byte byte : bytes) {
@@ -69,7 +69,7 @@ tl::expected<Secret<key_bytes>, std::string_view> read_key_file(KeyFileKind kind
   if (!ours) return wrong("is no file of such a key");
   if (!hex || size != key_bytes ||
       !std::ranges::equal(text, key_file_text(kind, key.bytes()).bytes())) {
-    return wrong("is damaged (its check does not fit)");
+    return wrong("is damaged (its checksum does not match)");
   }
   return key;
 }

@@ -13,11 +13,12 @@ namespace {
 
 static_assert(key_bytes == crypto_scalarmult_BYTES && key_bytes == crypto_scalarmult_SCALARBYTES);
 
-/// Chooses the fast code for this processor, and opens the source of random numbers.
+/// Initializes libsodium: chooses the code for this processor and opens the source of random
+/// numbers.
 void start_sodium() {
   static const bool started = ::sodium_init() >= 0;
   if (!started)
-    throw std::runtime_error("libsodium cannot start: the system has no random numbers");
+    throw std::runtime_error("libsodium cannot start: the system has no source of random numbers");
 }
 
 }  // namespace

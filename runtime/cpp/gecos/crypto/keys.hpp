@@ -11,7 +11,7 @@
 #include "gecos/base/bytes.hpp"
 #include "gecos/crypto/secret.hpp"
 
-/// X25519 keys: who a program is, to those it talks to over a wire that others can read.
+/// X25519 keys, which identify a program to its peers over a network that others can read.
 namespace gecos::crypto {
 
 inline constexpr std::size_t key_bytes = 32;
@@ -20,9 +20,9 @@ struct PublicKey {
   std::array<std::byte, key_bytes> bytes{};
 
   auto operator<=>(const PublicKey&) const = default;
-  /// 64 hex digits, as files and addresses carry it.
+  /// The key as 64 hex digits, as in files and addresses.
   std::string to_string() const;
-  /// Its first eight digits, for people.
+  /// The first eight hex digits of the key, for people.
   std::string short_name() const;
   static std::optional<PublicKey> parse(std::string_view hex_digits);
   /// @pre `from` has key_bytes bytes.
@@ -41,7 +41,7 @@ struct KeyPair {
 /// out as far as the system's limit on locked memory allows, and is left out of core dumps.
 class Identity {
  public:
-  /// Throws std::bad_alloc when there is no memory for it.
+  /// Throws std::bad_alloc when there is no memory for the secret key.
   explicit Identity(const KeyPair& pair);
 
   const PublicKey& public_key() const { return public_key_; }
@@ -55,8 +55,8 @@ class Identity {
   PublicKey public_key_;
 };
 
-/// The shared secret of two keys. Nothing for a weak public key, with which every secret is the
-/// same.
+/// The shared secret of two keys. Nothing for a weak public key, which gives every secret key the
+/// same shared secret.
 std::optional<Key> shared_secret(std::span<const std::byte, key_bytes> secret,
                                  const PublicKey& peer);
 

@@ -7,10 +7,10 @@
 
 namespace gecos::crypto {
 
-/// Which of the last `size` numbers have been seen. Numbers older than that count as seen.
+/// Records which of the last `size` packet numbers have been seen. Older numbers count as seen.
 ///
-/// A ring of bits twice as long as the window: moving on clears whole words ahead of it, so that
-/// mark() costs the same whether packets come in order or not.
+/// The ring of bits is twice as long as the window, so that a window that moves can clear whole
+/// words ahead of it: mark() costs the same whether packets arrive in order or not.
 class ReplayWindow {
  public:
   static constexpr std::uint64_t size = 1024;
@@ -23,7 +23,7 @@ class ReplayWindow {
   void mark(std::uint64_t number) {
     if (number >= next_) {
       const std::uint64_t from =
-          next_ == 0 ? 0 : (next_ - 1) / word_bits + 1;  // word not begun yet
+          next_ == 0 ? 0 : (next_ - 1) / word_bits + 1;  // the first unused word
       const std::uint64_t to = number / word_bits;
       if (to >= from) {
         const std::uint64_t count = std::min<std::uint64_t>(to - from + 1, words_.size());
@@ -42,7 +42,7 @@ class ReplayWindow {
   }
 
   std::array<std::uint64_t, 2 * size / word_bits> words_{};
-  std::uint64_t next_ = 0;  // one above the highest seen
+  std::uint64_t next_ = 0;  // one above the highest number seen
 };
 
 }  // namespace gecos::crypto

@@ -7,7 +7,7 @@
 
 namespace gecos::crypto {
 
-/// Overwrites in a way that no compiler leaves out.
+/// Overwrites `bytes` with zeros in a way that no compiler optimizes away.
 void wipe(std::span<std::byte> bytes);
 
 /// Bytes that must not outlive their use: every copy wipes itself.

@@ -19,7 +19,7 @@ static_assert(crypto_sign_SECRETKEYBYTES == 64 && crypto_sign_PUBLICKEYBYTES == 
 
 using Digest = std::array<unsigned char, crypto_generichash_BYTES_MAX>;
 
-/// The signed bytes: purpose, place in the stream, context, and the sample.
+/// The digest that is signed: of the purpose, the counter, the associated data and the sample.
 Digest digest_of(std::span<const std::byte, Sealer::text_at> counter, ByteView associated,
                  ByteView sample) {
   constexpr std::string_view purpose = "gecos stream 1";
@@ -56,7 +56,7 @@ StreamSealer::StreamSealer() {
 
 void StreamSealer::seal(ByteView associated, std::span<std::byte> frame) {
   if (frame.size() < overhead)
-    throw std::invalid_argument("no room for counter, signature and tag");
+    throw std::invalid_argument("frame needs room for counter, signature and tag");
   const auto counter = frame.first<text_at>();
   write_u64(counter, next_);
   const auto text = frame.subspan(text_at, frame.size() - Sealer::overhead);
@@ -73,7 +73,7 @@ tl::expected<std::span<std::byte>, OpenProblem> StreamOpener::open(ByteView asso
   const auto counter = frame.first<StreamSealer::text_at>();
   const std::uint64_t number = read_u64(counter);
   if (number == std::numeric_limits<std::uint64_t>::max()) {
-    return tl::unexpected(OpenProblem::TooNew);  // Noise keeps it for REKEY
+    return tl::unexpected(OpenProblem::TooNew);  // Noise reserves this nonce for REKEY
   }
   if (seen_.too_old(number)) return tl::unexpected(OpenProblem::TooOld);
   if (!seen_.fresh(number)) return tl::unexpected(OpenProblem::Replayed);

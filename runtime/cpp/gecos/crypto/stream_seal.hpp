@@ -10,15 +10,15 @@
 #include "gecos/base/result.hpp"
 #include "gecos/crypto/transport.hpp"
 
-/// Seals samples for many readers: encrypted under a key that all admitted readers have, signed by
-/// the writer inside of that, so that no reader can forge a sample to the others.
+/// Seals samples for many readers. The writer signs each sample, so that no reader can forge a
+/// sample for the others, and encrypts it under a key that all admitted readers have.
 ///
 /// A frame is a counter (8 bytes, big-endian), the sample and a signature (64 bytes), both
-/// encrypted, and a tag (16 bytes). Who is no longer to read: make a new StreamSealer and tell the
-/// others its key.
+/// encrypted, and a tag (16 bytes). To exclude a reader, make a new StreamSealer and send its key
+/// to the other readers.
 namespace gecos::crypto {
 
-/// The keys of a reader, which it receives over its own channel.
+/// The keys that a reader needs. Each reader receives them over its own channel.
 struct StreamKey {
   static constexpr std::size_t bytes = 64;
 
@@ -35,13 +35,13 @@ class StreamSealer {
   static constexpr std::size_t text_at = Sealer::text_at;
   static constexpr std::size_t overhead = Sealer::overhead + signature_bytes;
 
-  StreamSealer();  ///< draws its keys
+  StreamSealer();  ///< draws random keys
   StreamSealer(StreamSealer&&) = default;
-  StreamSealer(const StreamSealer&) = delete;  // a copy would use its counters again
+  StreamSealer(const StreamSealer&) = delete;  // a copy would reuse the counters
 
   const StreamKey& key() const { return key_; }
-  /// Seals in place what stands in `frame` from text_at up to its last overhead - text_at bytes.
-  /// @pre `frame` has at least `overhead` bytes.
+  /// Seals in place the sample in `frame`, which begins at text_at and is followed by overhead -
+  /// text_at bytes. @pre `frame` has at least `overhead` bytes.
   void seal(ByteView associated, std::span<std::byte> frame);
 
  private:
@@ -50,12 +50,12 @@ class StreamSealer {
   std::uint64_t next_ = 0;
 };
 
-/// One thread at a time.
+/// Opens the samples of a stream. Only one thread at a time may use a StreamOpener.
 class StreamOpener {
  public:
   explicit StreamOpener(const StreamKey& key) : key_(key) {}
 
-  /// As Opener::open. A sample that only another reader can have written is Forged.
+  /// Like Opener::open. A sample without the writer's signature is Forged.
   tl::expected<std::span<std::byte>, OpenProblem> open(ByteView associated,
                                                        std::span<std::byte> frame);
 

@@ -25,7 +25,7 @@ std::string_view to_string(OpenProblem problem) {
     case OpenProblem::TooOld:
       return "too old";
     case OpenProblem::TooNew:
-      return "under a key that is not due yet";
+      return "sealed under a later key than is due";
     case OpenProblem::Forged:
       return "not from the peer, or altered";
   }
@@ -34,11 +34,11 @@ std::string_view to_string(OpenProblem problem) {
 
 Sealer::Sealer(const Key& key, TimePoint now, RekeyRule rule)
     : rule_(rule), key_(key), since_(now) {
-  if (rule.packets == 0) throw std::invalid_argument("a key must last for one packet at least");
+  if (rule.packets == 0) throw std::invalid_argument("RekeyRule::packets must be at least 1");
 }
 
 void Sealer::seal(ByteView associated, std::span<std::byte> frame) {
-  if (frame.size() < overhead) throw std::invalid_argument("no room for counter and tag");
+  if (frame.size() < overhead) throw std::invalid_argument("frame needs room for counter and tag");
   if (number_ == rule_.packets) next_generation();
   const std::uint64_t counter = std::uint64_t{generation_} << generation_shift | number_;
   ++number_;
@@ -49,12 +49,12 @@ void Sealer::seal(ByteView associated, std::span<std::byte> frame) {
 void Sealer::on_tick(TimePoint now) {
   if (now - since_ < rule_.after) return;
   since_ = now;
-  if (number_ != 0) next_generation();  // one that was not used is as good as new
+  if (number_ != 0) next_generation();  // an unused key need not be replaced
 }
 
 void Sealer::next_generation() {
   if (generation_ == std::numeric_limits<std::uint32_t>::max()) {
-    throw std::length_error("this channel has used up its keys: open a new one");
+    throw std::length_error("this channel has used up its keys: open a new channel");
   }
   key_ = next_key(key_);
   ++generation_;

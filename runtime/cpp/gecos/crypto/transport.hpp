@@ -12,26 +12,28 @@
 #include "gecos/crypto/aead.hpp"
 #include "gecos/crypto/replay_window.hpp"
 
-/// One direction of a channel: packets that may be lost, repeated or overtake each other on their
-/// way, and are delivered at most once, unaltered, or not at all.
+/// One direction of a channel. Packets may be lost, repeated or reordered on their way; each is
+/// delivered at most once, and unaltered.
 ///
 /// A frame is a counter (8 bytes, big-endian), the packet encrypted, and a tag (16 bytes). The
-/// upper half of the counter is the key's generation, the lower half numbers the packets of it from
-/// 0. The key of a generation is Noise's REKEY of the one before, so what was sent cannot be read
-/// with keys that are found later, and a new key needs no message and no answer. The whole counter
-/// is the nonce; in generation 0 a frame is what Noise's transport messages are.
+/// upper half of the counter is the generation of the key, the lower half numbers the packets of a
+/// generation from 0. The key of a generation is Noise's REKEY of the previous key, so stolen keys
+/// cannot decrypt earlier packets, and a new key needs no message. The whole counter is the nonce;
+/// in generation 0 the encryption is that of Noise's transport messages.
 ///
 ///     Bytes frame(Sealer::overhead + packet.size());
 ///     std::ranges::copy(packet, frame.begin() + Sealer::text_at);
-///     sealer.seal(header, frame);               // header travels in clear, and is protected too
+///     sealer.seal(header, frame);               // header is sent in clear, but authenticated
 ///     …
 ///     if (auto packet = opener.open(header, frame)) deliver(*packet);  // lies within `frame`
 ///
-/// Neither allocates, locks or reads a clock. One thread at a time, of each half. A forked child
-/// must not seal with what it inherited: two packets under one counter give their contents away.
+/// Sealer and Opener do not allocate, lock or read a clock. Only one thread at a time may use each
+/// of them. A forked child must not use an inherited Sealer: two packets under one counter reveal
+/// their contents.
 namespace gecos::crypto {
 
-/// When a direction goes over to its next key: what comes first.
+/// When a direction changes to its next key: after a time or a number of packets, whichever is
+/// first.
 struct RekeyRule {
   Duration after = std::chrono::minutes{2};
   std::uint32_t packets = 1U << 24;  ///< at least 1
@@ -44,10 +46,11 @@ class Sealer {
 
   Sealer(const Key& key, TimePoint now, RekeyRule rule = {});
   Sealer(Sealer&&) = default;
-  Sealer(const Sealer&) = delete;  // a copy would use its counters again
+  Sealer(const Sealer&) = delete;  // a copy would reuse the counters
 
-  /// Seals in place what stands in `frame` from text_at up to its last tag_bytes. `associated` is
-  /// not sent; the opener must name the same. @pre `frame` has at least `overhead` bytes.
+  /// Seals in place the packet in `frame`, which begins at text_at and is followed by tag_bytes
+  /// bytes. `associated` is not sent; the opener must pass identical associated data. @pre `frame`
+  /// has at least `overhead` bytes.
   void seal(ByteView associated, std::span<std::byte> frame);
 
   /// Must be called regularly, at least every tenth of RekeyRule::after.
@@ -66,33 +69,34 @@ class Sealer {
 };
 
 enum class OpenProblem : std::uint8_t {
-  TooShort,  ///< no frame
-  Replayed,  ///< delivered already
-  TooOld,    ///< overtaken by a thousand others, or its key is erased
-  TooNew,    ///< under a key that the peer cannot have reached
+  TooShort,  ///< shorter than a frame
+  Replayed,  ///< the packet was delivered already
+  TooOld,    ///< a thousand newer packets arrived before it, or its key is erased
+  TooNew,    ///< the peer cannot use this generation of the key yet
   Forged,    ///< not from the peer, not for this channel, or altered
 };
 std::string_view to_string(OpenProblem problem);
 
 class Opener {
  public:
-  /// How many generations may have been lost as a whole. Bounds what a forged frame can cost.
+  /// How many generations of packets in a row may be lost completely. Bounds the cost of a forged
+  /// frame.
   static constexpr std::uint32_t most_lost_generations = 8;
   /// How long packets under the previous key are still opened after the key changed.
   static constexpr Duration previous_kept = std::chrono::seconds{1};
 
   explicit Opener(const Key& key);
 
-  /// Opens in place and gives the packet, which lies within `frame`. What fails changes nothing
-  /// here, and leaves `frame` unusable.
+  /// Opens `frame` in place and returns the packet, which lies within `frame`. A failure leaves the
+  /// Opener unchanged and `frame` unusable.
   tl::expected<std::span<std::byte>, OpenProblem> open(ByteView associated,
                                                        std::span<std::byte> frame);
 
-  /// Erases the previous key some time after it was replaced: previous_kept after the first call
-  /// that follows. To be called with every beat.
+  /// Erases the previous key `previous_kept` after the first call that follows its replacement.
+  /// Must be called at every heartbeat.
   void on_tick(TimePoint now);
 
-  /// Whether anything was opened: the peer has the key, now and not in a recording.
+  /// Whether any packet was opened: this proves that the peer has the keys and is not a replay.
   bool opened_any() const { return opened_any_; }
   std::uint32_t generation() const { return current_.number; }
 

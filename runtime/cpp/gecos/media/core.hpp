@@ -8,14 +8,14 @@
 namespace gecos::media {
 
 /// What an end of a link publishes so that the other end can choose how to wait (waiting.hpp). A
-/// wrong value costs time and nothing else.
+/// wrong value costs time, but does no other harm.
 struct Whereabouts {
-  std::int32_t core = unknown_core;  ///< from which it last polled the link
-  bool asleep = false;               ///< it sleeps until it is notified
-  TimePoint rang_at{};               ///< when it last notified this end, by the steady clock
+  std::int32_t core = unknown_core;  ///< core from which this end last polled the link
+  bool asleep = false;               ///< this end sleeps until it is notified
+  TimePoint rang_at{};  ///< when this end last notified the other end, by the steady clock
 };
 
-/// The core under a thread that waits; tests have cores of their own.
+/// The CPU core on which a waiting thread runs. An interface, so that tests can replace it.
 class Core {
  public:
   virtual ~Core() = default;

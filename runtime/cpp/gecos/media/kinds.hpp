@@ -13,8 +13,9 @@
 /// The media of this library by their names, for code that must not know how each of them works.
 namespace gecos::media {
 
-/// All media, the shortest reach first: the enumerator, and the name, which is also the folder. A
-/// new medium is its folder and one line here (registration.hpp). Everything else asks Offer.
+/// All media, the shortest reach first: the enumerator, and the name, which is also the folder. To
+/// add a medium, add its folder and one line here (registration.hpp). Other code must ask the
+/// Offer.
 #define GECOS_MEDIA(MEDIUM) \
   MEDIUM(Inproc, inproc)    \
   MEDIUM(Shm, shm)          \
@@ -32,24 +33,25 @@ std::optional<Kind> kind_from(std::string_view name);
 std::optional<Kind> kind_of(std::string_view address);
 std::span<const Kind> all_kinds();
 Reach reach_of(Kind kind);
-/// Whether `kinds` is not empty and none of them leads out of this process.
+/// Whether `kinds` is not empty and all of them stay within this process.
 bool within_process(std::span<const Kind> kinds);
 
-/// Returns the medium to use in place of the given one.
+/// Wraps a medium: returns the medium to use instead of the one that is passed.
 using WrapMedium = std::function<std::unique_ptr<Medium>(std::unique_ptr<Medium>)>;
 
-/// Opens a medium with its usual settings and the layers that it needs, or says why it cannot be
-/// used here. `wrap` null: the medium itself.
+/// Opens a medium with its usual settings and the layers that it needs, or returns why it cannot be
+/// used here. `wrap`, if set, is applied below these layers.
 tl::expected<std::unique_ptr<Medium>, MediumError> open(Kind kind, const WrapMedium& wrap = {});
 
-/// Puts on `medium` the layers that its offer asks for: checksums where packets may be damaged,
-/// pieces where the largest packet of the session does not fit.
+/// Wraps `medium` in the layers that its offer requires: checksums if packets may be damaged,
+/// fragmentation if the session's largest packet does not fit.
 std::unique_ptr<Medium> with_layers(std::unique_ptr<Medium> medium, const Clock& clock);
 
-/// Equal exactly where programs reach each other over shm; a text of its own where shm is unusable.
+/// Equal in two programs if and only if they reach each other over shm; where shm is unusable, the
+/// text says why.
 std::string host_identity();
 
-/// Whether two host identities are of one machine: where they differ, their directories do.
+/// Whether two host identities belong to one machine, possibly with different runtime directories.
 bool on_one_machine(std::string_view one, std::string_view other);
 
 }  // namespace gecos::media

@@ -4,23 +4,24 @@
 
 #include "gecos/media/medium.hpp"
 
-/// Sending without waking the peer.
+/// Sends packets without waking a sleeping peer.
 namespace gecos::media {
 
 /// A link that can leave a sleeping peer asleep, because both ends read the same memory.
 class QuietSender {
  public:
-  /// Like Link::send, on the same thread, but a sleeping peer stays asleep: it reads the packet at
-  /// its next poll, before any packet that wakes it. A packet stored beside the ring, and one that
-  /// leaves the ring less than half free, wake the peer all the same, so that quiet packets never
-  /// take the room of others.
+  /// Like Link::send, and called by the same thread, but without waking a sleeping peer: the peer
+  /// reads the packet at its next poll, before any packet that wakes it. A packet stored outside
+  /// the ring, or one that leaves less than half of the ring free, wakes the peer nevertheless, so
+  /// that quiet packets never use up the room of others.
   virtual tl::expected<std::uint64_t, SendProblem> send_quietly(ByteView head, ByteView body) = 0;
 
  protected:
   ~QuietSender() = default;
 };
 
-/// Sends a packet that ends no wait of the peer: quietly if `link` supports it, else by Link::send.
+/// Sends a packet for which the peer does not wait: quietly if `link` supports it, else by
+/// Link::send.
 inline tl::expected<std::uint64_t, SendProblem> send_quietly(Link& link, ByteView head,
                                                              ByteView body) {
   if (auto* const quiet = dynamic_cast<QuietSender*>(&link)) return quiet->send_quietly(head, body);

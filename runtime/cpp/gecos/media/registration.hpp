@@ -6,11 +6,11 @@
 
 namespace gecos::media {
 
-/// What is known of a medium before it is opened. The folder of a medium `x` defines
+/// What is known about a medium before it is opened. The folder of a medium `x` defines
 /// `x_registration`.
 struct Registration {
   const Offer& offer;
-  /// Opens it with its usual settings, or says why it cannot be used here.
+  /// Opens the medium with its usual settings, or returns why it cannot be used here.
   tl::expected<std::unique_ptr<Medium>, MediumError> (*open)();
 };
 

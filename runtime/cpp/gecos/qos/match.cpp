@@ -24,7 +24,7 @@ std::vector<Violation> violations(const Quality& asked, const LineOffer& offer) 
   }
   if (asked.reliability == Reliability::Reliable && !offer.reliable) {
     found.push_back({"reliability=" + std::string(to_string(asked.reliability)),
-                     offer.name + " may lose packets and nobody repeats them"});
+                     offer.name + " may lose packets, and nothing retransmits them"});
   }
   if (!allows(asked.media, offer.name)) {
     found.push_back({"media=" + to_string(asked.media), offer.name + " is not among them"});

@@ -9,34 +9,35 @@
 #include "gecos/base/result.hpp"
 #include "gecos/qos/quality.hpp"
 
-/// Whether a line is as good as what is asked, and which of several is best. Pure.
+/// Checks media against a required quality and selects the best of them. Pure functions.
 namespace gecos::qos {
 
-/// Promises of one medium, and measurements of it.
+/// What one medium promises, and what was measured over it.
 struct LineOffer {
   std::string name;            ///< name of its medium, for messages: "shm"
-  bool between_hosts = false;  ///< packets leave the host, or could
-  bool reliable = true;        ///< nothing is lost, by the medium or because the session repeats it
+  bool between_hosts = false;  ///< packets leave the host, or may leave it
+  bool reliable = true;        ///< no packet is lost, or the session retransmits each lost packet
   bool real_time = true;       ///< no loss and no shared queue below the session
-  bool reports_death = true;   ///< a peer's death is known at once, not only by its silence
-  std::optional<Duration> latency{};  ///< measured p99 of a round trip, once it is measured
+  bool reports_death = true;   ///< a peer's death is detected at once, not only by silence
+  std::optional<Duration> latency{};  ///< p99 of a round trip, once it is measured
 };
 
-/// One term of the quality that a line does not meet.
+/// One term of the required quality that a medium does not meet.
 struct Violation {
   std::string term;  ///< as in the interface: `class=HARD_REALTIME`
   std::string why;   ///< "lcm shares its queue with others and may lose packets"
 };
 
-/// What `offer` lacks; empty when it meets `asked`. What is not measured yet is not held against
-/// it. HARD_REALTIME here speaks of the medium only; the waiting threads are another matter.
+/// The terms of `asked` that `offer` does not meet; empty when it meets all. A latency that is not
+/// measured yet counts as met. HARD_REALTIME is checked for the medium only, not for the waiting
+/// threads.
 std::vector<Violation> violations(const Quality& asked, const LineOffer& offer);
 
 /// Indices of the offers that meet `asked`, best first: static promises, then the lower measured
 /// latency, then the order given.
 std::vector<std::size_t> rank(const Quality& asked, std::span<const LineOffer> offers);
 
-/// The best of the offers, or a text that lists every one of them with each term it violates.
+/// The index of the best offer, or a text that lists every offer with each term that it violates.
 tl::expected<std::size_t, std::string> choose(const Quality& asked,
                                               std::span<const LineOffer> offers);
 

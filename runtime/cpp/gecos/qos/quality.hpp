@@ -6,7 +6,7 @@
 
 #include "gecos/base/clock.hpp"
 
-/// Demanded quality: the values of `@qos`, inherited and narrowed by the compiler.
+/// Required quality of service: the values of `@qos`, inherited and narrowed by gidl.
 namespace gecos::qos {
 
 enum class Class : std::uint8_t { TimeIndependent, SoftRealtime, HardRealtime };
@@ -14,17 +14,17 @@ enum class Reliability : std::uint8_t { Reliable, BestEffort };
 std::string_view to_string(Class line);  ///< "HARD_REALTIME", as in the interface
 std::string_view to_string(Reliability reliability);
 
-/// The media that a line may take: `media="shm|can"` is `Media::Shm | Media::Can`.
+/// The media that an operation or stream may use: `media="shm|can"` is `Media::Shm | Media::Can`.
 enum class Media : std::uint8_t { Any = 0, Inproc = 1, Shm = 2, Lcm = 4, Tcp = 8, Can = 16 };
 constexpr Media operator|(Media left, Media right) {
   return static_cast<Media>(static_cast<std::uint8_t>(left) | static_cast<std::uint8_t>(right));
 }
 std::string to_string(Media media);  ///< "shm|can", as in the interface; "any"
-/// Whether the medium called `name` is among them. One process is as good as its shared memory:
-/// "inproc" is allowed where shm is.
+/// Whether `media` contains the medium called `name`. "inproc" is also allowed where shm is,
+/// because it is at least as good.
 bool allows(Media media, std::string_view name);
 
-/// A duration of zero means: not asked.
+/// A required quality of service. A duration of zero means: no requirement.
 struct Quality {
   Class line = Class::TimeIndependent;
   Reliability reliability = Reliability::Reliable;

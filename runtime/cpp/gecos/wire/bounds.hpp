@@ -1,4 +1,4 @@
-// Ranges of numbers that stand in arrays and sequences.
+// Checks of the numbers in arrays and sequences against a range.
 #pragma once
 
 #include <limits>
@@ -15,8 +15,8 @@ struct Bounds {
   constexpr bool hold(T number) const { return (number >= low) & (number <= high); }
 };
 
-/// The first number outside `bounds`, or null. While all are inside there is one loop without
-/// branches.
+/// A pointer to the first number outside `bounds`, or null. When all numbers are inside, only one
+/// loop without branches runs.
 template <class Numbers>
 constexpr const typename Numbers::value_type* first_outside(
     const Numbers& numbers, Bounds<typename Numbers::value_type> bounds) {

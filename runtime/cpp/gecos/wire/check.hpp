@@ -1,4 +1,4 @@
-// Checks of values before they are sent. The result is the error text; empty when valid.
+// Error texts for values that must not be sent.
 #pragma once
 
 #include <cstddef>
@@ -10,19 +10,19 @@
 
 namespace gecos::wire {
 
-/// "Trajectory.speed: 3 is outside [0.01, 1.0]".
+/// The text "Trajectory.speed: 3 is outside [0.01, 1.0]".
 std::string out_of_range(std::string_view field, double value, std::string_view range);
 std::string out_of_range(std::string_view field, long long value, std::string_view range);
 std::string out_of_range(std::string_view field, unsigned long long value, std::string_view range);
 
-/// "Scan.echoes: 500 elements, at most 360 fit". `what` is "elements" or "bytes".
+/// The text "Scan.echoes: 500 elements, at most 360 fit". `what` is "elements" or "bytes".
 std::string over_bound(std::string_view field, std::size_t size, std::size_t bound,
                        std::string_view what);
 
-/// "Pose.name: a string is UTF-8 without NUL".
+/// The text "Pose.name: a string is UTF-8 without NUL".
 std::string bad_text(std::string_view field);
 
-/// "Shape: its tag does not select the arm that it holds".
+/// The text "Shape: its tag does not select the arm that it holds".
 std::string wrong_arm(std::string_view type);
 
 }  // namespace gecos::wire

@@ -16,8 +16,9 @@
 
 namespace gecos::wire {
 
-/// `encode` writes the fields, exactly `encoded_size()` bytes; `decode` reads them back and
-/// validates. `fingerprint` is what lcm-gen computes for the declared layout.
+/// A type that encodes itself: `encode` writes the fields, exactly `encoded_size()` bytes; `decode`
+/// reads and validates them. `fingerprint` is the value that lcm-gen computes for the declared
+/// layout.
 template <typename T>
 concept GeneralContents = std::default_initializable<T> &&
     requires(const T& value, T& target, Encoder& encoder, Decoder& decoder) {
@@ -27,7 +28,7 @@ concept GeneralContents = std::default_initializable<T> &&
   { T::fingerprint() } -> std::same_as<std::int64_t>;
 };
 
-/// Why a value must not be sent; empty when it may, and for types that check nothing.
+/// Why a value must not be sent. Empty when it may be sent, and for types without checks.
 template <class T>
 std::string violation_of([[maybe_unused]] const T& value) {
   if constexpr (requires { gecos_violation(value); }) {
@@ -37,7 +38,7 @@ std::string violation_of([[maybe_unused]] const T& value) {
   }
 }
 
-/// Bytes of a number, or of what encodes itself.
+/// Encoded size in bytes of a number, or of a value that encodes itself.
 template <class T>
 std::size_t plain_size(const T& value) {
   if constexpr (std::is_arithmetic_v<T>) {
@@ -55,14 +56,14 @@ void put_plain(Encoder& to, const T& value) {
   }
 }
 
-/// Writes an appendable value in its block: its size, which its caller knows, and its fields.
+/// Writes an appendable value as a block: its encoded size, passed by the caller, then its fields.
 template <class T>
 void put_block(Encoder& to, const T& value, std::size_t size) {
   to.put_count(size);
   value.encode(to);
 }
 
-/// Becomes any array, also one of arrays, that has `value` everywhere.
+/// Converts to any array, also a nested one, whose elements all equal `value`.
 template <class T>
 struct Everywhere {
   T value;
@@ -83,7 +84,7 @@ Everywhere(T) -> Everywhere<T>;
 
 inline constexpr std::size_t fingerprint_size = 8;
 
-/// The fields alone.
+/// Encodes the fields, without the fingerprint.
 template <GeneralContents T>
 Bytes to_bytes(const T& value) {
   Bytes bytes(value.encoded_size());

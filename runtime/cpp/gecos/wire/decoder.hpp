@@ -20,12 +20,12 @@ inline constexpr std::size_t npos = std::numeric_limits<std::size_t>::max();
 inline constexpr int max_depth = 16;
 inline constexpr std::size_t max_zero_width = 65'536;
 
-/// Every read says whether it succeeded; after the first failure all fail and `error()` keeps what
-/// went wrong first. Nothing is allocated for a count that the bytes cannot hold. Never throws,
-/// except std::bad_alloc. `field` names are static text; they appear in the error.
+/// Every read returns whether it succeeded. After the first failure all reads fail, and `error()`
+/// keeps the first error. Nothing is allocated for a count that the bytes cannot hold. Never
+/// throws, except std::bad_alloc. `field` names are static text; they appear in the error.
 class Decoder {
  public:
-  /// An empty one, to be filled by `open_block`.
+  /// An empty decoder, to be filled by `open_block`.
   Decoder() : Decoder(ByteView{}) {}
 
   explicit Decoder(ByteView bytes)
@@ -46,7 +46,7 @@ class Decoder {
     return true;
   }
 
-  /// `max` counts bytes of UTF-8, without the NUL.
+  /// Reads a string of at most `max` bytes of UTF-8, not counting the NUL.
   [[nodiscard]] bool get_string(std::string& text, std::size_t max = npos, const char* field = "") {
     std::string_view view;
     if (!get_string_view(view, max, field)) return false;
@@ -54,7 +54,7 @@ class Decoder {
     return true;
   }
 
-  /// The same without a copy; it borrows the bytes given to the decoder.
+  /// Reads a string without a copy: `text` borrows the bytes given to the decoder.
   [[nodiscard]] bool get_string_view(std::string_view& text, std::size_t max = npos,
                                      const char* field = "") {
     const std::byte* const start = cursor_;
@@ -75,8 +75,9 @@ class Decoder {
     return true;
   }
 
-  /// A count of elements of at least `min_bytes_each`. Refused when negative, above `max`, or more
-  /// than the remaining bytes can hold, so that its caller may allocate for it.
+  /// Reads a count of elements that take at least `min_bytes_each` bytes each. Refuses a count that
+  /// is negative, above `max`, or more than the remaining bytes can hold, so that the caller may
+  /// allocate memory for it.
   [[nodiscard]] bool get_count(std::size_t& count, std::size_t min_bytes_each,
                                std::size_t max = npos, const char* field = "") {
     const std::byte* const start = cursor_;
@@ -94,7 +95,7 @@ class Decoder {
     return true;
   }
 
-  /// Fills a span, vector or array with numbers, swapped in bulk.
+  /// Fills a span, vector or array with numbers, byte-swapped in bulk.
   template <typename Range>
   requires NumberRange<std::remove_reference_t<Range>>
   [[nodiscard]] bool get_array(Range&& numbers, const char* field = "") {
@@ -110,7 +111,7 @@ class Decoder {
     return get_array(bytes, field);
   }
 
-  /// `size` bytes without a copy; they borrow what was given to the decoder.
+  /// Reads `size` bytes without a copy: `view` borrows the bytes given to the decoder.
   [[nodiscard]] bool get_view(ByteView& view, std::size_t size, const char* field = "") {
     if (failed_) return false;
     if (size > remaining()) return fail(DecodeProblem::Truncated, field);
@@ -119,8 +120,8 @@ class Decoder {
     return true;
   }
 
-  /// Steps over an appendable struct and gives `inner` its bytes to read. What `inner` leaves
-  /// unread is a newer writer's and is ignored.
+  /// Skips an appendable struct and makes `inner` a decoder of its bytes. Bytes that `inner` leaves
+  /// unread come from a newer writer and are ignored.
   [[nodiscard]] bool open_block(Decoder& inner, const char* field = "") {
     std::size_t size = 0;
     if (!get_count(size, 1, npos, field)) return false;
@@ -130,7 +131,7 @@ class Decoder {
     return true;
   }
 
-  /// Takes over the failure of an `inner` that `open_block` filled; true when it has none.
+  /// Takes over the error of `inner`, which `open_block` filled; true when there is none.
   [[nodiscard]] bool close_block(const Decoder& inner) {
     if (!inner.failed_) return !failed_;
     if (failed_) return false;
@@ -138,7 +139,7 @@ class Decoder {
     return give_up();
   }
 
-  /// Around every nested struct, see DepthGuard. Fails beyond `max_depth`.
+  /// Must be called before every nested struct, see DepthGuard. Fails beyond `max_depth`.
   [[nodiscard]] bool enter(const char* field = "") {
     if (depth_ == max_depth) return fail(DecodeProblem::TooDeep, field);
     ++depth_;
@@ -146,17 +147,17 @@ class Decoder {
   }
   void leave() { --depth_; }
 
-  /// Refuses the value that was just read; keeps the first failure. Always false.
+  /// Refuses the value that was just read; keeps the first failure. Always returns false.
   bool fail(DecodeProblem problem, const char* field = "") {
     return fail_at(cursor_, problem, field);
   }
 
-  /// The same, for a value that lies at `offset`, as `offset()` said before it was read.
+  /// Refuses a value at `offset`, the result of `offset()` before that value was read.
   bool fail(DecodeProblem problem, const char* field, std::size_t offset) {
     return fail_at(begin_ + offset, problem, field);
   }
 
-  /// Succeeds when nothing failed and nothing is left.
+  /// Succeeds when no read failed and no bytes are left.
   [[nodiscard]] bool expect_end() {
     if (failed_) return false;
     return cursor_ == end_ ? true : fail(DecodeProblem::TrailingBytes);
@@ -167,7 +168,7 @@ class Decoder {
   std::size_t remaining() const { return static_cast<std::size_t>(end_ - cursor_); }
   std::size_t offset() const { return static_cast<std::size_t>(cursor_ - begin_); }
 
-  /// @pre something failed.
+  /// @pre a read failed.
   const DecodeError& error() const { return error_; }
 
  private:
@@ -191,7 +192,7 @@ class Decoder {
   DecodeError error_;
 };
 
-/// `if (DepthGuard guard(decoder); guard) …`: one level deeper while it lives.
+/// `if (DepthGuard guard(decoder); guard) …`: one nesting level deeper while the guard lives.
 class DepthGuard {
  public:
   explicit DepthGuard(Decoder& decoder, const char* field = "")

@@ -7,8 +7,8 @@
 
 namespace gecos::wire {
 
-/// What encodes itself and is no type of an interface, so it has no fingerprint: the arguments and
-/// the result of a call.
+/// A type that encodes itself but has no fingerprint, because no interface declares it: the
+/// arguments and the result of a call.
 template <class T>
 concept Encodable = std::default_initializable<T> &&
     requires(const T& value, T& target, Encoder& encoder, Decoder& decoder) {

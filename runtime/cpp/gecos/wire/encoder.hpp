@@ -16,7 +16,7 @@
 
 namespace gecos::wire {
 
-/// A run of numbers that lies in one piece: span, vector, array.
+/// A contiguous range of numbers: span, vector, array.
 template <typename Range>
 concept NumberRange = requires(Range& range) {
   range.data();
@@ -34,8 +34,8 @@ class Encoder {
   explicit Encoder(std::span<std::byte> buffer)
       : begin_(buffer.data()), cursor_(begin_), end_(begin_ + buffer.size()) {}
 
-  /// Numbers and booleans, one after the other. Many at once are faster than each by itself: for
-  /// all that the compiler knows, what is written might be the encoder's own place.
+  /// Appends numbers and booleans, one after the other. One call with many values is faster than
+  /// many calls: the compiler must assume that each write may alias `cursor_`.
   template <typename... T>
   requires((Number<T> || std::same_as<T, bool>)&&...) void put(T... values) {
     assert((sizeof(T) + ... + 0) <= room());
@@ -44,7 +44,7 @@ class Encoder {
     cursor_ = cursor;
   }
 
-  /// The count of elements that follow, or the size of a block, as int32.
+  /// Appends the count of the elements that follow, or the size of a block, as int32.
   void put_count(std::size_t count) {
     assert(count <= static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()));
     put(static_cast<std::int32_t>(count));
@@ -64,7 +64,7 @@ class Encoder {
     cursor_ += bytes.size();
   }
 
-  /// All numbers of a span, vector or array, swapped in bulk, without a count.
+  /// Appends all numbers of a span, vector or array, byte-swapped in bulk, without a count.
   template <NumberRange Range>
   void put_array(const Range& numbers) {
     constexpr std::size_t width = sizeof(*numbers.data());

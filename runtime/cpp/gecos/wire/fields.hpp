@@ -1,4 +1,4 @@
-// Decoding of values made of others, one expression each: what generated decoders are written in.
+// Functions that decode composite values. Generated decoders call one of them per member.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@
 
 namespace gecos::wire {
 
-/// An appendable value in its block. Members that a newer writer put at its end are skipped.
+/// Reads an appendable value from its block. Members that a newer writer appended are skipped.
 template <class T>
 [[nodiscard]] bool get_block(Decoder& from, T& value, const char* field) {
   Decoder block;
@@ -22,13 +22,14 @@ template <class T>
   return from.close_block(block) && decoded;
 }
 
-/// Skips what a newer writer put at the end of an appendable value. @pre `from` is its own window.
+/// Skips the members that a newer writer appended to an appendable value. @pre `from` contains only
+/// the block of this value.
 inline bool skip_rest(Decoder& from) {
   ByteView rest;
   return from.get_view(rest, from.remaining());
 }
 
-/// Numbers with their count in front, swapped in bulk.
+/// Reads a count and that many numbers, byte-swapped in bulk.
 template <class T>
 [[nodiscard]] bool get_numbers(Decoder& from, std::vector<T>& numbers, std::size_t max,
                                const char* field) {
@@ -38,7 +39,7 @@ template <class T>
   return from.get_array(numbers, field);
 }
 
-/// Elements with their count in front, each read by `get(T&)`.
+/// Reads a count and that many elements, each by `get(T&)`.
 template <class T, class Get>
 [[nodiscard]] bool get_sequence(Decoder& from, std::vector<T>& elements, std::size_t min_bytes_each,
                                 std::size_t max, const char* field, Get&& get) {
@@ -57,7 +58,7 @@ template <class T, class Get>
   return true;
 }
 
-/// Every element of a fixed array, each read by `get(T&)`.
+/// Reads every element of a fixed array, each by `get(T&)`.
 template <class Array, class Get>
 [[nodiscard]] bool get_each(Array& elements, Get&& get) {
   for (auto& element : elements) {
@@ -66,7 +67,7 @@ template <class Array, class Get>
   return true;
 }
 
-/// Present or not, then the value read by `get(T&)`.
+/// Reads whether an optional value is present, then the value by `get(T&)`.
 template <class T, class Get>
 [[nodiscard]] bool get_optional(Decoder& from, std::optional<T>& value, const char* field,
                                 Get&& get) {
@@ -76,7 +77,8 @@ template <class T, class Get>
   return !present || get(value.emplace());
 }
 
-/// Entries with their count in front, keys strictly ascending: a map has one encoding.
+/// Reads a count and that many entries. Their keys must be strictly ascending, so that each map has
+/// only one encoding.
 template <class Key, class T, class Order, class GetKey, class Get>
 [[nodiscard]] bool get_map(Decoder& from, std::map<Key, T, Order>& entries,
                            std::size_t min_bytes_each, std::size_t max, const char* field,
@@ -111,7 +113,8 @@ template <class Numbers>
   return in_range(from, false, after * sizeof *outlier, field);
 }
 
-/// A union's tag, which travels as `Wire`. A number that the tag's type lacks is refused.
+/// Reads the tag of a union, encoded as a `Wire`. Refuses a number that the type of the tag cannot
+/// represent.
 template <class Wire, class Tag>
 [[nodiscard]] bool get_tag(Decoder& from, Tag& tag, const char* field) {
   using Narrow = std::conditional_t<std::is_same_v<Tag, char>, unsigned char, Tag>;
@@ -124,7 +127,7 @@ template <class Wire, class Tag>
          from.fail(DecodeProblem::UnknownUnionTag, field, offset);
 }
 
-/// Whether an arm of a union is there, which must be so exactly when the tag selects it.
+/// Reads whether an arm of a union is present. It must be present exactly when the tag selects it.
 [[nodiscard]] inline bool get_arm(Decoder& from, bool selected, const char* field) {
   const std::size_t offset = from.offset();
   bool present = false;

@@ -46,7 +46,7 @@ bool deeper_than(const json& data, int levels) {
          });
 }
 
-/// Refuses members that are there twice: the parser keeps the last of them silently.
+/// A parser callback that refuses duplicate members: without it the parser silently keeps the last.
 class Once {
  public:
   struct Twice : std::exception {
@@ -64,7 +64,7 @@ class Once {
   }
 
  private:
-  std::vector<std::set<std::string>> open_;  // the members so far of the objects around
+  std::vector<std::set<std::string>> open_;  // member names so far of each open object
 };
 
 }  // namespace
@@ -350,8 +350,8 @@ bool read_json_members(const JsonReader& from, JsonVisit visit, void* value) {
   return from.expect_object(naming.names()) && visit(reading, value);
 }
 
-// ---------------------------------------------------------------------------------------------
-// What the functions of json.hpp do without knowing their type
+// --------------------------------------------------------------------------------------------- The
+// parts of the functions in json.hpp that do not depend on the type
 
 namespace json_detail {
 

@@ -1,5 +1,5 @@
-// Values as objects of the JSON library, whose header takes a compiler seconds to read; where text
-// is enough, json_text.hpp is.
+// Converts values to and from objects of the JSON library, whose header takes seconds to compile.
+// When text is enough, include json_text.hpp instead.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -15,7 +15,7 @@ bool check_depth(const nlohmann::json& data, JsonError& error);
 
 }  // namespace json_detail
 
-/// As `to_json_text`, with the members sorted by their names.
+/// Like `to_json_text`, but gives an object, whose members are sorted by name.
 template <class T>
 nlohmann::json to_json(const T& value) {
   nlohmann::ordered_json draft;
@@ -23,7 +23,7 @@ nlohmann::json to_json(const T& value) {
   return draft;
 }
 
-/// As `from_json_text`; which members stood there twice is no longer known.
+/// Like `from_json_text`, but cannot detect duplicate members: `data` has only one of each.
 template <class T>
 tl::expected<T, JsonError> from_json(const nlohmann::json& data) {
   tl::expected<T, JsonError> result;

@@ -1,5 +1,5 @@
-// How each kind of value stands in JSON. Generated `<file>_json.cpp` adds the declared types; kept
-// apart from the JSON library's own header, which takes a compiler seconds to read.
+// How each kind of value is represented in JSON. Generated `<file>_json.cpp` files add the declared
+// types. Does not include the header of the JSON library, which takes seconds to compile.
 #pragma once
 
 #include <array>
@@ -20,7 +20,7 @@
 
 namespace gecos::wire {
 
-/// JSON that is not of its type: where in the value, "joints[2].speed", and why.
+/// Why JSON does not fit its type: the path of the wrong value, "joints[2].speed", and the reason.
 struct JsonError {
   std::string path;
   std::string why;
@@ -30,7 +30,7 @@ struct JsonError {
 };
 inline std::string describe(const JsonError& error) { return error.message(); }
 
-/// An enumerator or a flag.
+/// Name and number of an enumerator or a flag.
 struct JsonName {
   std::string_view name;
   std::uint64_t number;
@@ -45,8 +45,8 @@ class JsonReader;
 template <class T>
 struct JsonShape;
 
-/// The same for code that does not know the type: what has members is compiled once, not once for
-/// each struct.
+/// The functions of a JsonShape for code that does not know its type: the code for structs is
+/// compiled once, not once for each struct.
 struct JsonKind {
   void (*write)(JsonWriter to, const void* value);
   bool (*read)(const JsonReader& from, void* value);
@@ -58,7 +58,7 @@ bool read_json_of(const JsonReader& from, void* value);
 template <class T>
 inline constexpr JsonKind json_kind{&write_json_of<T>, &read_json_of<T>};
 
-/// A place in JSON that becomes one value.
+/// Writes one value to its place in a JSON document.
 class JsonWriter {
  public:
   explicit JsonWriter(nlohmann::ordered_json& place) : place_(&place) {}
@@ -91,8 +91,8 @@ class JsonWriter {
   nlohmann::ordered_json* place_;
 };
 
-/// A value in JSON and its path. A reader must stop at the first `false`: the error is
-/// told. Borrows the value, the places around it and the error.
+/// Reads a JSON value, and knows its path. The caller must stop at the first `false`: the error is
+/// then set. Borrows the value, the readers of the values around it, and the error.
 class JsonReader {
  public:
   JsonReader(const nlohmann::json& data, JsonError& error) : data_(&data), error_(&error) {}
@@ -112,23 +112,23 @@ class JsonReader {
   bool expect_items(std::size_t count) const;
   bool expect_pair() const;
   JsonReader item(std::size_t index) const;
-  /// The item under its list's own path: key and value of a pair.
+  /// The key (0) or value (1) of a pair; an error in it shows the path of the pair.
   JsonReader half(std::size_t index) const;
 
-  /// An object of these members at most.
+  /// Requires an object without members other than `known`.
   bool expect_object(MemberNames known) const;
   bool expect_tag() const;
-  /// A union's object has its value exactly where the tag selects one.
+  /// Requires that the object of a union has a value exactly when its tag selects one.
   bool expect_arm(bool selected) const;
   std::optional<JsonReader> find(std::string_view name) const;
 
-  /// True also where it is left out: `value` stays what it is.
+  /// Reads a member. True also when the member is missing: `value` is then unchanged.
   template <class T>
   bool member(std::string_view name, T& value) const {
     return member(name, &value, json_kind<T>);
   }
   bool member(std::string_view name, void* value, const JsonKind& kind) const;
-  /// The same, and "***" is no value.
+  /// Reads a secret member. Refuses "***", which is written instead of a secret.
   template <class T>
   bool hidden_member(std::string_view name, T& value) const {
     return hidden_member(name, &value, json_kind<T>);
@@ -154,10 +154,10 @@ class JsonReader {
   std::size_t index_ = no_item;
 };
 
-/// The action on each member of a struct in turn: name, write or read.
+/// Visits the members of a struct in order and names, writes or reads each of them.
 class JsonMembers {
  public:
-  JsonMembers() = default;  ///< names them
+  JsonMembers() = default;  ///< collects the names of the members
   explicit JsonMembers(const JsonWriter& to) : to_(&to) {}
   explicit JsonMembers(const JsonReader& from) : from_(&from) {}
 
@@ -166,7 +166,7 @@ class JsonMembers {
     return member(name, &value, json_kind<T>);
   }
   bool member(std::string_view name, void* value, const JsonKind& kind);
-  /// A secret: it is never shown.
+  /// Visits a secret member, which is never shown.
   template <class T>
   bool hidden_member(std::string_view name, T& value) {
     return hidden_member(name, &value, json_kind<T>);
@@ -180,16 +180,16 @@ class JsonMembers {
   std::vector<std::string_view> names_;
 };
 
-/// Calls JsonMembers for each member of the struct at `value` in turn.
+/// Calls `each` for each member of the struct at `value`, in order.
 using JsonVisit = bool (*)(JsonMembers& each, void* value);
 void write_json_members(JsonWriter to, JsonVisit visit, void* value);
 bool read_json_members(const JsonReader& from, JsonVisit visit, void* value);
 
-/// The shape of a struct. Its `<file>_json.cpp` says which members it has.
+/// The shape of a struct. A generated `<file>_json.cpp` lists its members.
 template <class T>
 struct JsonStruct {
   static void write(JsonWriter to, const T& value) {
-    write_json_members(to, &visit_any, const_cast<T*>(&value));  // which only reads it
+    write_json_members(to, &visit_any, const_cast<T*>(&value));  // writing does not modify it
   }
   static bool read(const JsonReader& from, T& value) {
     return read_json_members(from, &visit_any, &value);
@@ -199,7 +199,7 @@ struct JsonStruct {
   static bool visit_any(JsonMembers& each, void* value) {
     return visit(each, *static_cast<T*>(value));
   }
-  /// The members of T in turn, those of its bases first, as long as none is refused.
+  /// Visits the members of T in order, members of bases first; stops at the first refused one.
   static bool visit(JsonMembers& each, T& value);
 };
 
@@ -313,7 +313,7 @@ struct JsonShape<std::map<Key, T, Order>> {
   }
 };
 
-/// Unions, by what each of them tells of itself.
+/// The shape of a union; its generated functions tell which arm a tag selects.
 template <class T>
 requires requires(const T& value) {
   typename T::Held;
@@ -359,11 +359,11 @@ struct JsonShape<T> {
   }
 };
 
-/// The struct that the interface declares where `T` is written by hand.
+/// The struct that the interface declares for a hand-written type `T`.
 template <class T>
 struct JsonLayout;
 
-/// A hand-written type, by way of the bytes that it shares with `Layout`, the struct declared.
+/// Writes a hand-written type as `Layout`, the declared struct, which has the same encoding.
 template <class Layout, GeneralContents T>
 void write_json_as(JsonWriter to, const T& value) {
   const auto layout = from_bytes<Layout>(to_bytes(value));

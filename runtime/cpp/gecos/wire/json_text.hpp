@@ -1,9 +1,9 @@
-// Values as JSON text, for people, logs and tools: what Python's gecos.wire.json writes and takes.
+// Values as JSON text, for people, logs and tools, in the same form as Python's gecos.wire.json.
 //
-// Members and enumerators stand by their names, bitmasks as lists of flags, unions as
-// {"tag": …, "value": …}, maps as lists of pairs, octets as lists of numbers; whole numbers of
-// 64 bits are exact, "nan", "inf" and "-inf" stand for themselves. Secrets are "***".
-// Include this and "<file>_json.hpp" of the interface; link the interface's library `…_json`.
+// Members and enumerators are written by name, bitmasks as lists of flags, unions as {"tag": …,
+// "value": …}, maps as lists of pairs, octets as lists of numbers, NaN and infinities as "nan",
+// "inf" and "-inf". 64-bit integers are exact. Secrets are "***". Include this header and
+// "<file>_json.hpp" of the interface; link the interface's library `…_json`.
 #pragma once
 
 #include <string>
@@ -15,16 +15,16 @@
 
 namespace gecos::wire {
 
-/// Nested deeper, JSON is refused.
+/// Maximum nesting depth of JSON: deeper JSON is refused.
 inline constexpr int json_depth = 100;
 
 namespace json_detail {
 
 std::string text(const void* value, const JsonKind& kind, int indent);
-/// Calls `read` with what the text says, unless it is no JSON, or nested too deep.
+/// Parses `text` and calls `read` with its value, unless it is not JSON or nested too deeply.
 bool parse(std::string_view text, JsonError& error, bool (*read)(const JsonReader&, void*),
            void* target);
-/// The text of `gecos_violation` as an error; false unless it is empty.
+/// True when `violation`, the text of `gecos_violation`, is empty; else stores it in `error`.
 bool allowed(const std::string& violation, JsonError& error);
 
 template <class T>
@@ -39,17 +39,16 @@ bool read_checked(const JsonReader& from, void* target) {
 
 }  // namespace json_detail
 
-/// Members in the order of the interface, on one line; over lines with an `indent` of 0 or more.
-/// Invalid UTF-8 in a string becomes U+FFFD. Never fails: an enumerator that the enum does not have
-/// stands as its number.
+/// Writes the members in the order of the interface, on one line, or on several lines when `indent`
+/// is 0 or more. Invalid UTF-8 in a string becomes U+FFFD. Never fails: an unknown enumerator is
+/// written as its number.
 template <class T>
 std::string to_json_text(const T& value, int indent = -1) {
   return json_detail::text(&value, json_kind<T>, indent);
 }
 
-/// The error names the member, also for what must not be sent: a number out of its range, a text
-/// too long. Members that are left out have their defaults; a member that is there twice is
-/// refused.
+/// The error names the member, also when a number is out of its range or a text too long. Missing
+/// members get their defaults; duplicate members are refused.
 template <class T>
 tl::expected<T, JsonError> from_json_text(std::string_view text) {
   tl::expected<T, JsonError> result;

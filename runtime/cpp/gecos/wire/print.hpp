@@ -1,4 +1,4 @@
-// How generated types print what they are made of: for people and logs, never read back.
+// Prints the members of generated types, for people and logs; the text is never parsed.
 #pragma once
 
 #include <array>
@@ -76,7 +76,7 @@ void print(std::ostream& out, const std::map<Key, T, Order>& entries) {
   out << '}';
 }
 
-/// Literals as they stand, between them values.
+/// Prints string literals unchanged and every other part as a value.
 template <class... Parts>
 std::ostream& print_all(std::ostream& out, const Parts&... parts) {
   const auto put = [&out](const auto& part) {

@@ -54,7 +54,7 @@ __attribute__((target("ssse3"))) void swap_copy_ssse3(std::byte* to, const std::
 template <std::size_t width>
 __attribute__((target("avx2"))) void swap_copy_avx2(std::byte* to, const std::byte* from,
                                                     std::size_t count) {
-  // Several registers a turn, and pointers that move: two instructions for each, nothing else.
+  // Four registers per iteration, and moving pointers: two instructions for each register.
   constexpr std::size_t step = 4 * sizeof(__m256i) / width;
   const __m256i mask = _mm256_broadcastsi128_si256(reversal<width>());
   const std::byte* const end = from + count / step * step * width;

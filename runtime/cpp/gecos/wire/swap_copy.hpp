@@ -1,4 +1,5 @@
-// Copies numbers between host order and the wire's big-endian order; the two directions are one.
+// Copies numbers between host order and the wire's big-endian order; both directions use the same
+// functions.
 #pragma once
 
 #include <bit>
@@ -47,23 +48,23 @@ inline void swap_copy_portable(std::byte* to, const std::byte* from, std::size_t
 
 enum class SwapKind { Portable, Ssse3, Avx2, Avx512 };
 
-// One named loop, so that tests and benchmarks compare them; false when this machine lacks it.
-// `width` is 2, 4 or 8. The host must be little-endian.
+// Runs the loop `kind`, so that tests and benchmarks can compare the loops; false when this
+// processor does not support it. `width` is 2, 4 or 8. The host must be little-endian.
 bool swap_copy_with(SwapKind kind, std::size_t width, std::byte* to, const std::byte* from,
                     std::size_t count);
 
-// The best loop this machine has, chosen at the first call.
+// Run the fastest loop that this processor supports, chosen at the first call.
 void swap_copy_16(std::byte* to, const std::byte* from, std::size_t count);
 void swap_copy_32(std::byte* to, const std::byte* from, std::size_t count);
 void swap_copy_64(std::byte* to, const std::byte* from, std::size_t count);
 
 }  // namespace detail
 
-/// Fewer elements than this are swapped where they stand: a call would cost more.
+/// Fewer elements than this are swapped inline: a function call would cost more.
 inline constexpr std::size_t swap_inline_below = 16;
 
 /// Copies `count` elements of `width` bytes, each with its bytes reversed on a little-endian host.
-/// Any alignment; the two runs must not overlap.
+/// Any alignment; source and destination must not overlap.
 template <std::size_t width>
 inline void swap_copy(std::byte* to, const std::byte* from, std::size_t count) {
   if constexpr (width == 1 || std::endian::native == std::endian::big) {
@@ -80,7 +81,7 @@ inline void swap_copy(std::byte* to, const std::byte* from, std::size_t count) {
   }
 }
 
-/// What the wire knows as a number: integers and floating point of 1 to 8 bytes, not bool.
+/// A number on the wire: an integer or floating-point number of 1 to 8 bytes, or a byte; not bool.
 template <typename T>
 concept Number = (std::integral<T> || std::floating_point<T> ||
                   std::same_as<T, std::byte>)&&!std::same_as<T, bool> &&

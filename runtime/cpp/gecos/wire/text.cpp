@@ -23,12 +23,12 @@ std::size_t character_size(std::string_view text, std::size_t i) {
     size = 2;
   } else if (lead >= 0xE0 && lead <= 0xEF) {
     size = 3;
-    if (lead == 0xE0) lowest = 0xA0;   // else overlong
-    if (lead == 0xED) highest = 0x9F;  // else a surrogate
+    if (lead == 0xE0) lowest = 0xA0;   // a smaller byte: an overlong form
+    if (lead == 0xED) highest = 0x9F;  // a larger byte: a surrogate
   } else if (lead >= 0xF0 && lead <= 0xF4) {
     size = 4;
-    if (lead == 0xF0) lowest = 0x90;   // else overlong
-    if (lead == 0xF4) highest = 0x8F;  // else above U+10FFFF
+    if (lead == 0xF0) lowest = 0x90;   // a smaller byte: an overlong form
+    if (lead == 0xF4) highest = 0x8F;  // a larger byte: above U+10FFFF
   } else {
     return 0;
   }
@@ -48,7 +48,7 @@ bool valid_utf8(std::string_view text) {
   std::size_t i = 0;
   while (i < text.size()) {
     std::uint64_t eight;
-    while (text.size() - i >= sizeof eight) {  // ASCII, the usual case, eight at a time
+    while (text.size() - i >= sizeof eight) {  // skips ASCII, the usual case, eight bytes at a time
       std::memcpy(&eight, text.data() + i, sizeof eight);
       if ((eight & high_bits) != 0) break;
       i += sizeof eight;

@@ -8,11 +8,11 @@
 
 namespace gecos::wire {
 
-/// Nothing but ASCII without NUL: what most strings are, decided eight bytes at a time.
+/// Whether `text` is ASCII without NUL, as most strings are. Checks eight bytes at a time.
 inline bool plain_ascii(std::string_view text) {
   constexpr std::uint64_t high_bits = 0x8080808080808080u;
   constexpr std::uint64_t low_bits = 0x0101010101010101u;
-  std::uint64_t suspicious = 0;  // gets a high bit where a byte has one, or is 0
+  std::uint64_t suspicious = 0;  // gets a high bit where a byte of `text` has one, or is 0
   std::size_t i = 0;
   for (std::uint64_t eight; text.size() - i >= sizeof eight; i += sizeof eight) {
     std::memcpy(&eight, text.data() + i, sizeof eight);
@@ -28,10 +28,10 @@ inline bool plain_ascii(std::string_view text) {
 /// Well-formed UTF-8 by RFC 3629: no overlong forms, no surrogates, nothing above U+10FFFF.
 bool valid_utf8(std::string_view text);
 
-/// May be sent as a string: UTF-8 without NUL.
+/// Whether `text` may be sent as a string: UTF-8 without NUL.
 bool valid_text(std::string_view text);
 
-/// Characters by their number in Latin-1, also where `char` is signed: the order of keys in a map.
+/// Orders characters by their Latin-1 code, even where `char` is signed: the order of map keys.
 struct LatinOrder {
   bool operator()(char a, char b) const {
     return static_cast<unsigned char>(a) < static_cast<unsigned char>(b);

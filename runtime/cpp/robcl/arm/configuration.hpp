@@ -1,9 +1,13 @@
-// The eight ways in which a six-axis arm with a spherical wrist reaches one pose.
+// The eight configurations in which a six-axis arm with a spherical wrist can reach one pose.
 //
-// With the wrist centre W, the shoulder S and the elbow E in the arm's plane (wx, ex horizontal
-// along joint 1's direction, wz, ez heights above S): righty while wx > 0; above while
-// sign(wx)·(wx·ez - wz·ex) > 0; noflip while joint 5, counted from where axes 4 and 6 are parallel,
-// is > 0. Each measure is zero exactly at the shoulder, elbow and wrist singularity.
+// In the arm's plane, d is the horizontal distance of the wrist centre W from axis 1, positive in
+// joint 1's direction. (wx, wz) and (ex, ez) are W and the elbow E, seen from the shoulder:
+// horizontal distance and height. The configuration is
+//   righty where d > 0, else lefty,
+//   above where sign(d)·(wx·ez - wz·ex) > 0, else below,
+//   noflip where joint 5, counted from the angle at which axes 4 and 6 are parallel, is > 0, else
+//   flip.
+// A measure is zero exactly at the singularity of the shoulder, the elbow or the wrist.
 #pragma once
 
 #include <iosfwd>
@@ -15,18 +19,19 @@ enum class Shoulder { Righty, Lefty };
 enum class Elbow { Above, Below };
 enum class Wrist { Noflip, Flip };
 
-/// A demanded or a present configuration. An empty member: any value will do, or it is not defined.
+/// A wanted or a present configuration. An empty member means: any value (wanted), or undefined at
+/// a singularity (present).
 struct Configuration {
   std::optional<Shoulder> shoulder{};
   std::optional<Elbow> elbow{};
   std::optional<Wrist> wrist{};
 
-  /// Whether `other` is all that this asks for.
+  /// Whether no member of `other` contradicts this configuration; empty members contradict nothing.
   bool admits(const Configuration& other) const;
   friend bool operator==(const Configuration&, const Configuration&) = default;
 };
 
-/// "righty, above, noflip"
+/// Prints for example "righty, above, noflip".
 std::ostream& operator<<(std::ostream& out, const Configuration& configuration);
 
 }  // namespace robcl::arm

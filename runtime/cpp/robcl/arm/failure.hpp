@@ -1,4 +1,4 @@
-// Why an arm cannot be where it is asked to be. One struct per exception in
+// The reasons why an arm cannot reach a goal: one struct per exception in
 // idl/robcl/manipulator.gidl.
 #pragma once
 
@@ -8,20 +8,20 @@
 
 namespace robcl::arm {
 
-/// No joint positions whatever put the flange there.
+/// No joint positions put the flange at the goal.
 struct OutOfReach {
   std::string reason;
 };
 
-/// It could be there if this joint turned further than it can.
+/// The goal needs a joint position outside the joint's limits.
 struct JointLimit {
-  std::size_t axis = 0;  ///< counted from 1
-  double value = 0;      ///< rad, as needed
-  double lower = 0;      ///< rad
-  double upper = 0;      ///< rad
+  std::size_t axis = 0;  ///< number of the joint, from 1
+  double value = 0;      ///< position that the goal needs, rad
+  double lower = 0;      ///< lower limit, rad
+  double upper = 0;      ///< upper limit, rad
 };
 
-/// It could be there, but not on the way asked for.
+/// The arm can reach the goal, but not on the requested path.
 struct Singular {
   std::string reason;
 };

@@ -11,7 +11,7 @@ namespace robcl::arm {
 namespace {
 
 constexpr double whole_turn = 2 * std::numbers::pi;
-constexpr double rounding = 1e-9;  // rad by which a computed angle may be outside a limit
+constexpr double rounding = 1e-9;  // rad by which rounding may put an angle outside a limit
 
 double outside(double angle, const JointLimits& limits) {
   return std::max({0.0, limits.lower - angle - rounding, angle - limits.upper - rounding});
@@ -36,7 +36,7 @@ double travel_time(const ArmModel& model, const JointValues& from, const JointVa
 double nearest_turn(double angle, double reference, const JointLimits& limits) {
   const double nearest = reference + std::remainder(angle - reference, whole_turn);
   double best = nearest;
-  // The nearest copy, else the next ones on both sides; travel beyond two turns is not known.
+  // Tries the nearest copy, then those one and two turns away: no known joint turns further.
   for (const int turns : {1, -1, 2, -2}) {
     if (outside(best, limits) == 0) break;
     const double copy = nearest + turns * whole_turn;

@@ -1,4 +1,4 @@
-// Inverse: from where the flange shall be to joint positions.
+// Inverse kinematics: joint positions that put the flange at a wanted pose.
 #pragma once
 
 #include <memory>
@@ -13,35 +13,35 @@
 
 namespace robcl::arm {
 
-/// The contract of all solvers. One thread at a time.
+/// The interface of all inverse kinematics solvers. Used by one thread at a time.
 class InverseKinematics {
  public:
   virtual ~InverseKinematics() = default;
 
-  /// Joint positions inside the limits, in a configuration that `wanted` admits, that the arm
-  /// reaches soonest from `reference`. A joint that does not matter (at a singularity) stays where
-  /// it is.
+  /// Of the joint positions inside the limits and in a configuration that `wanted` admits, returns
+  /// those that the arm reaches soonest from `reference`. At a singularity, a joint without effect
+  /// keeps its position in `reference`.
   virtual tl::expected<JointValues, Failure> solve(const Frame& base_from_flange,
                                                    const JointValues& reference,
                                                    const Configuration& wanted = {}) = 0;
 
-  /// The configuration of the arm. Empty members at a singularity, or where the solver has no such
-  /// notion.
+  /// The configuration of an arm at `joints`. Members are empty at a singularity; all are empty if
+  /// the solver does not know configurations.
   virtual Configuration configuration(const JointValues& joints) = 0;
 };
 
-/// The closed form where the arm's geometry allows it, verified by FK(IK) before it is given out,
+/// Makes the closed-form solver if the arm's geometry allows it and FK(IK) reproduces test poses,
 /// else KDL's iterative solver, which may miss solutions.
 std::unique_ptr<InverseKinematics> make_inverse(const ArmModel& model);
 
-/// Time that an arm needs at least from one place to the other, all joints at full speed, s.
+/// Shortest time from the joint positions `from` to `to`, s: all joints move at full speed.
 double travel_time(const ArmModel& model, const JointValues& from, const JointValues& to);
 
-/// The copy of `angle` by whole turns that lies inside the limits and nearest `reference`; the one
-/// least outside when none is inside.
+/// Adds whole turns to `angle`: returns the sum inside the limits that is nearest to `reference`,
+/// or, if no sum is inside, the one least outside.
 double nearest_turn(double angle, double reference, const JointLimits& limits);
 
-/// The joint furthest outside its limits, if any is.
+/// The joint that is furthest outside its limits; nullopt if all joints are inside.
 std::optional<JointLimit> first_outside(const ArmModel& model, const JointValues& joints);
 
 }  // namespace robcl::arm

@@ -4,13 +4,14 @@
 
 namespace robcl::arm {
 
-/// Arms with more joints than this are refused when they are loaded.
+/// Largest number of joints of an arm; loading an arm with more joints fails.
 inline constexpr int max_axes = 8;
 
-/// One number per joint, rad (or rad/s, rad/s²). Lives where it is declared: never allocates.
+/// One value per joint, rad (or rad/s, rad/s²). Stored inside the object: never allocates.
 using JointValues = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, max_axes, 1>;
 
-/// Twist of the flange (m/s, then rad/s, seen from the base) per joint speed.
+/// Column i: twist of the flange, seen from the base, per rad/s of joint i; three rows in m/s, then
+/// three in rad/s.
 using Jacobian = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::ColMajor, 6, max_axes>;
 
 struct JointLimits {

@@ -1,4 +1,4 @@
-// Forward: from joint positions to where the flange is, and how it moves.
+// Forward kinematics: the pose and the Jacobian of the flange at given joint positions.
 #pragma once
 
 #include <kdl/chain.hpp>
@@ -9,13 +9,13 @@
 
 namespace robcl::arm {
 
-/// KDL's segments, multiplied without allocating. One thread at a time, because KDL's joints cache;
-/// copies are independent.
+/// Multiplies KDL's segments without allocating. Used by one thread at a time, because KDL::Joint
+/// caches its last pose; copies are independent.
 class Kinematics {
  public:
   explicit Kinematics(const ArmModel& model);
 
-  /// @pre one position per axis, here and below.
+  /// @pre `joints` has one position per axis; also in `jacobian`.
   Frame base_from_flange(const JointValues& joints);
   /// Column i: twist of the flange, seen from the base, while joint i turns with 1 rad/s.
   Jacobian jacobian(const JointValues& joints);
@@ -24,7 +24,7 @@ class Kinematics {
   KDL::Chain chain_;
 };
 
-/// KDL's frame as ours.
+/// Conversions between KDL::Frame and robcl::Frame.
 Frame to_frame(const KDL::Frame& frame);
 KDL::Frame to_kdl(const Frame& frame);
 

@@ -22,7 +22,7 @@ tl::unexpected<ModelError> refuse(const std::string& what) {
   return tl::unexpected(ModelError{what});
 }
 
-/// The joints between two links, base first; empty when flange is not beyond base.
+/// The joints from `base` to `flange`, in this order; empty if no chain of joints connects them.
 std::vector<urdf::JointConstSharedPtr> joints_between(const urdf::ModelInterface& robot,
                                                       const std::string& base,
                                                       const std::string& flange) {
@@ -59,13 +59,13 @@ tl::expected<ArmModel, ModelError> ArmModel::from_urdf(const std::string& xml,
                                                        const std::string& flange_link,
                                                        double seconds_to_full_speed) {
   const urdf::ModelInterfaceSharedPtr robot = urdf::parseURDF(xml);
-  if (!robot) return refuse("not a URDF robot; the parser's own message is above");
+  if (!robot) return refuse("the text is not a URDF robot; the parser printed the reason above");
   for (const std::string& link : {base_link, flange_link}) {
     if (!robot->getLink(link)) return refuse("there is no link '" + link + "'");
   }
   const auto joints = joints_between(*robot, base_link, flange_link);
   if (joints.empty()) {
-    return refuse("link '" + flange_link + "' is not carried by link '" + base_link + "'");
+    return refuse("link '" + flange_link + "' is not a descendant of link '" + base_link + "'");
   }
 
   ArmModel model;
@@ -80,7 +80,7 @@ tl::expected<ArmModel, ModelError> ArmModel::from_urdf(const std::string& xml,
     }
     if (joint->type != urdf::Joint::REVOLUTE && joint->type != urdf::Joint::CONTINUOUS) {
       return refuse("joint '" + joint->name +
-                    "' does not turn; arms here have revolute joints only");
+                    "' is not revolute, continuous or fixed; other types are not supported");
     }
     auto limits = limits_of(*joint, seconds_to_full_speed);
     if (!limits) return tl::unexpected(limits.error());
@@ -91,7 +91,7 @@ tl::expected<ArmModel, ModelError> ArmModel::from_urdf(const std::string& xml,
     model.joint_names_.push_back(joint->name);
   }
   if (model.axes() == 0 || model.axes() > max_axes) {
-    return refuse("it has " + std::to_string(model.axes()) + " joints, 1 to " +
+    return refuse("the arm has " + std::to_string(model.axes()) + " moving joints; 1 to " +
                   std::to_string(max_axes) + " are supported");
   }
   return model;

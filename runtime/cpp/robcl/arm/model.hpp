@@ -21,7 +21,8 @@ struct ModelError {
 /// threads: a computation takes a copy (see Kinematics).
 class ArmModel {
  public:
-  /// URDF names no acceleration: each joint reaches its full speed in `seconds_to_full_speed`.
+  /// URDF has no acceleration limits: each joint gets the one with which it reaches its full speed
+  /// in `seconds_to_full_speed`.
   static tl::expected<ArmModel, ModelError> from_urdf(const std::string& xml,
                                                       const std::string& base_link,
                                                       const std::string& flange_link,
@@ -37,7 +38,7 @@ class ArmModel {
   const std::vector<JointLimits>& limits() const { return limits_; }
   const std::vector<std::string>& joint_names() const { return joint_names_; }
 
-  /// No flange pose is further than this from the base, m.
+  /// Upper bound of the flange's distance from the base, m.
   double reach() const { return reach_; }
 
  private:

@@ -9,7 +9,7 @@
 namespace robcl::arm {
 namespace {
 
-// A radian of error counts like a tenth of a metre.
+// Weights of the pose error: 1 rad counts as much as 0.1 m.
 Eigen::Matrix<double, 6, 1> weights() {
   Eigen::Matrix<double, 6, 1> each;
   each << 1, 1, 1, 0.1, 0.1, 0.1;
@@ -18,8 +18,8 @@ Eigen::Matrix<double, 6, 1> weights() {
 
 constexpr double solver_error = 1e-8;
 constexpr int solver_steps = 500;
-constexpr double position_error = 1e-6;  // m, of an answer that counts
-constexpr double angle_error = 1e-5;     // rad
+constexpr double position_error = 1e-6;  // m; largest error of an accepted solution
+constexpr double angle_error = 1e-5;     // rad; largest error of an accepted solution
 
 }  // namespace
 
@@ -36,7 +36,7 @@ JointValues NumericInverse::start(int attempt, const JointValues& reference) con
     const JointLimits& limits = model_.limits()[static_cast<std::size_t>(i)];
     const double lower = std::max(limits.lower, -std::numbers::pi);
     const double upper = std::min(limits.upper, std::numbers::pi);
-    // Steps by multiples of irrational numbers fill the box evenly (Weyl's sequence).
+    // Multiples of irrational numbers fill the joint ranges evenly (Weyl's sequence).
     const double step = std::sqrt(static_cast<double>(2 + 3 * i));
     joints[i] = lower + (upper - lower) * std::fmod(attempt * step, 1.0);
   }
@@ -72,7 +72,7 @@ tl::expected<JointValues, Failure> NumericInverse::solve(const Frame& base_from_
   std::ostringstream text;
   text << std::fixed << std::setprecision(1) << "no joint positions found for a flange "
        << in_mm(base_from_flange.position().norm()) << " mm from the base (reach "
-       << in_mm(model_.reach()) << " mm), trying from " << starts << " places";
+       << in_mm(model_.reach()) << " mm); the solver tried " << starts << " start positions";
   return tl::unexpected(OutOfReach{text.str()});
 }
 

@@ -1,4 +1,4 @@
-// The inverse of arms without a closed form: KDL's Levenberg-Marquardt, from several starts.
+// Iterative inverse kinematics for arms without a closed form: KDL's Levenberg-Marquardt solver.
 #pragma once
 
 #include <kdl/chainiksolverpos_lma.hpp>
@@ -9,16 +9,16 @@
 
 namespace robcl::arm {
 
-/// Starts at the reference, then at points spread evenly inside the joint limits; each answer is
-/// checked by FK, because the solver calls some wrong ones good. It may miss solutions (about one
-/// pose in four hundred), knows no configurations, and its OutOfReach means "not found".
+/// Starts at the reference, then at points spread evenly inside the joint limits. Checks each
+/// solution by forward kinematics, because KDL reports success for some wrong ones. May miss
+/// solutions (about one pose in 400), so its OutOfReach means "not found". Has no configurations.
 class NumericInverse final : public InverseKinematics {
  public:
   static constexpr int starts = 24;
 
   explicit NumericInverse(const ArmModel& model);
 
-  /// Refuses every `wanted` that asks for something.
+  /// Fails unless all members of `wanted` are empty.
   tl::expected<JointValues, Failure> solve(const Frame& base_from_flange,
                                            const JointValues& reference,
                                            const Configuration& wanted) override;
@@ -29,7 +29,7 @@ class NumericInverse final : public InverseKinematics {
 
   ArmModel model_;
   Kinematics forward_;
-  KDL::Chain chain_;  // the solver keeps a reference to it
+  KDL::Chain chain_;  // solver_ keeps a reference to this chain
   KDL::ChainIkSolverPos_LMA solver_;
 };
 

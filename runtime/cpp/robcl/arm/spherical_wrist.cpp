@@ -16,11 +16,11 @@ using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double geometry_tolerance = 1e-6;  // m and rad by which a URDF's numbers may be rounded
-constexpr double stretched = 1e-9;           // m beyond the reach that are rounding, not distance
-constexpr double singular = 1e-9;            // m below which joint 1, or 2, is free
-constexpr double aligned = 1e-7;  // rad of joint 5 below which joint 4 is free: an arm that is
-                                  // stretched to 1e-16 knows its angles to 1e-8 only
+constexpr double geometry_tolerance = 1e-6;  // m or rad: rounding of a URDF's values
+constexpr double stretched = 1e-9;           // m beyond the reach that count as rounding
+constexpr double singular = 1e-9;            // m: nearer to axis 1 (or 2), joint 1 (or 2) is free
+constexpr double aligned = 1e-7;  // rad of joint 5 below which joint 4 is free: in a stretched
+                                  // arm a rounding of 1e-16 changes the angles by 1e-8
 
 double angle_of(const Vector2d& in_plane) { return std::atan2(in_plane.x(), in_plane.y()); }
 
@@ -33,7 +33,7 @@ struct Line {
   Vector3d direction;
 };
 
-/// Where two lines meet, or come nearest each other.
+/// The point where `a` meets `b` or is nearest to it; nullopt if the lines are parallel.
 std::optional<Vector3d> meeting_point(const Line& a, const Line& b) {
   const double cosine = a.direction.dot(b.direction);
   const double denominator = 1 - cosine * cosine;
@@ -50,7 +50,7 @@ double distance_to(const Line& line, const Vector3d& point) {
 Vector3d to_eigen(const KDL::Vector& v) { return {v.x(), v.y(), v.z()}; }
 
 std::vector<Line> axes_at_zero(const KDL::Chain& shared) {
-  const KDL::Chain chain = shared;  // KDL's joints cache
+  const KDL::Chain chain = shared;  // a copy, because KDL::Joint caches its last pose
   std::vector<Line> lines;
   KDL::Frame base_from_here = KDL::Frame::Identity();
   for (unsigned i = 0; i < chain.getNrOfSegments(); ++i) {
@@ -154,7 +154,7 @@ SphericalWristInverse::Solutions SphericalWristInverse::all(const Frame& base_fr
   const double forward = std::sqrt(std::max(0.0, from_axis * from_axis - lateral_ * lateral_));
 
   for (const double side : {1.0, -1.0}) {
-    const double along = side * forward;  // of the wrist centre in the arm's plane, from axis 1
+    const double along = side * forward;  // distance of the wrist centre from axis 1
     const double first = from_axis < singular
                              ? reference[0]
                              : std::atan2(wrist.y(), wrist.x()) - std::atan2(lateral_, along);
@@ -189,7 +189,7 @@ void SphericalWristInverse::add_wrists(const Frame& base_from_flange, const Vect
   const Matrix3d arm = (AngleAxisd(first_three[0], axes_[0]) *
                         AngleAxisd(first_three[1], axes_[1]) * AngleAxisd(first_three[2], axes_[2]))
                            .toRotationMatrix();
-  // Rz(q4)·Ry(q5 + tilt)·Rz(±q6), seen from the wrist.
+  // left = Rz(q4)·Ry(q5 + tilt)·Rz(±q6) in the frame of the wrist.
   const Matrix3d left = base_from_wrist_.transpose() * arm.transpose() *
                         base_from_flange.rotation() * zero_turn_.transpose() * base_from_wrist_ *
                         AngleAxisd(sixth_tilt_, Vector3d::UnitY()).toRotationMatrix();
@@ -197,7 +197,7 @@ void SphericalWristInverse::add_wrists(const Frame& base_from_flange, const Vect
   double fourth = std::atan2(left(1, 2), left(0, 2));
   double bend = std::atan2(sine, left(2, 2));
   double sixth = std::atan2(left(2, 1), -left(2, 0));
-  if (sine < aligned) {  // axes 4 and 6 in one line: only their sum, or difference, counts
+  if (sine < aligned) {  // axes 4 and 6 are in one line: only q4 + q6 or q4 - q6 is defined
     fourth = reference[3];
     sixth = left(2, 2) > 0 ? std::atan2(left(1, 0), left(0, 0)) - fourth
                            : fourth - std::atan2(-left(1, 0), -left(0, 0));
@@ -246,7 +246,7 @@ tl::expected<JointValues, Failure> SphericalWristInverse::solve(const Frame& bas
   if (best) return *best;
   if (nearest_miss) return tl::unexpected(*nearest_miss);
   std::ostringstream text;
-  text << "not in the configuration " << wanted << "; another reaches it";
+  text << "no solution in the configuration " << wanted << "; another configuration has one";
   return tl::unexpected(OutOfReach{text.str()});
 }
 

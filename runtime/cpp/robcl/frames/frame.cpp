@@ -8,7 +8,7 @@
 namespace robcl {
 namespace {
 
-// Below this half-turn two Euler angles turn about one axis, and only their sum is known.
+// If sin or cos of b (ZYZ: of b/2) is smaller, a and c turn about one axis, and c is set to 0.
 constexpr double parallel_axes = 1e-9;
 
 Eigen::Quaterniond about(const Eigen::Vector3d& axis, double angle) {
@@ -34,7 +34,7 @@ Frame::Frame(const Eigen::Vector3d& position, const Eigen::Quaterniond& orientat
     : position_(position), orientation_(orientation.normalized()) {
   if (!position.allFinite()) refuse("position " + listed(position) + " m is not finite");
   const double length = orientation.norm();
-  if (!(std::abs(length - 1) <= unit_tolerance)) {  // written so that NaN is refused, too
+  if (!(std::abs(length - 1) <= unit_tolerance)) {  // written so that NaN fails, too
     const Eigen::Vector4d wxyz(orientation.w(), orientation.x(), orientation.y(), orientation.z());
     std::ostringstream text;
     text << "quaternion w, x, y, z = " << listed(wxyz) << " has length " << std::setprecision(9)
@@ -169,7 +169,7 @@ bool Frame::decode(gecos::wire::Decoder& from) {
 }
 
 std::int64_t Frame::fingerprint() {
-  // lcm-gen's, for struct Frame { Vector position; Quaternion orientation; } of seven doubles.
+  // As lcm-gen computes it for struct Frame { Vector position; Quaternion orientation; }.
   return 0x249634ce2aa17b5e;
 }
 
@@ -209,7 +209,7 @@ std::string to_string(const Frame& frame) {
   const auto [a, b, c] = frame.euler_zyz();
   std::ostringstream text;
   const auto put = [&text](double value, double unit) {
-    text << std::round(value / unit) * unit + 0.0;  // + 0.0: no "-0"
+    text << std::round(value / unit) * unit + 0.0;  // + 0.0 turns -0 into 0
     return ", ";
   };
   text << std::fixed << std::setprecision(1) << "(";

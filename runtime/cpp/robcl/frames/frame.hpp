@@ -2,21 +2,21 @@
 //
 // One vocabulary in C++ and Python (`from robcl.frames import Frame, translate, mm, deg`):
 //
-//   make     translate(x, y, z)   rotate_x(a)   rotate_y(a)   rotate_z(a)   Frame() is "here"
-//            Frame.from_euler_zyz(x, y, z, a, b, c)     Rz(a)·Ry'(b)·Rz''(c): the paper's, and V+'s
+//   make     translate(x, y, z)   rotate_x(a)   rotate_y(a)   rotate_z(a)
+//            Frame()                                    identity
+//            Frame.from_euler_zyz(x, y, z, a, b, c)     Rz(a)·Ry'(b)·Rz''(c), also V+'s angles
 //            Frame.from_euler_zyx(x, y, z, a, b, c)     Rz(a)·Ry'(b)·Rx''(c)
-//            Frame.from_fixed_xyz(x, y, z, rx, ry, rz)  turns about the fixed axes X, then Y, then
-//            Z (the
-//                                                       paper's CXYZ, URDF's rpy) = ZYX(rz, ry, rx)
+//            Frame.from_fixed_xyz(x, y, z, rx, ry, rz)  about fixed X, then Y, then Z: URDF's rpy,
+//                                                       equal to euler_zyx(rz, ry, rx)
 //            Frame.from_quaternion(x, y, z, qw, qx, qy, qz)
 //            Frame.from_matrix(m)                       4×4, homogeneous
-//   read     f.x f.y f.z (in C++ calls)   f.euler_zyz()   f.euler_zyx()   f.fixed_xyz()
-//   f.quaternion()   f.matrix() compute  a * b   f.inverse()   f.transform(point)   distance(a, b)
-//   angle(a, b)
+//   read     f.x   f.y   f.z (in C++ f.x(), f.y(), f.z())   f.euler_zyz()   f.euler_zyx()
+//            f.fixed_xyz()   f.quaternion()   f.matrix()
+//   compute  a * b   f.inverse()   f.transform(point)   distance(a, b)   angle(a, b)
 //            near(a, b, position_tolerance, angle_tolerance)
 //   units    metres and radians; mm(200), deg(90), in C++ also 200_mm, 90_deg
 //
-// Names that cancel keep products right: world_from_tool = world_from_base * base_from_tool.
+// Name frames so that neighbours cancel: world_from_tool = world_from_base * base_from_tool.
 #pragma once
 
 #include <Eigen/Core>
@@ -34,28 +34,28 @@
 
 namespace robcl {
 
-/// Numbers that do not describe a rigid placement: not finite, a quaternion that is not of unit
-/// length, a matrix that stretches, shears, mirrors or projects. The text says which and by how
-/// much.
+/// Thrown for values that describe no rigid transformation: a value that is not finite, a
+/// quaternion without unit length, a matrix that stretches, shears, mirrors or projects. The text
+/// says which and by how much.
 class InvalidFrame : public std::invalid_argument {
  public:
   using std::invalid_argument::invalid_argument;
 };
 
-/// Position (m) and orientation of a coordinate system seen from another. A value; 56 bytes, no
-/// alignment of its own. A quaternion and its negative are the same orientation but not `==`.
+/// Position (m) and orientation of a coordinate system seen from another. A value type of 56 bytes,
+/// aligned as a double. A quaternion and its negative are the same orientation but not `==`.
 class Frame {
  public:
-  /// How far a quaternion's length, or a matrix's columns, may be from one: room for what single
-  /// precision loses. Beyond it construction throws and decoding fails.
+  /// How far the length of a quaternion or of a matrix's column may be from 1; allows for rounding
+  /// to single precision. Beyond this tolerance construction throws and decoding fails.
   static constexpr double unit_tolerance = 1e-6;
 
-  /// Identity: the other coordinate system itself.
+  /// The identity: both coordinate systems are the same.
   Frame() = default;
-  /// Throws InvalidFrame. Makes `orientation` exactly of unit length.
+  /// Normalises `orientation`. Throws InvalidFrame for invalid values.
   Frame(const Eigen::Vector3d& position, const Eigen::Quaterniond& orientation);
 
-  /// All throw InvalidFrame where a number is not finite; metres and radians.
+  /// Make a frame from metres and radians. All throw InvalidFrame for invalid values.
   static Frame from_euler_zyz(double x, double y, double z, double a, double b, double c);
   static Frame from_euler_zyx(double x, double y, double z, double a, double b, double c);
   static Frame from_fixed_xyz(double x, double y, double z, double rx, double ry, double rz);
@@ -73,26 +73,26 @@ class Frame {
   std::array<double, 3> euler_zyz() const;
   /// a, b, c with b in [-pi/2, pi/2], a and c in [-pi, pi]; c = 0 where b is ±pi/2.
   std::array<double, 3> euler_zyx() const;
-  /// rx, ry, rz: the numbers of `euler_zyx` from back to front.
+  /// rx, ry, rz: the angles of `euler_zyx` in reverse order.
   std::array<double, 3> fixed_xyz() const;
-  /// w, x, y, z.
+  /// The quaternion as w, x, y, z.
   std::array<double, 4> quaternion() const;
   Eigen::Matrix4d matrix() const;
   Eigen::Matrix3d rotation() const { return orientation().toRotationMatrix(); }
 
-  /// The pose that `right` describes, in the frame in which `left` is given.
+  /// `right` is seen from `left`; the product is seen from where `left` is seen.
   friend Frame operator*(const Frame& left, const Frame& right);
   Frame inverse() const;
-  /// A point of this coordinate system, seen from the other.
+  /// Converts a point of this coordinate system to the one from which this frame is seen.
   Eigen::Vector3d transform(const Eigen::Vector3d& point) const;
 
-  /// Number by number; for "the same place" take `near`.
+  /// Compares exactly, value by value; `near` compares with tolerances.
   friend bool operator==(const Frame& left, const Frame& right);
   friend bool operator!=(const Frame& left, const Frame& right) { return !(left == right); }
 
-  // GeneralContents, in the layout of `robcl::Frame` in idl/robcl/geometry.gidl: x, y, z, then
-  // w, x, y, z of the quaternion. What is decoded keeps its exact numbers, so that it encodes to
-  // the same bytes again.
+  // Implements GeneralContents in the layout of `robcl::Frame` in idl/robcl/geometry.gidl: x, y, z,
+  // then w, x, y, z of the quaternion. Decoding does not normalise, so encoding a decoded frame
+  // gives the same bytes again.
   std::size_t encoded_size() const { return 7 * sizeof(double); }
   void encode(gecos::wire::Encoder& to) const;
   bool decode(gecos::wire::Decoder& from);
@@ -110,15 +110,15 @@ Frame rotate_x(double angle);
 Frame rotate_y(double angle);
 Frame rotate_z(double angle);
 
-/// Between the two origins, m.
+/// Distance between the two origins, m.
 double distance(const Frame& left, const Frame& right);
-/// Angle of the single turn that brings one orientation to the other, rad in [0, pi]. Exact for
-/// small ones.
+/// Angle of the single turn that brings one orientation to the other, rad in [0, pi]. Accurate for
+/// small angles.
 double angle(const Frame& left, const Frame& right);
 bool near(const Frame& left, const Frame& right, double position_tolerance, double angle_tolerance);
 
-/// "(452.1, -150.0, 431.8) mm, ZYZ (0.00, 90.00, 0.00) deg": for people; machines take the
-/// encoding.
+/// For people: "(452.1, -150.0, 431.8) mm, ZYZ (0.00, 90.00, 0.00) deg". Rounded; programs use
+/// `encode`.
 std::ostream& operator<<(std::ostream& out, const Frame& frame);
 std::string to_string(const Frame& frame);
 

@@ -1,4 +1,4 @@
-// Numbers come in and go out in SI. Millimetres and degrees exist here only, and say so.
+// Conversions for millimetres and degrees. All other interfaces use SI units.
 #pragma once
 
 #include <numbers>
@@ -8,7 +8,7 @@ namespace robcl {
 constexpr double mm(double millimetres) { return millimetres * 1e-3; }
 constexpr double deg(double degrees) { return degrees * (std::numbers::pi / 180.0); }
 
-/// The way back, for people: `in_mm(0.2) == 200`.
+/// Convert back, for display: `in_mm(0.2) == 200`.
 constexpr double in_mm(double metres) { return metres * 1e3; }
 constexpr double in_deg(double radians) { return radians * (180.0 / std::numbers::pi); }
 

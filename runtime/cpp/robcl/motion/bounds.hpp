@@ -1,4 +1,4 @@
-// How fast a path may be run through at each of its knots.
+// Limits of the speed and acceleration along a path, at each of its knots.
 #pragma once
 
 #include <vector>
@@ -9,8 +9,8 @@
 
 namespace robcl::motion {
 
-/// Limits of ds/dt and d²s/dt² along a path. With x = (ds/dt)² and u = d²s/dt², joint i accelerates
-/// by q'u + q''x: all limits are linear in (u, x), and standing (0, 0) is always allowed.
+/// Limits of ds/dt and d²s/dt² along a path. With x = (ds/dt)² and u = d²s/dt², a joint q(s)
+/// accelerates by q'u + q''x: all limits are linear in (u, x), and rest (0, 0) is always allowed.
 class PathBounds {
  public:
   struct Interval {
@@ -18,25 +18,25 @@ class PathBounds {
     bool empty() const { return lower > upper; }
   };
 
-  /// Starts with the limits of the joints at `pace`.
+  /// Sets the limits of the joints, scaled by `pace`.
   PathBounds(const Path& path, const arm::ArmModel& model, const Pace& pace);
 
-  /// The tool passes `length` m and turns by `turn` rad, evenly over the whole path.
+  /// Adds the limits of a tool that moves `length` m and turns `turn` rad, evenly over the path.
   void add_tool(double length, double turn, const ToolLimits& limits, const Pace& pace);
-  /// At this knot (ds/dt)² is at most `fastest`.
+  /// Limits (ds/dt)² at `knot` to `fastest`.
   void cap(std::size_t knot, double fastest);
 
   std::size_t intervals() const { return caps_.size() - 1; }
   double step() const { return 1.0 / static_cast<double>(intervals()); }
 
-  /// Greatest (ds/dt)² at a knot as far as speed limits go.
+  /// Greatest (ds/dt)² that the speed limits allow at `knot`.
   double speed_cap(std::size_t knot) const { return caps_[knot]; }
-  /// Which u the acceleration limits allow at a knot that is passed with x.
+  /// The u that the acceleration limits allow at `knot`, passed with x.
   Interval at_knot(std::size_t knot, double x) const;
-  /// Which u they allow from `knot` with x over the whole interval to the next knot, where
-  /// x + 2·step·u is left.
+  /// The u that the acceleration limits allow from `knot`, passed with x, to the next knot, where x
+  /// has become x + 2·step·u.
   Interval over_interval(std::size_t knot, double x) const;
-  /// Which u they allow anywhere, at s, with x: for braking on the path. Never allocates.
+  /// The u that the acceleration limits allow at any `s` with x, for braking. Never allocates.
   Interval near(double s, double x) const;
 
  private:
@@ -44,8 +44,8 @@ class PathBounds {
   void restrict_joints(Interval& interval, std::size_t knot, double x, double u_in_x) const;
 
   JointValues accelerations_;
-  double tool_acceleration_;  // limit of d²s/dt² by the tool, with its m or rad divided out
-  std::vector<double> caps_;  // (ds/dt)² per knot
+  double tool_acceleration_;  // limit of d²s/dt² by the tool, 1/s²
+  std::vector<double> caps_;  // greatest (ds/dt)² per knot
   std::vector<JointValues> slopes_, curvatures_;
 };
 

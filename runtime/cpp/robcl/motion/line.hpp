@@ -6,23 +6,23 @@
 
 namespace robcl::motion {
 
-/// A straight way between two frames: the position goes along a line while the orientation turns
-/// evenly about one axis, the short way round.
+/// The straight line between two frames: the position moves along the line while the orientation
+/// turns evenly about one axis, by at most 180 degrees.
 class Line {
  public:
   Line(const Frame& start, const Frame& goal);
 
   double length() const { return way_.norm(); }  ///< m
   double turn() const { return turn_.norm(); }   ///< rad
-  /// `part` of it done, 0 to 1.
+  /// The frame after the fraction `part` of the line, 0 to 1.
   Frame at(double part) const;
-  /// "120.0 mm along the line", for messages.
+  /// The place of `part` for messages: "120.0 mm along the line".
   std::string place(double part) const;
 
  private:
   Frame start_;
   Eigen::Vector3d way_;
-  Eigen::Vector3d turn_;  // axis times angle, seen from the start
+  Eigen::Vector3d turn_;  // axis times angle (rad), seen from the start
 };
 
 }  // namespace robcl::motion

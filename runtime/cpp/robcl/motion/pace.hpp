@@ -7,7 +7,7 @@
 
 namespace robcl::motion {
 
-/// Limits of the tool itself on a straight line, besides those of the joints.
+/// Limits of the tool on a straight line, in addition to the limits of the joints.
 struct ToolLimits {
   double speed = 1.0;                   ///< m/s
   double acceleration = 3.0;            ///< m/s²
@@ -15,15 +15,15 @@ struct ToolLimits {
   double turn_acceleration = deg(720);  ///< rad/s²
 };
 
-/// How fast a move shall be; the slowest of all limits binds.
+/// Requested limits of a move; the slowest of all limits applies.
 struct Pace {
-  double speed = 1;                    ///< fraction of the robot's own maximum, above 0, at most 1
-  double acceleration = 1;             ///< likewise
+  double speed = 1;                    ///< fraction of the robot's maximum, above 0, at most 1
+  double acceleration = 1;             ///< fraction of the robot's maximum, above 0, at most 1
   std::optional<double> tool_speed{};  ///< m/s, above 0
   std::optional<double> turn_speed{};  ///< rad/s, above 0
 };
 
-/// The reason why a pace of a user is invalid; nothing when it is valid.
+/// The reason why `pace` is invalid; nullopt if it is valid.
 std::optional<std::string> problem_of(const Pace& pace);
 
 }  // namespace robcl::motion

@@ -6,10 +6,10 @@
 
 namespace robcl::motion {
 
-/// A move that was checked from end to end before anything turns.
+/// A move that was checked from start to goal before it is executed.
 struct Plan {
   Path path;
-  PathBounds braking;  ///< what a stop on the way may do: all that the arm can
+  PathBounds braking;  ///< limits of a stop on the path: the arm's, at full pace
   TimeLaw law;
 
   const JointValues& start() const { return path.knot(0); }

@@ -13,10 +13,10 @@ using arm::JointLimit;
 using arm::OutOfReach;
 
 constexpr int joint_move_knots = 100;
-constexpr double no_move = 1e-9;  // rad: nothing to do
+constexpr double no_move = 1e-9;  // rad or m: a smaller move counts as none
 
-/// The factor by which the law must be slowed to keep the joint limits between the knots, too:
-/// where a joint's way is steep (an arm that starts stretched) one interval may take many cycles.
+/// The factor by which `law` must be slowed to keep the joint limits between the knots, too: where
+/// a joint's path is steep (an arm that starts stretched) one interval may last many cycles.
 double excess(const Path& path, const TimeLaw& law, const arm::ArmModel& model, const Pace& pace) {
   constexpr double look = 0.001, span = 0.004;  // s
   double factor = 1;
@@ -62,7 +62,7 @@ std::optional<OutOfReach> Planner::absurd(const Frame& base_from_goal) const {
   if (away <= 3 * model_.reach()) return std::nullopt;
   std::ostringstream text;
   text << std::setprecision(4) << "the goal is " << away << " m from the base, the arm reaches "
-       << model_.reach() << " m: were its numbers millimetres?";
+       << model_.reach() << " m: is the goal in millimetres?";
   return OutOfReach{text.str()};
 }
 

@@ -16,26 +16,25 @@
 
 namespace robcl::motion {
 
-/// Plans moves of one arm, from standing to standing. Allocates; not for the control loop. One
-/// thread at a time.
+/// Plans moves of one arm, from rest to rest. Allocates, so the control loop must not call it. Used
+/// by one thread at a time.
 class Planner {
  public:
   Planner(const arm::ArmModel& model, const ToolLimits& limits);
 
-  /// All joints start and arrive together, each on a straight line in joint space. Fails with
-  /// JointLimit. @pre `from` is where the arm stands; problem_of(pace) is empty, here and below.
+  /// Plans a straight line in joint space: all joints start and arrive together. Fails with
+  /// JointLimit. @pre of all plans: the arm is at rest at `from`, and problem_of(pace) is empty.
   tl::expected<Plan, arm::Failure> joints(const JointValues& from, const JointValues& to,
                                           const Pace& pace, const Frame& flange_from_tool = {});
 
-  /// The same, to the joint positions that put the tool at `goal` (seen from the base) and are
-  /// reached soonest, in a configuration that `wanted` admits. Fails with OutOfReach or JointLimit.
+  /// Plans as `joints`, to those joint positions with the tool at `base_from_goal` that the arm
+  /// reaches soonest, in a configuration that `wanted` admits. Fails with OutOfReach or JointLimit.
   tl::expected<Plan, arm::Failure> joints_to(const JointValues& from, const Frame& base_from_goal,
                                              const Frame& flange_from_tool, const Pace& pace,
                                              const arm::Configuration& wanted = {});
 
-  /// The tool's origin goes on a straight line to `goal` while its orientation turns about one
-  /// axis, in the configuration that the arm stands in. Fails with OutOfReach, JointLimit or
-  /// Singular.
+  /// Plans a straight line of the tool to `base_from_goal`, while its orientation turns about one
+  /// axis. The arm keeps its present configuration. Fails with OutOfReach, JointLimit or Singular.
   tl::expected<Plan, arm::Failure> straight(const JointValues& from, const Frame& base_from_goal,
                                             const Frame& flange_from_tool, const Pace& pace);
 

@@ -22,8 +22,8 @@ JointValues Playback::advance(double seconds) {
 }
 
 void Playback::brake(double seconds) {
-  // The hardest braking is never weaker, per speed, than the plan's own law (slowing a law in time
-  // keeps all limits), so that it stands at the goal at the latest.
+  // The braking limit at a speed is never weaker than the plan's law (a law that is slowed in time
+  // keeps all limits), so the arm stands at the goal at the latest.
   const double braking = std::min(plan_.braking.near(s_, speed_ * speed_).lower, 0.0);
   const double after = speed_ + braking * seconds;
   if (after <= 0) {

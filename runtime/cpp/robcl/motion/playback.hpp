@@ -1,27 +1,27 @@
-// A plan while it runs.
+// The execution of a plan, cycle by cycle.
 #pragma once
 
 #include "robcl/motion/plan.hpp"
 
 namespace robcl::motion {
 
-/// Gives the joints' command once a clock. Allocates, locks and logs nothing.
+/// Computes the set points of the joints once per control cycle. Never allocates, locks or logs.
 class Playback {
  public:
   explicit Playback(Plan plan);
 
-  /// Goes on by `seconds` and says where the joints shall be then.
+  /// Advances the time by `seconds` and returns the set points of the joints.
   JointValues advance(double seconds);
 
-  /// Decelerates on the path, as hard as the arm's own limits allow. It then stands somewhere on
-  /// it.
+  /// Decelerates on the path as hard as the arm's limits allow. The arm then stands somewhere on
+  /// the path.
   void stop() { stopping_ = true; }
 
   bool standing() const { return standing_; }
   bool stopping() const { return stopping_; }
-  /// Part of its time that is over, 0 to 1; it does not rise while stopping.
+  /// Fraction of the plan's duration that has passed, 0 to 1; does not rise while stopping.
   double fraction() const;
-  /// Remaining time to the goal, s; 0 once it stopped.
+  /// Remaining time to the goal, s; 0 after `stop` and at the goal.
   double remaining() const;
   const Plan& plan() const { return plan_; }
 
@@ -29,7 +29,7 @@ class Playback {
   void brake(double seconds);
 
   Plan plan_;
-  double time_ = 0;  // s since the start, until it is stopped
+  double time_ = 0;  // s since the start; does not rise while stopping
   double s_ = 0;
   double speed_ = 0;  // ds/dt
   bool stopping_ = false;

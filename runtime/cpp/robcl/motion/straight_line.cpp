@@ -1,5 +1,5 @@
-// The joints' way along a straight line of the tool: the part of planning that looks at every
-// point.
+// The path of the joints along a straight line of the tool: solves the inverse kinematics at every
+// knot.
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
@@ -17,11 +17,11 @@ using arm::JointLimit;
 using arm::OutOfReach;
 using arm::Singular;
 
-constexpr double line_step = mm(1);     // longest way of the tool between two knots
+constexpr double line_step = mm(1);     // longest distance of the tool between two knots
 constexpr double turn_step = deg(0.2);  // largest turn of the tool between two knots
-constexpr double joint_step = 0.03;     // rad between two knots, else the knots are set closer
-constexpr double joint_jump = 0.1;      // rad between the closest knots, beyond which it is refused
-constexpr std::size_t closer = 8;       // times, at most
+constexpr double joint_step = 0.03;     // rad between two knots; for more, the knots are set closer
+constexpr double joint_jump = 0.1;      // rad between the closest knots; for more, planning fails
+constexpr std::size_t closer = 8;       // times as many knots, at most
 constexpr std::size_t fewest = 50, most = 4000;
 
 Failure with_place(Failure failure, const std::string& where) {
@@ -31,7 +31,7 @@ Failure with_place(Failure failure, const std::string& where) {
   return failure;
 }
 
-/// An arm that starts at a singularity is in no configuration until it has left it.
+/// Fills empty members of `kept`: they are undefined until the arm has left a singularity.
 void keep_what_is_known(arm::Configuration& kept, const arm::Configuration& now) {
   if (!kept.shoulder) kept.shoulder = now.shoulder;
   if (!kept.elbow) kept.elbow = now.elbow;
@@ -39,7 +39,7 @@ void keep_what_is_known(arm::Configuration& kept, const arm::Configuration& now)
 }
 
 struct Step {
-  std::size_t knot = 0;  // it leads to
+  std::size_t knot = 0;  // at the end of the step
   Eigen::Index axis = 0;
   double change = 0;  // rad
 };
@@ -68,7 +68,7 @@ tl::expected<std::vector<JointValues>, Failure> Planner::knots_of_line(
     const JointValues& before = knots.back();
     const auto solution = inverse_->solve(line.at(part) * tool_from_flange, before, kept);
     if (!solution) return tl::unexpected(with_place(solution.error(), line.place(part)));
-    // A joint that came to its limit is answered a whole turn away.
+    // The solver turns a joint that would pass its limit by a whole turn: take the turn back.
     JointValues steady = *solution;
     for (Eigen::Index axis = 0; axis < steady.size(); ++axis) {
       steady[axis] =
@@ -102,7 +102,7 @@ tl::expected<Path, Failure> Planner::path_of_line(const JointValues& from, const
     } else {
       text << in_deg(line.turn() * each) << " deg";
     }
-    text << "; go around or move by joints";
+    text << "; avoid the singularity or use a joint move";
     return tl::unexpected(Singular{text.str()});
   }
 }

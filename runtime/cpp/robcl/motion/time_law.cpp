@@ -8,7 +8,7 @@ namespace {
 
 using Interval = PathBounds::Interval;
 
-/// The u that lead from a knot with x to the next one, which may be passed with at most `next`.
+/// The u that lead from `knot`, passed with x, to an x of at most `next` at the following knot.
 Interval allowed(const PathBounds& bounds, std::size_t knot, double x, double next) {
   Interval u = bounds.over_interval(knot, x);
   const double per_u = 2 * bounds.step();
@@ -17,11 +17,11 @@ Interval allowed(const PathBounds& bounds, std::size_t knot, double x, double ne
   return u;
 }
 
-/// Greatest x at a knot from which the next one can be met. The allowed set is convex and holds x =
-/// 0, so bisection finds it.
+/// Greatest x at `knot` from which the following knot can be passed with at most `next`. The set of
+/// such x is convex and contains 0, so bisection finds its maximum.
 double fastest_at(const PathBounds& bounds, std::size_t knot, double next) {
-  // No x leads below `next` that exceeds what the hardest braking loses; without a speed cap start
-  // there.
+  // Without a speed cap, search for an x that is too great: the hardest braking does not reduce it
+  // to `next`.
   double good = 0, bad = bounds.speed_cap(knot);
   if (!std::isfinite(bad)) {
     bad = 1;

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 
 def main() -> int:
-    """Runs the command line. Exit code 0: done, 1: it could not be done, 2: wrong usage."""
+    """Runs the command line. Exit code 0: success, 1: the command failed, 2: wrong usage."""
     from gecos.cli.app import run
 
     return run()

@@ -1,4 +1,4 @@
-"""Commands and their options. Their output is in `report`."""
+"""The commands of `gecos` and their options. The module `report` prints their output."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from gecos.cli.laboratory import entries, find
 from gecos.termination_signals import TerminationSignals
 
 T = TypeVar("T")
-Name = Annotated[str, typer.Argument(help="Name under which the object is served: RX90")]
+Name = Annotated[str, typer.Argument(help="Name under which the object is served, as RX90")]
 BrokerAddress = Annotated[
     str | None,
-    typer.Option("--broker", help="Address of the broker; else GECOS_BROKER, else this host's"),
+    typer.Option("--broker", help="Address of the broker; default: GECOS_BROKER, else this host"),
 ]
 
 app = typer.Typer(
-    help="Looks after the objects of a robot laboratory.",
+    help="Lists, shows and stops the objects of a robot laboratory, and runs a broker.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
@@ -39,21 +39,21 @@ def list_objects(broker: BrokerAddress = None) -> None:
 
 @app.command()
 def describe(name: Name, broker: BrokerAddress = None) -> None:
-    """Shows what an object is and what state it is in."""
+    """Shows the type and the state of an object."""
     with gecos.Lab(broker) as lab:
         report.description(gecos.describe(find(lab, name)).result())
 
 
 @app.command()
 def holders(name: Name, broker: BrokerAddress = None) -> None:
-    """Shows who holds actor or master status of an object."""
+    """Shows the clients that hold actor or master status of an object."""
     with gecos.Lab(broker) as lab:
         report.holders(name, gecos.holders(find(lab, name)).result())
 
 
 @app.command()
 def stop(name: Name, broker: BrokerAddress = None) -> None:
-    """Stops a device for every holder. Ends every lease and drops its queue."""
+    """Stops an object for all clients: ends all leases, drops the queue, interrupts handlers."""
     with gecos.Lab(broker) as lab:
         gecos.stop(find(lab, name)).result()
         print(f"{name}: stopped")
@@ -75,7 +75,7 @@ def run() -> int:
 
 
 def _reporting(command: Callable[[], object]) -> int:
-    """Runs it, and says in one line why it could not be done."""
+    """Runs `command` and returns the exit code; prints the reason of a failure in one line."""
     try:
         code = command()
     except KeyboardInterrupt:

@@ -1,4 +1,4 @@
-"""Objects of any type: what is online, and a proxy that has only what every object answers."""
+"""Objects of any type: a list of those online, and proxies with only the built-in operations."""
 
 from __future__ import annotations
 
@@ -16,12 +16,13 @@ if TYPE_CHECKING:
 
 
 def entries(lab: gecos.Lab) -> list[Entry]:
-    """The entries of the broker by name."""
+    """The entries of the broker, sorted by the name of the object."""
     return sorted(lab.broker(Broker).list().result(), key=lambda entry: entry.name)
 
 
 def find(lab: gecos.Lab, name: str) -> gecos.Object:
-    """The object of that name, whatever its type. Raises CreateError that names what is online."""
+    """A proxy of the object called `name`, whatever its type. Raises CreateError, which proposes a
+    similar name or lists the objects online, if there is no such object."""
     known = {entry.name: entry for entry in entries(lab)}
     entry = known.get(name)
     if entry is None:
@@ -41,4 +42,4 @@ def _instead_of(name: str, known: Sequence[str]) -> str:
     near = get_close_matches(name.lower(), by_lower, n=1)
     if near:
         return f"did you mean {by_lower[near[0]]}?"
-    return f"the broker knows {', '.join(known) or 'nothing'}"
+    return f"the broker knows {', '.join(known) or 'no objects'}"

@@ -1,4 +1,4 @@
-"""Output of the commands: tables on a terminal, and the same words in a pipe."""
+"""Prints the output of the commands of `gecos` as tables, on a terminal and into a pipe."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 def objects(entries: Sequence[Entry]) -> None:
     if not entries:
-        print("nothing is online")
+        print("no object is online")
         return
     rows = [
         (
@@ -88,5 +88,5 @@ def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
         table.add_row(*row)
     console = Console()
     if not console.is_terminal:
-        console.width = 10_000  # a pipe has no edge to break lines at
+        console.width = 10_000  # do not break lines in a pipe
     console.print(table)

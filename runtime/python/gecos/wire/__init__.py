@@ -1,10 +1,10 @@
-"""The codec under generated Python: LCM's type encoding, big-endian, fields in order.
+"""The codec of generated Python types: LCM's type encoding, big-endian, fields in order.
 
-The twin of `runtime/cpp/gecos/wire`: both accept and refuse the same bytes and use the same names
-for errors. Where bytes are wrong in two ways, either error may be reported.
+The C++ codec, `runtime/cpp/gecos/wire`, accepts and refuses the same bytes and uses the same names
+for errors. If bytes have two errors, the two codecs may report different ones.
 
 Encoding appends pieces to a list (`Parts`) that is joined once; decoding raises `DecodeError`.
-numpy is imported when the first array passes, so that programs without arrays start faster.
+numpy is imported with the first array, so that programs without arrays start faster.
 """
 
 from gecos.wire.codes import MAX_COUNT, MAX_DEPTH, MAX_TEXT, MAX_ZERO_WIDTH

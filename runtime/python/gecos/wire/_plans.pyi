@@ -1,4 +1,4 @@
-"""Codecs of generated structs, carried out in one go; `gecos.wire.plans` tells them."""
+"""Compiled codecs of generated structs; `gecos.wire.plans` uses them."""
 
 from collections.abc import Sequence
 from typing import Any, TypeVar
@@ -15,7 +15,7 @@ def struct(
     encode: Any,
     decode: Any,
 ) -> tuple[Any, Any]:
-    """The compiled `encode` and `decode`."""
+    """Returns the compiled methods `encode` and `decode` of the struct `kind`."""
 
 def entry(name: str, python: _T) -> _T:
-    """The compiled function of `gecos.wire` with this name."""
+    """Returns the compiled function `name` of `gecos.wire`, which falls back to `python`."""

@@ -15,7 +15,7 @@ class Encodes(Protocol):
     """A type whose values may be members of another value."""
 
     def encode(self, out: Parts, /) -> None:
-        """Appends the fields."""
+        """Appends the encoded fields to `out`."""
 
 
 class Contents(Encodes, Protocol):
@@ -23,7 +23,7 @@ class Contents(Encodes, Protocol):
 
     @classmethod
     def decode(cls, source: Decoder, /) -> Self:
-        """Reads the fields back and validates them."""
+        """Decodes the fields and validates them."""
 
     @staticmethod
     def fingerprint() -> int:
@@ -35,7 +35,7 @@ _ContentsT = TypeVar("_ContentsT", bound=Contents)
 
 @accelerated
 def to_bytes(value: Contents) -> bytes:
-    """Encodes the fields alone."""
+    """Encodes the fields without a fingerprint or a size."""
     out: Parts = []
     value.encode(out)
     return b"".join(out)
@@ -43,7 +43,7 @@ def to_bytes(value: Contents) -> bytes:
 
 @accelerated
 def from_bytes(kind: type[_ContentsT], data: bytes | bytearray | memoryview) -> _ContentsT:
-    """The inverse of `to_bytes`; bytes left over are an error."""
+    """The inverse of `to_bytes`; raises TRAILING_BYTES if bytes are left over."""
     source = Decoder(data)
     value = kind.decode(source)
     source.expect_end()
@@ -52,7 +52,7 @@ def from_bytes(kind: type[_ContentsT], data: bytes | bytearray | memoryview) -> 
 
 @accelerated
 def to_message(value: Contents) -> bytes:
-    """An LCM message: fingerprint, then the fields."""
+    """Encodes an LCM message: the fingerprint, then the fields."""
     out: Parts = [_fingerprint_bytes(type(value))]
     value.encode(out)
     return b"".join(out)
@@ -60,10 +60,10 @@ def to_message(value: Contents) -> bytes:
 
 @accelerated
 def from_message(kind: type[_ContentsT], data: bytes | bytearray | memoryview) -> _ContentsT:
-    """The inverse of `to_message`; a message of another type is WRONG_FINGERPRINT."""
+    """The inverse of `to_message`; raises WRONG_FINGERPRINT for a message of another type."""
     source = Decoder(data)
     if source.data[:8] != _fingerprint_bytes(kind):
-        source.octets(8)  # too few bytes are TRUNCATED
+        source.octets(8)  # raises TRUNCATED if there are fewer than 8 bytes
         raise DecodeError(DecodeProblem.WRONG_FINGERPRINT, 0)
     source.offset = 8
     value = kind.decode(source)
@@ -78,14 +78,14 @@ def _fingerprint_bytes(kind: type[Contents]) -> bytes:
 
 @accelerated
 def put(value: Encodes, kind: type, out: Parts, field: str) -> None:
-    """Appends a nested value, which must be a `kind`."""
+    """Appends a nested value, which must be an instance of `kind`."""
     expect(value, kind, field)
     value.encode(out)
 
 
 @accelerated
 def put_block(value: Encodes, kind: type, out: Parts, field: str) -> None:
-    """Appends a nested value of an appendable type in a block; it must be a `kind`."""
+    """Appends a nested value of the appendable type `kind` in a block."""
     expect(value, kind, field)
     parts: Parts = []
     value.encode(parts)

@@ -1,4 +1,4 @@
-"""Reads values from untrusted bytes."""
+"""Decodes values from untrusted bytes."""
 
 from __future__ import annotations
 
@@ -30,9 +30,9 @@ _ValueT = TypeVar("_ValueT")
 
 
 class Decoder:
-    """Reads from untrusted bytes; the first fault raises DecodeError.
+    """Decodes values from untrusted bytes; the first error raises DecodeError.
 
-    A count is accepted only if the bytes that it announces are there.
+    A count of elements is accepted only if enough bytes for the elements follow.
     """
 
     __slots__ = ("data", "depth", "end", "offset")
@@ -55,7 +55,7 @@ class Decoder:
         return self.end - self.offset
 
     def number(self, code: str, field: str = "") -> Any:
-        """Reads one value of a code as in `Fields`."""
+        """Reads one number; `code` as in `Fields`."""
         reader = READERS[code]
         offset = self.offset
         if offset + reader.size > self.end:
@@ -69,7 +69,7 @@ class Decoder:
         return value
 
     def string(self, most: int = MAX_COUNT, field: str = "") -> str:
-        """Reads a string; `most` counts bytes of UTF-8 without the NUL."""
+        """Reads a string; `most` is the limit in bytes of UTF-8 without the NUL."""
         start = self.offset
         first = start + 4
         if first <= self.end:
@@ -86,7 +86,7 @@ class Decoder:
         raise self._string_error(most, field)
 
     def _string_error(self, most: int, field: str) -> DecodeError:
-        """The error of the string at `offset`, checked in the same order as in C++."""
+        """Returns the error of the string at `offset`. The order of the checks is that of C++."""
         size = self.remaining - 4
         length: int = _read_int32(self.data, self.offset)[0] if size >= 0 else 0
         raw = bytes(self.data[self.offset + 4 : self.offset + 4 + max(min(length, size), 0)])
@@ -107,7 +107,7 @@ class Decoder:
         return DecodeError(problem, self.offset, field)
 
     def count(self, min_bytes_each: int, most: int = MAX_COUNT, field: str = "") -> int:
-        """Reads a count of elements, and checks that `min_bytes_each` bytes are there for each."""
+        """Reads a count of elements; checks that `min_bytes_each` bytes follow for each element."""
         start = self.offset
         if start + 4 > self.end:
             self.refuse(DecodeProblem.TRUNCATED, field)
@@ -122,20 +122,20 @@ class Decoder:
         return number
 
     def ranged(self, code: str, low: Any, high: Any, field: str = "") -> Any:
-        """Reads a number of `code` within `low` and `high`; None leaves a side open."""
+        """Reads a number of `code` from `low` to `high`; None: no limit on this side."""
         value = self.number(code, field)
         if (low is not None and not value >= low) or (high is not None and not value <= high):
             self.refuse_range(field, READERS[code].size)
         return value
 
     def refuse_range(self, field: str, width: int) -> NoReturn:
-        """Refuses a number that begins `width` bytes before the next read."""
+        """Raises OUT_OF_RANGE for the number that starts `width` bytes before `offset`."""
         raise DecodeError(DecodeProblem.OUT_OF_RANGE, self.offset - width, field)
 
     def numbers(
         self, code: str, most: int = MAX_COUNT, field: str = "", low: Any = None, high: Any = None
     ) -> Array:
-        """Reads a sequence of numbers: its count, then `array`."""
+        """Reads a sequence of numbers: its count, then the numbers."""
         start = self.offset
         first = start + 4
         kind, wire, native, size = arrays(code)
@@ -192,7 +192,7 @@ class Decoder:
         field: str = "",
         width: int = 4,
     ) -> _EnumT:
-        """The enumerator of a number that was just read with `width` bytes."""
+        """Returns the enumerator for `number`, which was just read from `width` bytes."""
         try:
             return kind(number)
         except ValueError:
@@ -203,13 +203,14 @@ class Decoder:
     def flags(
         self, kind: type[_FlagsT], number: int, bits: int, field: str = "", width: int = 4
     ) -> _FlagsT:
-        """The flags of a number just read with `width` bytes; only its lowest `bits` may be set."""
+        """Returns the flags for `number`, which was just read from `width` bytes. Only the lowest
+        `bits` bits may be set."""
         if number >> bits:
             self.refuse_range(field, width)
         return kind(number)
 
     def arm(self, selected: bool, field: str = "") -> bool:
-        """Reads whether a union's arm is present; it must be present exactly if it is selected."""
+        """Reads whether an arm of a union is present, which must equal `selected`."""
         start = self.offset
         if self.number("?", field) != selected:
             self.refuse(DecodeProblem.UNKNOWN_UNION_TAG, field, start)
@@ -223,7 +224,7 @@ class Decoder:
         most: int = MAX_COUNT,
         field: str = "",
     ) -> dict[_KeyT, _ValueT]:
-        """Reads a map. Its keys must ascend strictly, so that a map has one encoding."""
+        """Reads a map. Its keys must be strictly ascending, so that each map has one encoding."""
         entries: dict[_KeyT, _ValueT] = {}
         last: Any = None
         for i in range(self.count(min_bytes_each, most, field)):
@@ -236,9 +237,9 @@ class Decoder:
         return entries
 
     def block(self, field: str = "") -> Decoder:
-        """Skips an appendable struct and returns a decoder of its fields alone.
+        """Skips an appendable struct and returns a decoder for the fields of this struct only.
 
-        Fields that the returned decoder leaves unread come from a newer writer and are ignored.
+        Fields that remain unread in the returned decoder come from a newer writer and are ignored.
         """
         size = self.count(1, field=field)
         inner = Decoder.__new__(Decoder)
@@ -249,7 +250,8 @@ class Decoder:
         return inner
 
     def enter(self, field: str = "") -> None:
-        """Must be called before a nested struct, and `leave` after it."""
+        """Must be called before decoding a struct that may contain itself, and `leave` after it:
+        limits the depth of nesting."""
         if self.depth == MAX_DEPTH:
             self.refuse(DecodeProblem.TOO_DEEP, field)
         self.depth += 1
@@ -264,5 +266,5 @@ class Decoder:
     def refuse(
         self, problem: DecodeProblem, field: str = "", offset: int | None = None
     ) -> NoReturn:
-        """Raises DecodeError; `offset` defaults to where the next read would start."""
+        """Raises DecodeError; `offset` defaults to the offset of the next read."""
         raise DecodeError(problem, self.offset if offset is None else offset, field)

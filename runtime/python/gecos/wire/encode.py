@@ -1,4 +1,4 @@
-"""Encodes pieces of a value: each function returns bytes, which are joined once at the end."""
+"""Encodes parts of a value: each function returns bytes; all bytes are joined once at the end."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def count(number: int, most: int = MAX_COUNT, field: str = "") -> bytes:
 
 
 def counted(values: Any, most: int = MAX_COUNT, field: str = "") -> bytes:
-    """Encodes the count of `values`, which follow."""
+    """Encodes the number of elements of `values`. The caller encodes the elements."""
     return count(_length(values, field), most, field)
 
 
@@ -52,7 +52,8 @@ def entries(values: Mapping[_KeyT, _ElementT], field: str = "") -> list[tuple[_K
 
 
 def string(text: str, most: int = MAX_COUNT - 1, field: str = "") -> bytes:
-    """Encodes the length with NUL, the UTF-8, and NUL. `most` counts bytes without the NUL."""
+    """Encodes a string: its size with NUL, the UTF-8 bytes, and NUL. `most` is the limit in bytes
+    without the NUL."""
     try:
         raw = text.encode()
     except UnicodeEncodeError as error:
@@ -76,17 +77,17 @@ def secret_string(text: str, most: int = MAX_COUNT - 1, field: str = "") -> byte
 
 
 def array(values: npt.ArrayLike, code: str, field: str = "") -> memoryview:
-    """Numbers in big-endian order, without a count, ready to be joined. `code` as in `Fields`.
+    """Encodes an array of numbers as big-endian, without a count. `code` as in `Fields`.
 
-    Refuses a conversion that changes a number; only double to single precision may round. Bytes
-    are an array of `B`.
+    Refuses a conversion that changes a number; only a conversion to floating point may round. A
+    bytes object is an array of code `B`.
     """
     kind, wanted, native, _ = arrays(code)
     if type(values) is kind and values.dtype is native:
         swapped: Any = values.astype(wanted, "C")
     else:
         swapped = _fitting(values, code, field).astype(wanted, "C")
-    return swapped  # type: ignore[no-any-return]  # memory that can be joined, also as an array
+    return swapped  # type: ignore[no-any-return]  # an array is a buffer, which `join` accepts
 
 
 def _fitting(values: npt.ArrayLike, code: str, field: str) -> Array:
@@ -110,13 +111,13 @@ def _fitting(values: npt.ArrayLike, code: str, field: str) -> Array:
 
 
 def block(parts: Parts) -> bytes:
-    """An appendable struct: its size in bytes, then its fields."""
+    """Encodes an appendable struct: its size in bytes, then its fields."""
     fields = b"".join(parts)
     return _pack_int32(len(fields)) + fields
 
 
 def number(value: Any, code: str, field: str = "") -> bytes:
-    """Encodes one value of a code as in `Fields`."""
+    """Encodes one number; `code` as in `Fields`."""
     if code == "?":
         expect_boolean(value, field)
     try:
@@ -126,7 +127,7 @@ def number(value: Any, code: str, field: str = "") -> bytes:
 
 
 def char(letter: str, field: str = "") -> bytes:
-    """One character of Latin-1, a byte."""
+    """Encodes one character of Latin-1 as a byte."""
     try:
         raw = letter.encode("latin-1")
     except (UnicodeEncodeError, AttributeError):
@@ -139,7 +140,7 @@ def char(letter: str, field: str = "") -> bytes:
 def numbers(
     values: npt.ArrayLike, code: str, most: int, field: str = "", low: Any = None, high: Any = None
 ) -> Parts:
-    """A sequence of numbers: its count, then the numbers, each within `low` and `high`."""
+    """Encodes a sequence of numbers: its count, then the numbers, each from `low` to `high`."""
     kind, wanted, native, _ = arrays(code)
     if (  # fast path
         type(values) is kind
@@ -163,7 +164,7 @@ def fixed(
     low: Any = None,
     high: Any = None,
 ) -> memoryview:
-    """An array of numbers of a given shape, each within `low` and `high`."""
+    """Encodes an array of numbers of shape `shape`, each number from `low` to `high`."""
     given = as_array(values, code)
     if given.shape != shape:
         raise EncodeError(field, f"an array of shape {given.shape} where {shape} is declared")
@@ -171,7 +172,7 @@ def fixed(
 
 
 def _array_within(given: Array, code: str, low: Any, high: Any, field: str) -> memoryview:
-    numbers = array(given, code, field)  # checks types before limits, as for one number
+    numbers = array(given, code, field)  # checks the type before the limits, as for one number
     _expect_within(given, low, high, field)
     return numbers
 
@@ -192,7 +193,7 @@ def _expect_within(given: Array, low: Any, high: Any, field: str) -> None:
 
 
 def octets(raw: bytes, most: int, field: str = "") -> Parts:
-    """A sequence of bytes: its count, then the bytes."""
+    """Encodes a sequence of bytes: its count, then the bytes."""
     given = _as_bytes(raw, field)
     return [count(len(given), most, field), given]
 
@@ -205,7 +206,7 @@ def fixed_octets(raw: bytes, size: int, field: str = "") -> bytes:
 
 
 def _as_bytes(raw: Any, field: str) -> bytes:
-    """The bytes of a bytes object, of numbers 0 to 255, or of a buffer of single bytes."""
+    """Converts a list or tuple of numbers 0 to 255, or a buffer of bytes, to a bytes object."""
     if type(raw) is bytes:
         return raw
     try:
@@ -220,7 +221,7 @@ def _as_bytes(raw: Any, field: str) -> bytes:
 
 
 def exactly(values: Sequence[_ElementT], size: int, field: str = "") -> Sequence[_ElementT]:
-    """Returns `values`; raises unless there are `size` of them."""
+    """Returns `values`; raises EncodeError unless it has `size` elements."""
     number = _length(values, field)
     if number != size:
         raise EncodeError(field, f"{number} elements where {size} are declared")

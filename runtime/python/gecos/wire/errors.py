@@ -10,7 +10,7 @@ HIDDEN = "***"
 
 
 class DecodeProblem(Enum):
-    """Why bytes were refused. Names and texts are those of the C++ side."""
+    """Why bytes were refused. Names and texts equal those in C++."""
 
     TRUNCATED = "the bytes end before the value does"
     INVALID_BOOLEAN = "a boolean must be 0 or 1"
@@ -44,7 +44,8 @@ class DecodeError(ValueError):
 
 
 class JsonError(ValueError):
-    """Text that is not the JSON of its type: where in the value, and why."""
+    """The text is not JSON of the expected type: `path` is the place in the value, `why` the
+    reason."""
 
     def __init__(self, path: str, why: str) -> None:
         super().__init__(f"{path}: {why}" if path else why)
@@ -56,7 +57,7 @@ class JsonError(ValueError):
 
 
 class EncodeError(ValueError):
-    """A value that its field cannot carry: which field, and why."""
+    """The value cannot be encoded in its field: `field` names the field, `why` is the reason."""
 
     def __init__(self, field: str, why: str) -> None:
         super().__init__(f"{field}: {why}" if field else why)
@@ -68,7 +69,7 @@ class EncodeError(ValueError):
 
 
 class WrongTypeError(EncodeError, TypeError):
-    """A value of another type than its field has."""
+    """The type of the value differs from the type of its field."""
 
     def __init__(self, field: str, value: object, kind: type) -> None:
         super().__init__(field, f"{value!r} is no {kind.__name__}")
@@ -84,13 +85,13 @@ def expect(value: object, kind: type, field: str) -> None:
 
 
 def expect_boolean(value: object, field: str) -> None:
-    """Accepts True and False, also numpy's. Other truthy and falsy values are refused."""
+    """Accepts True and False of Python and numpy. Raises WrongTypeError for all other values."""
     if type(value) is not bool and type(value).__name__ not in ("bool_", "bool"):
         raise WrongTypeError(field, value, bool)
 
 
 def expect_enumerator(value: Any, kind: type[IntEnum], field: str) -> None:
-    """Accepts an enumerator of `kind`, or the number of one."""
+    """Accepts an enumerator of `kind`, or the number of an enumerator."""
     if type(value) is not kind and value not in kind.__members__.values():
         known = ", ".join(kind.__members__)
         raise EncodeError(field, f"{value!r} is no {kind.__name__}; there are {known}")

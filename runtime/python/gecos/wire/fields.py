@@ -1,4 +1,4 @@
-"""Runs of fixed-size members, each one `struct`."""
+"""Runs of consecutive members of fixed size, each run encoded by one `struct.Struct`."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from gecos.wire.errors import DecodeError, DecodeProblem, EncodeError, expect_bo
 
 
 class Fields:
-    """A run of fixed-size members, packed and unpacked in one go.
+    """A run of consecutive members of fixed size, packed and unpacked in a single call.
 
     `codes` are those of `struct` without byte order: b B h H i I q Q f d, and ? for a boolean.
     """
@@ -71,8 +71,8 @@ class Fields:
         for code, name in zip(self._codes, self._names, strict=True):
             if source.remaining < struct.calcsize(">" + code):
                 source.refuse(DecodeProblem.TRUNCATED, name)
-            source.number(code, name)  # an invalid boolean before the end is reported first
-        raise AssertionError("a truncated run has a first field that does not fit")
+            source.number(code, name)  # reports an invalid boolean before TRUNCATED
+        raise AssertionError("the run is truncated, but each of its fields fits")
 
     def _unfit(self, values: tuple[Any, ...]) -> EncodeError | TypeError:
         if len(values) != len(self._codes):
@@ -82,4 +82,4 @@ class Fields:
                 struct.pack(">" + code, value)
             except (struct.error, OverflowError, TypeError):
                 return EncodeError(name, f"{value!r} is not {CODE_MEANING[code]}")
-        raise AssertionError("a run that cannot be packed has a value that cannot")
+        raise AssertionError("the run cannot be packed, but each of its values can")

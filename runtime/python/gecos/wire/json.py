@@ -1,8 +1,8 @@
-"""Values as JSON, for people, logs and tools: `dumps` and its inverse `loads`.
+"""Converts values to JSON and back, for people, logs and tools: `dumps` and its inverse `loads`.
 
 Members and enumerators are written by name, bitmasks as lists of flags, unions as
 {"tag": …, "value": …}, maps as lists of pairs, bytes as lists of numbers. 64-bit integers are
-exact; "nan", "inf" and "-inf" are texts. Secrets are "***". C++ writes the same.
+exact; "nan", "inf" and "-inf" are texts. Secrets are "***". C++ writes the same JSON.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ __all__ = ["JsonError", "dumps", "loads"]
 
 _ContentsT = TypeVar("_ContentsT", bound=Contents)
 MAX_DEPTH = 100
-_LONGEST_DOUBLE = 308  # digits that fit for certain
+_LONGEST_DOUBLE = 308  # digits; a longer number may exceed the range of a double
 
 
 def dumps(value: Contents, indent: int | None = None) -> str:
@@ -28,8 +28,9 @@ def dumps(value: Contents, indent: int | None = None) -> str:
 
 
 def loads(kind: type[_ContentsT], text: str | bytes) -> _ContentsT:
-    """Reads a value from JSON. Omitted members have their defaults. Raises JsonError, which names
-    the member, also for a value that cannot be sent: a number out of range, a text too long."""
+    """Reads a value from JSON. Omitted members get their default values. Raises JsonError, which
+    names the member, also for a value that cannot be encoded: a number out of range, a text too
+    long."""
     try:
         data = json.loads(
             text,

@@ -1,7 +1,8 @@
-"""The kinds of values: how each is written, read, and shown in JSON, by its part of a layout.
+"""The kinds of values in layouts: each kind encodes and decodes its values, also as JSON.
 
-`plain` returns what the module json can dump; `made` is its inverse and raises `JsonError`. `step`
-describes the kind to the extension `_plans`, or is None where only Python supports the kind.
+`plain` converts a value to types that the module `json` can dump; `made` is the inverse of `plain`
+and raises `JsonError`. `step` describes the kind to the extension `_plans`; it returns None if the
+extension does not support the kind.
 """
 
 from __future__ import annotations
@@ -43,14 +44,14 @@ def below(path: str, name: str) -> str:
 
 
 class Kind(ABC):
-    """Writes, reads and shows values of one kind. `label` names the value in error messages."""
+    """Encodes and decodes values of one kind. `label` names the value in error messages."""
 
     __slots__ = ()
 
     least = 0
     """Smallest size of a value in bytes."""
     holds_array = False
-    """Whether values hold numpy arrays: these compare element by element, so `==` must be ours."""
+    """Whether values hold numpy arrays, for which `==` gives an array: `same` must compare them."""
 
     @abstractmethod
     def put(self, value: Any, out: Parts, label: str) -> None: ...
@@ -69,7 +70,7 @@ class Kind(ABC):
 
 
 class Number(Kind):
-    """`code` is that of `wire.Fields`. In JSON, "nan", "inf" and "-inf" stand for those numbers."""
+    """A number; `code` as in `wire.Fields`. In JSON, "nan", "inf" and "-inf" are also numbers."""
 
     __slots__ = ("code", "least")
 
@@ -121,16 +122,16 @@ class Number(Kind):
 
 
 def limits_of(code: str) -> tuple[int, int]:
-    """The smallest and the largest number of a code of whole numbers."""
+    """The smallest and the largest whole number that `code` can represent."""
     bits = 8 * READERS[code].size
     return (0, (1 << bits) - 1) if code.isupper() else (-(1 << bits - 1), (1 << bits - 1) - 1)
 
 
 class Limits:
-    """The range that @range allows for numbers of a code; None leaves a side open.
+    """The range that @range allows for numbers of code `code`. None means: no limit on this side.
 
-    Python's floats are more precise than single precision. For code `f`, a value equal to a limit
-    as written or to its nearest single may be sent, and both are encoded as that single.
+    Python's floats are more precise than single precision. For code `f`, the limit as written and
+    the single-precision number nearest to the limit may be sent; both are encoded as the latter.
     """
 
     __slots__ = ("high", "low", "received", "sent", "text")
@@ -145,7 +146,7 @@ class Limits:
         self.text = f"[{'-inf' if low is None else low}, {'inf' if high is None else high}]"
 
     def effective(self, code: str) -> tuple[Any, Any]:
-        """The limits without those that no number of the code can exceed."""
+        """The limits, with None in place of a limit that no number of `code` can exceed."""
         low, high = self.sent
         if code not in "fd":
             least, most = limits_of(code)
@@ -235,8 +236,8 @@ class Char(Text):
 
 
 class Enumerators(Kind):
-    """Enumerators, by name in JSON. `names` maps Python names to the interface's where they
-    differ. `otherwise` replaces a number that no enumerator has."""
+    """An enumerator; in JSON its name. `names` maps Python names to names in the interface where
+    the two differ. `otherwise` replaces a number that no enumerator has."""
 
     __slots__ = ("code", "kind", "least", "names", "otherwise")
 
@@ -274,7 +275,7 @@ class Enumerators(Kind):
 
 
 class Flags(Kind):
-    """A bitmask; in JSON the list of the set flags. Only the lowest `bits` may be set."""
+    """A bitmask; in JSON the list of the set flags. Only the lowest `bits` bits may be set."""
 
     __slots__ = ("bits", "code", "kind", "least", "names")
 
@@ -312,10 +313,10 @@ class Flags(Kind):
 
 
 class Nested(Kind):
-    """A value of a type with a layout of its own; in a block if the type is appendable."""
+    """A value whose type has its own layout; encoded in a block if the type is appendable."""
 
     __slots__ = ("kind", "layout", "put")
-    # A function instead of a method saves one call.
+    # `put` is an attribute instead of a method, which saves one call.
     put: Callable[[Any, Parts, str], None]  # type: ignore[assignment]
 
     def __init__(self, kind: Any, layout: Any) -> None:
@@ -346,7 +347,7 @@ class Nested(Kind):
 
 
 class Later(Kind):
-    """A value of a type that is declared later; `known` returns the type."""
+    """A value whose type is declared later; `known` returns the type when it is declared."""
 
     __slots__ = ("_known",)
 
@@ -374,7 +375,7 @@ class Later(Kind):
 
 
 class Secret(Kind):
-    """A secret value, which is never shown."""
+    """A secret value, which neither JSON nor error messages show."""
 
     __slots__ = ("inner",)
 
@@ -424,7 +425,7 @@ def _inside(value: Any) -> set[str]:
 
 
 class Twin:
-    """The layout of a hand-written type, which has the same bytes as the generated `struct`."""
+    """The layout of a hand-written type whose encoding equals that of the generated `struct`."""
 
     __slots__ = ("kind", "struct")
     compiled = False
@@ -453,14 +454,14 @@ class Twin:
 
 
 twins: dict[Any, Twin] = {}
-"""Hand-written types, registered by the generated module of the interface that maps to them."""
+"""The layouts of hand-written types. The generated module that uses such a type registers it."""
 
 _numbers = {code: Number(code) for code in READERS}
 
 
 def kind_of(step: Any) -> Kind:
-    """The kind of a layout step: the code of a number, a kind, a type with a layout of its own, or
-    a function that returns such a type when it is declared later."""
+    """The kind of a layout step. A step is the code of a number, a kind, a type with its own
+    layout, or a function that returns a type that is declared later."""
     if isinstance(step, Kind):
         return step
     if isinstance(step, str):

@@ -1,4 +1,4 @@
-"""Layouts of generated types: each type declares its layout once; its methods are derived from it.
+"""Layouts of generated types: a type declares a layout once; the layout provides its methods.
 
     @layout.struct(0xE3695E149ACAA4EA, "dd??", layout.text(), open=True)
     @dataclass(slots=True)
@@ -7,10 +7,10 @@
         ...
 
 A layout lists the members in order, as *steps*: codes of numbers as in `wire.Fields`, any number
-of them in one text; a type with a layout of its own; a function that returns a type declared later;
-or the result of a function below. These are derived from a layout: encoding and decoding with all
-checks, `==` for values that hold arrays, JSON, a `repr` without secrets, and the plan by which the
-extension encodes and decodes the usual case (`gecos.wire.plans`).
+of them in one text; a type with its own layout; a function that returns a type declared later; or
+the result of a function below. A layout provides: encoding and decoding with all checks, `==` for
+values that hold arrays, JSON, a `repr` without secrets, and the plan by which the C++ extension
+encodes and decodes the usual case (`gecos.wire.plans`).
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ _FlagsT = TypeVar("_FlagsT", bound=type[IntFlag])
 
 
 def ranged(code: str, low: float | None, high: float | None = None) -> Kind:
-    """A number within limits; None leaves a side open."""
+    """A number from `low` to `high`; None: no limit on this side."""
     return Ranged(code, low, high)
 
 
@@ -104,7 +104,7 @@ def arm(name: str, step: Step, *tags: Any) -> Arm:
 
 
 class Encoded:
-    """The methods of generated values."""
+    """The base class of generated types: methods that encode and decode by the layout."""
 
     __slots__ = ()
     _gecos_layout: ClassVar[Any]
@@ -134,13 +134,13 @@ class Union(Struct):
 
     @classmethod
     def _arm(cls, tag: Any) -> int:
-        """Number of the arm that `tag` selects, from 1; 0 if it selects none."""
+        """Number of the arm that `tag` selects, from 1; 0 if `tag` selects no arm."""
         number: int = cls._gecos_layout.selected(tag)
         return number
 
 
 class Bits:
-    """A bitset."""
+    """The base class of generated bitsets."""
 
     __slots__ = ()
     _gecos_layout: ClassVar[BitsLayout]
@@ -175,10 +175,10 @@ def struct(
 ) -> Callable[[_KindT], _KindT]:
     """Declares the members of a dataclass, in the order of its constructor.
 
-    An older writer may leave out the last `missing` members, which then have their defaults. In an
-    `open` struct, members added by a newer writer are skipped. A `deep` struct may hold itself.
-    `label` names the struct in messages where its class has another name. `names` maps Python names
-    of members to the interface's where they differ.
+    An older writer may omit the last `missing` members, which then get their default values. In an
+    `open` struct, members added by a newer writer are skipped. A `deep` struct may contain values
+    of its own type. `label` is the struct's name in messages, if its class has another name.
+    `names` maps Python names of members to names in the interface where the two differ.
     """
 
     def tell(kind: _KindT) -> _KindT:
@@ -194,8 +194,8 @@ def struct(
 def result(
     *steps: Step, missing: int = 0, names: Mapping[str, str] | None = None
 ) -> Callable[[_KindT], _KindT]:
-    """Declares the members of the result of an operation with several results. It may grow, and
-    needs no block because it is a whole reply."""
+    """Declares the members of the result of an operation with several results. Such a result is
+    extensible like an @appendable struct, but needs no block because it is a whole reply."""
 
     def tell(kind: _KindT) -> _KindT:
         layout = StructLayout(kind, None, steps, missing, True, False, "", names or {})
@@ -215,7 +215,7 @@ def exception(
     label: str = "",
     names: Mapping[str, str] | None = None,
 ) -> Callable[[_KindT], _KindT]:
-    """Declares the members of an exception; `name` is its scoped name. It compares by identity."""
+    """Declares the members of an exception with the scoped name `name`, compared by identity."""
 
     def tell(kind: _KindT) -> _KindT:
         kind._gecos_name = name
@@ -235,7 +235,7 @@ def twin(
     label: str = "",
     names: Mapping[str, str] | None = None,
 ) -> Callable[[_KindT], _KindT]:
-    """Declares the members of a struct with the same bytes as the hand-written type `of`."""
+    """Declares the members of a struct whose encoding equals that of the hand-written type `of`."""
 
     def tell(kind: _KindT) -> _KindT:
         _describe(kind, StructLayout(kind, None, steps, missing, open, False, label, names or {}))
@@ -253,7 +253,8 @@ def union(
     deep: bool = False,
     label: str = "",
 ) -> Callable[[_KindT], _KindT]:
-    """Declares the arms of a dataclass with `tag` and `value`; `tag` is an enum or a code."""
+    """Declares a dataclass with `tag` and `value` as a union. `tag` is the step of its tag: an enum
+    or the code of a number."""
 
     def tell(kind: _KindT) -> _KindT:
         layout = UnionLayout(kind, fingerprint, kind_of(tag), arms, open, deep, label)
@@ -269,7 +270,8 @@ def bits(
     label: str = "",
     names: Mapping[str, str] | None = None,
 ) -> Callable[[_KindT], _KindT]:
-    """Declares a bitset in a number of `code`: position, width and code of each member."""
+    """Declares a bitset that is encoded as one number of code `code`. `members` are the position,
+    width and code of each member."""
 
     def tell(kind: _KindT) -> _KindT:
         kind._gecos_layout = BitsLayout(kind, code, members, label, names or {})
@@ -294,7 +296,7 @@ def enumeration(
 def flags(
     code: str, count: int, names: Mapping[str, str] | None = None
 ) -> Callable[[_FlagsT], _FlagsT]:
-    """Declares the layout of a bitmask; only its lowest `count` bits may be set."""
+    """Declares the layout of a bitmask in which only the lowest `count` bits may be set."""
 
     def tell(kind: _FlagsT) -> _FlagsT:
         kind._gecos_layout = Flags(kind, code, count, names or {})  # type: ignore[attr-defined]

@@ -1,4 +1,4 @@
-"""Values that follow each other: members of a struct, arguments of a call, fields of a bitset."""
+"""Sequences of named values: members of a struct, arguments of a call, fields of a bitset."""
 
 from __future__ import annotations
 
@@ -15,14 +15,13 @@ from gecos.wire.kinds import Kind, Number, Secret, below, expect_json, kind_of
 from gecos.wire.values import same, signed
 
 _Group: TypeAlias = tuple[int, int, Callable[..., Any], Callable[..., Any], str]
-"""Begin and end index of a run of members, the functions that write and read it, and the label.
-A run is several numbers without a label, or one member with its label."""
+"""First and end index of a group of members, the functions that encode and decode the group, and
+its label. A group is a run of numbers with the label "", or one member with its own label."""
 
 
 class Members:
-    """Members in order. `names` are those of the interface; messages call a member `label.name`.
-
-    An older writer may leave out the last members, as many as there are `defaults`.
+    """Members in the order of their encoding. `names` are their names in the interface; messages
+    call a member `label.name`. `defaults` are for the last members, which an older writer may omit.
     """
 
     __slots__ = ("_groups", "_needed", "defaults", "kinds", "label", "names")
@@ -88,14 +87,14 @@ class Members:
         return values
 
     def plain(self, values: Sequence[Any]) -> dict[str, Any]:
-        """The value in the types that the module json can dump."""
+        """Converts the members to types that the module `json` can dump."""
         return {
             name: kind.plain(value)
             for name, kind, value in zip(self.names, self.kinds, values, strict=True)
         }
 
     def made(self, data: Any, path: str) -> list[tuple[int, Any]]:
-        """The inverse of `plain`: index and value of each given member. Unknown ones are errors."""
+        """The inverse of `plain`: index and value of each given member. Refuses unknown members."""
         expect_json(dict, data, path, "an object")
         for name in sorted(data.keys() - set(self.names)):
             why = f"there is no such member; there are {', '.join(self.names)}"
@@ -116,7 +115,7 @@ def _single(steps: Sequence[Any]) -> Iterator[Any]:
 
 
 class StructLayout(Members):
-    """The layout of a dataclass; `gecos.wire.layout.struct` explains the rest."""
+    """The layout of a dataclass; `gecos.wire.layout.struct` explains the parameters."""
 
     __slots__ = (
         "_deep",
@@ -168,7 +167,7 @@ class StructLayout(Members):
             if deep:
                 source.leave()
             if open:
-                source.offset = source.end  # what a newer writer added is skipped
+                source.offset = source.end  # skips members that a newer writer added
             return cls(*members)
 
         return encode, classmethod(decode)
@@ -177,7 +176,7 @@ class StructLayout(Members):
         return super().plain(self._values(value))
 
     def made(self, data: Any, path: str) -> Any:
-        """The inverse of `plain`. Omitted members have their defaults."""
+        """The inverse of `plain`. Omitted members get their default values."""
         return self.kind(**{self.attributes[i]: each for i, each in super().made(data, path)})
 
     @property
@@ -220,7 +219,7 @@ class Arguments(Members):
 
     def encode(self, *values: Any) -> Parts:
         out: Parts = []
-        for at, end, put, _, label in self._groups or self._grouped():  # `write`, inlined for speed
+        for at, end, put, _, label in self._groups or self._grouped():  # inlined `write`, for speed
             if label:
                 put(values[at], out, label)
             else:
@@ -231,7 +230,7 @@ class Arguments(Members):
         return tuple(self.read(source))
 
     def made_values(self, data: Any, path: str = "") -> tuple[Any, ...]:
-        """The inverse of `plain`; only arguments with defaults may be left out."""
+        """The inverse of `plain`; only arguments with defaults may be omitted."""
         given = dict(super().made(data, path))
         required = self._needed
         for i, name in enumerate(self.names):
@@ -243,7 +242,8 @@ class Arguments(Members):
 
 
 class BitsLayout(Kind):
-    """Position, width and code of each member of a bitset, in a number of `code`."""
+    """The layout of a bitset, which is encoded as one number of code `code`. `members` are the
+    position, width and code of each member."""
 
     __slots__ = ("_labels", "_members", "_number", "attributes", "kind", "least", "names", "used")
 

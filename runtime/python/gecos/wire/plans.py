@@ -1,8 +1,8 @@
 """Compiled codecs: the extension `gecos.wire._plans` handles the usual case of generated structs.
 
-In an unusual case (a value that its field cannot carry, invalid bytes, a number of an unusual type)
-the Python codec runs from the start instead; without the extension it always runs. The results are
-the same; only the speed differs.
+In an unusual case (a value that does not fit its field, invalid bytes, a number of an unusual type)
+the Python codec starts again from the beginning. Without the extension, the Python codec always
+runs. Both codecs give the same results; only their speed differs.
 """
 
 from __future__ import annotations
@@ -27,7 +27,8 @@ _FunctionT = TypeVar("_FunctionT", bound=Callable[..., Any])
 
 
 def compile_struct(layout: StructLayout, fingerprint: int) -> None:
-    """Replaces `encode` and `decode` by compiled ones if the extension supports all steps."""
+    """Replaces `encode` and `decode` of a struct by compiled functions if the extension supports
+    all steps of the layout."""
     steps = [each.step() for each in layout.kinds]
     if None in steps or not steps:
         return
@@ -39,5 +40,5 @@ def compile_struct(layout: StructLayout, fingerprint: int) -> None:
 
 
 def accelerated(function: _FunctionT) -> _FunctionT:
-    """Decorates a function of `gecos.wire`: for structs that have plans a compiled one runs."""
+    """Decorates a function of `gecos.wire`, which then runs compiled for compiled structs."""
     return _plans.entry(function.__name__, function) if COMPILED else function

@@ -1,4 +1,4 @@
-"""Kinds of values that hold other values: optional values, sequences, arrays, maps."""
+"""Kinds of values that contain other values: optional values, sequences, arrays, maps."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ class Items(Kind):
 
 
 class Octets(Kind):
-    """Bytes, in JSON the list of their numbers."""
+    """A bytes object; in JSON a list of numbers from 0 to 255."""
 
     __slots__ = ("limits", "most", "size")
 
@@ -123,7 +123,7 @@ class Octets(Kind):
         self.limits = None if limits.effective("B") == (None, None) else limits
 
     def _first_outside(self, value: bytes | bytearray | memoryview[int]) -> int | None:
-        """The index of the first octet that the declared range excludes."""
+        """Index of the first byte outside the declared range; None if there is none."""
         if self.limits is None:
             return None
         low, high = self.limits.sent
@@ -164,7 +164,7 @@ class Octets(Kind):
 
 
 class Numbers(Kind):
-    """A sequence of numbers as a numpy array, which limits are compared with in its precision."""
+    """A sequence of numbers as a numpy array. Limits are compared in the precision of the array."""
 
     __slots__ = ("code", "limits", "most")
     least = 4
@@ -198,7 +198,7 @@ class Numbers(Kind):
 
 
 class Array(Numbers):
-    """An array of numbers of a fixed shape, as a numpy array."""
+    """A numpy array of numbers with a fixed shape."""
 
     __slots__ = ("count", "shape")
 
@@ -234,7 +234,7 @@ class Array(Numbers):
 
 
 class Entries(Kind):
-    """A map; in JSON a list of pairs of key and value, in the order of the wire."""
+    """A map; in JSON a list of pairs of key and value, in ascending order of the keys."""
 
     __slots__ = ("key", "most", "value")
     least = 4

@@ -1,4 +1,4 @@
-"""Unions: the arm that a tag selects, and how tag and arm are written and read."""
+"""Unions: which arm a tag selects, and how tag and arm are encoded and decoded."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Arm:
 
 
 class _Tag:
-    """A tag that is no enum: a whole number, boolean or character, in 4 or 8 bytes."""
+    """A tag that is not an enum: a whole number, boolean or character, in 4 or 8 bytes."""
 
     __slots__ = ("_char", "_code", "_wire", "least")
 
@@ -66,7 +66,7 @@ class _Tag:
 
 
 class UnionLayout:
-    """The layout of a dataclass with `tag` and `value`; `gecos.wire.layout.union` explains it."""
+    """The layout of a union: a dataclass with `tag` and `value`, see `gecos.wire.layout.union`."""
 
     __slots__ = (
         "_deep", "_keeps_secrets", "_otherwise", "_selected", "_tag", "arms", "fingerprint",
@@ -98,7 +98,7 @@ class UnionLayout:
         self._otherwise = next((i for i, arm in enumerate(arms, start=1) if not arm.tags), 0)
 
     def selected(self, tag: Any) -> int:
-        """Number of the arm that `tag` selects, from 1; 0 if it selects none."""
+        """Number of the arm that `tag` selects, from 1; 0 if `tag` selects no arm."""
         try:
             return self._selected.get(tag, self._otherwise)
         except TypeError:  # an unhashable value is not a tag
@@ -145,7 +145,7 @@ class UnionLayout:
         return kind(tag, value)
 
     def plain(self, union: Any) -> Any:
-        """{"tag": …, "value": …}, without value if the tag selects no arm."""
+        """Returns {"tag": …, "value": …}, without "value" if the tag selects no arm."""
         arm, tag = self.selected(union.tag), self.tag.plain(union.tag)
         if not arm:
             return {"tag": tag}
@@ -175,8 +175,9 @@ class UnionLayout:
         return __repr__
 
     def _may_be_secret(self, kind: Kind | None, value: Any) -> bool:
-        """Whether `value` may be secret: its arm is secret, or it is a text or container that does
-        not fit its arm and so may belong to a secret one. `kind` is None if no arm is selected."""
+        """Whether `value` may be secret: the selected arm is secret, or `value` is a text or
+        container that does not fit the selected arm and so may belong to a secret arm. `kind` is
+        the kind of the selected arm, or None."""
         if not self._keeps_secrets or isinstance(kind, Secret):
             return self._keeps_secrets
         if isinstance(value, str):

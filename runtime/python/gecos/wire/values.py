@@ -1,4 +1,4 @@
-"""Small functions for generated types."""
+"""Helper functions of generated types and of the codec."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def signed(bits: int, width: int) -> int:
 
 
 def first(entry: tuple[Any, Any]) -> Any:
-    """Key by which the entries of a map are sorted."""
+    """The key of an entry of a map; sorts the entries."""
     return entry[0]
 
 
@@ -30,7 +30,7 @@ def zeros(code: str, *shape: int) -> Array:
 
 
 def as_array(values: npt.ArrayLike, code: str) -> Array:
-    """`values` as a numpy array; bytes become their numbers only for code `B`."""
+    """`values` as a numpy array; a bytes object becomes an array of numbers only for code `B`."""
     import numpy as np
 
     if code == "B" and isinstance(values, bytes):
@@ -39,7 +39,7 @@ def as_array(values: npt.ArrayLike, code: str) -> Array:
 
 
 def _numbers(value: Any) -> Any:
-    """Bytes as an array of numbers, to compare them with one; other values unchanged."""
+    """Converts bytes to an array of numbers, to compare it with arrays; other values unchanged."""
     import numpy as np
 
     given = isinstance(value, bytes | bytearray | memoryview)

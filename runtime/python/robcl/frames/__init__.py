@@ -1,9 +1,9 @@
-"""Frames: where something is and how it is turned, seen from something else.
+"""Frames: position and orientation of one coordinate system, seen from another.
 
-One vocabulary in C++ (`robcl/frames/frame.hpp`) and Python::
+The names are the same in C++ (`robcl/frames/frame.hpp`) and Python::
 
-    make     translate(x, y, z)   rotate_x(a)   rotate_y(a)   rotate_z(a)   Frame() is "here"
-             Frame.from_euler_zyz(x, y, z, a, b, c)     Rz(a)·Ry'(b)·Rz''(c): the paper's, and V+'s
+    make     translate(x, y, z)   rotate_x(a)   rotate_y(a)   rotate_z(a)   Frame(): the identity
+             Frame.from_euler_zyz(x, y, z, a, b, c)     Rz(a)·Ry'(b)·Rz''(c), as in the paper and V+
              Frame.from_euler_zyx(x, y, z, a, b, c)     Rz(a)·Ry'(b)·Rx''(c)
              Frame.from_fixed_xyz(x, y, z, rx, ry, rz)  turns about the fixed axes X, then Y, then Z
                                                         (the paper's CXYZ, URDF's rpy)
@@ -14,7 +14,7 @@ One vocabulary in C++ (`robcl/frames/frame.hpp`) and Python::
              near(a, b, position_tolerance, angle_tolerance)
     units    metres and radians; mm(200), deg(90)
 
-Names that cancel keep products right: world_from_tool = world_from_base * base_from_tool.
+In a correct product adjacent names match: world_from_tool = world_from_base * base_from_tool.
 """
 
 from robcl.frames.frame import (

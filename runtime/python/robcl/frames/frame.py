@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 Vector = npt.NDArray[np.float64]
 _Quaternion = tuple[float, float, float, float]
 
-# Below this half-turn two Euler angles turn about one axis, and only their sum is known.
+# If a sine or cosine is below this limit, the first and the third axis of the Euler angles are
+# parallel, and only the sum or the difference of the first and the third angle is determined.
 _PARALLEL_AXES = 1e-9
 
 # The layout of robcl::Frame in idl/robcl/geometry.gidl.
@@ -27,20 +28,20 @@ _HERE = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
 
 
 class InvalidFrame(ValueError):
-    """Numbers that do not describe a rigid placement; the text says which and by how much."""
+    """The numbers do not describe a rigid transform; the text says which, and by how much."""
 
 
 class Frame:
     """Position (m) and orientation of a coordinate system seen from another.
 
-    Immutable. `==` compares number by number; for "the same place" take `near`. A quaternion and
-    its negative are the same orientation but not `==`.
+    Immutable. `==` compares number by number; to compare with tolerances, use `near`. A quaternion
+    and its negative are the same orientation, but `==` treats them as different.
     """
 
     __slots__ = ("_numbers",)
 
     UNIT_TOLERANCE = 1e-6
-    """How far a quaternion's length, or a matrix's columns, may be from one."""
+    """How far the length of a quaternion or of a column of a rotation matrix may be from 1."""
 
     _numbers: tuple[float, ...]  # x, y, z, qw, qx, qy, qz
 
@@ -49,7 +50,8 @@ class Frame:
         position: Sequence[float] | Vector = (0.0, 0.0, 0.0),
         orientation: Sequence[float] | Vector = (1.0, 0.0, 0.0, 0.0),
     ) -> None:
-        """Raises InvalidFrame. `orientation` is w, x, y, z and is made exactly of unit length."""
+        """`position` in m; `orientation` is a quaternion w, x, y, z, which is normalised. Raises
+        InvalidFrame."""
         x, y, z = map(float, position)
         w, i, j, k = map(float, orientation)
         if not (isfinite(x) and isfinite(y) and isfinite(z)):
@@ -71,17 +73,17 @@ class Frame:
 
     @staticmethod
     def from_euler_zyz(x: float, y: float, z: float, a: float, b: float, c: float) -> Frame:
-        """Rz(a)·Ry'(b)·Rz''(c), as the paper and V+ count (yaw, pitch, roll)."""
+        """Euler angles Rz(a)·Ry'(b)·Rz''(c) in rad, as in the paper and V+ (yaw, pitch, roll)."""
         return Frame((x, y, z), _product(_product(_about_z(a), _about_y(b)), _about_z(c)))
 
     @staticmethod
     def from_euler_zyx(x: float, y: float, z: float, a: float, b: float, c: float) -> Frame:
-        """Rz(a)·Ry'(b)·Rx''(c)."""
+        """Euler angles Rz(a)·Ry'(b)·Rx''(c) in rad."""
         return Frame((x, y, z), _product(_product(_about_z(a), _about_y(b)), _about_x(c)))
 
     @staticmethod
     def from_fixed_xyz(x: float, y: float, z: float, rx: float, ry: float, rz: float) -> Frame:
-        """Turns about the fixed axes X, then Y, then Z: the paper's CXYZ, URDF's rpy."""
+        """Rotations in rad about the fixed axes X, then Y, then Z: the paper's CXYZ, URDF's rpy."""
         return Frame.from_euler_zyx(x, y, z, rz, ry, rx)
 
     @staticmethod
@@ -92,7 +94,7 @@ class Frame:
 
     @staticmethod
     def from_matrix(matrix: npt.ArrayLike) -> Frame:
-        """From a homogeneous 4x4 matrix."""
+        """The frame of a homogeneous 4x4 matrix. Raises InvalidFrame."""
         m = np.asarray(matrix, dtype=np.float64)
         if m.shape != (4, 4):
             _refuse(f"the matrix has shape {m.shape}, it must be (4, 4)")
@@ -131,16 +133,16 @@ class Frame:
 
     @property
     def orientation(self) -> Vector:
-        """w, x, y, z."""
+        """The quaternion w, x, y, z as an array."""
         return np.array(self._numbers[3:])
 
     def quaternion(self) -> _Quaternion:
-        """w, x, y, z."""
+        """The orientation as a quaternion w, x, y, z."""
         _, _, _, w, x, y, z = self._numbers
         return w, x, y, z
 
     def euler_zyz(self) -> tuple[float, float, float]:
-        """a, b, c with b in [0, pi], a and c in [-pi, pi]; c = 0 where b is 0 or pi."""
+        """Angles a, b, c in rad: b in [0, pi], a and c in [-pi, pi]; c = 0 if b is 0 or pi."""
         # q = (cos(b/2)·cos s, -sin(b/2)·sin d, sin(b/2)·cos d, cos(b/2)·sin s)
         # with s = (a + c)/2 and d = (a - c)/2
         w, x, y, z = self.quaternion()
@@ -156,7 +158,7 @@ class Frame:
         return _wrapped(total + difference), b, _wrapped(total - difference)
 
     def euler_zyx(self) -> tuple[float, float, float]:
-        """a, b, c with b in [-pi/2, pi/2], a and c in [-pi, pi]; c = 0 where b is ±pi/2."""
+        """Angles a, b, c in rad: b in [-pi/2, pi/2], a and c in [-pi, pi]; c = 0 if b is ±pi/2."""
         r = _rotation(self.quaternion())
         cosine = hypot(r[0][0], r[1][0])
         b = atan2(-r[2][0], cosine)
@@ -165,23 +167,23 @@ class Frame:
         return atan2(r[1][0], r[0][0]), b, atan2(r[2][1], r[2][2])
 
     def fixed_xyz(self) -> tuple[float, float, float]:
-        """rx, ry, rz: the numbers of `euler_zyx` from back to front."""
+        """Angles rx, ry, rz in rad: the angles of `euler_zyx` in reverse order."""
         rz, ry, rx = self.euler_zyx()
         return rx, ry, rz
 
     def rotation(self) -> Vector:
-        """3x3."""
+        """The 3x3 rotation matrix."""
         return np.array(_rotation(self.quaternion()))
 
     def matrix(self) -> Vector:
-        """4x4, homogeneous."""
+        """The homogeneous 4x4 matrix."""
         matrix = np.eye(4)
         matrix[:3, :3] = self.rotation()
         matrix[:3, 3] = self._numbers[:3]
         return matrix
 
     def __mul__(self, right: Frame) -> Frame:
-        """The pose that `right` describes, in the frame in which `self` is given."""
+        """Composition of two frames: a_from_c = a_from_b * b_from_c."""
         if not isinstance(right, Frame):
             return NotImplemented
         x, y, z = self._moved(*right._numbers[:3])
@@ -197,7 +199,8 @@ class Frame:
         return Frame._of((*turned_back._moved(-x, -y, -z), w, -i, -j, -k))
 
     def transform(self, point: npt.ArrayLike) -> Vector:
-        """A point of this coordinate system, or an array (…, 3) of them, seen from the other."""
+        """Converts a point, or an array (…, 3) of points, from this coordinate system to the
+        coordinate system from which this frame is seen."""
         points = np.asarray(point, dtype=np.float64)
         if points.shape[-1:] != (3,):
             raise ValueError(f"a point has 3 numbers; this array has shape {points.shape}")
@@ -218,8 +221,8 @@ class Frame:
             z + pz + w * tz + i * ty - j * tx,
         )
 
-    # GeneralContents: x, y, z, then w, x, y, z of the quaternion. What is decoded keeps its exact
-    # numbers, so that it encodes to the same bytes again.
+    # GeneralContents: x, y, z, then w, x, y, z of the quaternion. A decoded frame keeps its exact
+    # numbers, so that encoding it again gives the same bytes.
 
     def encode(self, out: Parts) -> None:
         out.append(_LAYOUT.pack(*self._numbers))
@@ -237,7 +240,7 @@ class Frame:
 
     @staticmethod
     def fingerprint() -> int:
-        """lcm-gen's, for struct Frame { Vector position; Quaternion orientation; }."""
+        """lcm-gen's fingerprint of struct Frame { Vector position; Quaternion orientation; }."""
         return 0x249634CE2AA17B5E
 
     def __setattr__(self, name: str, value: Any) -> NoReturn:
@@ -259,7 +262,7 @@ class Frame:
         return f"Frame.from_quaternion({', '.join(map(repr, self._numbers))})"
 
     def __str__(self) -> str:
-        """For people: "(452.1, -150.0, 431.8) mm, ZYZ (0.00, 90.00, 0.00) deg"."""
+        """Text for display: "(452.1, -150.0, 431.8) mm, ZYZ (0.00, 90.00, 0.00) deg"."""
         place = ", ".join(f"{in_mm(number) + 0.0:.1f}" for number in self._numbers[:3])
         turn = ", ".join(f"{in_deg(number) + 0.0:.2f}" for number in self.euler_zyz())
         return f"({place}) mm, ZYZ ({turn}) deg"
@@ -282,12 +285,12 @@ def rotate_z(angle: float) -> Frame:
 
 
 def distance(left: Frame, right: Frame) -> float:
-    """Between the two origins, m."""
+    """Distance between the two origins, m."""
     return hypot(left.x - right.x, left.y - right.y, left.z - right.z)
 
 
 def angle(left: Frame, right: Frame) -> float:
-    """Angle of the single turn that brings one orientation to the other, rad in [0, pi]."""
+    """Angle of the single rotation that turns one orientation into the other, rad in [0, pi]."""
     w, i, j, k = left.quaternion()
     between = _product((w, -i, -j, -k), right.quaternion())
     return 2 * atan2(hypot(*between[1:]), abs(between[0]))
@@ -330,7 +333,8 @@ def _rotation(q: _Quaternion) -> tuple[tuple[float, ...], ...]:
 
 
 def _from_rotation(turn: Vector) -> _Quaternion:
-    """Divides by the largest of the four parts, so that none is lost to rounding."""
+    """The quaternion of a 3x3 rotation matrix, computed from the quaternion's largest component,
+    so that no component is lost to rounding."""
     (a, b, c), (d, e, f), (g, h, i) = turn.tolist()
     candidates = (
         (1 + a + e + i, h - f, c - g, d - b),

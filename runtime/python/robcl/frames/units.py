@@ -1,23 +1,23 @@
-"""Numbers come in and go out in SI. Millimetres and degrees exist here only, and say so."""
+"""robcl takes and returns SI units. Only these functions convert millimetres and degrees."""
 
 from math import pi
 
 
 def mm(millimetres: float) -> float:
-    """Millimetres as metres."""
+    """Converts millimetres to metres."""
     return millimetres * 1e-3
 
 
 def deg(degrees: float) -> float:
-    """Degrees as radians."""
+    """Converts degrees to radians."""
     return degrees * (pi / 180.0)
 
 
 def in_mm(metres: float) -> float:
-    """Metres as millimetres, for people."""
+    """Converts metres to millimetres, for display."""
     return metres * 1e3
 
 
 def in_deg(radians: float) -> float:
-    """Radians as degrees, for people."""
+    """Converts radians to degrees, for display."""
     return radians * (180.0 / pi)

@@ -9,10 +9,10 @@
 
 #include "plans/plan.hpp"
 
-/// numpy arrays. numpy itself is loaded when the first array is read or written.
+/// Reading and writing of numpy arrays. numpy's C interface is loaded with the first array.
 namespace gecos::python::plans {
 
-/// A new reference that this owns.
+/// Owns one reference to a Python object, or null.
 class Owned {
  public:
   explicit Owned(PyObject* object) : object_(object) {}
@@ -27,22 +27,22 @@ class Owned {
   PyObject* object_ = nullptr;
 };
 
-/// The elements of an array, in C order and the machine's byte order. Borrowed.
+/// The elements of a numpy array, in C order and the machine's byte order; the array owns them.
 struct Numbers {
   const std::byte* data = nullptr;
   Py_ssize_t count = 0;
   std::span<const Py_ssize_t> shape;
 };
 
-/// The elements of `object`; nullopt unless it is a numpy array of numbers of `code`, in C order
-/// and the machine's byte order.
+/// The elements of `object`; nullopt unless it is a numpy array with the type code `code`, in C
+/// order and the machine's byte order.
 std::optional<Numbers> numbers_of(PyObject* object, char code);
 
-/// Copies numbers to or from the wire.
+/// Copies `count` numbers between the machine's and the wire's byte order.
 void swap_numbers(char code, std::byte* to, const std::byte* from, Py_ssize_t count);
 
 /// Reads `count` numbers into a new array of the shape of `step`; null when they must be left to
-/// Python. @pre the bytes are there.
+/// Python. @pre `from` has the bytes of `count` numbers.
 PyObject* array_of(const Step& step, Py_ssize_t count, const std::byte* from);
 
 }  // namespace gecos::python::plans

@@ -34,7 +34,7 @@ PyObject*& slot(PyObject* object, Py_ssize_t at) {
   return *reinterpret_cast<PyObject**>(reinterpret_cast<char*>(object) + at);
 }
 
-/// Borrows the bytes of a Python object for its own lifetime.
+/// Borrows the bytes of a Python object until the Source is destroyed.
 class Source {
  public:
   Source() = default;
@@ -71,7 +71,7 @@ bool append(PyObject* out, PyObject* made) {
   return bytes && PyList_Append(out, bytes.get()) == 0;
 }
 
-/// Runs the Python function from the start instead.
+/// Calls the replaced Python function with all arguments.
 PyObject* in_python(PyObject* self, PyObject* const* given, std::size_t count, PyObject* names) {
   PyErr_Clear();
   return PyObject_Vectorcall(reinterpret_cast<Callable*>(self)->python, given, count, names);
@@ -97,7 +97,7 @@ PyObject* decoded_from(const Plan& plan, PyObject* source) {
   PyObject* const offset = slot(source, decoder.offset);
   PyObject* const end = slot(source, decoder.end);
   if (data == nullptr || offset == nullptr || end == nullptr) return nullptr;
-  const Owned kept(Py_NewRef(data));  // garbage collection may run meanwhile, and with it any code
+  const Owned kept(Py_NewRef(data));  // garbage collection may run arbitrary code meanwhile
   Source bytes;
   const Py_ssize_t first = PyLong_AsSsize_t(offset);
   const Py_ssize_t last = PyLong_AsSsize_t(end);
@@ -125,7 +125,7 @@ PyObject* call_to(PyObject* self, PyObject* const* given, std::size_t count, PyO
   return bytes != nullptr ? bytes : in_python(self, given, count, names);
 }
 
-/// Decodes a value that fills `data`; null when it must be left to Python.
+/// Decodes a value that takes all of `data`; null when it must be left to Python.
 PyObject* decoded_whole(const Plan& plan, PyObject* data, Frame frame) {
   Source bytes;
   if (!bytes.open(data)) return nullptr;
@@ -147,7 +147,7 @@ PyObject* call_from(PyObject* self, PyObject* const* given, std::size_t count, P
   return value != nullptr ? value : in_python(self, given, count, names);
 }
 
-/// put(value, kind, out, field)
+/// Implements `put(value, kind, out, field)` and `put_block` of `gecos.wire`.
 template <Frame frame>
 PyObject* call_put(PyObject* self, PyObject* const* given, std::size_t count, PyObject* names) {
   if (plain(count, names, 4) && reinterpret_cast<PyObject*>(Py_TYPE(given[0])) == given[1] &&

@@ -8,16 +8,16 @@
 /// function, its `__wrapped__`, for the rest.
 namespace gecos::python::plans {
 
-/// Must be called once, first: prepares the types of the objects below and finds the slots of
-/// `gecos.wire.Decoder`. Returns false with an error set on failure.
+/// Must be called once, before the other functions: prepares the types of their results and finds
+/// the slots of `gecos.wire.Decoder`. Returns false with an error set on failure.
 bool prepare_callables(PyObject* decoder);
 
-/// `encode` of a struct: a method.
+/// Makes the method `encode` of a struct, which replaces the function `python`.
 PyObject* encoding(const Plan& plan, PyObject* python);
-/// `decode` of a struct: a class method.
+/// Makes the class method `decode` of a struct, which replaces the function `python`.
 PyObject* decoding(const Plan& plan, PyObject* python);
-/// The function of `gecos.wire` with this name, for every type that has a plan. Null with an error
-/// set.
+/// Makes the function `name` of `gecos.wire` for all types with a plan; it replaces `python`. Null
+/// with an error set on failure.
 PyObject* entry(const char* name, PyObject* python);
 
 }  // namespace gecos::python::plans

@@ -27,7 +27,7 @@ const Plan& demanded(nb::handle kind) {
 char code_of(nb::handle given) {
   const std::string code = nb::cast<nb::str>(given).c_str();
   if (code.size() != 1 || size_of(code.front()) == 0) {
-    throw nb::type_error(("'" + code + "' is no code of numbers").c_str());
+    throw nb::type_error(("'" + code + "' is not a type code of numbers").c_str());
   }
   return code.front();
 }
@@ -66,7 +66,7 @@ void describe_numbers(Step& step, const nb::tuple& given) {
   }
   step.limits = limits_of(step.code, given[3], given[4]);
   if (step.limits.there && step.code != 'd') {
-    throw nb::type_error("only arrays of doubles have limits in a plan");
+    throw nb::type_error("only arrays of doubles may have limits in a plan");
   }
 }
 
@@ -86,7 +86,7 @@ void describe_items(Step& step, const nb::tuple& given) {
   step.least = PyLong_AsSsize_t(nb::handle(given[2]).ptr());
   step.size = size_or_counted(given[3]);
   step.most = PyLong_AsSsize_t(nb::handle(given[4]).ptr());
-  if (step.least < 1) throw nb::type_error("items of a plan take at least a byte each");
+  if (step.least < 1) throw nb::type_error("each item of a plan must take at least one byte");
 }
 
 Step step_of(nb::handle given) {
@@ -101,7 +101,8 @@ Step step_of(nb::handle given) {
   if (what == "ranged") {
     step.code = code_of(parts[1]);
     step.limits = limits_of(step.code, parts[2], parts[3]);
-    if (step.code == 'Q' || step.code == '?') throw nb::type_error("a plan has no limits of these");
+    if (step.code == 'Q' || step.code == '?')
+      throw nb::type_error("a plan has no limits for the type codes Q and ?");
   } else if (what == "enumerator") {
     step.what = What::Enumerator;
     describe_enumerator(step, parts);
@@ -159,7 +160,7 @@ Py_ssize_t slot_of(nb::handle kind, const char* name) {
     const auto* const member = reinterpret_cast<PyMemberDescrObject*>(slot.ptr())->d_member;
     if (member->type == T_OBJECT_EX) return member->offset;
   }
-  throw nb::type_error((std::string(name) + " is no slot").c_str());
+  throw nb::type_error((std::string(name) + " is not a slot").c_str());
 }
 
 const Plan& describe(nb::handle kind, std::uint64_t fingerprint, const nb::sequence& members,
@@ -176,8 +177,8 @@ const Plan& describe(nb::handle kind, std::uint64_t fingerprint, const nb::seque
   }
   for (const nb::handle each : defaults) plan->defaults.push_back(nb::borrow(each).release().ptr());
   if (plan->defaults.size() > plan->steps.size())
-    throw nb::type_error("more defaults than members");
-  nb::borrow(kind).release();  // a plan outlives its users
+    throw nb::type_error("a plan has more defaults than members");
+  nb::borrow(kind).release();  // kept for ever, as the plan is
   return *plans().insert_or_assign(plan->kind, std::move(plan)).first->second;
 }
 

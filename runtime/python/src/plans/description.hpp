@@ -7,8 +7,8 @@
 /// Builds plans from the descriptions of structs by `gecos.wire.plans`.
 namespace gecos::python::plans {
 
-/// Builds the plan of `kind` and keeps it until the process ends. `members`: name and step of each,
-/// in wire order; `defaults`: of the last members, which an older writer may leave out.
+/// Builds the plan of `kind` and keeps it until the process ends. `members` are the names and steps
+/// in wire order; `defaults` are the values of the last members, which an older writer may omit.
 /// Throws for an invalid description, which is a mistake in generated code.
 const Plan& describe(nanobind::handle kind, std::uint64_t fingerprint,
                      const nanobind::sequence& members, const nanobind::sequence& defaults,
@@ -17,7 +17,7 @@ const Plan& describe(nanobind::handle kind, std::uint64_t fingerprint,
 /// The plan of a type; null when it has none.
 const Plan* plan_of(PyTypeObject* kind);
 
-/// Where a slot of `kind` is in its objects.
+/// Byte offset of the slot `name` in the objects of `kind`.
 Py_ssize_t slot_of(nanobind::handle kind, const char* name);
 
 }  // namespace gecos::python::plans

@@ -16,8 +16,7 @@ nb::object owned(PyObject* object) {
 }  // namespace
 
 NB_MODULE(_plans, module) {
-  module.doc() =
-      "Codecs of generated structs, carried out in one go; `gecos.wire.plans` tells them.";
+  module.doc() = "Compiled codecs of generated structs; `gecos.wire.plans` uses them.";
   module.def(
       "prepare",
       [](nb::handle decoder) {

@@ -11,14 +11,14 @@
 
 /// Compiled codecs of generated structs, as described by `gecos.wire.plans`.
 ///
-/// A plan handles only the usual case. It gives up at any other value or bytes; then the Python
-/// codec runs from the start, and it alone reports errors. Everything here must be called with the
-/// GIL. Plans live until the process ends.
+/// A plan handles only the usual case. For any other value or bytes it returns null; then the
+/// Python codec runs from the start, and only the Python codec reports errors. Callers must hold
+/// the GIL. Plans live until the process ends.
 namespace gecos::python::plans {
 
 struct Plan;
 
-/// Limits of a number, for each of the three kinds of number.
+/// Limits of a number: `low` and `high` of floats, `least` and `most` of integers.
 struct Limits {
   double low = -std::numeric_limits<double>::infinity();
   double high = std::numeric_limits<double>::infinity();
@@ -38,7 +38,7 @@ struct Limits {
 };
 
 enum class What : std::uint8_t {
-  Double,  ///< without limits; the most common member
+  Double,  ///< a double without limits; the most common member
   Number,
   Enumerator,
   Array,    ///< a numpy array of a given shape
@@ -51,20 +51,20 @@ enum class What : std::uint8_t {
   Items,  ///< a sequence or array of other elements
 };
 
-/// How one member is written and read.
+/// How one member of a struct is encoded and decoded.
 struct Step {
   What what = What::Number;
-  char code = 0;  ///< of numbers: as in `wire.Fields`
+  char code = 0;  ///< type code of numbers, as in `wire.Fields`
   Limits limits;
-  std::vector<Py_ssize_t> shape;  ///< of an array
-  Py_ssize_t size = -1;           ///< elements; -1 where a count says how many
-  Py_ssize_t most = 0;            ///< of a count, or of a text's bytes
-  Py_ssize_t least = 0;           ///< bytes that an element takes
-  const Plan* plan = nullptr;     ///< of a struct
-  PyTypeObject* kind = nullptr;   ///< of an enumerator
+  std::vector<Py_ssize_t> shape;  ///< dimensions of an array
+  Py_ssize_t size = -1;           ///< number of elements; -1: a count precedes them
+  Py_ssize_t most = 0;            ///< greatest count, or size of a text in bytes
+  Py_ssize_t least = 0;           ///< smallest size of an element in bytes
+  const Plan* plan = nullptr;     ///< plan of a nested struct
+  PyTypeObject* kind = nullptr;   ///< type of an enumerator
   PyObject* known = nullptr;      ///< enumerators by number
   PyObject* otherwise = nullptr;  ///< the enumerator for an unknown number, or null
-  std::vector<Step> inner;        ///< of an optional value and of items: one
+  std::vector<Step> inner;        ///< the step of an optional value or of items
 };
 
 /// A generated struct: a dataclass with slots.
@@ -72,13 +72,13 @@ struct Plan {
   PyTypeObject* kind = nullptr;
   std::uint64_t fingerprint = 0;
   std::vector<Step> steps;
-  std::vector<Py_ssize_t> slots;    ///< where each member is in an object
-  std::vector<PyObject*> defaults;  ///< of the last members, which an older writer may leave out
+  std::vector<Py_ssize_t> slots;    ///< byte offset of each member in an object
+  std::vector<PyObject*> defaults;  ///< values of members that an older writer may omit
   bool open = false;                ///< members added by a newer writer are skipped
   Py_ssize_t least = 0;             ///< smallest size of a value in bytes
 };
 
-/// Calls `act` with a number of the type of a code other than `?`.
+/// Calls `act` with a zero of the type of `code`; returns false for `?` and for unknown codes.
 template <class Act>
 bool with_number_of(char code, Act act) {
   switch (code) {
@@ -107,7 +107,7 @@ bool with_number_of(char code, Act act) {
   }
 }
 
-/// Bytes of a number; 0 if `code` is not a code.
+/// Size of a number in bytes; 0 if `code` is unknown.
 constexpr Py_ssize_t size_of(char code) {
   constexpr std::string_view codes = "?bBhHiIqQfd";
   constexpr Py_ssize_t sizes[] = {1, 1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
@@ -116,9 +116,9 @@ constexpr Py_ssize_t size_of(char code) {
 }
 
 enum class Frame : std::uint8_t {
-  Bare,     ///< the fields alone
-  Message,  ///< a value after its fingerprint
-  Block,    ///< a value after its size
+  Bare,     ///< the members only
+  Message,  ///< the fingerprint, then the members
+  Block,    ///< the size, then the members
 };
 
 /// Encodes `value`; null without an error set when it must be left to Python. @pre the type of
@@ -132,7 +132,7 @@ struct Input {
   Py_ssize_t remaining() const { return end - at; }
 };
 
-/// A new value; null when these bytes must be left to Python, with no error set.
+/// Decodes a new value; null without an error set when it must be left to Python.
 PyObject* decoded(const Plan& plan, Input& from);
 
 }  // namespace gecos::python::plans

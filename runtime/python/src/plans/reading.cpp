@@ -9,7 +9,7 @@ namespace {
 
 PyObject* taken(Input& from, const Step& step);
 
-/// The next bytes; null when they are not there.
+/// The next `size` bytes, which are consumed; null if there are fewer.
 const std::byte* next(Input& from, Py_ssize_t size) {
   if (size > from.remaining()) return nullptr;
   const std::byte* const at = from.at;
@@ -59,8 +59,8 @@ PyObject* taken_enumerator(Input& from, const Step& step) {
   return found;
 }
 
-/// Number of elements that follow, after a check of their bytes; -1 when Python must report the
-/// error.
+/// The number of elements that follow; -1 if it is invalid or there are too few bytes, which Python
+/// must report.
 Py_ssize_t taken_count(Input& from, const Step& step) {
   std::int32_t count = 0;
   if (step.size >= 0) {
@@ -129,7 +129,7 @@ PyObject* taken_items(Input& from, const Step& step) {
   return list.release();
 }
 
-/// The next member; null when it must be left to Python, where an error may be set.
+/// Decodes the next member; null, possibly with an error set, when it must be left to Python.
 PyObject* taken(Input& from, const Step& step) {
   switch (step.what) {
     case What::Double:

@@ -23,7 +23,7 @@ class Output {
   Output& operator=(const Output&) = delete;
   ~Output() { Py_XDECREF(bytes_); }
 
-  /// Room for the next bytes; null when there is no memory.
+  /// Reserves `size` bytes at the end; null if there is no memory.
   std::byte* room(Py_ssize_t size) {
     if (size > capacity_ - used_ && !grow(size)) return nullptr;
     std::byte* const at = data() + used_;
@@ -53,7 +53,7 @@ class Output {
     if (bytes_ == nullptr || size > std::numeric_limits<Py_ssize_t>::max() / 2 - used_)
       return false;
     const Py_ssize_t wanted = std::max(2 * capacity_, used_ + size);
-    const bool grown = _PyBytes_Resize(&bytes_, wanted) == 0;  // on failure it frees the bytes
+    const bool grown = _PyBytes_Resize(&bytes_, wanted) == 0;  // frees the bytes on failure
     capacity_ = grown ? wanted : 0;
     return grown;
   }
@@ -85,7 +85,7 @@ bool as_number(PyObject* value, const Limits& limits, T& x) {
     double wide = 0;
     if (!as_double(value, limits.there, wide) || !limits.hold(wide)) return false;
     x = static_cast<T>(wide);
-    return std::isfinite(x) || !std::isfinite(wide);  // else too large for single precision
+    return std::isfinite(x) || !std::isfinite(wide);  // else too great for a float
   } else {
     if (!PyLong_CheckExact(value) && (limits.there || !PyLong_Check(value))) return false;
     if constexpr (std::is_same_v<T, std::uint64_t>) {
@@ -120,11 +120,11 @@ bool put_count(Output& out, const Step& step, Py_ssize_t count) {
 
 bool all_within(const Step& step, const std::byte* numbers, Py_ssize_t count) {
   if (!step.limits.there) return true;
-  const auto* const first = reinterpret_cast<const double*>(numbers);  // no other code has limits
+  const auto* const first = reinterpret_cast<const double*>(numbers);  // only doubles have limits
   return std::all_of(first, first + count, [&](double x) { return step.limits.hold(x); });
 }
 
-/// A list of floats where an array is expected.
+/// Writes a list of floats where an array is expected.
 bool put_list(Output& out, const Step& step, PyObject* list) {
   if (!PyList_CheckExact(list) || step.code != 'd' || step.shape.size() > 1) return false;
   const Py_ssize_t count = PyList_GET_SIZE(list);

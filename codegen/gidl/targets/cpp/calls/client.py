@@ -1,4 +1,4 @@
-"""Methods of client proxies."""
+"""Builds the views of the methods of client proxies."""
 
 from __future__ import annotations
 

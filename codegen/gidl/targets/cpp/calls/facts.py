@@ -29,7 +29,7 @@ from gidl.targets.naming import (
 from gidl.type_names import escaped
 from gidl.wire_layout import CallKind, CallLayout, FieldLayout
 
-# Members of a class that describes an interface.
+# Names of the members that every class that describes an interface has.
 _DESCRIPTION = ("bases", "description", "inherits", "operations", "streams")
 
 
@@ -49,7 +49,8 @@ class CallFacts:
         return self._members[call.name.removesuffix("=")]
 
     def _named_constants(self) -> tuple[dict[str, str], dict[str, str]]:
-        """Names of the interface's own operations and streams in its class."""
+        """Names of the constants for the interface's own operations, and of those for its streams,
+        in the class that describes the interface."""
         described = self._layout.cpp_names.descriptions[self._interface.name].name
         local = LocalNames({described, *_DESCRIPTION})
         calls = {c.name: local.fresh(_constant_name(c)) for c in self._calls}
@@ -61,7 +62,7 @@ class CallFacts:
         return sorted(members, key=lambda a: self._layout.stream(a.scoped_name).code)
 
     def _constant(self, name: str) -> str:
-        """The constant `name` of the interface's class, as its clients and servers write it."""
+        """The qualified name of the constant `name` in the class that describes the interface."""
         return f"{self._layout.cpp_names.descriptions[self._interface.name].name}::{name}"
 
     def _operation_doc(self, operation: Operation) -> tuple[str, ...]:
@@ -84,7 +85,8 @@ class CallFacts:
         )
 
     def _parameters(self, values: list[CallValue]) -> list[tuple[str, str, str]]:
-        """Type, name and default. A default needs one in all that follow."""
+        """Type, name and default of each parameter. Only trailing parameters have a default,
+        because C++ requires one in all parameters after it."""
         from_here = first_missing(values)
         result = []
         for i, value in enumerate(values):
@@ -129,7 +131,7 @@ class CallFacts:
     def _writing(
         self, slots: list[Slot], size: str, to: str, taken: Collection[str]
     ) -> WritingView:
-        """`size` and `to`: names that nothing in `taken` has."""
+        """The lambda that writes `slots`. `size` and `to` are its variables, unique in `taken`."""
         sizing, expression = self._lowering.whole_size(slots, size, taken)
         used = {*taken, size, to}
         lines = [line for s in slots for line in self._lowering.encode(s, to, LocalNames(used))]

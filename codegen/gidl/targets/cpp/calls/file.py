@@ -1,4 +1,4 @@
-"""Builds the views of one file for the templates of clients and servers."""
+"""Builds the view with which the templates of clients and servers of a file are rendered."""
 
 from __future__ import annotations
 
@@ -71,8 +71,8 @@ def interfaces_view(lowering: Lowering, file: File) -> InterfacesView:
 
 
 def has_stubs(file: File) -> bool:
-    """Whether proxies and skeletons are printed. The built-in operations of objects have none: the
-    session calls and answers them, with the structs of their arguments and results."""
+    """Whether proxies and skeletons are generated for a file. The built-in operations need none:
+    the session calls and answers them, using their argument and result structs."""
     interfaces = [each.name for each in file.declarations if isinstance(each, Interface)]
     return any(name != BUILT_IN for name in interfaces)
 

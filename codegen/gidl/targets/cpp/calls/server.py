@@ -1,4 +1,4 @@
-"""Handlers of servants, how they are called, and publishers of streams."""
+"""Builds the views of servant handlers, of the code that calls them, and of stream publishers."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ class ServerSide(CallFacts):
 
     @cached_property
     def _request(self) -> str:
-        """The variable of the incoming call in the skeleton, distinct from all parameters."""
+        """Name of the skeleton's variable for an incoming call, distinct from all parameters."""
         slots = [s for call in self._calls for s in self._slots(call.request, "")]
         return LocalNames(slot.expression for slot in slots).fresh("call")
 

@@ -1,4 +1,4 @@
-"""The tables that sessions read: operations, streams, quality."""
+"""Builds the tables that sessions read: operations, streams and quality."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ class Tables(CallFacts):
 
 
 def asked(qos: Qos) -> list[str]:
-    """The member `.quality`, where something was asked for."""
+    """The initialiser of the member `.quality`; empty if `qos` demands nothing."""
     terms = quality(qos)
     if terms:
         terms[0] = f".quality = {{{terms[0]}"
@@ -88,7 +88,7 @@ def asked(qos: Qos) -> list[str]:
 
 
 def quality(qos: Qos) -> list[str]:
-    """Designated initialisers of gecos::qos::Quality; only what was asked for."""
+    """Designated initialisers of gecos::qos::Quality, only for what `qos` demands."""
     terms = []
     if qos.quality_class not in (None, QualityClass.TIME_INDEPENDENT):
         word = "SoftRealtime" if qos.quality_class is QualityClass.SOFT_REALTIME else "HardRealtime"

@@ -8,18 +8,18 @@ from typing import Literal
 from gidl.targets.cpp.values.views import StructView
 
 Written = Literal["plain", "block", "here"]
-"""How a value is written: by the library, appendable ones in a block, or by statements here."""
+"""How a value is written: by the library, by the library as a block, or by generated statements."""
 
 
 @dataclass(frozen=True, slots=True)
 class OperationRow:
-    """An operation as the session knows it."""
+    """A row in the session's table of operations."""
 
-    constant: str  # its name in the class of the interface
+    constant: str  # name of its constant in the description class
     code: str
     name: str
     hash: str
-    getter: bool  # the defaults are those of a readable attribute
+    getter: bool  # `terms` are differences from the defaults of a getter
     terms: tuple[str, ...]  # ".cancelable = true": what differs from the defaults
 
 
@@ -33,22 +33,22 @@ class StreamRow:
 
 @dataclass(frozen=True, slots=True)
 class DescriptionView:
-    """The class of an interface's operations, and what it is in the session's words."""
+    """The class that describes an interface: its operations, streams and quality."""
 
     name: str  # "GripperInterface"
-    bases: tuple[str, ...]  # scoped names of every interface it also is
-    inherits: tuple[str, ...]  # classes of the direct bases
-    operations: tuple[OperationRow, ...]  # own ones, by code
+    bases: tuple[str, ...]  # scoped names of all direct and indirect bases
+    inherits: tuple[str, ...]  # description classes of the direct bases
+    operations: tuple[OperationRow, ...]  # own operations, sorted by function code
     streams: tuple[StreamRow, ...]
-    quality: str  # "" where nothing was asked for
+    quality: str  # "" if the interface demands no quality
 
 
 @dataclass(frozen=True, slots=True)
 class WritingView:
     """A lambda that writes values, and how many bytes it writes."""
 
-    sizing: tuple[str, ...]  # statements
-    size: str  # expression
+    sizing: tuple[str, ...]  # statements that prepare `size`
+    size: str  # expression for the number of bytes
     to: str
     lines: tuple[str, ...]
 
@@ -69,11 +69,11 @@ class MethodView:
     doc: tuple[str, ...]
     returns: str
     name: str
-    declared: str  # "(parameters with defaults)"
-    defined: str  # "(parameters without)"
+    declared: str  # parameter list with defaults, in parentheses
+    defined: str  # parameter list without defaults, in parentheses
     checks: tuple[str, ...]  # statements that return when a parameter must not be sent
-    does: str  # "gecos_call<double>"
-    constant: str  # "GripperInterface::max_width"
+    does: str  # function that makes the call: "gecos_call<double>"
+    constant: str  # describes the operation: "GripperInterface::max_width"
     arguments: WritingView | None
     result: ReadingView | None
 
@@ -95,34 +95,34 @@ class ResultView:
 
 @dataclass(frozen=True, slots=True)
 class HandlerView:
-    """A handler that the implementer of a server writes, and the call of it."""
+    """A handler, which the author of a server implements, and the code that calls it."""
 
     doc: tuple[str, ...]
     returns: str
     name: str
-    parameters: str  # "(…)"
+    parameters: str  # parameter list in parentheses
     code: str
-    operation: str  # "move", "tool="
+    operation: str  # name without scope: "move", "tool=" for a setter
     arguments: tuple[ArgumentView, ...]
-    source: str  # name of what they are read from
+    source: str  # name of the decoder from which the arguments are read
     was_read: str
-    read: tuple[str, ...]  # lines of an expression: whether all were read
-    execution: str  # type of what a cancelable handler has besides; "" without
+    read: tuple[str, ...]  # lines of an expression: whether all arguments were read
+    execution: str  # type of the last parameter of a cancelable handler; "" for others
     run: str
-    passed: str  # "(a, b, run)"
-    declared: str  # '{"robcl::OutOfRange"}'
+    passed: str  # arguments of the handler: "(a, b, run)"
+    declared: str  # exceptions that it may raise: '{"robcl::OutOfRange"}'
     result: ResultView | None
-    whole_name: str  # "robcl::Gripper::open"
+    whole_name: str  # scoped name: "robcl::Gripper::open"
 
 
 @dataclass(frozen=True, slots=True)
 class PublisherView:
     name: str
-    stream: str  # its IDL name
+    stream: str  # name of the attribute in IDL
     whole_name: str
     written: Written
-    parameter: str  # "const T& value"
-    constant: str  # "GripperInterface::jaws_stream"
+    parameter: str  # type and name: "const T& value"
+    constant: str  # describes the stream: "GripperInterface::jaws_stream"
     checks: tuple[str, ...]
     writing: WritingView
 
@@ -136,18 +136,18 @@ class InterfaceView:
     version: str
     hash: str
     description: DescriptionView
-    structs: tuple[StructView, ...]  # of arguments and results that the session knows
+    structs: tuple[StructView, ...]  # arguments and results of built-in operations
     client_bases: str
     server_bases: str
-    servant_bases: tuple[str, ...]  # absolute names
-    request: str  # what the skeleton calls an incoming call: parameters have their own names
+    servant_bases: tuple[str, ...]  # absolute names of the base servants
+    request: str  # the skeleton's variable for an incoming call; no parameter has its name
     methods: tuple[MethodView, ...]
     handlers: tuple[HandlerView, ...]
     publishers: tuple[PublisherView, ...]
 
     @property
     def answers_else(self) -> str:
-        """Whether a base answers the operations that this interface inherits."""
+        """C++ expression: whether a base servant answers the call, as of an inherited operation."""
         asked = (f"{base}::gecos_answer({self.request})" for base in self.servant_bases)
         return " || ".join(asked) or "false"
 

@@ -1,6 +1,6 @@
-"""Types and codecs in C++: what a value is called, how large it is, how it is written and read.
+"""C++ text of types and codecs: names, encoded sizes, and code that encodes, decodes and checks.
 
-Sizes, writing and checking are statements, a list of lines each; reading is one boolean expression.
+Sizing, encoding and checking are statements, given as lines; decoding is one boolean expression.
 """
 
 from __future__ import annotations
@@ -15,4 +15,4 @@ __all__ = ["PRIMITIVES", "Lowering", "Slot"]
 
 
 class Lowering(Sizes, Writing, Reading, Checks):
-    """All of it, for one model."""
+    """The names, sizes, encoding, decoding and checks of all types of one model."""

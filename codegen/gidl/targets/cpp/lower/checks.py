@@ -1,4 +1,4 @@
-"""Statements that say why a value must not be sent."""
+"""Prints C++ statements that check whether a value may be sent, and say why not."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class Checks(Types):
         self._checked: dict[str, bool] = {}
 
     def have_checks(self, fields: tuple[FieldLayout, ...]) -> bool:
-        """Whether these can hold what must not be sent."""
+        """Whether `fields` can have values that must not be sent."""
         return any(self._has_checks(field.node) for field in fields)
 
     def _has_checks(self, node: Node) -> bool:
@@ -66,14 +66,14 @@ class Checks(Types):
 
     def _type_has_checks(self, name: str) -> bool:
         if name not in self._checked:
-            self._checked[name] = False  # while it is asked for: a recursive type adds nothing
+            self._checked[name] = False  # ends the recursion of a type that contains itself
             by_hand = names.hand_written(self.model.find(name)) is not None
             fields = self.layout.structs[name].fields
             self._checked[name] = not by_hand and self.have_checks(fields)
         return self._checked[name]
 
     def check(self, slot: Slot, local: LocalNames, refuse: Refuse = lambda text: text) -> list[str]:
-        """Statements that return what `refuse` makes of a text when the value must not be sent."""
+        """Statements that return `refuse(reason)` if the value must not be sent."""
         return self._refused(self._check(slot.node, slot.expression, slot.label, local), refuse)
 
     @staticmethod

@@ -1,4 +1,4 @@
-"""Conditions of ranges in C++. NaN is never inside."""
+"""C++ text that tests ranges of numbers. NaN is outside of every range."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from gidl.wire_nodes import ScalarNode
 
 
 def range_test(x: str, number: ScalarNode) -> str:
-    """ "(x >= 0.01 && x <= 1.0)"; empty where every value is inside."""
+    """A test of the range: "(x >= 0.01 && x <= 1.0)". Empty if all values are in the range."""
     tests = [f"{x} {sign} {bound}" for sign, _, bound in _bounds(number)]
     return f"({' && '.join(tests)})" if tests else ""
 
 
 def bounds(number: ScalarNode) -> str:
-    """ "{.low = 0.01, .high = 1.0}": a gecos::wire::Bounds; empty where every value is inside."""
+    """A gecos::wire::Bounds: "{.low = 0.01, .high = 1.0}". Empty if all values are in the range."""
     terms = [f".{side} = {bound}" for _, side, bound in _bounds(number)]
     return f"{{{', '.join(terms)}}}" if terms else ""
 
@@ -31,7 +31,7 @@ def _bounds(number: ScalarNode) -> list[tuple[str, str, str]]:
 
 
 def number_text(value: int | float, kind: Primitive) -> str:
-    """A literal of the type."""
+    """A C++ literal of the primitive type `kind`."""
     if kind is Primitive.FLOAT:
         return f"{float(value)!r}F"
     if kind is Primitive.DOUBLE:

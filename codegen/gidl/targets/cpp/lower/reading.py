@@ -1,7 +1,8 @@
-"""Expressions that read a value.
+"""Prints C++ expressions that decode a value.
 
-Each is one boolean expression, so that fields chain with && and the first refusal ends it;
-composed values pass a lambda to the functions of gecos/wire/fields.hpp.
+Each value is decoded by one boolean expression, so that fields are joined by && and the first
+failure ends decoding. For the elements of a value, a lambda is passed to a function of
+gecos/wire/fields.hpp.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ from gidl.wire_nodes import (
 
 class Reading(Types):
     def decode(self, slot: Slot, source: str, local: LocalNames) -> list[str]:
-        """Lines of a boolean expression."""
+        """Lines of a boolean expression that decodes a value; it is false on failure."""
         return self._decode(slot.node, slot.expression, slot.label, source, local)
 
     def _decode(self, node: Node, x: str, label: str, source: str, local: LocalNames) -> list[str]:
@@ -98,7 +99,7 @@ class Reading(Types):
 
 
 def _bulk(read: str, number: ScalarNode, x: str, label: str, source: str) -> list[str]:
-    """All numbers at once, then their range."""
+    """An expression that decodes all numbers at once, then checks their range."""
     if number.limits is None:
         return [read]
     return [

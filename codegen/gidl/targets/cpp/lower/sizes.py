@@ -1,4 +1,4 @@
-"""How large a value is when it is encoded: a constant, and statements that add the rest."""
+"""The encoded size of a value: a constant part, and C++ statements that add the rest."""
 
 from __future__ import annotations
 
@@ -32,7 +32,8 @@ class Sizes(Types):
     def whole_size(
         self, slots: Sequence[Slot], total: str, taken: Collection[str]
     ) -> tuple[list[str], str]:
-        """Statements, none where one sum does, and the expression of all that `slots` take."""
+        """Statements and an expression for the encoded size of all `slots`. There are no statements
+        if the expression is one sum."""
         constant, lines = 0, list[str]()
         for slot in slots:
             always, more = self.size(slot, total, LocalNames({*taken, total}))
@@ -45,7 +46,8 @@ class Sizes(Types):
         return [f"std::size_t {total} = {constant};", *lines], total
 
     def size(self, slot: Slot, total: str, local: LocalNames) -> tuple[int, list[str]]:
-        """Bytes that are always there, and statements that add the others to `total`."""
+        """The constant part of the encoded size in bytes, and statements that add the rest to
+        `total`."""
         return self._size(slot.node, slot.expression, total, local)
 
     def _size(self, node: Node, x: str, total: str, local: LocalNames) -> tuple[int, list[str]]:

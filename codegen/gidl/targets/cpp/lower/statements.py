@@ -1,4 +1,4 @@
-"""Lines of C++: blocks, loops, lambdas, conjunctions."""
+"""Builds lines of C++: blocks, loops, lambdas, conjunctions."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ def of(x: str, what: str) -> str:
 
 
 def quoted(text: str) -> str:
-    """A literal of a text that holds nothing to escape."""
+    """A string literal of `text`, in which no character needs an escape."""
     return f'"{text}"'
 
 
@@ -27,7 +27,7 @@ def loop(item: str, over: str, lines: list[str], kind: str = "const auto&") -> l
 
 
 def with_lambda(head: str, name: str, body: list[str]) -> list[str]:
-    """`head` with a lambda after it whose body is the expression `body`."""
+    """A call: `head`, then as last argument a lambda that returns the expression `body`."""
     lines = returning(body)
     if len(lines) == 1 and len(flat(head + lines[0])) < 70:
         return [f"{head}[&](auto& {name}) {{ {lines[0]} }})"]
@@ -42,7 +42,7 @@ def with_lambda(head: str, name: str, body: list[str]) -> list[str]:
 
 
 def or_at_end(reader: str, term: list[str]) -> list[str]:
-    """`term`, unless nothing is left to read: an older writer's value."""
+    """An expression that is true at the end of the value, as of an older writer, else `term`."""
     lines = [f"({reader}.at_end() ||", *(f" {line}" for line in term)]
     if len(term) > 1 and term[0].endswith("&&"):
         lines[1] = f" ({term[0]}"
@@ -52,7 +52,7 @@ def or_at_end(reader: str, term: list[str]) -> list[str]:
 
 
 def joined_terms(terms: list[list[str]]) -> list[str]:
-    """`a && b`, one term to a line."""
+    """The terms joined as `a && b`, one term per line."""
     lines: list[str] = []
     for i, term in enumerate(terms):
         lines += term
@@ -62,14 +62,14 @@ def joined_terms(terms: list[list[str]]) -> list[str]:
 
 
 def conjunction(terms: list[list[str]]) -> list[str]:
-    """`return a && b;`, one term to a line."""
+    """The statement `return a && b;`, one term per line."""
     if not terms:
         return ["return true;"]
     return returning(joined_terms(terms))
 
 
 def joined_puts(lines: list[str], writer: str) -> list[str]:
-    """The same, with neighbouring `to.put(x);` made one `to.put(x, y);`."""
+    """`lines` with consecutive statements `to.put(x);` joined to one `to.put(x, y);`."""
     head, joined, values = f"{writer}.put(", list[str](), list[str]()
     for line in [*lines, ""]:
         if line.startswith(head):

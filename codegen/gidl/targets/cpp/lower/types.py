@@ -1,4 +1,4 @@
-"""Names of types and values in C++."""
+"""C++ text for types, literals and initialisers."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ PRIMITIVES = {
 
 @dataclass(frozen=True, slots=True)
 class Slot:
-    """A value with a place: a member, a parameter, a result. `label` is what messages call it."""
+    """A member, a parameter or a result. `label` is its name in error messages."""
 
     expression: str
     label: str
@@ -55,11 +55,11 @@ class Types:
         self.layout = layout
 
     def named(self, scoped_name: str) -> str:
-        """The type of a value, as it is named from anywhere."""
+        """The absolute name of the C++ type of a declared type."""
         return names.type_name(self.model, self.layout, scoped_name)
 
     def function(self, scoped_name: str, function: str) -> str:
-        """A name in the namespace of that type: `::robcl::decode_enum`."""
+        """The name of `function` in the namespace of a declared type: `::robcl::decode_enum`."""
         return names.function_name(self.model, self.layout, scoped_name, function)
 
     def type(self, used: Type, optional: bool = False) -> str:
@@ -86,7 +86,7 @@ class Types:
                 return self.named(name)
 
     def parameter(self, used: Type, optional: bool = False) -> str:
-        """The parameter type of a function: small values are passed by value."""
+        """The type of a function's parameter: small values are passed by value."""
         text = self.type(used, optional)
         target = self.model.target(used)
         small = isinstance(target, PrimitiveType)
@@ -108,7 +108,7 @@ class Types:
                 return self._number(value, used)
 
     def _enumerators(self, enum: str, literal: str) -> str:
-        """One of an enum, or flags of a bitmask, which are written "LEFT|RIGHT"."""
+        """An enumerator, or flags of a bitmask, for which `literal` is "LEFT|RIGHT"."""
         words = [escaped(word.strip(), CPP_WORDS) for word in literal.split("|")]
         return " | ".join(f"{self.named(enum)}::{word}" for word in words)
 
@@ -120,8 +120,8 @@ class Types:
     def initial(self, member: Member) -> str:
         """The initialiser after a member's name: " = 1.0" or "{}".
 
-        Never nothing: only so may a program name some members of a struct and leave the others out
-        (`Trajectory{.speed = 0.5}`) under -Wextra.
+        It is never empty, so that a program may initialise only some members of a struct
+        (`Trajectory{.speed = 0.5}`) without a warning by -Wextra.
         """
         if member.optional:
             return "{}"
@@ -155,7 +155,7 @@ class Types:
 
 
 def is_bulk(element: Node) -> bool:
-    """Numbers that are swapped in bulk: every scalar but booleans."""
+    """Whether elements are byte-swapped in bulk: all scalars except booleans."""
     return isinstance(element, ScalarNode) and element.primitive is not Primitive.BOOLEAN
 
 
@@ -163,10 +163,10 @@ _ESCAPES = {"\\": "\\\\", "\n": "\\n", "\r": "\\r", "\t": "\\t", "\0": "\\0"}
 
 
 def _quoted(text: str, quote: str) -> str:
-    """A literal. A char is one byte of Latin-1, a string is UTF-8."""
+    """A C++ literal in `quote`: a char is one byte of Latin-1, a string is UTF-8."""
     out = ""
     for letter in text:
-        if letter == quote or (letter == "?" and out.endswith("?")):  # no trigraph
+        if letter == quote or (letter == "?" and out.endswith("?")):  # avoids a trigraph
             out += f"\\{letter}"
         elif letter in _ESCAPES:
             out += _ESCAPES[letter]

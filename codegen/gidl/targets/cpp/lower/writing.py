@@ -1,4 +1,4 @@
-"""Statements that write a value."""
+"""Prints C++ statements that encode a value."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Enums, bitmasks and bitsets."""
+"""Builds the views of enums, bitmasks and bitsets."""
 
 from __future__ import annotations
 

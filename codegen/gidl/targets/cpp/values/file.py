@@ -82,14 +82,14 @@ def _system_includes(declared: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def _members(spaces: tuple[NamespaceView, ...]) -> Iterator[str]:
-    """Types and initial values of all structs as they are written."""
+    """C++ text of the types and initial values of all struct members."""
     for view in (view for space in spaces for view in space.types):
         if isinstance(view, StructView):
             yield from (f"{member.type} {member.initial}" for member in view.fields)
 
 
 def _declared(lowering: Lowering, declarations: tuple[AnyDeclaration, ...]) -> Iterator[str]:
-    """Types and initial values as they are written."""
+    """C++ text of the types and values in unions, typedefs and constants."""
     for declaration in declarations:
         match declaration:
             case Union():
@@ -106,7 +106,8 @@ _Shown = EnumDeclaration | Bitmask | Bitset | Struct | Union | Typedef | Constan
 
 class _Types(Enums, Structs, Unions):
     def namespaces(self, declarations: tuple[AnyDeclaration, ...]) -> Iterator[NamespaceView]:
-        """Declarations by module, then the result structs of operations with several results."""
+        """Views by namespace: declarations, then the result structs of operations with several
+        results."""
         ordered = in_order(self._model, [d for d in declarations if isinstance(d, _Shown)])
         early = sorted({name for each in ordered for name in each.incomplete})
         parts = [_forward(self._place(name)) for name in early]

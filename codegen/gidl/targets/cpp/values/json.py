@@ -1,4 +1,4 @@
-"""Builds the views of one file for the templates of `<file>_json.{hpp,cpp}`."""
+"""Builds the view with which the templates of `<file>_json.{hpp,cpp}` are rendered."""
 
 from __future__ import annotations
 
@@ -27,28 +27,28 @@ from gidl.type_names import escaped
 
 @dataclass(frozen=True, slots=True)
 class NamesShape:
-    """An enum or a bitmask."""
+    """The JSON form of an enum or a bitmask: names."""
 
-    kind: str  # "names"
+    kind: str  # always "names"
     type: str
     argument: str
-    names: tuple[tuple[str, str], ...]  # in the interface, in C++
-    put: str  # the function of JsonWriter
-    get: str  # and that of JsonReader
+    names: tuple[tuple[str, str], ...]  # pairs of IDL name and C++ name
+    put: str  # name of the JsonWriter function
+    get: str  # name of the JsonReader function
 
 
 @dataclass(frozen=True, slots=True)
 class MemberView:
-    word: str  # its name in the interface
+    word: str  # name of the member in the interface
     name: str
     secret: bool
 
 
 @dataclass(frozen=True, slots=True)
 class MembersShape:
-    """A struct, exception or bitset."""
+    """The JSON form of a struct, exception or bitset: members."""
 
-    kind: str  # "members"
+    kind: str  # always "members"
     type: str
     argument: str
     members: tuple[MemberView, ...]
@@ -56,9 +56,9 @@ class MembersShape:
 
 @dataclass(frozen=True, slots=True)
 class LayoutShape:
-    """A hand-written type; `layout` is the struct that the interface declares."""
+    """The JSON form of a hand-written type. `layout` is the struct that the interface declares."""
 
-    kind: str  # "layout"
+    kind: str  # always "layout"
     type: str
     argument: str
     layout: StructView

@@ -1,4 +1,4 @@
-"""Names that all builders of views share."""
+"""The look-up of names, which all builders of type views share."""
 
 from __future__ import annotations
 

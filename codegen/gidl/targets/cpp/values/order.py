@@ -1,8 +1,8 @@
 """The order in which the types of a file are defined.
 
-C++ needs a type to be complete where the default value of its holder is made; IDL needs only its
-declaration. So a type follows all types that it holds, whatever the order in the file. Of types
-that hold each other in sequences, one comes first; any other holder comes after the held type.
+C++ requires the type of a member to be complete where a struct is default-constructed; IDL only
+requires its declaration. So a type is defined after all types that it contains, whatever the order
+in the file. Only of types that contain each other in sequences is one defined before another.
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ from gidl.targets.cpp import names
 @dataclass(frozen=True, slots=True)
 class Placed:
     declaration: AnyDeclaration
-    incomplete: frozenset[str]  # structs and unions that it holds and that come after it
+    incomplete: frozenset[str]  # structs and unions that it contains but that are defined later
 
 
 def in_order(model: Model, declarations: list[AnyDeclaration]) -> list[Placed]:
-    """`declarations` of one file in order, except that held types come before their holders."""
+    """`declarations` in the order of the file, except that a type follows those it contains."""
     ordering = _Ordering(model, declarations)
     for declaration in declarations:
         ordering.place(declaration)
@@ -39,8 +39,8 @@ def in_order(model: Model, declarations: list[AnyDeclaration]) -> list[Placed]:
 
 
 def held(model: Model, used: Type, sequences: bool = True) -> set[str]:
-    """Names of the declarations in a type, typedefs followed; without `sequences` only those that
-    must be complete."""
+    """Names of the declarations that a type contains, also through typedefs. Without `sequences`
+    only those whose C++ types must be complete."""
     match used:
         case SequenceType() if not sequences:
             return set()
@@ -79,7 +79,8 @@ class _Ordering:
         self._complete.add(declaration.name)
 
     def _needed(self, declaration: AnyDeclaration) -> set[str]:
-        """The types that must be complete before this one: its members outside sequences."""
+        """Names of the types in the file that must be complete before `declaration` is, and its own
+        name: types that it contains outside sequences."""
         needed, open_names = set[str](), {declaration.name}
         while open_names:
             name = open_names.pop()

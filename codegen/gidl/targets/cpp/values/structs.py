@@ -1,4 +1,4 @@
-"""Structs and exceptions: their members and the bodies of their codecs."""
+"""Builds the views of structs and exceptions: their members and the bodies of their codecs."""
 
 from __future__ import annotations
 
@@ -39,10 +39,10 @@ from gidl.wire_layout import FieldLayout
 
 @dataclass(frozen=True, slots=True)
 class Content:
-    """The members of a codec with their places on the wire."""
+    """The members that a codec encodes and decodes, with their wire fields."""
 
-    owner: str  # what messages call the whole
-    members: tuple[Member, ...]  # those of the bases first
+    owner: str  # name of the struct or operation in error messages
+    members: tuple[Member, ...]  # members of bases come first
     fields: tuple[FieldLayout, ...]
     appendable: bool
     recursive: bool
@@ -105,7 +105,8 @@ class Structs(ValueNames):
         fields: tuple[FieldLayout, ...],
         shown: bool,
     ) -> StructView:
-        """With `shown` the struct can be printed and compared, because callers see it."""
+        """The view of an argument or result struct. With `shown`, because callers see the struct,
+        it can be printed and compared."""
         return StructView(
             "struct",
             place.name,
@@ -204,7 +205,7 @@ def _may_be_missing(member: Member) -> bool:
 
 
 def missing_value(lowering: Lowering, member: Member) -> str:
-    """The value of a member that an older writer does not send."""
+    """The C++ value that a member gets when an older writer does not send it."""
     if member.optional:
         return "std::nullopt"
     assert member.default is not None

@@ -1,4 +1,4 @@
-"""Unions: their arms and the bodies of their codecs."""
+"""Builds the views of unions: their arms and the bodies of their codecs."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ class Unions(ValueNames):
         return self._lowering.initial(dummy)
 
     def _select(self, union: Union) -> list[str]:
-        """Statements that return the variant's index for `tag`."""
+        """Statements that return the index of the variant's alternative for `tag`."""
         boolean = self._model.target(union.discriminator) == PrimitiveType(Primitive.BOOLEAN)
         lines, otherwise = [], "return 0;"
         for index, case in enumerate(union.cases):

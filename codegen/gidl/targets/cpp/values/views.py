@@ -20,29 +20,29 @@ class EnumeratorView:
 
 @dataclass(frozen=True, slots=True)
 class EnumView:
-    kind: str  # "enum"
+    kind: str  # always "enum"
     name: str
     doc: tuple[str, ...]
     underlying: str
     enumerators: tuple[EnumeratorView, ...]
-    unknown: str  # what an unknown number becomes; "" refuses it
-    words: tuple[tuple[str, str], ...]  # enumerator, its IDL name
+    unknown: str  # enumerator that replaces an unknown number; "" if such a number is refused
+    words: tuple[tuple[str, str], ...]  # pairs of enumerator and its IDL name
 
 
 @dataclass(frozen=True, slots=True)
 class MaskView:
-    kind: str  # "mask"
+    kind: str  # always "mask"
     name: str
     doc: tuple[str, ...]
     underlying: str
     wire: str
     flags: tuple[EnumeratorView, ...]
-    all_bits: str  # bits that may be set
+    all_bits: str  # mask of the bits that may be set
 
 
 @dataclass(frozen=True, slots=True)
 class BitsView:
-    kind: str  # "bits"
+    kind: str  # always "bits"
     name: str
     doc: tuple[str, ...]
     wire: str
@@ -64,34 +64,35 @@ class FieldView:
 
 @dataclass(frozen=True, slots=True)
 class PrintView:
-    label: str  # "speed="
-    value: str  # expression; "" for a secret
-    unit: str  # " m", or ""
+    label: str  # text before the value: "speed="
+    value: str  # C++ expression; "" for a secret
+    unit: str  # text after the value: " m", or ""
 
 
 @dataclass(frozen=True, slots=True)
 class CodecView:
     """Bodies of the functions that every struct and union has."""
 
-    writer: str  # name of the encoder parameter; "" where nothing is written
+    writer: str  # name of the encoder parameter; "" if nothing is written
     reader: str
     size: tuple[str, ...]
     encode: tuple[str, ...]
     decode: tuple[str, ...]
-    check: tuple[str, ...]  # empty: every value may be sent
+    check: tuple[str, ...]  # empty if every value may be sent
 
 
 @dataclass(frozen=True, slots=True)
 class StructView:
-    kind: str  # "struct"
+    kind: str  # always "struct"
     name: str
     type_name: str
     doc: tuple[str, ...]
-    base: str  # ": Base" or ""
+    base: str  # " : Base", or "" for a struct without base
     fields: tuple[FieldView, ...]
-    fingerprint: str  # "" for what is no declared type
+    fingerprint: str  # "" for argument and result structs
     codec: CodecView
-    # Arguments of gecos::wire::print_all, over lines; empty: it is neither printed nor compared.
+    # Lines of arguments for gecos::wire::print_all. Empty: the struct is neither printed nor
+    # compared.
     printed: tuple[str, ...]
 
 
@@ -101,15 +102,15 @@ class ArmView:
     type: str
     argument: str
     index: int
-    tag: str  # the label that selects it when none is named
-    several: bool  # more than one label selects it: the maker takes the tag
+    tag: str  # the label that selects the arm if the program names none
+    several: bool  # not exactly one label selects the arm: its factory function takes the tag
     secret: bool
     doc: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class UnionView:
-    kind: str  # "union"
+    kind: str  # always "union"
     name: str
     type_name: str
     doc: tuple[str, ...]
@@ -117,15 +118,15 @@ class UnionView:
     tag_initial: str
     value_type: str
     arms: tuple[ArmView, ...]
-    secrets: str  # which values of `arm` are secret, as a test; "" where none is
-    select: tuple[str, ...]  # body of the function from tag to index of the variant
+    secrets: str  # C++ test whether the arm of index `arm` is secret; "" if none is
+    select: tuple[str, ...]  # body of the function that maps a tag to an index of the variant
     fingerprint: str
     codec: CodecView
 
 
 @dataclass(frozen=True, slots=True)
 class AliasView:
-    kind: str  # "alias"
+    kind: str  # always "alias"
     name: str
     doc: tuple[str, ...]
     type: str
@@ -133,7 +134,7 @@ class AliasView:
 
 @dataclass(frozen=True, slots=True)
 class ConstantView:
-    kind: str  # "constant"
+    kind: str  # always "constant"
     name: str
     doc: tuple[str, ...]
     type: str
@@ -142,7 +143,7 @@ class ConstantView:
 
 @dataclass(frozen=True, slots=True)
 class MappedView:
-    kind: str  # "mapped"
+    kind: str  # always "mapped"
     name: str
     header: str
 
@@ -154,8 +155,8 @@ TypeView = (
 
 @dataclass(frozen=True, slots=True)
 class NamespaceView:
-    name: str  # "robcl"; "" at the top
-    forward: tuple[str, ...]  # structs that are used before they are declared
+    name: str  # "robcl"; "" for the global namespace
+    forward: tuple[str, ...]  # structs that are used before their definition
     types: tuple[TypeView, ...]
 
 

@@ -1,8 +1,8 @@
-"""Which classes the class of an interface derives from.
+"""Chooses the base classes of a generated proxy or servant.
 
-Python puts all bases of a class in one order that keeps the order of each of them, and refuses a
-class without such an order: `interface C : A, B` where B derives from A. Members are never
-overridden, so the order means nothing, and every class has the same: the deepest first.
+Python lists all bases of a class in one order (C3), which keeps the order of each base, and refuses
+a class without such an order: `interface C : A, B` where B derives from A. Members are never
+overridden, so any order is correct. All classes use the same one: the deepest base first.
 """
 
 from __future__ import annotations
@@ -11,7 +11,8 @@ from gidl.model import Interface, Model
 
 
 def class_bases(model: Model, interface: Interface) -> list[str]:
-    """Scoped names: its own bases where they lead to that order, else all that it derives from."""
+    """Scoped names of the base classes: the direct bases if Python then orders all bases deepest
+    first, else all bases."""
     wanted = _ordered(model, interface.all_bases)
     inherited = {name for base in interface.bases for name in model.interface(base).all_bases}
     own = _ordered(model, [name for name in interface.bases if name not in inherited])

@@ -24,7 +24,7 @@ from gidl.wire_nodes import Node
 
 @dataclass(frozen=True, slots=True)
 class Passed:
-    """A parameter, a result or the value of an attribute, and how it lies on the wire."""
+    """A parameter, a result or the value of an attribute, and its node in the wire layout."""
 
     value: CallValue
     node: Node
@@ -35,7 +35,7 @@ class CallFacts:
         self, lowering: Lowering, interface: Interface, constants: names.Constants
     ) -> None:
         self.interface = interface
-        self.constants = constants  # constants of all interfaces in the file
+        self.constants = constants  # names of the constants of all interfaces in the file
         self._lowering = lowering
         self._model = lowering.model
         self._layout = lowering.layout
@@ -78,13 +78,13 @@ class CallFacts:
         return Passed(attribute_value(attribute), sample.node)
 
     def _parameter_names(self, call: CallLayout) -> list[str]:
-        """Names of the inputs, in order: no name hides a type in the hints of another input."""
+        """Names of the parameters, in order. No name hides a type that a parameter's hint uses."""
         inputs = self._inputs(call)
         words = self._lowering.words_beside([each.node for each in inputs], PYTHON_WORDS)
         return [names.member_name(each.value.name, words) for each in inputs]
 
     def _missing(self, each: Passed) -> str:
-        """The default of a value that an older caller leaves out."""
+        """The default value of a parameter that an older caller leaves out, as text."""
         if each.value.optional or each.value.default is None:
             return "None"
         return self._lowering.literal(each.value.default, each.node)
@@ -93,7 +93,8 @@ class CallFacts:
         return call.name in self._layout.python_names.results
 
     def _in_class(self, hint: str) -> str:
-        """The hint where members hide names: an operation `list` is no type, so `_list_` is."""
+        """A type hint inside a class. Where a method `list` hides the type `list`, the hint uses
+        the alias `_list_`."""
 
         def other(found: re.Match[str]) -> str:
             if found[0] not in self._beside:
@@ -122,7 +123,7 @@ class CallFacts:
 
 
 def classes_of(lowering: Lowering, interface: Interface) -> set[Home]:
-    """The classes that proxy and servant of an interface name, its own and those of its bases."""
+    """The classes that the proxy and the servant of an interface use: value types and bases."""
     model, layout, homes = lowering.model, lowering.layout, lowering.module.homes
     nodes: list[Node] = []
     found: set[Home] = set()

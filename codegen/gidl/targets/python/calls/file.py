@@ -1,4 +1,4 @@
-"""Builds the view of one file for the template of `<file>.py`."""
+"""Builds the view with which the template of a generated `<file>.py` is rendered."""
 
 from __future__ import annotations
 
@@ -66,7 +66,8 @@ def interfaces_view(lowering: Lowering, file: File, types: tuple[str, ...]) -> I
 
 
 def _in_module(lowering: Lowering, file: File, interfaces: list[Interface]) -> Lowering:
-    """The text for the interfaces of a file, whose module also exports the types of the file."""
+    """`lowering` with the names in the module of a file's interfaces, which also exports the file's
+    types."""
     homes = lowering.module.homes
     used = {home for interface in interfaces for home in classes_of(lowering, interface)}
     own = python_module(file.path)
@@ -74,7 +75,7 @@ def _in_module(lowering: Lowering, file: File, interfaces: list[Interface]) -> L
 
 
 def _texts(view: InterfaceView) -> Iterator[str]:
-    """The texts of the views that may use names of the runtime."""
+    """The texts in a view that may contain names of the gecos runtime."""
     yield from (*view.client_bases, *view.server_bases, view.quality)
     for method in view.methods:
         yield from (method.result, method.feedback, method.operation, *method.terms)

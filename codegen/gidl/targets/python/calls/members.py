@@ -1,4 +1,4 @@
-"""Members of proxies, handlers and publishers of servants."""
+"""Builds the views of proxy methods, servant handlers and stream publishers."""
 
 from __future__ import annotations
 
@@ -39,7 +39,8 @@ class Members(Tables):
         return names.docstring((*lines, *([""] if lines and notes else []), *notes))
 
     def _parameters(self, layout: CallLayout, calling: bool) -> tuple[ParameterView, ...]:
-        """The parameters of a proxy's method (`calling`), or of a handler, which gets every one."""
+        """The parameters of a proxy's method (`calling`), with defaults, or of a handler, without:
+        a handler is called with all parameters."""
         values = self._inputs(layout)
         missing = first_missing([each.value for each in values])
         return tuple(
@@ -91,7 +92,7 @@ class Members(Tables):
         )
 
     def _execution(self) -> str:
-        """The module's name for gecos.Execution."""
+        """The name that the generated module uses for gecos.Execution."""
         return "_Execution"
 
     def _publisher(self, attribute: Attribute, getter: CallLayout) -> PublisherView:

@@ -1,4 +1,4 @@
-"""The constants that say how operations are called and answered."""
+"""Builds the constants of a generated module that describe its operations to the runtime."""
 
 from __future__ import annotations
 
@@ -29,7 +29,8 @@ class Tables(CallFacts):
     def _carried(
         self, layout: CallLayout, member: Operation | Attribute, feedback: str
     ) -> list[str]:
-        """The parameters and the results of the call, where it has any."""
+        """Arguments that describe the parameters, results, feedback, exceptions and stream of a
+        call, as far as it has them."""
         terms = []
         if inputs := self._inputs(layout):
             terms.append(f"takes={self._values(inputs)}")
@@ -64,13 +65,14 @@ class Tables(CallFacts):
         return self._lowering.step(each.node, each.value.secret)
 
     def _stream(self, attribute: Attribute) -> str:
-        """Its rate, and the bytes of its largest sample."""
+        """The rate of a stream in Hz, and the size of its largest sample in bytes."""
         assert attribute.stream is not None
         largest = self._layout.stream(attribute.scoped_name).sample.fixed_size or 0
         return group([repr(float(attribute.stream.rate_hz or 0)), str(largest)])
 
     def _operation(self, layout: CallLayout, member: Operation | Attribute) -> str:
-        """Only what differs from the defaults of gecos.interface.Operation, and the access."""
+        """A gecos.interface.Operation: its code, name, access and hash, and other arguments only
+        where they differ from the defaults."""
         setter = layout.kind is CallKind.SETTER
         getter = isinstance(member, Attribute) and not setter
         flags = {}
@@ -82,7 +84,7 @@ class Tables(CallFacts):
             access, presence = member.write_access, member.write_needs_presence
             flags = {"idempotent": member.idempotent}
         else:
-            access, presence = member.read_access, True  # a getter says so itself
+            access, presence = member.read_access, True  # `_getter` sets presence=False itself
         terms = [f"0x{layout.code:08X}", quoted(short_name(layout)), f"_Access.{access.name}"]
         terms += ["kind=_Kind.SETTER"] if setter else []
         terms += [] if presence else ["presence=False"]

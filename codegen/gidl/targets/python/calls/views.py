@@ -7,20 +7,20 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class MethodTableView:
-    """The constant that says how an operation is called and answered."""
+    """The constant that describes an operation's parameters, results and exceptions."""
 
-    name: str  # "_DEVICE_MOUNT"
+    name: str  # name of the constant: "_DEVICE_MOUNT"
     result: str
     feedback: str
     operation: str  # "_Operation(…)"
-    terms: tuple[str, ...]  # what follows it
+    terms: tuple[str, ...]  # arguments after the operation: "takes=…", "gives=…"
 
 
 @dataclass(frozen=True, slots=True)
 class ParameterView:
     name: str
     hint: str
-    default: str  # "" for none
+    default: str  # "" for a parameter without default
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +29,7 @@ class ProxyMemberView:
     name: str
     parameters: tuple[ParameterView, ...]
     result: str
-    feedback: str  # "None" without
+    feedback: str  # "None" for an operation without feedback
     doc: tuple[str, ...]
     table: str
 
@@ -44,7 +44,7 @@ class HandlerView:
 
 @dataclass(frozen=True, slots=True)
 class PublisherView:
-    name: str  # "publish_tool"
+    name: str  # name of the method: "publish_tool"
     attribute: str
     hint: str
     stamp: str
@@ -56,16 +56,16 @@ class PublisherView:
 class InterfaceView:
     name: str
     servant: str
-    constant: str  # "_DEVICE"
+    constant: str  # name of the interface's constant: "_DEVICE"
     scoped_name: str
     version: str
     hash: str
     doc: tuple[str, ...]
     client_bases: tuple[str, ...]  # base classes of the proxy
     server_bases: tuple[str, ...]
-    base_proxies: tuple[str, ...]  # classes whose operations it inherits
-    quality: str  # "" where nothing is asked
-    hidden: tuple[str, ...]  # types that a member hides; hints in its classes use `_list_`
+    base_proxies: tuple[str, ...]  # proxies of the direct bases
+    quality: str  # "" if the interface demands no quality
+    hidden: tuple[str, ...]  # types that a method hides; hints use an alias such as `_list_`
     methods: tuple[MethodTableView, ...]
     members: tuple[ProxyMemberView, ...]
     handlers: tuple[HandlerView, ...]

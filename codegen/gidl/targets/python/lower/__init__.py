@@ -1,4 +1,4 @@
-"""Types in Python: hints, defaults, and the steps of layouts, by the nodes of the wire layout."""
+"""Python text for nodes of the wire layout: type hints, default values and layout steps."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The steps of a layout, one for each value, as the functions of `gecos.wire.layout` take them."""
+"""Prints layout steps: arguments for functions of `gecos.wire.layout`, one for each value."""
 
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ class Lowering(Types):
     def __init__(self, model: Model, layout: Layout, module: ModuleNames) -> None:
         super().__init__(model, layout, module)
         self.pending: set[str] = set()
-        """Declarations of the module that are not printed yet, so Python does not know them."""
+        """Names of declarations whose classes come later in the module, unknown to Python yet."""
 
     def steps(self, values: Iterable[tuple[Node, bool]]) -> list[str]:
-        """Steps for nodes, each with its secrecy; codes of numbers that follow each other are one
-        text."""
+        """The steps for values, given as pairs (node, is secret). The codes of consecutive numbers
+        are joined into one text."""
         found: list[str] = []
         for node, secret in values:
             step = self.step(node, secret)
@@ -99,8 +99,8 @@ class Lowering(Types):
 
 
 def renamed(names: Iterable[tuple[str, str]]) -> list[str]:
-    """The argument that says what the interface calls what Python calls otherwise, where there is
-    any: pairs of both."""
+    """The argument `names` of a layout: pairs of Python name and interface name, for names that
+    differ. Empty if none differ."""
     pairs = [f"{quoted(here)}: {quoted(there)}" for here, there in names if here != there]
     return [f"names={group(pairs, '{', '}')}"] if pairs else []
 

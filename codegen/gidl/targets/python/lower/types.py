@@ -1,4 +1,4 @@
-"""Type hints of values, and literals of values in Python."""
+"""Python text for values: type hints, default values and literals."""
 
 from __future__ import annotations
 
@@ -51,14 +51,15 @@ class Types:
     def __init__(self, model: Model, layout: Layout, module: ModuleNames) -> None:
         self.model = model
         self.layout = layout
-        self.module = module  # that all is printed for
+        self.module = module  # names in the module that is printed
 
     def within(self, module: ModuleNames) -> Self:
-        """The same for another module."""
+        """A copy that prints texts for another module."""
         return type(self)(self.model, self.layout, module)
 
     def hint(self, node: Node, sending: bool = False) -> str:
-        """`sending`: what may be given for it, where that is more than what is got."""
+        """The type hint of a value. With `sending` it includes types that are accepted as input but
+        never returned."""
         match node:
             case OptionalNode(element):
                 return f"{self.hint(element, sending)} | None"
@@ -95,17 +96,17 @@ class Types:
         return text
 
     def fields(self, struct: Struct) -> tuple[FieldLayout, ...]:
-        """All members, those of the bases first, in the order of `Model.all_members`."""
+        """The wire fields of all members, base members first, ordered like `Model.all_members`."""
         return self.layout.structs[struct.name].fields
 
     def words(self, struct: Struct) -> frozenset[str]:
-        """Names that its members cannot have."""
+        """Names that the members of a struct cannot have in Python."""
         exception = isinstance(struct, ExceptionStruct)
         words = names.EXCEPTION_WORDS if exception else names.STRUCT_WORDS
         return self.words_beside([field.node for field in self.fields(struct)], words)
 
     def words_beside(self, nodes: Iterable[Node], words: frozenset[str]) -> frozenset[str]:
-        """`words`, and the types in the hints of values."""
+        """`words`, and the names of the classes in the type hints of `nodes`."""
         return words | self.type_names(nodes)
 
     def literal(self, value: Value, node: Node) -> str:
@@ -129,7 +130,7 @@ class Types:
         return " | ".join(f"{mine}.{names.enumerator(flag)}" for flag in flags) or f"{mine}(0)"
 
     def initial(self, member: Member, node: Node) -> tuple[str, bool]:
-        """Default expression, and whether it has to be made anew for each value."""
+        """The default of a member, and whether this is a factory to call for each new object."""
         if isinstance(node, OptionalNode):
             return "None", False
         if member.default is not None:
@@ -180,11 +181,11 @@ class Types:
         return f"lambda: {repeated(text, dimensions)}", True
 
     def type_names(self, nodes: Iterable[Node]) -> frozenset[str]:
-        """Names in their own modules of the classes that the hints of values use."""
+        """Names of the classes in the type hints of `nodes`, as in the modules that define them."""
         return frozenset(home.name for node in nodes for home in self.named(node))
 
     def named(self, node: Node) -> set[Home]:
-        """The classes in the hint of a value."""
+        """The homes of the classes in the type hint of a value."""
         match node:
             case OptionalNode(element) | SequenceNode(element) | ArrayNode(element):
                 return self.named(element)
@@ -203,7 +204,7 @@ class Types:
 
 
 def bulk_code(element: Node) -> str | None:
-    """Code of elements that are kept in a numpy array."""
+    """The number code of elements that are kept in a numpy array; None for other elements."""
     if isinstance(element, ScalarNode) and element.primitive is not Primitive.CHAR:
         return CODES[element.primitive]
     return None
@@ -214,7 +215,7 @@ def is_octet(element: Node) -> bool:
 
 
 def repeated(text: str, dimensions: tuple[int, ...]) -> str:
-    """Nested lists of values that `text` makes anew."""
+    """A nested list comprehension, which evaluates `text` for each element."""
     for size in reversed(dimensions):
         text = clauses([text, f"for _ in range({size})"], "[", "]")
     return text

@@ -1,4 +1,4 @@
-"""Builds the view of one file for the template of `<file>_types.py`."""
+"""Builds the view with which the template of a generated `<file>_types.py` is rendered."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def types_view(lowering: Lowering, file: File) -> TypesView:
 
 
 def _in_module(lowering: Lowering, file: File) -> Lowering:
-    """The text for the types of a file."""
+    """`lowering` with the names in the module of a file's types."""
     homes, layout = lowering.module.homes, lowering.layout
     nodes = [n for d in file.declarations for n in _nodes(lowering.model, layout, d)]
     for operation in homes.results_of(file):
@@ -77,7 +77,7 @@ def _in_module(lowering: Lowering, file: File) -> Lowering:
 
 
 def _nodes(model: Model, layout: Layout, declaration: AnyDeclaration) -> list[Node]:
-    """The nodes of all values whose types appear in the class of a declaration."""
+    """The wire-layout nodes of all values that the class of a declaration mentions."""
     match declaration:
         case Struct(name):
             return [field.node for field in layout.structs[name].fields]
@@ -151,11 +151,12 @@ class _Types(Structs, Unions):
         return self._lowering.module
 
     def results(self, file: File) -> list[StructView]:
-        """The classes of the file's operations with several results."""
+        """The result classes of the operations in the file that have several results."""
         return [self._result(operation) for operation in self.module.homes.results_of(file)]
 
     def types(self, file: File) -> list[TypeView]:
-        """Declarations in the file's order, except typedefs of types that are declared later."""
+        """The views of the declarations in the file's order. Typedefs of types that are declared
+        later come last."""
         views: list[TypeView] = []
         later: list[TypeView] = []
         missing = self.module.homes.names_of(file)

@@ -1,4 +1,4 @@
-"""Names that all builders of views share."""
+"""Names and documentation, which all builders of type views share."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Structs and exceptions."""
+"""Builds the views of structs, exceptions and results."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from gidl.wire_nodes import Node
 
 @dataclass(frozen=True, slots=True)
 class _Class:
-    """A struct, the name of its class, and its members in the order of the wire."""
+    """A struct, the name of its class, and its members in the order of their encoding."""
 
     struct: Struct
     name: str
-    label: str  # what messages call it
+    label: str  # name of the struct in error messages
     members: tuple[Member, ...]
     fields: tuple[FieldLayout, ...]
 
@@ -43,7 +43,7 @@ class Structs(ValueNames):
         return self._view(printed, "struct", [number], self._missing(printed) + terms)
 
     def _twin(self, struct: Struct) -> StructView:
-        """The declared members of a type for which a hand-written class stands."""
+        """The view of the declared members of a struct that maps to a hand-written class."""
         called, members = self._name(struct), self._model.all_members(struct)
         fields = self._layout.structs[struct.name].fields
         label = f"_{struct.simple_name}Layout"
@@ -52,7 +52,7 @@ class Structs(ValueNames):
         return self._view(printed, "twin", [called], self._missing(printed) + terms)
 
     def _result(self, operation: Operation) -> StructView:
-        """The class of the results of an operation with several results."""
+        """The view of the result class of an operation with several results."""
         struct = result_struct(self._layout, operation)
         name = self._layout.python_names.results[operation.scoped_name].name
         fields = self._layout.call(operation.scoped_name).reply
@@ -60,7 +60,7 @@ class Structs(ValueNames):
         return self._view(printed, "result", [], self._missing(printed))
 
     def _missing(self, printed: _Class) -> list[str]:
-        """How many of the last members an older writer may leave out."""
+        """The argument that says how many of the last members an older writer may leave out."""
         members, count = printed.members, 0
         while printed.struct.is_appendable and count < len(members):
             if not may_be_missing(members[-1 - count]):

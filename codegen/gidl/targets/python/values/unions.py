@@ -1,4 +1,4 @@
-"""Unions: their arms, how they are written and read."""
+"""Builds the views of unions: their arms and layout steps."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Unions(ValueNames):
         )
 
     def _arm_step(self, case: UnionCase, arm: FieldLayout, layout: UnionLayout) -> str:
-        """Without tags it is the one that all others select."""
+        """The layout step of an arm. An arm without tags is selected by all remaining tags."""
         labels = () if case.is_default else case.labels
         tags = [self._lowering.literal(value, layout.tag) for value in labels]
         step = self._lowering.step(arm.node, case.member.secret)

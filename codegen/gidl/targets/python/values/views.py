@@ -31,7 +31,7 @@ class FieldView:
 
 @dataclass(frozen=True, slots=True)
 class StructView:
-    kind: str  # "struct"
+    kind: str  # always "struct"
     name: str
     role: str  # "struct", "exception", "result" or "twin"
     layout: str  # "_layout.struct(…)"
@@ -42,7 +42,7 @@ class StructView:
 @dataclass(frozen=True, slots=True)
 class ArmView:
     name: str
-    maker: str  # "make_circle"
+    maker: str  # name of the factory method: "make_circle"
     hint: str
     tag: str
     several: bool
@@ -52,7 +52,7 @@ class ArmView:
 
 @dataclass(frozen=True, slots=True)
 class UnionView:
-    kind: str  # "union"
+    kind: str  # always "union"
     name: str
     layout: str  # "_layout.union(…)"
     doc: tuple[str, ...]
@@ -64,7 +64,7 @@ class UnionView:
 
 @dataclass(frozen=True, slots=True)
 class BitsView:
-    kind: str  # "bits"
+    kind: str  # always "bits"
     name: str
     layout: str  # "_layout.bits(…)"
     doc: tuple[str, ...]
@@ -73,7 +73,7 @@ class BitsView:
 
 @dataclass(frozen=True, slots=True)
 class AliasView:
-    kind: str  # "alias"
+    kind: str  # always "alias"
     name: str
     doc: tuple[str, ...]
     hint: str
@@ -81,7 +81,7 @@ class AliasView:
 
 @dataclass(frozen=True, slots=True)
 class ConstantView:
-    kind: str  # "constant"
+    kind: str  # always "constant"
     name: str
     doc: tuple[str, ...]
     hint: str
@@ -97,6 +97,6 @@ class TypesView:
     doc: tuple[str, ...]
     standard: tuple[str, ...]  # import lines of the standard library
     imports: tuple[str, ...]  # import lines of gecos, hand-written types and other files
-    numpy: tuple[str, ...]  # only for type checkers
+    numpy: tuple[str, ...]  # imports of numpy, only for type checkers
     types: tuple[TypeView, ...]
     exported: tuple[str, ...]

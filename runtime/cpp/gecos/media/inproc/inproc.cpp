@@ -26,9 +26,9 @@ namespace {
 struct Side {
   Mapping mapping = Mapping::anonymous(RingMemory::bytes(usual_slot_count));
   RingMemory ring = RingMemory::at(mapping.data(), usual_slot_count);
-  EventFd event;                    // this side sleeps on it, the other one rings
-  BulkReader bulk{[] {}};           // for packets of the other side, which shows its areas at once
-  std::atomic<bool> closed{false};  // tells the other side; what was sent before is still there
+  EventFd event;                    // this side sleeps on it; the other side notifies it
+  BulkReader bulk{[] {}};           // reads large packets; knows all areas at once
+  std::atomic<bool> closed{false};  // read by the other side; earlier packets stay readable
 
   void wake_if_asleep() {
     if (ring.control->asleep.load(std::memory_order_seq_cst) != 0) event.notify();
@@ -41,12 +41,12 @@ struct SharedStream {
   std::shared_ptr<void> owner;
 };
 
-/// Both ends; lives as long as one of them.
+/// Both ends of a link; lives as long as one of them.
 struct Connection {
   std::array<Side, 2> sides;
   std::mutex mutex;
-  std::array<std::map<std::uint32_t, SharedStream>, 2> streams;  ///< that each side shares
-  std::atomic<bool> inherited{false};  // this is a forked child: tells both ends
+  std::array<std::map<std::uint32_t, SharedStream>, 2> streams;  ///< streams that each side shares
+  std::atomic<bool> inherited{false};  // true in a forked child; read by both ends
   ForkWatch watch{this, [](void* owner) noexcept {
                     auto& self = *static_cast<Connection*>(owner);
                     self.inherited.store(true);
@@ -54,7 +54,7 @@ struct Connection {
                   }};
 };
 
-/// The areas of one side.
+/// Makes the areas of one side for large packets.
 class InprocAreas final : public AreaMaker {
  public:
   explicit InprocAreas(BulkReader& reader) : reader_(reader) {}
@@ -175,7 +175,7 @@ class InprocLink final : public Link, public QuietSender {
   }
   std::string loss_text() const override {
     if (connection_->inherited.load(std::memory_order_relaxed)) {
-      return "this connection belongs to the process that forked this one: make your own";
+      return "this connection belongs to the process that forked this one: make a new connection";
     }
     return other_.closed.load(std::memory_order_acquire) ? "the other end closed" : "";
   }
@@ -235,7 +235,7 @@ class InprocLink final : public Link, public QuietSender {
   const Peer peer_;
 };
 
-/// Where clients of one acceptor wait.
+/// The clients that wait for one acceptor.
 struct Backlog {
   std::mutex mutex;
   std::deque<std::shared_ptr<Connection>> waiting;
@@ -250,7 +250,7 @@ struct Backlogs {
 
   static Backlogs& of_this_process() {
     static Backlogs* const backlogs =
-        new Backlogs;  // outlives every static that may own an acceptor
+        new Backlogs;  // never destroyed: outlives all static acceptors
     return *backlogs;
   }
 };
@@ -267,7 +267,7 @@ class InprocAcceptor final : public Acceptor {
       const std::lock_guard lock(backlogs.mutex);
       backlogs.by_address.erase(address_);
     }
-    while (accept() != nullptr) {  // clients that still wait see their link closed
+    while (accept() != nullptr) {  // closes the links of clients that still wait
     }
   }
 
@@ -322,7 +322,7 @@ class Inproc final : public Medium {
     }
     if (backlog == nullptr) {
       return tl::unexpected(
-          MediumError{std::string(address) + ": nobody in this process serves it"});
+          MediumError{std::string(address) + ": no server in this process has this address"});
     }
     auto connection = std::make_shared<Connection>();
     {

@@ -12,13 +12,14 @@ inline constexpr Offer inproc_offer{.name = "inproc",
                                     .ordered = true,
                                     .reliable = true,
                                     .real_time = true,
-                                    .reports_death = false,  // who dies here dies with us
+                                    .reports_death = false,  // the peer dies with this process
                                     .authenticated = true,
                                     .shared_words = true,
                                     .largest_packet = largest_bulk_packet};
 
-/// Within this process: the rings of shm in private memory, woken by eventfds. The reference of how
-/// a medium behaves. All media made by this meet each other; links that a fork inherits are dead.
+/// A medium within this process: the rings of shm in private memory, with eventfds for wake-ups.
+/// The reference implementation of a medium. All media that this function makes reach each other.
+/// Links that a forked child inherits are dead.
 std::unique_ptr<Medium> make_inproc();
 
 }  // namespace gecos::media

@@ -60,7 +60,7 @@ class CheckedLink final : public LinkLayer {
   }
 
  private:
-  Bytes outgoing_;  ///< sending: reused
+  Bytes outgoing_;  ///< reused by every send()
 };
 
 }  // namespace

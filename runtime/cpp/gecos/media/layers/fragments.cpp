@@ -17,7 +17,7 @@ std::size_t piece_of(const Offer& offer) {
 
 Offer fragmented_offer(const Medium& inner) {
   Offer offer = inner.offer();
-  offer.ordered = false;  // small packets may arrive before large ones
+  offer.ordered = false;  // a small packet may overtake a large one
   offer.largest_packet = largest_transfer;
   return offer;
 }
@@ -41,8 +41,8 @@ class FragmentedLink final : public LinkLayer {
       return ++sent_;
     }
     if (inner().loss() != Loss::None) return tl::unexpected(SendProblem::Lost);
-    // A packet that arrived and is sent again was not accepted, for example because it was too old
-    // by then.
+    // A complete packet that the caller sends again is transferred again: the peer received it but
+    // did not accept it, for example because it was too old.
     const bool under_way = transfer_ && !transfer_->complete();
     if (!under_way || !is_packet(transfer_->packet(), head, body)) {
       if (under_way) return tl::unexpected(SendProblem::Full);
@@ -91,25 +91,25 @@ class FragmentedLink final : public LinkLayer {
     std::array<std::byte, Received::bytes> bytes;
     incoming_.take(piece).write(bytes);
     const std::lock_guard lock(mutex_);
-    static_cast<void>(inner().send(bytes, {}));  // lost, the piece comes again
+    static_cast<void>(inner().send(bytes, {}));  // if this is lost, the piece is sent again
   }
 
-  /// With the mutex.
+  /// @pre mutex_ is held.
   void advance() {
     if (!transfer_ || transfer_->complete()) return;
     transfer_->advance(clock_.now(), [this](const Piece& piece) {
       std::array<std::byte, Piece::head_bytes> head;
       piece.write_head(head);
-      static_cast<void>(inner().send(head, piece.content));  // lost, it is sent again
+      static_cast<void>(inner().send(head, piece.content));  // a lost piece is sent again
     });
   }
 
   const std::size_t piece_bytes_;
   const Clock& clock_;
-  IncomingTransfers incoming_;                // of the receiving thread
-  Bytes current_;                             // likewise
-  std::mutex mutex_;                          // guards what follows, and sending
-  std::optional<OutgoingTransfer> transfer_;  // under way, or the last that was
+  IncomingTransfers incoming_;                // used by the receiving thread only
+  Bytes current_;                             // used by the receiving thread only
+  std::mutex mutex_;                          // guards sending and the members below
+  std::optional<OutgoingTransfer> transfer_;  // the transfer under way, or the last one
   std::uint64_t transfers_ = 0;
   std::uint64_t sent_ = 0;
 };

@@ -27,7 +27,7 @@ class AcceptorLayer final : public Acceptor {
  private:
   const std::unique_ptr<Acceptor> inner_;
   const Offer offer_;
-  const std::shared_ptr<const PutLayer> put_;  ///< an acceptor may outlive its medium
+  const std::shared_ptr<const PutLayer> put_;  ///< an acceptor may outlive the medium
 };
 
 class MediumLayer final : public Medium {

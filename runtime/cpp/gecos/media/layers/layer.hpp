@@ -57,12 +57,12 @@ class LinkLayer : public Link {
 
 enum class Role : std::uint8_t { Client, Server };
 
-/// Puts the layer on a link of that role; the resulting link promises what the Offer says. Any
-/// thread may call it.
+/// Wraps a link of the given role in a layer; the resulting link has the given Offer. Any thread
+/// may call the function.
 using PutLayer = std::function<std::unique_ptr<Link>(std::unique_ptr<Link>, const Offer&, Role)>;
 
-/// A medium on top of `inner` whose links all have the layer. Streams that an acceptor makes are
-/// those of `inner`.
+/// Makes a medium that wraps every link of `inner` by `put`. Acceptors return streams of `inner`
+/// unwrapped.
 std::unique_ptr<Medium> make_layer(std::unique_ptr<Medium> inner, const Offer& offer, PutLayer put);
 
 }  // namespace gecos::media

@@ -108,7 +108,7 @@ Received IncomingTransfers::take(const Piece& piece) {
     ready_ = false;
   }
   if (piece.transfer < number_)
-    return {piece.transfer, pieces_of(piece.size, piece_bytes_), 0};  // long whole
+    return {piece.transfer, pieces_of(piece.size, piece_bytes_), 0};  // an older packet: complete
   if (missing_ != 0 && piece.size == packet_.size() && !arrived_[piece.index]) {
     arrived_[piece.index] = true;
     const std::size_t at = piece.index * piece_bytes_;

@@ -15,7 +15,8 @@
 namespace gecos::media {
 namespace {
 
-/// What lcm_create opens at most. LCM crashes when descriptors run out within it.
+/// Maximum number of descriptors that lcm_create opens. LCM crashes when descriptors run out in
+/// that call.
 constexpr std::size_t descriptors_needed = 16;
 
 /// Returns nullopt when `group` is a multicast group; else the error.
@@ -25,7 +26,7 @@ std::optional<MediumError> no_group(const std::string& group) {
     return std::nullopt;
   }
   return MediumError{"lcm: " + group +
-                     " is no multicast group; those are 224.0.0.0 to 239.255.255.255, and ours is "
+                     " is not a multicast group; use one from 224.0.0.0 to 239.255.255.255, "
                      "usually " +
                      LcmOptions{}.group};
 }
@@ -42,7 +43,7 @@ std::optional<MediumError> no_route(const LcmOptions& options, std::uint16_t por
       ::connect(probe.get(), reinterpret_cast<const sockaddr*>(&place), sizeof place) == 0) {
     return std::nullopt;
   }
-  return MediumError{"lcm: no way to " + options.group + ": " + system_text(errno) +
+  return MediumError{"lcm: cannot send to " + options.group + ": " + system_text(errno) +
                      multicast_advice(options)};
 }
 

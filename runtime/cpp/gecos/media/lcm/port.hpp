@@ -17,8 +17,8 @@ struct _lcm_t;
 
 namespace gecos::media {
 
-/// One UDP port of a multicast group: sends through LCM, and hears what LCM sends. Defined in
-/// port.cpp, the only file that knows LCM.
+/// One UDP port of a multicast group: sends through LCM, and receives what LCM sends. Only port.cpp
+/// may use the LCM library.
 class LcmPort final : public DatagramPort {
  public:
   static tl::expected<std::unique_ptr<LcmPort>, MediumError> open(const LcmOptions& options,
@@ -44,8 +44,8 @@ class LcmPort final : public DatagramPort {
   const std::uint16_t port_;
   std::optional<LcmReceiver> receiver_;
   std::vector<Subscription> subscriptions_;
-  std::mutex mutex_;                    // one receives at a time
-  std::atomic<bool> inherited_{false};  // this is a forked child
+  std::mutex mutex_;                    // one thread receives at a time
+  std::atomic<bool> inherited_{false};  // true in a forked child
   const ForkWatch fork_watch_;
 };
 

@@ -17,7 +17,7 @@ namespace gecos::media {
 namespace {
 
 constexpr std::size_t largest_datagram = 64 * 1024;
-constexpr std::uint64_t magic_of_small = 0x4c433032;  // "LC02"; pieces of larger ones say "LC03"
+constexpr std::uint64_t magic_of_small = 0x4c433032;  // "LC02"; fragments begin with "LC03"
 constexpr std::size_t numbers_size = 8;               // magic and LCM's own sequence number
 
 template <class T>
@@ -25,25 +25,25 @@ bool set(int socket, int level, int option, const T& value) {
   return ::setsockopt(socket, level, option, &value, sizeof value) == 0;
 }
 
-/// Once per program: how to let datagrams wait while it is busy.
+/// Warns once per process when the receive buffer is smaller than wanted.
 void warn_of_small_buffer(int socket, int wanted) {
-  int doubled = 0;  // the kernel counts its own needs too
+  int doubled = 0;  // the kernel reports twice the usable size
   socklen_t size = sizeof doubled;
   if (::getsockopt(socket, SOL_SOCKET, SO_RCVBUF, &doubled, &size) != 0 || doubled / 2 >= wanted) {
     return;
   }
-  static std::atomic<bool> said{false};  // publishes nothing but itself
+  static std::atomic<bool> said{false};  // orders no other memory
   if (said.exchange(true)) return;
-  log_warning("lcm", "the kernel lets " + std::to_string(doubled / 2) +
-                         " bytes wait for us, and more are lost while we are busy; run as root:  "
+  log_warning("lcm", "the receive buffer holds only " + std::to_string(doubled / 2) +
+                         " bytes, and packets beyond are lost; run as root:  "
                          "sysctl -w net.core.rmem_max=" +
                          std::to_string(wanted));
 }
 
 MediumError cannot_hear(const LcmOptions& options, std::uint16_t port) {
   const int problem = errno;
-  const std::string what = "lcm: cannot hear " + options.group + ":" + std::to_string(port) + ": " +
-                           system_text(problem);
+  const std::string what = "lcm: cannot receive from " + options.group + ":" +
+                           std::to_string(port) + ": " + system_text(problem);
   if (problem == EMFILE || problem == ENFILE) return {what};
   return {what + multicast_advice(options)};
 }
@@ -79,7 +79,7 @@ tl::expected<LcmReceiver, MediumError> LcmReceiver::open(const LcmOptions& optio
   if (::inet_pton(AF_INET, options.group.c_str(), &place.sin_addr) != 1) errno = EINVAL;
   const ip_mreq membership{place.sin_addr, {htonl(INADDR_ANY)}};
   Descriptor socket(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
-  // Bound to the group, it hears nothing that was sent to this host alone.
+  // Bound to the group's address, the socket receives no unicast packets.
   if (!socket || !set(socket.get(), SOL_SOCKET, SO_REUSEADDR, 1) ||
       ::bind(socket.get(), reinterpret_cast<const sockaddr*>(&place), sizeof place) != 0 ||
       !set(socket.get(), IPPROTO_IP, IP_ADD_MEMBERSHIP, membership)) {

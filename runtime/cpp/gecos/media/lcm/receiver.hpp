@@ -11,7 +11,7 @@
 
 namespace gecos::media {
 
-/// A message of LCM that came in one datagram.
+/// An LCM message that arrived in one datagram.
 struct LcmMessage {
   std::string_view channel;
   ByteView content;
@@ -21,16 +21,16 @@ struct LcmMessage {
 };
 
 /// Receives on a UDP port of a multicast group. LCM's own receiver runs a thread for each port,
-/// which passes every message on through a pipe: two wake-ups where one will do. This one is a
-/// socket, read by the thread that waits for it. One thread at a time.
+/// which passes every message on through a pipe: two wake-ups instead of one. This class is a
+/// socket that the waiting thread reads. One thread at a time.
 class LcmReceiver {
  public:
-  /// Fails with a text that says what to do.
+  /// Fails with a text that tells the user what to do.
   static tl::expected<LcmReceiver, MediumError> open(const LcmOptions& options, std::uint16_t port);
 
-  /// The next message, if one is there: it lies in memory of ours until the next call.
+  /// The next message, or nullopt when none has arrived. Its memory is valid until the next call.
   std::optional<LcmMessage> next();
-  /// Readable when next() may give something.
+  /// Readable when next() may return a message.
   int descriptor() const { return socket_.get(); }
   void close() { socket_.reset(); }
 
@@ -41,7 +41,7 @@ class LcmReceiver {
   std::unique_ptr<std::byte[]> memory_;
 };
 
-/// What to run where multicast leads nowhere: " (no multicast route? run as root: …)".
+/// The commands to run when no multicast route exists: " (no multicast route? run as root: …)".
 std::string multicast_advice(const LcmOptions& options);
 
 }  // namespace gecos::media

@@ -11,13 +11,13 @@ namespace gecos::media {
 namespace {
 
 constexpr std::size_t page = 4096;
-constexpr int most_looks = 16;  // a socket full of other messages is read in fewer
+constexpr int most_looks = 16;  // enough to read a socket that is full of other messages
 
 std::size_t whole_pages(std::size_t bytes) { return (bytes + page - 1) / page * page; }
 
-/// Makes the kernel back the pages now and report failure; a page that cannot be backed later would
-/// kill this process. It is also quicker than one fault per page. Before Linux 5.14 each page is
-/// faulted in.
+/// Makes the kernel back the pages with memory now, so that a lack of memory is reported; at the
+/// first access it would kill this process. This is also faster than one fault per page. Linux
+/// before 5.14 still faults in each page.
 bool bring(const std::byte* at, std::size_t bytes, int how) {
   int done = 0;
   do {
@@ -101,7 +101,7 @@ void BulkWriter::forget() noexcept {
 void BulkReader::know(std::uint64_t number, std::shared_ptr<const Mapping> area) {
   const std::lock_guard lock(mutex_);
   number_ = number;
-  area_.swap(area);  // a reader in the middle of the one before holds it
+  area_.swap(area);  // a reader that still copies from the previous area keeps it alive
 }
 
 void BulkReader::end(std::uint64_t number) {
@@ -125,8 +125,8 @@ std::optional<ByteView> BulkReader::copy(const BulkPlace& place) {
   const auto area = find(place.area);
   if (!area) return std::nullopt;
   if (backed_area_ != place.area) backed_area_ = place.area, backed_ = 0;
-  // It begins at the start or behind one that lay there before, so not beyond what was read
-  // already.
+  // A packet begins at the start of the area or directly after an earlier packet, so its offset is
+  // at most the end of what was read before.
   if (place.size == 0 || place.size > largest_bulk_packet || place.offset > backed_ ||
       place.size > area_bytes - place.offset) {
     return std::nullopt;

@@ -15,49 +15,53 @@
 
 /// Packets that are too large for a ring.
 ///
-/// From its first large packet on, a side has an *area* beside its ring: memory that it alone
-/// writes. The packet is written there, and a slot of the ring says where. So large and small
-/// packets keep one order and are counted in one way, and what the reader has taken from the ring
-/// is free in the area as well: the reader sends nothing back, and a dead reader holds nothing.
+/// From its first large packet on, a side has an *area* outside its ring: memory that only this
+/// side may write. A large packet is written into the area, and a slot of the ring says where. So
+/// large and small packets keep one order and are counted together. When the reader has taken the
+/// slot, the memory in the area is free too: the reader sends nothing back, and a dead reader holds
+/// no memory.
 ///
-/// Each packet is placed at the lowest free offset. With one packet at a time the same memory is
-/// used, which stays in the caches; pages above the highest use so far are never touched and cost
-/// nothing. An area that was not used for `area_kept` beats is released.
+/// Each packet is placed at the lowest free offset. If packets come one at a time, they all use the
+/// same memory, which stays in the caches; pages above the highest use so far are never touched and
+/// cost nothing. An area that was not used for `area_kept` beats is released.
 namespace gecos::media {
 
 inline constexpr std::size_t largest_bulk_packet = std::size_t{32} << 20;
 /// As much as memory bandwidth moves in one maintenance tick (10 ms): a sender that found no room
 /// and retries at the next tick does not limit the throughput.
 inline constexpr std::size_t area_bytes = std::size_t{64} << 20;
-inline constexpr unsigned area_kept = 100;  ///< 10 s
+inline constexpr unsigned area_kept = 100;  ///< heartbeats: 10 s
 
-/// How a medium brings an area to the reader.
+/// Makes areas and shows them to the reader; each medium implements it.
 class AreaMaker {
  public:
   virtual ~AreaMaker() = default;
-  /// Makes zeroed memory of area_bytes that the reader knows as `number`. Null: not possible now.
+  /// Makes area_bytes of zeroed memory, which the reader knows as area `number`. Null when that is
+  /// not possible now.
   virtual std::shared_ptr<Mapping> make_area(std::uint64_t number) = 0;
   /// Notifies the reader that the area is not used any more. Returns false when that is not
   /// possible now.
   virtual bool release(std::uint64_t number) = 0;
 };
 
-/// Only the thread that writes the ring may call write().
+/// Sends large packets. Only the thread that writes the ring may call write(), place() and
+/// send_placed().
 class BulkWriter {
  public:
   BulkWriter(RingWriter& ring, AreaMaker& maker) : ring_(ring), maker_(maker) {}
 
   /// As RingWriter::write(). Fails with Full also when memory cannot be allocated.
   tl::expected<std::uint64_t, SendProblem> write(ByteView head, ByteView body);
-  /// The same in two steps, so that the packet is made where it lies: memory of `size` bytes, none
-  /// when there is no room now; then, with nothing written to the ring in between, the packet in it
-  /// is sent. A place that is not sent is dropped with the next one.
+  /// Sends a packet in two steps, so that it is built in the area. place() returns `size` bytes of
+  /// memory, or none when there is no room now; send_placed() sends the packet in that memory.
+  /// Between the two calls nothing may be written to the ring. The next place() drops a place that
+  /// was not sent.
   std::span<std::byte> place(std::size_t size);
   std::uint64_t send_placed();
 
-  /// Every 100 ms; any thread.
+  /// Releases an unused area. Must be called every 100 ms; any thread.
   void beat();
-  /// In a forked child.
+  /// Must be called in a forked child: detaches it from the memory of its parent.
   void forget() noexcept;
 
  private:
@@ -73,24 +77,26 @@ class BulkWriter {
   AreaMaker& maker_;
   std::mutex mutex_;  // guards all below against beat()
   std::shared_ptr<Mapping> area_;
-  std::uint64_t number_ = 0;  // of the area
+  std::uint64_t number_ = 0;  // number of the area
   std::size_t backed_ = 0;    // bytes from the start that the kernel has backed with memory
-  std::vector<Held> held_;    // by offset
+  std::vector<Held> held_;    // sorted by offset
   std::optional<std::size_t> placed_;  // index in held_ of the packet that is not sent yet
   std::size_t placed_size_ = 0;
   std::uint64_t last_packet_ = 0;
   unsigned quiet_beats_ = 0;
 };
 
-/// Only the thread that reads the ring may call copy() and rest(); any thread may call the rest.
+/// Receives large packets. Only the thread that reads the ring may call copy() and rest(); any
+/// thread may call the other functions.
 class BulkReader final : public BulkSource {
  public:
-  /// `look` processes what the writer has announced of its areas so far.
+  /// `look` processes the writer's announcements of areas that have arrived.
   explicit BulkReader(std::function<void()> look) : look_(std::move(look)) {}
 
-  /// Makes `area` number `number`; it replaces the area before. @pre `area` has area_bytes
+  /// Sets `area`, with the number `number`, as the current area in place of the previous one. @pre
+  /// `area` has area_bytes
   void know(std::uint64_t number, std::shared_ptr<const Mapping> area);
-  /// The writer has released the area `number`.
+  /// Must be called when the writer has released the area `number`.
   void end(std::uint64_t number);
 
   std::optional<ByteView> copy(const BulkPlace& place) override;
@@ -99,7 +105,7 @@ class BulkReader final : public BulkSource {
   void rest() {
     if (ended_.load(std::memory_order_relaxed)) free_copy();
   }
-  /// In a forked child.
+  /// Must be called in a forked child: detaches it from the memory of its parent.
   void forget() noexcept;
 
  private:
@@ -110,10 +116,10 @@ class BulkReader final : public BulkSource {
   std::unique_ptr<std::byte[]> copy_;
   std::size_t copy_bytes_ = 0;
   std::uint64_t backed_area_ = 0;
-  std::size_t backed_ = 0;          // bytes of it that cannot fault any more
-  std::atomic<bool> ended_{false};  // tells the reader to free its copy, nothing else
+  std::size_t backed_ = 0;  // bytes of that area that are mapped in: reading them cannot fail
+  std::atomic<bool> ended_{false};  // tells the reader to free its copy; orders no other memory
 
-  std::mutex mutex_;  // guards what follows
+  std::mutex mutex_;  // guards the members below
   std::shared_ptr<const Mapping> area_;
   std::uint64_t number_ = 0;
 };

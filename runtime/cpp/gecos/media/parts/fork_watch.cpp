@@ -6,7 +6,8 @@
 
 namespace gecos::media {
 
-/// All watches of this process. The handlers of pthread_atfork take no argument, so it is global.
+/// All watches of this process. The handlers of pthread_atfork take no argument, so the list is
+/// global.
 struct ForkList {
   std::mutex mutex;
   ForkWatch* first = nullptr;
@@ -17,7 +18,7 @@ struct ForkList {
   }
 
   static ForkList& instance() {
-    static ForkList* const list = new ForkList;  // outlives every static that may own a link
+    static ForkList* const list = new ForkList;  // never destroyed: outlives all static links
     return *list;
   }
 
@@ -25,7 +26,7 @@ struct ForkList {
     for (ForkWatch* watch = first; watch != nullptr; watch = watch->next_) {
       watch->abandon_(watch->owner_);
     }
-    mutex.unlock();  // taken by this thread before the fork
+    mutex.unlock();  // locked by this thread before the fork
   }
 };
 

@@ -11,8 +11,8 @@ namespace gecos::media {
 class ForkWatch {
  public:
   using Abandon = void (*)(void* owner) noexcept;
-  /// `abandon` runs in the child's only thread inside fork(): it closes and unmaps, allocates
-  /// nothing and takes no lock.
+  /// `abandon` runs in the child's only thread inside fork(): it may close and unmap, but must not
+  /// allocate or take a lock.
   ForkWatch(void* owner, Abandon abandon);
   ~ForkWatch();
   ForkWatch(const ForkWatch&) = delete;

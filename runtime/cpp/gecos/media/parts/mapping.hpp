@@ -5,7 +5,7 @@
 
 namespace gecos::media {
 
-/// Owns a page-aligned run of mapped memory, touched lazily.
+/// Owns a page-aligned block of mapped memory; the kernel backs a page at its first use.
 class Mapping {
  public:
   Mapping() = default;
@@ -23,8 +23,8 @@ class Mapping {
   std::byte* data() const { return data_; }
   std::size_t size() const { return size_; }
 
-  /// In a forked child: replaces the memory by private zeroes, so that nothing is shared any more
-  /// and code that still reads it sees an empty ring. Does not allocate.
+  /// Must be called in a forked child: replaces the memory by private zeroes, so that nothing is
+  /// shared any more and code that still reads the memory sees an empty ring. Does not allocate.
   void forget();
 
  private:

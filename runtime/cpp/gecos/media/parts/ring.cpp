@@ -14,7 +14,7 @@ std::size_t slots_for(std::size_t size) {
   return size <= slot_payload ? 1 : (size + slot_payload - 1) / slot_payload;
 }
 
-/// Lays bytes one after the other into the payloads of successive slots.
+/// Copies bytes one after the other into the payloads of successive slots.
 class SlotFiller {
  public:
   SlotFiller(RingMemory ring, std::uint64_t position) : ring_(ring), position_(position) {}
@@ -39,8 +39,9 @@ class SlotFiller {
   std::size_t filled_ = 0;
 };
 
-/// CLOCK_BOOTTIME for a few nanoseconds, the same for all processes of a host that have noted its
-/// last suspension. What a process writes before it has done so looks older than it is.
+/// Approximates CLOCK_BOOTTIME at a cost of a few nanoseconds. The value is the same in all
+/// processes that have noted the last suspension of the host; a packet written before that looks
+/// older than it is.
 std::uint32_t coarse_milliseconds() {
   timespec now{};
   ::clock_gettime(CLOCK_MONOTONIC_COARSE, &now);
@@ -103,7 +104,7 @@ std::uint64_t RingWriter::slots_taken() {
   const RingControl* reader = reader_.load(std::memory_order_acquire);
   if (reader == nullptr) return taken_seen_;
   const std::uint64_t taken = reader->slots_taken.load(std::memory_order_acquire);
-  // A reader that claims what was never written, or goes back, gains nothing: the ring stays full.
+  // A count that decreases or exceeds what was written is ignored: the ring stays full.
   if (taken <= position_ && taken > taken_seen_) taken_seen_ = taken;
   return taken_seen_;
 }
@@ -129,7 +130,8 @@ void RingReader::advance(std::size_t slots) {
 }
 
 std::optional<ByteView> RingReader::take(const RingSlot& slot) {
-  const std::size_t size = slot.size.load(std::memory_order_relaxed);  // once: it may change
+  // Read each value once: the peer may change it meanwhile.
+  const std::size_t size = slot.size.load(std::memory_order_relaxed);
   stamp_ms_ = slot.stamp_ms.load(std::memory_order_relaxed);
   if (size > largest_ring_packet || slots_for(size) > writer_.slot_count || broken()) {
     if (size == beside_ring) return take_bulk(slot);
@@ -148,13 +150,13 @@ std::optional<ByteView> RingReader::take(const RingSlot& slot) {
 
 Duration RingReader::age() const {
   const std::uint32_t passed = coarse_milliseconds() - stamp_ms_;
-  // A stamp of the future is a writer's nonsense: it harms the writer's own calls alone.
+  // A stamp in the future is invalid and taken as age 0: that harms only the writer's own calls.
   return std::chrono::milliseconds(passed < 1U << 31U ? passed : 0);
 }
 
 std::optional<ByteView> RingReader::take_bulk(const RingSlot& slot) {
   BulkPlace place;
-  std::memcpy(&place, slot.payload, sizeof place);  // once: it may change
+  std::memcpy(&place, slot.payload, sizeof place);  // read once: the peer may change it
   std::optional<ByteView> packet;
   if (bulk_ != nullptr && !broken()) packet = bulk_->copy(place);
   if (packet) {

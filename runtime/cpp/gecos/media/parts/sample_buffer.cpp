@@ -53,7 +53,7 @@ tl::expected<std::span<std::byte>, SendProblem> CopyingWriter::lend(std::size_t 
 }
 
 void CopyingWriter::publish_lent(std::int64_t stamp_ns) {
-  static_cast<void>(publish(lent_, stamp_ns));  // lend() has refused what is too large
+  static_cast<void>(publish(lent_, stamp_ns));  // lend() has refused samples that are too large
 }
 
 std::optional<LentSample> CopyingReader::lend_latest(std::uint64_t after) {

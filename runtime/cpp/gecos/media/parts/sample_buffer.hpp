@@ -15,11 +15,11 @@ class SampleBuffer {
   /// `depth`: samples kept, at least 1.
   explicit SampleBuffer(std::size_t depth) : depth_(depth) {}
 
-  /// The sequence of the newest sample; 0 before the first. A stream never goes back, so a sample
-  /// that is not newer need not be decrypted.
+  /// Sequence number of the newest sample; 0 before the first. A sample that is not newer is never
+  /// stored, so it need not be decrypted.
   std::uint64_t newest() const;
-  /// Keeps a copy, which replaces the oldest sample and reuses its memory. Returns false when
-  /// `sequence` is not newer than the newest.
+  /// Stores a copy of `sample`. A full buffer drops its oldest sample and reuses its memory.
+  /// Returns false when `sequence` is not newer than the newest.
   bool put(std::uint64_t sequence, std::int64_t stamp_ns, ByteView sample);
   /// As StreamReader::latest() with `newest`, else as StreamReader::next().
   bool read(std::uint64_t after, bool newest, StreamSample& into);
@@ -33,7 +33,7 @@ class SampleBuffer {
   std::uint64_t seen_ = 0;
 };
 
-/// A writer that lends its own memory, because the medium copies, encrypts or splits every sample.
+/// A writer that lends private memory, because the medium copies, encrypts or splits every sample.
 class CopyingWriter : public StreamWriter {
  public:
   /// `largest`: bytes of a sample.

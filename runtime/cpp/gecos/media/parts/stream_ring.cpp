@@ -11,10 +11,10 @@ namespace {
 using Word = std::atomic<std::uint64_t>;
 static_assert(sizeof(Word) == 8 && Word::is_always_lock_free);
 
-// A slot: version (2·sequence, one less while it is written), stamp, size, sample in whole words.
-// All are atomic words, written with release and read with acquire. So a reader that read any word
-// of a newer sample also sees, when it checks again, that the version has changed; this costs
-// nothing on x86.
+// Layout of a slot: version (2·sequence, minus one while the sample is written), time stamp, size,
+// sample in whole words. All are atomic words, stored with release and loaded with acquire. So a
+// reader that has loaded any word of a newer sample also sees the changed version when it checks
+// again; on x86 this costs nothing.
 constexpr std::size_t sample_at = 3;
 constexpr int most_tries = 8;
 
@@ -50,7 +50,7 @@ bool read_sample(const StreamMemory& memory, std::uint64_t sequence, StreamSampl
   if (slot[0].load(std::memory_order_acquire) != complete) return false;
   const auto stamp = static_cast<std::int64_t>(slot[1].load(std::memory_order_acquire));
   const std::uint64_t size = slot[2].load(std::memory_order_acquire);
-  if (size > memory.largest) return false;  // torn, or written by a malicious peer
+  if (size > memory.largest) return false;  // a torn read, or a malicious peer
   into.bytes.resize(size);
   read_words(slot + sample_at, into.bytes);
   if (slot[0].load(std::memory_order_acquire) != complete) return false;
@@ -96,7 +96,8 @@ tl::expected<void, SendProblem> StreamRingWriter::publish(ByteView sample, std::
   if (sample.size() > memory_.largest) return tl::unexpected(SendProblem::TooLarge);
   const std::uint64_t sequence = ++newest_;
   Word* const slot = memory_.slot(sequence);
-  slot[0].store(2 * sequence - 1, std::memory_order_relaxed);  // ordered by the releases below
+  slot[0].store(2 * sequence - 1,
+                std::memory_order_relaxed);  // ordered by the release stores below
   slot[1].store(static_cast<std::uint64_t>(stamp_ns), std::memory_order_release);
   slot[2].store(sample.size(), std::memory_order_release);
   write_words(slot + sample_at, sample);
@@ -115,7 +116,8 @@ tl::expected<std::span<std::byte>, SendProblem> StreamRingWriter::lend(std::size
   const std::uint64_t sequence = newest_ + 1;
   Word* const slot = memory_.slot(sequence);
   slot[0].store(2 * sequence - 1, std::memory_order_relaxed);
-  // A reader of the sample that was here sees the new version before any byte of the loan.
+  // A reader of the previous sample of this slot sees the new version before any byte that is
+  // written into the lent memory.
   std::atomic_thread_fence(std::memory_order_release);
   lent_ = size;
   return std::span(reinterpret_cast<std::byte*>(slot + sample_at), size);
@@ -149,7 +151,8 @@ bool StreamRingReader::next(std::uint64_t after, StreamSample& into) {
     const std::uint64_t oldest = newest > depth ? newest - depth + 1 : 1;
     if (read_sample(watch_->memory, std::max(after + 1, oldest), into)) return true;
   }
-  return latest(after, into);  // the writer laps us: its newest has the longest to live
+  return latest(after,
+                into);  // the writer is faster than this reader: its newest sample lives longest
 }
 
 std::optional<LentSample> StreamRingReader::lend_latest(std::uint64_t after) {
@@ -161,7 +164,7 @@ std::optional<LentSample> StreamRingReader::lend_latest(std::uint64_t after) {
     const Word* const slot = memory.slot(newest);
     const auto stamp = static_cast<std::int64_t>(slot[1].load(std::memory_order_acquire));
     const std::uint64_t size = slot[2].load(std::memory_order_acquire);
-    if (size > memory.largest) continue;  // torn, or written by a malicious peer
+    if (size > memory.largest) continue;  // a torn read, or a malicious peer
     const auto* const bytes = reinterpret_cast<const std::byte*>(slot + sample_at);
     const LentSample sample{newest, stamp, ByteView(bytes, size)};
     if (intact(sample)) return sample;
@@ -170,7 +173,7 @@ std::optional<LentSample> StreamRingReader::lend_latest(std::uint64_t after) {
 }
 
 bool StreamRingReader::intact(const LentSample& sample) const {
-  std::atomic_thread_fence(std::memory_order_acquire);  // after the caller's reading of the bytes
+  std::atomic_thread_fence(std::memory_order_acquire);  // after the caller's reads of the bytes
   return watch_->memory.slot(sample.sequence)[0].load(std::memory_order_relaxed) ==
          2 * sample.sequence;
 }

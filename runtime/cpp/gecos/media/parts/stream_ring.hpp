@@ -34,7 +34,7 @@ struct StreamMemory {
   std::atomic<std::uint64_t>* slot(std::uint64_t sequence) const;
 };
 
-/// A reader that may sleep while a stream continues.
+/// A reader that may sleep until the next sample.
 class Sleeper {
  public:
   virtual ~Sleeper() = default;
@@ -56,7 +56,7 @@ class SleeperList {
 
 class StreamRingWriter : public StreamWriter {
  public:
-  /// `owner` keeps the memory, which is zero at first.
+  /// `owner` keeps `memory` alive. @pre `memory` is zero.
   StreamRingWriter(StreamMemory memory, std::shared_ptr<void> owner);
   tl::expected<void, SendProblem> publish(ByteView sample, std::int64_t stamp_ns) override;
   tl::expected<std::span<std::byte>, SendProblem> lend(std::size_t size) override;
@@ -76,15 +76,15 @@ class StreamRingWriter : public StreamWriter {
   std::size_t lent_ = 0;  ///< bytes
 };
 
-/// What a link knows of a stream that is read through it.
+/// What a link knows about a stream that is read through it.
 struct StreamWatch {
   StreamMemory memory;
   std::shared_ptr<void> owner;
-  /// Samples up to this number were written before the newest one when this reader came, and are
-  /// not returned: the memory is shared and holds samples for earlier subscribers.
+  /// Sequence number up to which next() returns no sample: those were older than the newest one
+  /// when this reader subscribed. The shared memory holds them for earlier subscribers.
   std::uint64_t past = 0;
   /// The newest sample that the reader or prepare_to_sleep() has seen; tells prepare_to_sleep()
-  /// whether there is another.
+  /// whether a newer one has arrived.
   std::atomic<std::uint64_t> seen{0};
 };
 
@@ -104,14 +104,14 @@ class StreamRingReader : public StreamReader {
 class StreamWatches {
  public:
   std::unique_ptr<StreamReader> open(StreamMemory memory, std::shared_ptr<void> owner);
-  /// True when a sample has arrived that neither its reader nor an earlier call has seen. Ordered
-  /// after the write of `asleep`.
+  /// Whether a sample has arrived that neither its reader nor an earlier call has seen. The check
+  /// is ordered after the store to RingControl::asleep.
   bool anything_new();
 
  private:
   std::mutex mutex_;
   std::vector<std::weak_ptr<StreamWatch>> watches_;
-  std::atomic<bool> any_{false};  // spares a link without streams the mutex
+  std::atomic<bool> any_{false};  // lets a link without streams skip the mutex
 };
 
 }  // namespace gecos::media

@@ -47,7 +47,7 @@ bool SpinPolicy::crowded() const {
          clock_.now() < crowded_until_;
 }
 
-/// Some polls come before the first reading of the clock, so a quick answer needs none.
+/// Allows some polls before it reads the clock, so that a quick answer costs no reading.
 bool SpinPolicy::look(State as) {
   if (std::exchange(state_, as) == as) {
     const TimePoint now = clock_.now();
@@ -59,18 +59,18 @@ bool SpinPolicy::look(State as) {
       return over();
     }
   }
-  // A budget that small is not worth many looks between two readings.
+  // With a small budget, only a few polls fit between two readings of the clock.
   looks_ = budget_ < options_.shortest ? options_.looks_alone / 4 : options_.looks_alone;
   return true;
 }
 
-/// A yield that began right after the one before, or is timed by itself, took what passed between
-/// two readings. Of another that is an upper bound: only where it is long the next ones are timed
-/// by themselves, so that a wait of one yield reads the clock once.
+/// The time between two readings of the clock is the exact duration of a yield that directly
+/// follows another yield or a reading. For other yields it is an upper bound; only when this bound
+/// is long, the next yields are timed exactly. So a wait with a single yield reads the clock once.
 bool SpinPolicy::yield() {
   const bool next_in_row = std::exchange(state_, State::Yielding) == State::Yielding;
   if (next_in_row && spent()) {
-    next_crowded_ = options_.crowded_first;  // a whole spin in which the core stayed ours
+    next_crowded_ = options_.crowded_first;  // no time slice was lost during this whole spin
     return over();
   }
   const bool exact = next_in_row || doubtful_ > 0;
@@ -90,7 +90,8 @@ bool SpinPolicy::yield() {
   return true;
 }
 
-/// A late wait may end before it sleeps every time, and then a cost that fell would not be noticed.
+/// Waits that poll for longer than `shortest` may never sleep, and then a lower cost of a wake-up
+/// would not be noticed: so one of `waits_between_probes` of them sleeps early.
 bool SpinPolicy::spent() {
   if (looked_ >= options_.shortest && !std::exchange(late_, true) &&
       ++late_waits_ % options_.waits_between_probes == 0) {

@@ -6,40 +6,41 @@
 #include "gecos/base/clock.hpp"
 #include "gecos/media/core.hpp"
 
-/// How to wait: poll while that is cheaper than being woken, then sleep on descriptors.
+/// How a thread waits: it polls while polling is cheaper than a wake-up, then sleeps on
+/// descriptors.
 namespace gecos::media {
 
-/// Where the peers run that may send what a thread waits for.
+/// On which cores the peers run for whose packets a thread waits.
 enum class Peers : std::uint8_t {
   Unknown,    ///< the medium cannot tell
-  Here,       ///< on this core: they need it to send anything
+  Here,       ///< on this core: they need it to send a packet
   Elsewhere,  ///< on other cores: a yield of this core helps none of them
   Both,
 };
 
-/// Where one peer runs.
+/// Where one peer runs, relative to the core of the calling thread.
 Peers place_of(const Whereabouts& peer);
 
 /// What ended a sleep.
 enum class Woken : std::uint8_t {
-  ByAnswer,  ///< the event that the thread waits for
+  ByAnswer,  ///< the event that the thread awaits
   Early,     ///< another event; the awaited one may come late
 };
 
 struct SpinOptions {
-  Duration shortest = std::chrono::microseconds(50);  ///< a wake-up is taken to cost at least this
-  Duration longest = std::chrono::milliseconds(5);    ///< and at most this; 0: never look
-  Duration least = std::chrono::microseconds(2);      ///< budget of looks where waits last long
-  Duration long_wait = std::chrono::milliseconds(8);  ///< no look pays for such a wait
-  Duration lost_core = std::chrono::microseconds(200);     ///< a yield this long lost a time slice
-  Duration crowded_first = std::chrono::milliseconds(20);  ///< no yield after a lost slice …
-  Duration crowded_longest = std::chrono::seconds(1);  ///< … doubling up to this while it recurs
-  Duration between_yields = std::chrono::microseconds(400);  ///< while peers run on both sides
-  int wake_ups_averaged = 8;                                 ///< about so many make the cost of one
-  unsigned exact_yields = 64;  ///< so many are timed exactly after a doubtful one
-  unsigned vain_in_row = 8;    ///< looks in vain on a crowded core before waits sleep at once
-  unsigned waits_between_probes = 16;  ///< one of so many late waits sleeps and measures a wake-up
-  std::uint32_t looks_alone = 256;     ///< looks between two readings of the clock
+  Duration shortest = std::chrono::microseconds(50);    ///< assumed minimum cost of a wake-up
+  Duration longest = std::chrono::milliseconds(5);      ///< assumed maximum cost; 0: never poll
+  Duration least = std::chrono::microseconds(2);        ///< minimum of the polling budget
+  Duration long_wait = std::chrono::milliseconds(8);    ///< longer waits are not worth polling
+  Duration lost_core = std::chrono::microseconds(200);  ///< a yield this long has lost a time slice
+  Duration crowded_first = std::chrono::milliseconds(20);  ///< no yields so long after a lost slice
+  Duration crowded_longest = std::chrono::seconds(1);      ///< bound of its doubling at each loss
+  Duration between_yields = std::chrono::microseconds(400);  ///< between yields, if Peers::Both
+  int wake_ups_averaged = 8;   ///< length of the moving average of wake-up costs
+  unsigned exact_yields = 64;  ///< yields timed one by one after a suspiciously long one
+  unsigned vain_in_row = 8;    ///< fruitless spins on a crowded core before waits sleep at once
+  unsigned waits_between_probes = 16;  ///< one of so many long spins sleeps, to measure a wake-up
+  std::uint32_t looks_alone = 256;     ///< polls between two readings of the clock
 };
 
 /// Decides after each fruitless poll whether to poll again or to sleep.
@@ -55,32 +56,34 @@ struct SpinOptions {
 /// Two facts decide, and neither is guessed from the time that a yield takes.
 ///
 /// *Where the peers run.* A peer on this core needs the core to answer: every poll is followed by a
-/// yield. Peers on other cores gain nothing from a yield; it could only give the core to an
+/// yield. Peers on other cores gain nothing from a yield; a yield could only give the core to an
 /// unrelated program for a whole time slice.
 ///
 /// *What a wake-up costs here and now*: the mean time from the peer's notification to the end of
-/// the sleep. A wait polls for as long as a wake-up costs and then sleeps, so it is never worse
-/// than twice the better of the two. Time in which another program had the core does not count. A
-/// wait that lasts long halves the budget, so that long waits cost next to nothing.
+/// the sleep. A wait polls for as long as a wake-up costs and then sleeps, so it never costs more
+/// than twice the cheaper of polling and sleeping. Time in which another program had the core does
+/// not count. A wait that lasts long halves the time of polling, so that long waits cost next to
+/// nothing.
 ///
-/// A yield that takes `lost_core` gave the core to an unrelated program. For a while afterwards a
-/// wait for a peer on this core sleeps at once: a wake-up takes the core back, a yield does not.
+/// A yield that takes at least `lost_core` gave the core to an unrelated program. For a while
+/// afterwards a wait for a peer on this core sleeps at once: a wake-up takes the core back, a yield
+/// does not.
 ///
-/// One thread at a time; keep one per waiting thread, for what it has learned.
+/// One thread at a time. Keep one policy per waiting thread, because it learns from earlier waits.
 class SpinPolicy {
  public:
   explicit SpinPolicy(const Clock& clock, SpinOptions options = {},
                       const Core& core = Core::real());
 
-  /// Begins a new wait. Costs nothing until the first poll was in vain.
+  /// Begins a new wait. Costs nothing until the first poll has found nothing.
   void begin() {
     if (state_ == State::Crowded) vain_ = 0;
     state_ = State::Fresh;
     looks_ = 0;
   }
-  /// Must be called after a poll in vain. Returns true: poll again. Returns false: sleep; then
-  /// false again until begin(). `ask_peers` returns Peers; it is called before the second poll of a
-  /// wait and now and then later.
+  /// Must be called after a poll that found nothing. Returns true: poll again. Returns false:
+  /// sleep; further calls return false until begin(). `ask_peers` returns Peers; it is called
+  /// before the second poll of a wait and occasionally later.
   template <class AskPeers>
   bool again(AskPeers ask_peers) {
     if (looks_ > 0) {
@@ -90,15 +93,15 @@ class SpinPolicy {
     return state_ != State::Over && go_on(ask_peers());
   }
   /// Must be called after the sleep of a wait and before the next begin(). `rang_at`: when the peer
-  /// notified us, by its own statement.
+  /// notified this thread, as the peer states it.
   void woke(TimePoint rang_at, Woken woken);
 
   /// How long a wait polls before it sleeps.
   Duration budget() const { return budget_; }
-  /// True when the wait sleeps at once because its peer and an unrelated program need this core.
+  /// Whether the wait sleeps at once because its peer and an unrelated program need this core.
   bool gave_way() const { return gave_way_; }
-  /// Until when there are no yields on the core that lost a time slice; a past time when yields are
-  /// allowed.
+  /// Time until which waits do not yield the core that lost a time slice; a past time when yields
+  /// are allowed.
   TimePoint crowded_until() const { return crowded_until_; }
 
  private:
@@ -120,21 +123,21 @@ class SpinPolicy {
   bool gave_way_ = false;
 
   Duration budget_;
-  // Of one wait.
-  Duration limit_{};   ///< its budget
-  Duration looked_{};  ///< time in which the thread had its core
-  bool late_ = false;  ///< it has looked for longer than `shortest`
-  TimePoint began_{};  ///< about; none before the clock is read
+  // State of the current wait.
+  Duration limit_{};   ///< how long this wait may poll
+  Duration looked_{};  ///< time spent polling while the thread had its core
+  bool late_ = false;  ///< this wait has polled for longer than `shortest`
+  TimePoint began_{};  ///< approximate start; unset before the clock is read
   unsigned late_waits_ = 0;
 
   TimePoint last_{};  ///< when the clock was read last
   TimePoint last_yield_{};
-  unsigned doubtful_ = 0;  ///< so many yields are timed by themselves
+  unsigned doubtful_ = 0;  ///< number of yields still to be timed one by one
 
   std::int32_t crowded_core_ = unknown_core;
   TimePoint crowded_until_{};
   Duration next_crowded_;
-  unsigned vain_ = 0;  ///< spins on a crowded core, one after the other, that ended with sleep
+  unsigned vain_ = 0;  ///< consecutive spins on a crowded core that ended with sleep
 };
 
 enum class Wake : std::uint8_t {
@@ -143,8 +146,8 @@ enum class Wake : std::uint8_t {
   Interrupted,  ///< a signal was handled: check what it asked for, then sleep again
 };
 
-/// Sleeps until one of `descriptors` is readable or `deadline` (steady clock; TimePoint::max() is
-/// never). Negative descriptors are skipped.
+/// Sleeps until one of `descriptors` is readable or `deadline` has passed (steady clock;
+/// TimePoint::max(): no deadline). Negative descriptors are skipped.
 Wake sleep_on(std::span<const int> descriptors, TimePoint deadline);
 
 }  // namespace gecos::media

@@ -11,9 +11,9 @@
 namespace gecos::media {
 namespace {
 
-constexpr std::size_t most_streams = 1024;  // of one link; a peer that shares more means harm
+constexpr std::size_t most_streams = 1024;  // per link; a peer that shares more is hostile
 
-/// Readable text: "key 3fa9c1d2, 239.255.76.67:20017".
+/// Describes a peer: "key 3fa9c1d2, 239.255.76.67:20017".
 std::string peer_text(const std::optional<crypto::PublicKey>& key, const DatagramNetwork& network,
                       std::uint16_t port) {
   return (key ? "key " + key->short_name() + ", " : "") + network.name() + ":" +
@@ -34,7 +34,7 @@ SealedConnection::SealedConnection(std::shared_ptr<ReceiveQueue> queue,
       }) {}
 
 void SealedConnection::say(InnerKind kind, std::uint64_t number, ByteView body) {
-  if (inherited()) return;  // sealed here it would go out under the parent's counter
+  if (inherited()) return;  // a forked child would reuse the parent's nonce counter
   Bytes memory;
   sender_->send({kind, number, options_.now_ns()}, {}, body, memory);
 }
@@ -80,7 +80,7 @@ Loss SealedConnection::loss() {
 
 std::string SealedConnection::loss_text() const {
   if (inherited()) {
-    return "this connection belongs to the process that forked this one: make your own";
+    return "this connection belongs to the process that forked this one: make a new connection";
   }
   return queue_->closed() ? "the other end closed" : "";
 }
@@ -176,7 +176,8 @@ void SealedClient::woke() {
 }
 
 void SealedClient::pump() {
-  // What is left over keeps LCM's descriptor readable; an edge-triggered watcher needs the eventfd.
+  // Unread datagrams keep LCM's descriptor readable, but an edge-triggered poller gets no new event
+  // for them: so the eventfd is notified.
   if (in_->pump()) queue_->event().notify();
   initiator_->advance();
   for (const auto& notice : queue_->notices()) {
@@ -196,7 +197,7 @@ void SealedClient::take_share(const SharedStream& where) {
   Arrived& arrived = arrived_[where.id];
   if (arrived.where.channel != where.channel) arrived = {where, false};
   heard_of_streams_ = true;
-  // Told again although it is open: our answer was lost.
+  // The peer announces an open stream again: our Opened message was lost.
   if (arrived.opened) say(InnerKind::Opened, where.id);
 }
 
@@ -277,7 +278,8 @@ std::unique_ptr<StreamReader> SealedClient::open_stream(std::uint32_t id) {
   }
   const std::shared_ptr<DatagramPort> port = std::move(*opened);
   auto queue = std::make_shared<SampleQueue>(port, where, queue_);
-  // The port keeps the callback, and the queue the port: a weak one back, or none would ever go.
+  // The queue owns the port, and the port owns the callback: a weak pointer to the queue avoids a
+  // cycle.
   const auto subscribed = port->subscribe(channel_name("GS", where.channel),
                                           [weak = std::weak_ptr(queue)](ByteView datagram) {
                                             if (const auto to = weak.lock()) to->take(datagram);
@@ -323,7 +325,7 @@ tl::expected<std::unique_ptr<Link>, MediumError> SealedServer::welcome(
                                                pending.client, std::uint16_t{0});
   sender->open(std::move(pending.sealer));
   auto link = std::make_unique<SealedServer>(std::move(responder), pending, std::move(sender));
-  link->say(InnerKind::Beat);  // the client waits to hear us
+  link->say(InnerKind::Beat);  // the client waits for the server's first packet
   return link;
 }
 
@@ -379,7 +381,7 @@ void SealedServer::take_share(const InwardShare& where) {
   if (inward_.size() >= most_streams && !inward_.contains(where.id)) return;
   Inward& inward = inward_[where.id];
   inward.where = where;
-  // Told again although it is open: our answer was lost.
+  // The peer announces an open stream again: our Opened message was lost.
   if (inward.opened) say(InnerKind::Opened, where.id);
 }
 
@@ -401,7 +403,7 @@ void SealedServer::tell(std::uint32_t id, const SealedStream& stream) {
   say(InnerKind::Share, id, body);
 }
 
-/// A server sends to all its readers at once: its acceptor's streams serve one reader as well.
+/// A stream of the acceptor serves many readers, so it serves a single reader as well.
 std::unique_ptr<StreamWriter> SealedServer::make_stream(std::size_t largest, std::size_t depth) {
   return responder_->make_stream(largest, depth);
 }

@@ -20,7 +20,8 @@
 
 namespace gecos::media {
 
-/// What both ends have in common: sending, and reading what the queue holds.
+/// The common part of a client's and a server's link: sends packets, and receives them from the
+/// queue.
 class SealedConnection : public Link {
  public:
   const Offer& offer() const override { return options_.network->offer(); }
@@ -40,7 +41,7 @@ class SealedConnection : public Link {
   SealedConnection(std::shared_ptr<ReceiveQueue> queue, std::shared_ptr<SealedSender> sender,
                    const SealedOptions& options, Peer peer);
 
-  /// Reads arrived datagrams into the queue and handles those that are no packets.
+  /// Reads arrived datagrams into the queue and handles messages that are not packets.
   virtual void pump() = 0;
   void say(InnerKind kind, std::uint64_t number = 0, ByteView body = {});
   const std::shared_ptr<SealedSender>& sender() const { return sender_; }
@@ -55,7 +56,7 @@ class SealedConnection : public Link {
   std::uint64_t sent_ = 0;
   Bytes outgoing_;
   ReceiveQueue::Packet current_;
-  std::atomic<bool> inherited_{false};  // this is a forked child
+  std::atomic<bool> inherited_{false};  // true in a forked child
   const ForkWatch fork_watch_;
 };
 
@@ -85,11 +86,11 @@ class SealedClient final : public SealedConnection {
   struct Arrived {
     SharedStream where;
     bool opened = false;
-    std::string problem{};  ///< why it could not be opened last
+    std::string problem{};  ///< why the last attempt to open the stream failed
   };
   struct Inward {
     std::weak_ptr<InwardStream> stream;
-    bool opened = false;  ///< until then the share is announced again with every beat
+    bool opened = false;  ///< while false, the stream is announced again with every beat
   };
   void pump() override;
   bool new_samples();
@@ -99,15 +100,15 @@ class SealedClient final : public SealedConnection {
 
   const std::unique_ptr<DatagramPort> in_;
   const std::shared_ptr<HandshakeInitiator> initiator_;
-  const Descriptor streams_;  // an epoll of the ports of streams, which come later
+  const Descriptor streams_;  // an epoll of the ports of streams, which are opened later
   const std::array<int, 3> descriptors_;
-  /// A stream was announced since the last search for one, perhaps read by another call: a thread
-  /// that is about to sleep polls once more. Publishes nothing but itself.
+  /// Whether a stream was announced since the last open_stream(). Another thread may have read the
+  /// announcement, so a thread that is about to sleep must look again. Orders no other memory.
   std::atomic<bool> heard_of_streams_{false};
-  std::mutex mutex_;  // guards what follows
+  std::mutex mutex_;  // guards the members below
   std::map<std::uint32_t, Arrived> arrived_;
   std::vector<std::weak_ptr<SampleQueue>> reading_;
-  std::vector<std::weak_ptr<InwardStream>> made_;  ///< ended with the link
+  std::vector<std::weak_ptr<InwardStream>> made_;  ///< streams made by this link, which end with it
   std::map<std::uint32_t, Inward> inward_;
 };
 
@@ -133,7 +134,7 @@ class SealedServer final : public SealedConnection {
  private:
   struct Shared {
     std::weak_ptr<SealedStream> stream;
-    bool opened = false;  // until then the stream is announced again with every beat
+    bool opened = false;  // while false, the stream is announced again with every beat
   };
   /// A stream that the client has shared.
   struct Inward {
@@ -148,7 +149,7 @@ class SealedServer final : public SealedConnection {
   const std::shared_ptr<HandshakeResponder> responder_;
   const std::uint64_t client_;
   const std::array<int, 1> descriptors_;
-  std::mutex mutex_;  // guards what follows
+  std::mutex mutex_;  // guards the members below
   std::map<std::uint32_t, Shared> shared_;
   std::map<std::uint32_t, Inward> inward_;
 };

@@ -12,55 +12,56 @@
 #include "gecos/crypto/stream_seal.hpp"
 #include "gecos/crypto/transport.hpp"
 
-/// The content of a datagram of a sealed medium: a header of 16 bytes in clear, then one frame to
-/// which the header is bound. docs/protocol.md, sections "Datagrams" to "Streams", is normative;
-/// integers are big-endian. Pure: bytes in, bytes out.
+/// Encodes and decodes the datagrams of a sealed medium: a plaintext header of 16 bytes, then one
+/// frame, which authenticates the header. docs/protocol.md, sections "Datagrams" to "Streams", is
+/// normative; integers are big-endian. Only conversions of bytes: no input or output.
 namespace gecos::media {
 
 enum class DatagramKind : std::uint8_t {
-  Ask = 1,  ///< client, at a well-known place: whose is it?
-  Key,      ///< server: mine. A public key, which proves nothing yet
-  First,    ///< client: the handshake's first message
-  Second,   ///< server: its second
-  Sealed,   ///< both: a sealed packet, see PacketKind
+  Ask = 1,  ///< client: asks for the server's key at a well-known address
+  Key,      ///< server: its public key, which is not proved yet
+  First,    ///< client: the first message of the handshake
+  Second,   ///< server: the second message of the handshake
+  Sealed,   ///< both: a sealed message, see InnerKind
   Sample,   ///< on a stream's own channel: a sealed sample
 };
 
 struct DatagramHeader {
   static constexpr std::size_t bytes = 16;
   DatagramKind kind = DatagramKind::Sealed;
-  std::uint16_t reply_port = 0;  ///< where the client listens; 0 from a server
-  std::uint64_t client = 0;      ///< drawn for each connection; 0 of a sample
+  std::uint16_t reply_port = 0;  ///< UDP port on which the client receives; 0 from a server
+  std::uint64_t client = 0;      ///< random number of the connection; 0 in a sample
 
   void write(std::span<std::byte, bytes> to) const;
-  /// Returns nullopt for bytes that are no datagram of ours.
+  /// Returns nullopt for bytes that are not a gecos datagram.
   static std::optional<DatagramHeader> read(ByteView from);
 };
 
-/// What is sealed in a channel.
+/// The kinds of sealed messages on the channel of a link.
 enum class InnerKind : std::uint8_t {
   Packet = 1,
   Beat,
   Bye,
-  Share,         ///< server: a SharedStream, until it was opened
-  Opened,        ///< both: stream `number` of yours is being read
-  Unshare,       ///< both: stream `number` of mine ends for you
-  InwardShare,   ///< client: an InwardShare, until it was opened
+  Share,         ///< server: announces a SharedStream; repeated until it is opened
+  Opened,        ///< both: the sender reads the peer's stream `number`
+  Unshare,       ///< both: the sender stops sharing its stream `number`
+  InwardShare,   ///< client: announces an InwardShare; repeated until it is opened
   InwardSample,  ///< client: sample `number` of a stream, with an InwardSampleHead
 };
 
-/// Stands in front of what is sealed.
+/// The header of every sealed message.
 struct InnerHeader {
   static constexpr std::size_t bytes = 17;
   InnerKind kind = InnerKind::Beat;
   std::uint64_t number = 0;
-  std::int64_t sent_ns = 0;  ///< by the sender's clock, which counts from any moment
+  std::int64_t sent_ns = 0;  ///< send time by the sender's clock, with any origin
 
   void write(std::span<std::byte, bytes> to) const;
   static std::optional<InnerHeader> read(ByteView from);
 };
 
-/// The channel of a shared stream, and the key that opens it. Sent sealed.
+/// The announcement of a stream to a client: its channel and the key that decrypts its samples.
+/// Sent sealed.
 struct SharedStream {
   static constexpr std::uint16_t most_depth = 1024;
   static constexpr std::size_t bytes = 20 + crypto::StreamKey::bytes;
@@ -75,15 +76,16 @@ struct SharedStream {
   static std::optional<SharedStream> read(ByteView from);
 };
 
-inline constexpr std::size_t stamp_bytes = 8;  ///< before a sample
-/// How much longer a datagram is than the packet that it carries.
+inline constexpr std::size_t stamp_bytes = 8;  ///< of the time stamp in front of a sample
+/// Bytes of a datagram in addition to the packet in it.
 inline constexpr std::size_t packet_overhead =
     DatagramHeader::bytes + crypto::Sealer::overhead + InnerHeader::bytes;
-/// How much longer a datagram is than the sample that it carries.
+/// Bytes of a datagram in addition to the sample in it.
 inline constexpr std::size_t sample_overhead =
     DatagramHeader::bytes + crypto::StreamSealer::overhead + stamp_bytes;
 
-/// A stream of a client to its server. Its samples travel in the sealed channel of the two.
+/// The announcement of a stream from a client to its server. The samples are sent on the sealed
+/// channel of the link.
 struct InwardShare {
   static constexpr std::size_t bytes = 10;
   std::uint32_t id = 0;
@@ -94,14 +96,14 @@ struct InwardShare {
   static std::optional<InwardShare> read(ByteView from);
 };
 
-/// Stands in front of an inward sample.
+/// The header of a sample that a client sends to its server.
 struct InwardSampleHead {
   static constexpr std::size_t bytes = 12;
   std::uint32_t id = 0;
   std::int64_t stamp_ns = 0;
 
   void write(std::span<std::byte, bytes> to) const;
-  /// Returns nullopt when `from` is shorter; the sample follows the head.
+  /// Returns nullopt when `from` is shorter than the header; the sample follows the header.
   static std::optional<InwardSampleHead> read(ByteView from);
 };
 
@@ -109,8 +111,8 @@ void write_stamp(std::span<std::byte, 8> to, std::int64_t stamp_ns);
 /// @pre `from` has 8 bytes.
 std::int64_t read_stamp(ByteView from);
 
-/// An address: "lcm:239.255.76.67:20017/GO0123456789abcdef#" and 64 hex digits, the server's key; a
-/// well-known place has none.
+/// The address of a server: "lcm:239.255.76.67:20017/GO0123456789abcdef#" and the server's key in
+/// 64 hex digits. A well-known address has no key.
 struct SealedAddress {
   std::string medium;
   std::string network;  ///< of letters, digits, '.' and '-', at most 45 characters
@@ -118,14 +120,14 @@ struct SealedAddress {
   std::string channel;  ///< at most 63 characters
   std::optional<crypto::PublicKey> key;
 
-  /// Without the key.
+  /// The address without its key.
   std::string place() const;
   std::string to_string() const;
   static std::optional<SealedAddress> parse(std::string_view text);
 };
 
-/// What both sides know of a handshake without sending it: medium and version, place, and the clear
-/// header of its first message.
+/// The context of a handshake, which both sides know without sending it: medium and version, place,
+/// and the plaintext header of the first message.
 Bytes handshake_context(const SealedAddress& address, ByteView first_header);
 
 }  // namespace gecos::media

@@ -8,7 +8,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// 20, 40, 80, then 160 ms.
+/// Interval before the next repetition: 20, 40, 80, then 160 ms.
 Duration repeated_after(int said) { return 20ms * (1 << std::min(said - 1, 3)); }
 
 }  // namespace
@@ -36,7 +36,7 @@ void HandshakeInitiator::begin_with(const crypto::PublicKey& key) {
   const auto header = sender_->header(DatagramKind::First);
   auto begun = crypto::HandshakeInitiator::begin(keys_->own, key,
                                                  handshake_context(address_, header), ByteView{});
-  if (begun) handshake_.emplace(std::move(*begun));  // else no honest program has that key
+  if (begun) handshake_.emplace(std::move(*begun));  // fails for a key that no honest program has
 }
 
 void HandshakeInitiator::advance() {
@@ -77,7 +77,7 @@ void HandshakeInitiator::take_key(ByteView frame, TimePoint now) {
   const auto key = crypto::PublicKey::of(frame);
   if (not_admitted_ && key == not_admitted_->key) return;
   if (auto admitted = keys_->directory.admission(key); !admitted) {
-    not_admitted_ = {key, std::move(admitted.error().text)};  // another server may answer yet
+    not_admitted_ = {key, std::move(admitted.error().text)};  // another server may still answer
     return;
   }
   begin_with(key);
@@ -94,15 +94,15 @@ void HandshakeInitiator::take_second(ByteView frame, TimePoint now) {
   handshake_.reset();
   open_ = true;
   said_ = 0;
-  speak(now);  // the server accepts a client only after a sealed packet from it
+  speak(now);  // the server accepts a client only after a sealed packet from that client
 }
 
 std::string HandshakeInitiator::trouble() const {
   const std::lock_guard lock(mutex_);
-  if (open_) return queue_->heard() ? "" : "the server has let us in and was not heard since";
-  if (!handshake_ && not_admitted_) return "who answered there was refused: " + not_admitted_->why;
-  return "nobody is there, or our key " + keys_->own.public_key().short_name() +
-         " is not admitted there: then its user needs a copy of " + keys_->directory.path() + "/" +
+  if (open_) return queue_->heard() ? "" : "the server accepted us, but has sent no packet since";
+  if (!handshake_ && not_admitted_) return "the answering server is refused: " + not_admitted_->why;
+  return "no server answers, or it does not admit our key " + keys_->own.public_key().short_name() +
+         ": then the user of the server needs a copy of " + keys_->directory.path() + "/" +
          keys_->own.public_key().to_string() + ".public" + options_.network->advice();
 }
 

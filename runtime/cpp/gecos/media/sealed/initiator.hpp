@@ -15,8 +15,8 @@
 namespace gecos::media {
 
 /// Opens a client's channel: asks for the server's key if the address has none, repeats the first
-/// handshake message until it is answered, and then a beat until the server is heard. Never waits:
-/// the owner of the link must call advance() often. Any thread.
+/// handshake message until the server answers, then repeats a beat until the first sealed packet of
+/// the server arrives. Never waits: the owner of the link must call advance() often. Any thread.
 class HandshakeInitiator {
  public:
   /// Time without an answer after which the handshake starts again, because the server has
@@ -27,11 +27,12 @@ class HandshakeInitiator {
                      SealedAddress address, std::shared_ptr<SealedSender> sender,
                      std::shared_ptr<ReceiveQueue> queue);
 
-  /// Sends the messages that are due. Costs nothing once the server was heard.
+  /// Sends the messages that are due. Costs nothing once a sealed packet of the server has arrived.
   void advance();
-  /// Takes a message of the server from before the channel is open: Key or Second.
+  /// Processes a message that the server sends before the channel is open: Key or Second.
   void take(const DatagramHeader& header, ByteView frame);
-  /// Readable text why there is no channel; empty when there is one.
+  /// Why there is no connection yet, as text for the user; empty once the server has answered on
+  /// the channel.
   std::string trouble() const;
 
  private:
@@ -51,7 +52,7 @@ class HandshakeInitiator {
   const std::shared_ptr<SealedSender> sender_;
   const std::shared_ptr<ReceiveQueue> queue_;
   std::atomic<bool> over_{false};  // tells advance() that nothing is left to do
-  mutable std::mutex mutex_;       // guards what follows
+  mutable std::mutex mutex_;       // guards the members below
   std::optional<crypto::HandshakeInitiator> handshake_;
   std::optional<Refused> not_admitted_;
   bool open_ = false;

@@ -9,7 +9,7 @@
 #include "gecos/media/sealed/datagram.hpp"
 #include "gecos/media/sealed/sender.hpp"
 
-/// Streams of a client to its server, whose samples travel in the sealed channel of the two.
+/// Streams from a client to its server. Their samples are sent on the sealed channel of the link.
 namespace gecos::media {
 
 /// Sends the samples of one stream. Thread-safe.
@@ -19,11 +19,11 @@ class InwardStream {
   InwardStream(std::shared_ptr<SealedSender> sender, const SealedOptions& options,
                std::size_t largest, std::size_t depth);
 
-  /// The announcement of this stream to the server, under `id` from now on.
+  /// Shares this stream under `id` from now on. Returns its announcement to the server.
   InwardShare shared_as(std::uint32_t id);
   std::size_t largest() const { return where_.largest; }
   tl::expected<void, SendProblem> publish(ByteView sample, std::int64_t stamp_ns);
-  /// Sends the last sample again, for a reader that opened the stream after it.
+  /// Sends the last sample again, for a reader that opened the stream after the sample was sent.
   void repeat_last();
   /// Must be called when the connection is closed: no sample is sent any more.
   void end() { ended_.store(true); }
@@ -33,14 +33,15 @@ class InwardStream {
 
   const std::shared_ptr<SealedSender> sender_;
   const SealedOptions options_;
-  std::mutex mutex_;  // guards what follows
+  std::mutex mutex_;  // guards the members below
   InwardShare where_;
   bool shared_ = false;
   std::uint64_t sequence_ = 0;
   std::int64_t stamp_ns_ = 0;
   Bytes last_;
   Bytes datagram_;
-  /// Also set in a forked child, which would seal under the counters of its parent.
+  /// Also set in a forked child, which must not seal: it would reuse the nonce counters of its
+  /// parent.
   std::atomic<bool> ended_{false};
   const ForkWatch fork_watch_;
 };
@@ -58,7 +59,7 @@ class InwardWriter final : public CopyingWriter {
   const std::shared_ptr<InwardStream> stream_;
 };
 
-/// Reads what the link of the server has received.
+/// Reads the samples that the server's link has received.
 class InwardReader final : public CopyingReader {
  public:
   explicit InwardReader(std::shared_ptr<SampleBuffer> samples) : samples_(std::move(samples)) {}

@@ -9,13 +9,14 @@
 
 namespace gecos::media {
 
-/// The key of this program, and the keys that it admits. Shared: outlives the medium that opened
-/// it. Any thread.
+/// The key of this program, and the keys that it admits. Links share the keys, which may outlive
+/// the medium that opened them. Any thread.
 struct SealedKeys {
   crypto::KeyDirectory directory;
   crypto::Identity own;
 
-  /// Reads, or makes, the keys in `path`; empty: the user's usual place.
+  /// Reads the keys in the directory `path`, or makes them. Empty: the user's default key
+  /// directory.
   static tl::expected<std::shared_ptr<const SealedKeys>, MediumError> open(const std::string& path);
 
   bool admits(const crypto::PublicKey& key) const { return directory.is_admitted(key); }

@@ -26,9 +26,9 @@ std::string channel_of_name(std::string_view name) {
   return channel;
 }
 
-/// Claims a place on this host. Multicast lets other processes listen beside us, so a name in the
-/// kernel's table of abstract sockets stands for the place; the kernel removes it with the process
-/// that holds it.
+/// Reserves a well-known address on this host. Several processes may listen to one multicast
+/// address, so the reservation is the name of an abstract Unix socket; the kernel removes the name
+/// when the process ends.
 class Claim {
  public:
   static tl::expected<std::unique_ptr<Claim>, MediumError> stake(const SealedAddress& place) {
@@ -36,7 +36,7 @@ class Claim {
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
     std::copy_n(name.begin(), std::min(name.size(), sizeof address.sun_path - 1),
-                address.sun_path + 1);  // behind a NUL: no file
+                address.sun_path + 1);  // a leading NUL: an abstract socket, no file
     const auto size = static_cast<socklen_t>(
         std::min(offsetof(sockaddr_un, sun_path) + 1 + name.size(), sizeof address));
     Descriptor held(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
@@ -47,7 +47,7 @@ class Claim {
                                 " is served already by another program of this host; `ss -xap | "
                                 "grep gecos/" +
                                 place.medium + "` tells by which"
-                          : place.place() + " cannot be claimed: " + system_text(errno)});
+                          : place.place() + " cannot be reserved: " + system_text(errno)});
     }
     return std::make_unique<Claim>(std::move(held));
   }
@@ -61,7 +61,7 @@ class Claim {
 
 class SealedAcceptor final : public Acceptor {
  public:
-  /// `claim` is null for a place of its own.
+  /// `claim` is null unless the address is well-known.
   SealedAcceptor(std::shared_ptr<HandshakeResponder> responder, std::unique_ptr<Claim> claim)
       : claim_(std::move(claim)),
         responder_(std::move(responder)),
@@ -74,7 +74,7 @@ class SealedAcceptor final : public Acceptor {
 
   std::unique_ptr<Link> accept() override {
     responder_->event().drain();
-    if (responder_->pump()) responder_->event().notify();  // for edge-triggered polling
+    if (responder_->pump()) responder_->event().notify();  // announces what is left to read
     while (auto pending = responder_->next_pending()) {
       const std::uint64_t client = pending->client;
       auto link = SealedServer::welcome(responder_, std::move(*pending));
@@ -128,8 +128,9 @@ class Sealed final : public Medium {
   tl::expected<std::unique_ptr<Link>, MediumError> connect(std::string_view address) override {
     const auto parsed = SealedAddress::parse(address);
     if (const std::string name(offer().name); !parsed || parsed->medium != name) {
-      return tl::unexpected(MediumError{std::string(address) + ": an address of " + name +
-                                        " reads " + name + ":<group>:<port>/<channel>#<key>"});
+      return tl::unexpected(MediumError{std::string(address) + ": not an address of " + name +
+                                        ", which has the form " + name +
+                                        ":<group>:<port>/<channel>#<key>"});
     }
     const auto keys = this->keys();
     if (!keys) return tl::unexpected(keys.error());
@@ -146,7 +147,7 @@ class Sealed final : public Medium {
             channel_of_name(name), std::nullopt};
   }
 
-  /// Opened with the first use, since most programs never need them.
+  /// Opens the keys on first use, because most programs never need them.
   tl::expected<std::shared_ptr<const SealedKeys>, MediumError> keys() {
     const std::lock_guard lock(mutex_);
     if (keys_ == nullptr) {

@@ -8,7 +8,7 @@ namespace {
 constexpr std::size_t most_notices = 1024;
 constexpr Duration oldest_sign_of_life = std::chrono::milliseconds(250);
 
-/// What was sealed, in a frame that was opened in place.
+/// The plaintext in a frame that was decrypted in place.
 ByteView text_in(const Bytes& frame) {
   return ByteView(frame).subspan(crypto::Sealer::text_at, frame.size() - crypto::Sealer::overhead);
 }

@@ -18,8 +18,9 @@
 
 namespace gecos::media {
 
-/// The packets that have arrived for one end of a link, put in by the thread that pumps the port.
-/// They are opened first, so that only packets of the peer count. Thread-safe.
+/// The packets that have arrived for one end of a link, stored by the thread that reads the port.
+/// Packets are decrypted before they are stored, so that only those of the peer take room.
+/// Thread-safe.
 class ReceiveQueue final : public Sleeper {
  public:
   /// Packets beyond these bounds are dropped, as on a network: the sender notices the missing
@@ -31,25 +32,26 @@ class ReceiveQueue final : public Sleeper {
   ReceiveQueue() = default;
   explicit ReceiveQueue(const crypto::Opener& opener) : opener_(opener) {}
 
-  /// From now on arriving packets can be opened; before, they are dropped. Must be called at most
-  /// once.
+  /// Sets what decrypts arriving packets; packets that arrive earlier are dropped. Must be called
+  /// at most once.
   void open(const crypto::Opener& opener);
-  /// Takes a sealed datagram of the peer, read at `now`: its header, and the frame after it.
+  /// Decrypts and stores a sealed datagram of the peer, read at `now`: its header, and the frame
+  /// after it.
   void take(ByteView header, ByteView frame, TimePoint now);
-  /// A frame that was opened in place.
+  /// Stores a frame that was decrypted in place.
   void put(Bytes frame, TimePoint now);
 
   struct Packet {
-    Bytes frame;       ///< opened; packet_in() says where in it the packet is
-    TimePoint sent{};  ///< by our clock
+    Bytes frame;       ///< decrypted; packet_in() returns the packet in it
+    TimePoint sent{};  ///< send time by our clock
   };
-  /// The next packet. Reuses the memory of `packet`.
+  /// Moves the next packet to `packet`, whose memory is reused. Returns false when there is none.
   bool pop(Packet& packet);
   static ByteView packet_in(const Bytes& frame);
   bool has_packets();
   std::optional<Duration> clock_difference();
 
-  struct Notice {  // anything but a packet or a beat
+  struct Notice {  // a message about a shared stream
     InnerKind kind{};
     std::uint64_t number = 0;
     SharedStream stream;
@@ -60,10 +62,10 @@ class ReceiveQueue final : public Sleeper {
   void collect(std::uint32_t id, std::weak_ptr<SampleBuffer> samples);
   /// Whether an inward sample has arrived that no reader and no earlier call has seen.
   bool new_samples();
-  /// Called with every beat: deletes keys that were replaced.
+  /// Must be called with every beat: deletes keys that were replaced.
   void on_tick(TimePoint now);
 
-  /// True once a packet was opened: the peer has the channel's keys.
+  /// Whether a packet was decrypted: then the peer has the keys of the channel.
   bool heard() const { return beats() != 0; }
   std::uint64_t beats() const { return beats_.load(std::memory_order_relaxed); }
   /// As Link::beats_read. The reader has handled a packet when it calls `pop` again.
@@ -85,7 +87,7 @@ class ReceiveQueue final : public Sleeper {
 
   EventFd event_;
   std::atomic<bool> asleep_{false};  // tells the pumping thread to notify
-  std::atomic<bool> closed_{false};  // the peer said goodbye
+  std::atomic<bool> closed_{false};  // the peer has sent Bye
   std::atomic<std::uint64_t> beats_{0};
   std::atomic<std::uint64_t> beats_read_{0};
   std::atomic<std::uint64_t> dropped_{0};
@@ -94,7 +96,7 @@ class ReceiveQueue final : public Sleeper {
   SendersClock clock_;
   std::deque<Packet> packets_;
   bool in_hand_ = false;  // the reader may still be handling the packet that it took last
-  Bytes spare_;           // of a packet that was taken: most frames need no memory of their own
+  Bytes spare_;           // memory of a packet that was read; reused for the next frame
   std::size_t bytes_ = 0;
   std::vector<Notice> notices_;
   std::map<std::uint32_t, std::weak_ptr<SampleBuffer>> inward_;

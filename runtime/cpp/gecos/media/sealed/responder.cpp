@@ -54,7 +54,7 @@ void HandshakeResponder::take(ByteView datagram) {
       answer(*header, DatagramKind::Key, keys_->own.public_key().bytes, now);
     }
   } catch (const std::system_error& failed) {  // keep serving the other clients
-    log_warning(address_.medium, std::string("cannot let a client in: ") + failed.what());
+    log_warning(address_.medium, std::string("cannot accept a client: ") + failed.what());
   }
 }
 
@@ -119,7 +119,8 @@ void HandshakeResponder::confirm(const DatagramHeader& header, ByteView datagram
 void HandshakeResponder::answer(const DatagramHeader& to, DatagramKind kind, ByteView frame,
                                 TimePoint now) {
   if (!answers_.take(now)) return;
-  // Opened for this one answer: a client that has not proved its keys must hold nothing here.
+  // The port is opened for this answer only: a client that has not proved its keys must not occupy
+  // resources here.
   auto out = options_.network->open(to.reply_port);
   if (!out) {
     if (warnings_.take(now))

@@ -18,8 +18,9 @@
 namespace gecos::media {
 
 /// What the acceptor of an object and its links share: the port that receives the datagrams of all
-/// clients, and the handshake. A client counts as connected once a packet that it sealed was
-/// opened. A replayed handshake never gets so far, displaces no client, and holds no descriptor.
+/// clients, and the handshake. A client counts as connected once one of its sealed packets was
+/// decrypted. A replayed handshake never gets that far: it displaces no client and holds no
+/// descriptor.
 class HandshakeResponder {
  public:
   /// A client that has connected and was not yet accepted.
@@ -44,7 +45,7 @@ class HandshakeResponder {
   std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth);
 
   int descriptor() const { return in_->descriptor(); }
-  /// pump() notifies it when a client has connected.
+  /// The eventfd that pump() notifies when a client has connected.
   EventFd& event() { return event_; }
   const SealedOptions& options() const { return options_; }
   const SealedAddress& address() const { return address_; }
@@ -80,12 +81,12 @@ class HandshakeResponder {
   const std::unique_ptr<DatagramPort> in_;
   const SealedAddress address_;
   EventFd event_;
-  std::atomic<bool> closed_{false};  // the acceptor has gone: no client is let in any more
-  // Used by the thread that pumps, one at a time:
+  std::atomic<bool> closed_{false};  // the acceptor is destroyed: no further client is accepted
+  // Used only in pump(), by one thread at a time:
   crypto::HandshakeAcceptor handshakes_;
   Budget answers_{400};
   Budget warnings_{1};
-  std::mutex mutex_;                    // guards what follows
+  std::mutex mutex_;                    // guards the members below
   std::list<Unconfirmed> unconfirmed_;  // oldest first
   std::map<std::uint64_t, std::shared_ptr<ReceiveQueue>> queues_;
   std::deque<PendingPeer> pending_;

@@ -16,25 +16,25 @@ namespace gecos::media {
 /// The sending side of one end of a link: seals and publishes. Any thread.
 class SealedSender {
  public:
-  /// Packets sent before the channel is open are held up to these bounds; more are lost, as on a
-  /// network.
+  /// Packets sent before the channel is open are held up to these bounds; further packets are lost,
+  /// as on a network.
   static constexpr std::size_t most_held = 64;
   static constexpr std::size_t most_bytes_held = 1024 * 1024;
 
   SealedSender(std::shared_ptr<DatagramPort> port, std::string channel, std::uint64_t client,
                std::uint16_t reply_port);
 
-  /// From now on `sealer` seals; packets that were held are sent. Must be called at most once.
+  /// Sets the sealer and sends the packets that were held. Must be called at most once.
   void open(crypto::Sealer sealer);
   bool is_open();
-  /// Seals head and body in `memory` and sends them; holds packets while the channel is not open,
-  /// and drops everything else. Returns false when the kernel refused the datagram.
+  /// Seals head and body in `memory` and sends them. While the channel is not open, holds packets
+  /// and drops other messages. Returns false when the kernel refused the datagram.
   bool send(InnerHeader what, ByteView head, ByteView body, Bytes& memory);
-  /// Sends an unsealed datagram of the handshake, with the same header.
+  /// Sends an unsealed datagram of the handshake: header(kind) and `frame`.
   bool send_bare(DatagramKind kind, ByteView frame);
-  /// The header of such a datagram, which the handshake is bound to.
+  /// The header of a datagram of the handshake, which authenticates the header.
   std::array<std::byte, DatagramHeader::bytes> header(DatagramKind kind) const;
-  /// Called with every beat: changes to the next key when it is due.
+  /// Must be called with every beat: changes to the next key when that is due.
   void on_tick(TimePoint now);
 
  private:
@@ -45,7 +45,7 @@ class SealedSender {
   const std::string channel_;
   const std::uint64_t client_;
   const std::uint16_t reply_port_;
-  std::mutex mutex_;  // guards what follows
+  std::mutex mutex_;  // guards the members below
   std::optional<crypto::Sealer> sealer_;
   std::deque<Bytes> held_;
   std::size_t bytes_held_ = 0;

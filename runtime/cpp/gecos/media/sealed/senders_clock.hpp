@@ -14,10 +14,10 @@ namespace gecos::media {
 /// that time, and never too large. One thread at a time.
 class SendersClock {
  public:
-  /// What two clocks may drift apart: one part in so many.
+  /// Assumed maximum drift between two clocks: one part in so many.
   static constexpr std::int64_t drift = 2000;
-  /// The assumed maximum difference between two clocks, 73 years. Times sent by a peer are clamped
-  /// to it.
+  /// The assumed maximum difference between two clocks, 73 years. Differences to the times of a
+  /// peer are clamped to this range.
   static constexpr Duration longest{std::int64_t{1} << 61};
 
   /// The age of a packet with the time stamp `sent_ns` that was read at `now`.
@@ -35,8 +35,8 @@ class SendersClock {
     return took - *least_ - (now - since_) / drift;
   }
 
-  /// How much later our clock reads, plus the shortest transit time: the smallest difference of the
-  /// last five to ten minutes, in which clocks drift apart by less than packets are delayed.
+  /// Our clock minus the sender's, plus the shortest transit time: the smallest difference of the
+  /// last five to ten minutes. In that time clocks drift apart by less than packets are delayed.
   std::optional<Duration> difference() const {
     return before_ && smallest_ ? std::min(before_, smallest_) : smallest_;
   }
@@ -49,10 +49,10 @@ class SendersClock {
     smallest_ = std::min(smallest_.value_or(took), took);
   }
 
-  std::optional<Duration> smallest_;  ///< since begun_
-  std::optional<Duration> before_;    ///< in the period before that
+  std::optional<Duration> smallest_;  ///< smallest difference since begun_
+  std::optional<Duration> before_;    ///< smallest difference in the previous period
   TimePoint begun_;
-  std::optional<Duration> least_;  ///< the difference of the clocks, and the quickest way
+  std::optional<Duration> least_;  ///< difference of the clocks plus the shortest transit time
   TimePoint since_;
 };
 

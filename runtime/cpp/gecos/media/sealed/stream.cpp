@@ -55,7 +55,7 @@ void SampleQueue::take(ByteView datagram) {
   {
     const std::lock_guard lock(mutex_);
     const ByteView sealed = datagram.subspan(DatagramHeader::bytes);
-    // The first sample of a stream has number 1, and counter 0.
+    // The first sample of a stream has sequence number 1 and nonce counter 0.
     const std::uint64_t sequence =
         crypto::read_u64(sealed.first<crypto::StreamSealer::text_at>()) + 1;
     if (sequence <= samples_.newest()) return;  // repeated, or reordered after a newer one

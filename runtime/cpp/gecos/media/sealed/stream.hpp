@@ -13,7 +13,8 @@
 
 namespace gecos::media {
 
-/// Sends a stream once for all its readers, on a channel of its own and under a key of its own.
+/// Sends each sample of a stream once for all readers, on a channel and under a key that only this
+/// stream uses.
 class SealedStream {
  public:
   SealedStream(std::shared_ptr<DatagramPort> port, SharedStream where);
@@ -30,7 +31,7 @@ class SealedStream {
   const SharedStream where_;
   const std::string channel_;
   std::mutex mutex_;
-  Bytes last_;  // as it was sent
+  Bytes last_;  // the last datagram sent
 };
 
 class SealedStreamWriter final : public CopyingWriter {
@@ -46,7 +47,7 @@ class SealedStreamWriter final : public CopyingWriter {
   const std::shared_ptr<SealedStream> stream_;
 };
 
-/// The newest samples of a stream that is being read, filled by the thread that pumps `port`.
+/// The newest samples of a stream that is being read, filled by the thread that reads `port`.
 class SampleQueue {
  public:
   /// `sleeper` is woken with every new sample.
@@ -55,14 +56,14 @@ class SampleQueue {
 
   void take(ByteView datagram);
   bool read(std::uint64_t after, bool newest, StreamSample& into);
-  /// True when a sample has arrived that neither the reader nor an earlier call has seen.
+  /// Whether a sample has arrived that neither the reader nor an earlier call has seen.
   bool anything_new();
 
  private:
   const std::shared_ptr<DatagramPort> port_;
   const std::weak_ptr<Sleeper> sleeper_;
   SampleBuffer samples_;
-  std::mutex mutex_;  // guards what follows
+  std::mutex mutex_;  // guards the members below
   crypto::StreamOpener opener_;
   Bytes frame_;
 };
@@ -81,11 +82,12 @@ class SealedStreamReader final : public CopyingReader {
   const std::shared_ptr<SampleQueue> queue_;
 };
 
-/// "GS0123456789abcdef"
+/// The name of a channel: `prefix` and 16 hex digits, such as "GS0123456789abcdef".
 std::string channel_name(std::string_view prefix, std::uint64_t number);
-/// A random number that no other program has drawn.
+/// A random number that is not 0 and that, almost certainly, no other program has drawn.
 std::uint64_t draw_number();
-/// A port below the kernel's own choices, from a range that is wide enough to be mostly alone.
+/// A random port from 20000 to 32000: below the ephemeral port range, and rarely drawn by two
+/// programs.
 std::uint16_t draw_port();
 
 }  // namespace gecos::media

@@ -26,7 +26,7 @@
 namespace gecos::media::shm {
 namespace {
 
-constexpr std::size_t most_pending = 64;  // who connect and stay silent are dropped, oldest first
+constexpr std::size_t most_pending = 64;  // above this, silent clients are dropped
 constexpr int most_at_once = 64;
 constexpr std::size_t longest_name = 32;
 constexpr std::string_view no_descriptors = "the server has no descriptors left (ulimit -n)";
@@ -74,12 +74,12 @@ std::string occupied(const std::string& path) {
   if (!their && errno == EACCES) {
     return path + " belongs to another user; " + elsewhere;
   }
-  if (!their && errno != EAGAIN) {  // that one serves, and has too many clients at once
+  if (!their && errno != EAGAIN) {  // EAGAIN: a server is there, and its backlog is full
     const std::string why = system_text(errno);
     if (!is_socket(path)) {
-      return path + " is no socket, and no link to one that is served; remove it, or " + elsewhere;
+      return path + " exists, but is not the socket of a server; remove it, or " + elsewhere;
     }
-    return "cannot tell who serves " + path + ": " + why;
+    return "cannot find the server of " + path + ": " + why;
   }
   const auto server = their ? peer_of(their.get()) : tl::unexpected(std::string());
   if (!server) {
@@ -95,7 +95,7 @@ std::string occupied(const std::string& path) {
          std::to_string(*server->pid) + "), or " + elsewhere;
 }
 
-/// Removes what servers that were killed have left: "<name>.<pid>.<number>.sock".
+/// Removes the sockets that killed servers have left: "<name>.<pid>.<number>.sock".
 /// @pre the directory's lock is held.
 void sweep(const std::string& directory) {
   DIR* const opened = ::opendir(directory.c_str());
@@ -105,7 +105,7 @@ void sweep(const std::string& directory) {
     if (!name.ends_with(".sock")) continue;
     const std::size_t dot = name.find('.');
     const auto pid = static_cast<pid_t>(std::atol(name.c_str() + dot + 1));
-    // A living pid spares its server a connection that says nothing.
+    // If the process lives, do not connect: its server would get a connection without a Hello.
     if (pid <= 0 || (::kill(pid, 0) == 0 || errno != ESRCH)) continue;
     const std::string path = directory + "/" + name;
     if (server_is_dead(path)) ::unlink(path.c_str());
@@ -186,8 +186,8 @@ tl::expected<std::unique_ptr<Acceptor>, MediumError> ShmAcceptor::open(const Shm
       if (!listener && errno == EADDRINUSE) return listen_error(occupied(path));
     }
   } else {
-    static std::atomic<std::uint64_t> opened{0};  // makes addresses of this process differ
-    do {  // a name may be taken by the same pid of another process namespace
+    static std::atomic<std::uint64_t> opened{0};  // makes the addresses of this process unique
+    do {  // the same pid in another process namespace may have taken the name
       path = directory + "/" + file_name(name) + "." + std::to_string(::getpid()) + "." +
              std::to_string(++opened) + ".sock";
       listener = bind_and_listen(path, options.other_users);
@@ -223,7 +223,7 @@ ShmAcceptor::ShmAcceptor(std::string path, Descriptor listener, bool other_users
 ShmAcceptor::~ShmAcceptor() {
   if (inherited_) return;
   ::unlink(path_.c_str());
-  while (let_in()) {  // clients that still wait in the backlog are notified too
+  while (let_in()) {  // accepts the backlog, so that those clients are notified too
   }
   for (const PendingPeer& pending : pending_)
     say_goodbye(pending.socket.get(), "the server closed");
@@ -241,7 +241,7 @@ std::unique_ptr<Link> ShmAcceptor::accept() {
   for (std::size_t pending = pending_.size(); pending-- > 0;) {
     if (auto link = hear(pending)) return link;
   }
-  // A client sends Hello right after it connects, so most clients are accepted and read at once.
+  // A client sends Hello right after it connects, so most Hellos can be read right after accept4().
   for (int i = 0; i < most_at_once; ++i) {
     if (!let_in()) return nullptr;
     if (pending_.empty()) continue;
@@ -263,23 +263,23 @@ bool ShmAcceptor::let_in() {
   }
   if (!other_users_ && peer->uid != ::geteuid() && peer->uid != 0u) {
     say_goodbye(pending.socket.get(),
-                "refused: this server meets only uid " + std::to_string(::geteuid()));
+                "refused: this server accepts only uid " + std::to_string(::geteuid()));
     return true;
   }
   auto death = death_of_peer(pending.socket.get(), *peer->pid);
-  if (!death) return true;  // no client is there to be notified
+  if (!death) return true;  // the client is dead: nobody is left to notify
   epoll_event event{EPOLLIN, {.fd = pending.socket.get()}};
   if (::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, pending.socket.get(), &event) != 0) return true;
   pending.peer = std::move(*peer);
   pending.death = std::move(*death);
-  if (pending_.size() == most_pending) drop(0);  // all have been read and were silent
+  if (pending_.size() == most_pending) drop(0);  // pending clients have sent nothing yet
   pending_.push_back(std::move(pending));
   return true;
 }
 
 /// Returns false when no client was waiting, or another thread took the spare descriptor meanwhile.
 bool ShmAcceptor::turn_away() {
-  // Left in the backlog, the client would keep us awake for ever.
+  // A client that is left in the backlog would keep the listener readable and this thread awake.
   spare_.reset();
   const Descriptor unwanted(::accept4(listener_.get(), nullptr, nullptr, SOCK_CLOEXEC));
   short_of_descriptors_ = !unwanted && none_left(errno);
@@ -290,7 +290,7 @@ bool ShmAcceptor::turn_away() {
 }
 
 void ShmAcceptor::log_turned_away() const {
-  log_warning("shm", path_ + " turned a client away: no descriptors left, see `ulimit -n`");
+  log_warning("shm", path_ + " refused a client: no file descriptors left, raise `ulimit -n`");
 }
 
 std::unique_ptr<Link> ShmAcceptor::hear(std::size_t index) {

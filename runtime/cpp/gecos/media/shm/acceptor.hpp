@@ -48,7 +48,7 @@ class ShmAcceptor final : public Acceptor {
   const bool other_users_;
   Descriptor listener_;
   Descriptor epoll_;
-  EventFd more_;      // notified by us: more clients may wait than are accepted at once
+  EventFd more_;      // notified by accept() if more clients may wait than one call accepts
   Descriptor spare_;  // closed for a moment to refuse a client when no other descriptor is left
   bool short_of_descriptors_ = false;
   std::vector<PendingPeer> pending_;
@@ -59,7 +59,7 @@ class ShmAcceptor final : public Acceptor {
 
 /// The path of the well-known socket named `name`.
 std::string well_known_path(const std::string& directory, std::string_view name);
-/// A socket connected to `path`; none and errno when that fails.
+/// A socket connected to `path`; empty, with errno set, when that fails.
 Descriptor connect_to(const std::string& path);
 
 }  // namespace gecos::media::shm

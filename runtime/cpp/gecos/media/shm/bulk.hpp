@@ -9,15 +9,15 @@
 
 namespace gecos::media::shm {
 
-/// The areas of one link: each in sealed memory of its own, whose descriptor is sent over the
-/// socket before the first packet in it is announced.
+/// The areas for large packets of one link. Each area is a sealed memfd, whose descriptor is sent
+/// over the socket before the first packet in the area is announced.
 class ShmBulk final : private AreaMaker {
  public:
-  /// `look` reads the socket, and waits for what another thread is reading from it.
+  /// `look` reads the socket, and waits until another thread that reads it has finished.
   ShmBulk(int socket, RingWriter& ring, std::function<void()> look)
       : out(ring, *this), in(std::move(look)), socket_(socket) {}
 
-  /// Area or AreaEnd of the peer. Fails with what is wrong with it.
+  /// Processes a message Area or AreaEnd of the peer. Fails with the reason when it is invalid.
   tl::expected<void, std::string> take(ReceivedControl& control);
 
   BulkWriter out;

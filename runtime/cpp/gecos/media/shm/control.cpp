@@ -17,14 +17,15 @@ namespace {
 
 static_assert(std::is_trivially_copyable_v<ControlMessage>);
 
-constexpr std::uint32_t nobody = 65534;  // what the kernel says of users that it cannot name here
-constexpr int so_peerpidfd = 77;         // Linux 6.5; older headers do not know it
+constexpr std::uint32_t nobody = 65534;  // the uid of users that do not exist in this namespace
+constexpr int so_peerpidfd = 77;         // SO_PEERPIDFD of Linux 6.5, not in older headers
 
 union alignas(cmsghdr) DescriptorSpace {
   char bytes[CMSG_SPACE(2 * sizeof(int))];
 };
 
-/// Takes ownership of whatever came; true when it fits what a message may bring.
+/// Takes ownership of all received descriptors. Returns false when they are more than a message may
+/// have, or when some were lost.
 bool take_descriptors(msghdr& header, std::array<Descriptor, 2>& into) {
   std::size_t taken = 0;
   bool fits = (header.msg_flags & MSG_CTRUNC) == 0;
@@ -89,8 +90,8 @@ ControlRead receive_control(int socket, ReceivedControl& into) {
   ssize_t got = -1;
   do {
     got = ::recvmsg(socket, &header, MSG_DONTWAIT | MSG_CMSG_CLOEXEC);
-    // The kernel reports a reset once, before data that the peer had sent; that data is still to be
-    // read.
+    // The kernel reports ECONNRESET once, before data that the peer sent earlier: read on to get
+    // that data.
   } while (got < 0 && (errno == EINTR || errno == ECONNRESET));
   if (got < 0) {
     return errno == EAGAIN || errno == EWOULDBLOCK ? ControlRead::Nothing : ControlRead::Ended;
@@ -98,7 +99,8 @@ ControlRead receive_control(int socket, ReceivedControl& into) {
   into.descriptors = {};
   const bool fits = take_descriptors(header, into.descriptors);
   if (got == 0) return ControlRead::Ended;
-  // The kernel drops those that find no place in our table, and says only that some were dropped.
+  // The kernel drops descriptors that do not fit into this process's table, and reports only that
+  // some were dropped.
   const bool dropped = (header.msg_flags & MSG_CTRUNC) != 0;
   if (dropped && !into.descriptors.back()) return ControlRead::NoDescriptors;
   if (!fits || (header.msg_flags & MSG_TRUNC) != 0 ||
@@ -114,11 +116,11 @@ tl::expected<Peer, std::string> peer_of(int socket) {
   ucred named{};
   socklen_t size = sizeof named;
   if (::getsockopt(socket, SOL_SOCKET, SO_PEERCRED, &named, &size) != 0) {
-    return tl::unexpected("the kernel does not name the peer: " + system_text(errno));
+    return tl::unexpected("the kernel does not tell the user of the peer: " + system_text(errno));
   }
   if (named.pid <= 0 || named.uid == nobody || named.uid == static_cast<uid_t>(-1)) {
     return tl::unexpected<std::string>(
-        "the peer's user or process has no name here (another namespace)");
+        "the peer's user or process is unknown here (another namespace)");
   }
   return Peer{named.uid, named.pid,
               "uid " + std::to_string(named.uid) + ", pid " + std::to_string(named.pid)};
@@ -128,8 +130,8 @@ tl::expected<Descriptor, std::string> death_of_peer(int socket, std::int32_t pid
   int fd = -1;
   socklen_t size = sizeof fd;
   if (::getsockopt(socket, SOL_SOCKET, so_peerpidfd, &fd, &size) == 0) return Descriptor(fd);
-  // Older kernels: the pid may belong to another process by now; then the end of the socket reports
-  // the death.
+  // On older kernels the pid may belong to another process by now; then only the end of the socket
+  // shows the death.
   fd = static_cast<int>(::syscall(SYS_pidfd_open, pid, 0));
   if (fd < 0 && errno == ESRCH) return tl::unexpected<std::string>("its process has ended");
   return Descriptor(fd);

@@ -19,19 +19,20 @@ namespace gecos::media::shm {
 namespace {
 
 constexpr const char* administrators_directory = "/run/gecos";
-/// A socket's path has 107 characters, and its file name may take 57 of them.
+/// The path of a socket has at most 107 characters, and its file name may take 57 of them.
 constexpr std::size_t longest_directory = 50;
 
 tl::unexpected<MediumError> error(const std::string& text) {
   return tl::unexpected(MediumError{"shm: " + text});
 }
 
-/// Root's and sticky, as /tmp is: every user may make files there and remove only their own.
+/// Whether a directory is owned by root and sticky, as /tmp is: every user may make files in it,
+/// and remove only their own.
 bool sticky_of_root(const struct stat& found) {
   return S_ISDIR(found.st_mode) && found.st_uid == 0 && (found.st_mode & S_ISVTX) != 0;
 }
 
-/// Follows a link, but not one that another user may have put there.
+/// As stat(), but does not follow a symbolic link that another user may have made.
 bool look_at(const std::string& directory, struct stat& found) {
   struct stat parent {};
   const std::string above = std::filesystem::path(directory).parent_path().string();
@@ -71,15 +72,15 @@ tl::expected<void, MediumError> prepare_directory(const std::string& directory) 
   }
   if (::mkdir(directory.c_str(), 0700) != 0 && errno != EEXIST) {
     return error("cannot make " + directory + ": " + system_text(errno) +
-                 "; name another one in GECOS_RUNTIME_DIR");
+                 "; name another directory in GECOS_RUNTIME_DIR");
   }
   struct stat found {};
   if (!look_at(directory, found)) {
-    return error("cannot look at " + directory + ": " + system_text(errno));
+    return error("cannot read the attributes of " + directory + ": " + system_text(errno));
   }
   if (!S_ISDIR(found.st_mode)) {
     return error(directory +
-                 " is not a directory; remove it or name another one in "
+                 " is not a directory; remove it or name another directory in "
                  "GECOS_RUNTIME_DIR");
   }
   if (sticky_of_root(found)) return {};
@@ -88,8 +89,8 @@ tl::expected<void, MediumError> prepare_directory(const std::string& directory) 
                  ", who could listen in; name a directory of your own in GECOS_RUNTIME_DIR");
   }
   if ((found.st_mode & (S_IWGRP | S_IWOTH)) != 0) {
-    return error("others may write to " + directory + ", who could listen in; run:  chmod go-w " +
-                 directory);
+    return error("other users may write to " + directory +
+                 " and could listen in; run:  chmod go-w " + directory);
   }
   return {};
 }
@@ -102,7 +103,7 @@ tl::expected<std::string, MediumError> host_identity(const std::string& director
   std::getline(std::ifstream("/proc/sys/kernel/random/boot_id"), boot);
   struct stat found {};
   if (boot.empty() || ::stat(directory.c_str(), &found) != 0) {
-    return error("cannot tell which host this is: /proc/sys/kernel/random/boot_id or " + directory +
+    return error("cannot identify this host: /proc/sys/kernel/random/boot_id or " + directory +
                  " is not readable");
   }
   return boot + "/" + std::to_string(found.st_dev) + ":" + std::to_string(found.st_ino);
@@ -118,7 +119,7 @@ tl::expected<DirectoryLock, MediumError> DirectoryLock::take(const std::string& 
     }
     if (std::chrono::steady_clock::now() >= patience) {
       return error("another program has kept " + directory + " locked for a second; `fuser -v " +
-                   directory + "` tells which");
+                   directory + "` shows which program");
     }
     const timespec a_little{0, 1'000'000};
     ::nanosleep(&a_little, nullptr);

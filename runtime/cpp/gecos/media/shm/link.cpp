@@ -15,15 +15,15 @@ namespace gecos::media::shm {
 namespace {
 
 constexpr std::size_t ring_bytes = RingMemory::bytes(usual_slot_count);
-/// Streams that an end may share on one link; a peer that shares more means harm. Each takes a
-/// mapping of its reader, and a server has many clients.
+/// Maximum number of streams that an end may share on one link; a peer that shares more is hostile.
+/// Each stream takes a mapping in the process that reads it, and a server has many clients.
 constexpr std::size_t most_streams_of(ShmLink::Role sharing) {
   return sharing == ShmLink::Role::Server ? 1024 : 64;
 }
 constexpr std::size_t most_unsent = 256;
-constexpr int most_messages_at_once = 64;  // so that a flood on the socket delays, but never holds
+constexpr int most_messages_at_once = 64;  // so that a flood cannot hold the reader
 
-/// Fails, with the text of the system, when there is no descriptor left for its eventfd.
+/// Fails with the system's error text when no descriptor is left for the link's eventfd.
 tl::expected<std::unique_ptr<ShmLink>, std::string> make_link(ShmLink::Role role,
                                                               std::shared_ptr<PeerEnd> other,
                                                               Peer peer, Descriptor death,
@@ -37,7 +37,7 @@ tl::expected<std::unique_ptr<ShmLink>, std::string> make_link(ShmLink::Role role
 }
 
 constexpr const char* inherited_text =
-    "this connection belongs to the process that forked this one: make your own";
+    "this connection belongs to the process that forked this one: make a new connection";
 
 }  // namespace
 
@@ -51,7 +51,7 @@ void PeerEnd::wake() {
   if (known() && event_) {
     notify_event_fd(event_.get());
   } else {
-    // When the socket is full of these, the peer has enough to wake up for.
+    // This may fail: when the socket is full of messages, they wake the peer.
     send_control(socket_.get(), ControlMessage{.type = ControlType::Notify});
   }
 }
@@ -116,7 +116,7 @@ tl::expected<std::unique_ptr<Link>, std::string> ShmLink::welcome(Descriptor soc
   if (!link->know_peer(hello, problem)) return tl::unexpected(std::move(problem));
   const std::array given{link->own_memory_.memfd.get(), link->event_.descriptor()};
   if (!send_control(link->other_->socket(), {.type = ControlType::Welcome}, given)) {
-    return tl::unexpected<std::string>("it closed the connection at once");
+    return tl::unexpected<std::string>("the client closed the connection at once");
   }
   link->own_memory_.memfd.reset();
   return link;
@@ -153,8 +153,7 @@ tl::expected<std::uint64_t, SendProblem> ShmLink::send_quietly(ByteView head, By
 }
 
 void ShmLink::wake_reader() {
-  // A server that is not known yet may sleep already: it cannot tell us, so it is woken in any
-  // case.
+  // Before its Welcome, a server may sleep, but cannot publish that: so it is woken in any case.
   if (other_->known() && !writer_.reader_sleeps()) return;
   note_ring(*own_.control);
   other_->wake();
@@ -169,7 +168,7 @@ std::optional<ByteView> ShmLink::receive() {
   auto packet = reader_->read();
   if (!packet && reader_->broken()) {
     const std::lock_guard lock(control_mutex_);
-    note_loss(Loss::Broken, "it wrote nonsense into its ring");
+    note_loss(Loss::Broken, "the peer wrote invalid data into its ring");
   }
   return packet;
 }
@@ -194,7 +193,7 @@ bool ShmLink::prepare_to_sleep() {
 
 void ShmLink::woke() {
   own_.control->asleep.store(0, std::memory_order_relaxed);
-  // Not the eventfd: then it was the socket, or the peer's death, or nothing.
+  // If the eventfd did not end the sleep, a message on the socket or the peer's death may have.
   if (!event_.drain()) read_control();
 }
 
@@ -203,7 +202,7 @@ void ShmLink::write_word(std::size_t index, std::uint64_t value) {
 }
 
 std::uint64_t ShmLink::peer_word(std::size_t index) {
-  if (!other_->known()) return 0;  // it has not answered, so it has written nothing yet
+  if (!other_->known()) return 0;  // a peer that has not answered has written no word
   return other_->ring().control->words.at(index).load(std::memory_order_seq_cst);
 }
 
@@ -286,7 +285,7 @@ std::string ShmLink::why_no_stream(std::uint32_t id) {
 bool ShmLink::know_peer(ReceivedControl& from, std::string& problem) {
   auto& [memfd, event] = from.descriptors;
   if (!memfd || !event) {
-    problem = "it did not send its memory and its eventfd";
+    problem = "the peer did not send its memory and its eventfd";
     return false;
   }
   auto mapping = map_received(memfd.get(), ring_bytes);
@@ -316,10 +315,10 @@ void ShmLink::read_control() {
     if (read == ControlRead::Message) {
       take_control(control);
     } else if (read == ControlRead::Ended) {
-      note_loss(Loss::Died, peer_.description + " closed its socket without a word");
+      note_loss(Loss::Died, peer_.description + " closed its socket without a message");
     } else if (read == ControlRead::NoDescriptors) {
       const std::string why =
-          "there is no descriptor here for what it sent: " + system_text(EMFILE);
+          "no file descriptor is left for what the peer sent: " + system_text(EMFILE);
       if (control.message.type == ControlType::Share &&
           not_opened_.size() < most_streams_of(peer_role())) {
         not_opened_[control.message.id] = why;
@@ -328,10 +327,10 @@ void ShmLink::read_control() {
         note_loss(Loss::Broken, why);
       }
     } else {
-      note_loss(Loss::Broken, "it sent something that is no message of ours");
+      note_loss(Loss::Broken, "the peer sent a message of another format or version");
     }
   }
-  // Once nothing is left to read: a peer that said goodbye before it ended has not died.
+  // Only when nothing is left to read: a peer that sent Bye before it ended has closed, not died.
   if (watched[1].revents != 0 && read == ControlRead::Nothing) {
     note_loss(Loss::Died, peer_.description + " has ended");
   }
@@ -347,8 +346,8 @@ void ShmLink::take_control(ReceivedControl& control) {
   std::string problem;
   switch (message.type) {
     case ControlType::Notify:
-      // When a call of loss() reads it here, it is gone from the socket on which another thread
-      // sleeps.
+      // If loss() reads this message, the thread that sleeps on the socket does not see it: wake
+      // that thread by its eventfd.
       if (own_.control->asleep.load(std::memory_order_seq_cst) != 0) event_.notify();
       return;
     case ControlType::Bye: {
@@ -362,7 +361,7 @@ void ShmLink::take_control(ReceivedControl& control) {
         note_loss(Loss::Broken, std::move(problem));
         return;
       }
-      event_.notify();  // a thread may sleep that could not look at the ring before
+      event_.notify();  // wakes a thread that slept before it could read the ring
       return;
     case ControlType::Share:
       take_stream(control);
@@ -380,7 +379,7 @@ void ShmLink::take_control(ReceivedControl& control) {
     case ControlType::Hello:
       break;
   }
-  note_loss(Loss::Broken, "it sent a message that is not its to send");
+  note_loss(Loss::Broken, "the peer sent a message that is not allowed here");
 }
 
 void ShmLink::take_stream(ReceivedControl& control) {
@@ -389,7 +388,7 @@ void ShmLink::take_stream(ReceivedControl& control) {
   if (arrived_.size() >= most_streams_of(peer_role()) || message.depth == 0 ||
       message.depth > most || message.largest > most ||
       message.depth + 1 > most / StreamMemory::slot_bytes(message.largest)) {
-    note_loss(Loss::Broken, "it shared a stream of an impossible size");
+    note_loss(Loss::Broken, "the peer shared too many streams, or one of an invalid size");
     return;
   }
   auto mapping = map_received(control.descriptors[0].get(),
@@ -408,7 +407,7 @@ void ShmLink::note_loss(Loss loss, std::string text) {
   if (loss_.load(std::memory_order_relaxed) != Loss::None) return;
   loss_text_ = std::move(text);
   loss_.store(loss, std::memory_order_seq_cst);
-  event_.notify();  // another thread may sleep and not be woken by what we have read
+  event_.notify();  // wakes another thread: the message that was read here no longer does
 }
 
 bool ShmLink::send_or_keep(Unsent unsent) {
@@ -424,7 +423,7 @@ void ShmLink::send_unsent() {
     const Unsent& first = unsent_.front();
     const int memfd = first.memory == nullptr ? -1 : first.memory->memfd.get();
     const std::span<const int> given(&memfd, memfd >= 0 ? 1 : 0);
-    if (!send_control(other_->socket(), first.message, given)) return;  // again with the next beat
+    if (!send_control(other_->socket(), first.message, given)) return;  // beat() tries again
     unsent_.pop_front();
   }
 }

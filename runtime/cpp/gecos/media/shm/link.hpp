@@ -21,7 +21,7 @@
 
 namespace gecos::media::shm {
 
-/// How the other end is woken. Outlives the link while a stream still wakes its reader.
+/// Wakes the other end of a link. Outlives the link while a stream still wakes its reader.
 class PeerEnd final : public Sleeper {
  public:
   explicit PeerEnd(Descriptor socket) : socket_(std::move(socket)) {}
@@ -52,10 +52,11 @@ class ShmLink final : public Link, public QuietSender {
  public:
   enum class Role : std::uint8_t { Client, Server };
 
-  /// Client: over a connected socket; says Hello. The server may answer at any later time.
+  /// Makes a client's link over a connected socket and sends Hello. The server may answer at any
+  /// later time.
   static tl::expected<std::unique_ptr<Link>, MediumError> greet(Descriptor socket, Peer peer,
                                                                 Descriptor death);
-  /// Server: answers a Hello. Fails with what was wrong with it.
+  /// Makes a server's link and answers `hello`. Fails with the reason.
   static tl::expected<std::unique_ptr<Link>, std::string> welcome(Descriptor socket, Peer peer,
                                                                   Descriptor death,
                                                                   ReceivedControl& hello);
@@ -103,7 +104,7 @@ class ShmLink final : public Link, public QuietSender {
   void read_control_to_the_end();
   void take_control(ReceivedControl& control);
   void take_stream(ReceivedControl& control);
-  void note_loss(Loss loss, std::string text);  // under the mutex, like all that follows
+  void note_loss(Loss loss, std::string text);  // @pre control_mutex_ is held, also below
   bool send_or_keep(Unsent unsent);
   void send_unsent();
   void abandon() noexcept;
@@ -117,15 +118,15 @@ class ShmLink final : public Link, public QuietSender {
   const std::shared_ptr<PeerEnd> other_;
   RingWriter writer_;
   ShmBulk bulk_;
-  std::optional<RingReader> reader_;  // set before other_ is known, which publishes it
+  std::optional<RingReader> reader_;  // published by PeerEnd::known()
   StreamWatches watches_;
   const std::array<int, 3> descriptors_;
-  std::atomic<Loss> loss_{Loss::None};  // tells every thread; the text is under the mutex
+  std::atomic<Loss> loss_{Loss::None};  // read by any thread; loss_text_ needs the mutex
 
-  mutable std::mutex control_mutex_;  // guards the socket's messages and all below
+  mutable std::mutex control_mutex_;  // guards reading the socket and the members below
   std::string loss_text_;
   std::map<std::uint32_t, Arrived> arrived_;
-  std::map<std::uint32_t, std::string> not_opened_;  ///< shared streams that found no room here
+  std::map<std::uint32_t, std::string> not_opened_;  ///< why a shared stream cannot be opened
   std::map<std::uint32_t, std::weak_ptr<SleeperList>> shared_;
   std::deque<Unsent> unsent_;
   const ForkWatch fork_watch_;

@@ -28,7 +28,7 @@ tl::expected<SealedMemory, MediumError> make_sealed(const char* name, std::size_
   if (::ftruncate(memory.memfd.get(), static_cast<off_t>(size)) != 0) return failed("ftruncate");
   memory.mapping = Mapping::shared(memory.memfd.get(), size, true);
   if (!memory.mapping) return failed("mmap");
-  // Now that our own mapping stands: FUTURE_WRITE spares it.
+  // Sealed after our own mapping is made: F_SEAL_FUTURE_WRITE does not affect existing mappings.
   if (::fcntl(memory.memfd.get(), F_ADD_SEALS, seals) != 0) return failed("sealing");
   return memory;
 }
@@ -36,12 +36,12 @@ tl::expected<SealedMemory, MediumError> make_sealed(const char* name, std::size_
 tl::expected<Mapping, std::string> map_received(int memfd, std::size_t size) {
   const int found = ::fcntl(memfd, F_GET_SEALS);
   if (found < 0 || (found & seals) != seals) {
-    return tl::unexpected<std::string>("it sent memory that is not sealed");
+    return tl::unexpected<std::string>("the peer sent memory that is not sealed");
   }
   struct stat status {};
   if (::fstat(memfd, &status) != 0 || status.st_size < 0 ||
       static_cast<std::size_t>(status.st_size) != size) {
-    return tl::unexpected<std::string>("it sent memory of another size than agreed");
+    return tl::unexpected<std::string>("the peer sent memory of another size than agreed");
   }
   Mapping mapping = Mapping::shared(memfd, size, false);
   if (!mapping) return tl::unexpected("mmap failed: " + system_text(errno));

@@ -34,15 +34,15 @@ class Shm final : public Medium {
     Descriptor socket = shm::connect_to(std::string(address.substr(prefix.size())));
     if (!socket) {
       if (errno == ENOENT || errno == ECONNREFUSED) return error(no_server(address));
-      if (errno == EAGAIN) return error("too many clients are waiting there, try again");
-      if (errno == EACCES) return error("it belongs to another user, who is met over lcm alone");
+      if (errno == EAGAIN) return error("too many clients wait for this server; try again");
+      if (errno == EACCES) return error("it belongs to another user, who is reached over lcm only");
       return error(system_text(errno));
     }
     auto server = shm::peer_of(socket.get());
     if (!server) return error(server.error());
     if (!options_.other_users && server->uid != ::geteuid() && server->uid != 0u) {
       return error("the server runs as another user, " + server->description +
-                   ", who is met over lcm alone");
+                   ", and is reached over lcm only");
     }
     auto death = shm::death_of_peer(socket.get(), *server->pid);
     if (!death) return error(no_server(address) + ": " + death.error());
@@ -58,7 +58,7 @@ class Shm final : public Medium {
     const bool ours = address.starts_with(std::string(prefix) + options_.directory + "/");
     if (!ours || options_.other_users) return "no server is there";
     return "no server is there (the directory is for uid " + std::to_string(::geteuid()) +
-           " alone; programs of other users are met over lcm)";
+           " alone; programs of other users are reached over lcm)";
   }
 
   const ShmOptions options_;

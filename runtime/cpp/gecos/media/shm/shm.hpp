@@ -9,20 +9,21 @@
 
 /// Shared memory between processes of one host.
 ///
-/// A client connects to the server's Unix socket; the kernel names both users. Each side makes its
-/// own sealed memory, which the other one maps read-only; calls go through rings in it, without the
-/// kernel. A thread sleeps on descriptors: its eventfd, the socket, the peer's death.
+/// A client connects to the server's Unix socket; the kernel tells each side the user of the other.
+/// Each side makes its own sealed memory, which the other side maps read-only; packets go through
+/// rings in this memory, without the kernel. A thread sleeps on descriptors: its eventfd, the
+/// socket, the peer's pidfd.
 ///
 /// The peer is not trusted with our memory, our time or our descriptors. Only a peer of the same
-/// user (who could kill us anyway) is given an eventfd or notified through its own, since a hostile
-/// holder of an eventfd can block a writer; others are woken through the socket, a microsecond
-/// slower.
+/// user (who could kill this process anyway) is notified through its eventfd, because a hostile
+/// holder of an eventfd can block a writer; other peers are notified through the socket, a
+/// microsecond slower.
 namespace gecos::media {
 
 struct ShmOptions {
   std::string directory = shm::default_runtime_directory();
-  /// Also meet processes of other users (and see to it above who may do what). Otherwise only the
-  /// own user and root are met.
+  /// Whether programs of other users may connect; then the layers above must check permissions.
+  /// Otherwise only programs of this user and of root connect.
   bool other_users = false;
 };
 

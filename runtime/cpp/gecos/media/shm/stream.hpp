@@ -7,7 +7,8 @@
 
 namespace gecos::media::shm {
 
-/// A stream in memory of its own, which every link that it is shared on hands to its reader.
+/// A stream in its own sealed memory. Every link that shares the stream sends the descriptor of the
+/// memory to its peer.
 class SharedStreamWriter final : public StreamRingWriter {
  public:
   SharedStreamWriter(StreamMemory memory, std::shared_ptr<SealedMemory> sealed)

@@ -20,7 +20,7 @@ Offer offer_of(const Medium& inner, const Faults& faults) {
   Offer offer = inner.offer();
   const bool whole = faults.loss == 0 && faults.duplication == 0 && faults.corruption == 0;
   offer.reliable = offer.reliable && whole && faults.cut == nullptr;
-  offer.shared_words = offer.shared_words && offer.reliable;  // a line that can be cut has none
+  offer.shared_words = offer.shared_words && offer.reliable;  // no words on a link that can be cut
   offer.ordered = offer.ordered && faults.reordering == 0;
   offer.intact = offer.intact && faults.corruption == 0;
   offer.real_time = offer.real_time && offer.reliable && faults.delay == Duration::zero();
@@ -53,7 +53,7 @@ class FaultyLink final : public LinkLayer {
 
   Duration age() override { return clock_.now() - sent_; }
 
-  /// What the medium below has taken may be lost here, so nothing is known.
+  /// The faults may drop packets that the medium below counts as taken: then the count is unknown.
   std::optional<std::uint64_t> taken_by_peer() override {
     return offer().reliable ? inner().taken_by_peer() : std::nullopt;
   }
@@ -66,7 +66,7 @@ class FaultyLink final : public LinkLayer {
     set_timer(next == held_.end() ? Duration::zero() : wait);
     if (inner().prepare_to_sleep()) return true;
     if (is_cut() && inner().loss() == Loss::None) {
-      take_in();  // what arrived through a cut line is gone, and no reason to stay awake
+      take_in();  // packets that a cut link drops must not keep the thread awake
       return inner().prepare_to_sleep();
     }
     return false;
@@ -111,7 +111,7 @@ class FaultyLink final : public LinkLayer {
     held_.push_back({now + faults_.delay + more, now - inner().age(), std::move(packet)});
   }
 
-  /// Of those that are due at one time the first comes first.
+  /// The held packet that is due first; of several due at one time, the one that arrived first.
   std::deque<Held>::iterator earliest() { return std::ranges::min_element(held_, {}, &Held::due); }
 
   void set_timer(Duration after) {
@@ -137,7 +137,7 @@ class FaultyLink final : public LinkLayer {
 std::unique_ptr<Medium> make_faulty(std::unique_ptr<Medium> inner, Faults faults,
                                     const Clock& clock) {
   const Offer offer = offer_of(*inner, faults);
-  // Even numbers at clients, odd ones at servers: no two links suffer alike.
+  // Clients get even numbers, servers odd ones, so that no two links have the same faults.
   auto clients = std::make_shared<std::atomic<std::uint64_t>>(0);
   auto servers = std::make_shared<std::atomic<std::uint64_t>>(0);
   return make_layer(

@@ -14,19 +14,19 @@ struct Faults {
   std::uint64_t seed = 1;  ///< the same seed and the same packets give the same faults
   double loss = 0;
   double duplication = 0;
-  double corruption = 0;  ///< of one bit
+  double corruption = 0;  ///< of one bit of a packet
   double reordering = 0;  ///< held back by `reordering_delay`, so later packets arrive first
   Duration reordering_delay = std::chrono::milliseconds(2);
-  Duration delay{};  ///< of every packet: a satellite is 250 ms away
+  Duration delay{};  ///< added to every packet; a satellite takes 250 ms
   /// While true, neither packets nor heartbeats arrive. Not owned; may be null.
   const std::atomic<bool>* cut = nullptr;
 };
 
-/// Wraps a medium: packets that its links receive suffer the faults. Wrapped on both sides, both
-/// directions suffer. Streams pass as they are.
+/// A test double. Wraps a medium so that its links apply `faults` to the packets that they receive;
+/// if both sides are wrapped, to both directions. Streams are not affected.
 ///
 /// Delays are measured by `clock`. A thread that sleeps on a link is woken for a delayed packet in
-/// real time; with a fake clock, poll again after every step. A test double.
+/// real time; with a fake clock, poll again after every step.
 std::unique_ptr<Medium> make_faulty(std::unique_ptr<Medium> inner, Faults faults,
                                     const Clock& clock);
 

@@ -7,7 +7,7 @@
 namespace gecos::session {
 
 /// Detects a server that sends heartbeats but no longer answers, because its thread hangs or its
-/// memory was damaged. Time is passed in.
+/// memory was damaged. Callers pass the time in.
 class AnswerWatch {
  public:
   AnswerWatch(Duration ask_after, Duration give_up_after, TimePoint now)
@@ -15,10 +15,10 @@ class AnswerWatch {
 
   enum class Verdict : std::uint8_t {
     Fine,
-    Ask,   ///< query the state of the calls that were open at the last such verdict
+    Ask,   ///< send a Query for each call that was open at the previous Ask
     Mute,  ///< calls are open, and no packet has come for `give_up_after`
   };
-  /// `heard`: a number that rises with each packet of the server.
+  /// `heard`: number of packets received from the server so far.
   Verdict judge(bool calls_are_open, std::uint64_t heard, TimePoint now) {
     if (!calls_are_open || heard != heard_) heard_at_ = now;
     heard_ = heard;

@@ -15,7 +15,7 @@ std::string listed(const std::vector<std::string>& names) {
   return text.empty() ? "nothing is registered" : "known are " + text;
 }
 
-/// The time that a broker reported, limited to a minute; a longer one is not plausible.
+/// The time that a broker reported, limited to a minute; a longer time is not plausible.
 Duration longest_provisional(double seconds) {
   return std::chrono::duration_cast<Duration>(
       std::chrono::duration<double>(seconds > 0 ? std::min(seconds, 60.0) : 0.0));
@@ -56,20 +56,21 @@ tl::expected<Duration, NotRegistered> await_registered(CommandCore& asked, TimeP
   if (asked.progress().detail == Detail::Done) {
     const auto reply = wire::decoded<Broker_enlist_result>(asked.result());
     if (!reply || !reply->settles_in)
-      return Duration::zero();  // or a broker without provisional names
+      return Duration::zero();  // an older broker has no provisional names
     return longest_provisional(*reply->settles_in);
   }
   const Failure& failure = asked.failure();
   if (const auto taken = failure.as<NameTaken>()) {
-    return tl::unexpected(NotRegistered{true, taken->by, false,
-                                        "the name " + taken->name + " is taken by " + taken->by +
-                                            "; end that one, or serve this under another name"});
+    return tl::unexpected(
+        NotRegistered{true, taken->by, false,
+                      "the name " + taken->name + " is taken by " + taken->by +
+                          "; end that server, or serve this object under another name"});
   }
   return tl::unexpected(NotRegistered{false,
                                       {},
                                       failure.state() == State::ConnectionFailed ||
                                           failure.detail == Detail::Stopped,  // the broker ends
-                                      "the broker did not take it: " + failure.text});
+                                      "the broker did not register the object: " + failure.text});
 }
 
 void unregister_object(ClientConnection& broker, const std::string& name) {

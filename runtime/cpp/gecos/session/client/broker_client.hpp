@@ -16,19 +16,20 @@ inline constexpr std::string_view broker_name = "BROKER";
 /// RX90".
 tl::expected<Entry, std::string> look_up(Context& lab, const std::string& name, TimePoint deadline);
 
-/// Asks the broker to make an object findable until the session with it ends. `served_for`: how
-/// long the object has been served.
+/// Registers the object `entry` with the broker until the session with the broker ends.
+/// `served_for`: how long the object has been served.
 std::shared_ptr<CommandCore> register_object(ClientConnection& broker, const Entry& entry,
                                              Duration served_for);
 
 struct NotRegistered {
-  bool taken = false;    ///< another object has the name; retry only after that one is gone
-  std::string by;        ///< that object
-  bool unheard = false;  ///< the broker is gone or ends; the next one may be asked
+  bool taken = false;    ///< another object has the name; retry only after it is gone
+  std::string by;        ///< describes the object that has the name
+  bool unheard = false;  ///< the broker is gone or ends; retry with the next broker
   std::string text;
 };
-/// Waits for the result of `register_object`: how long the broker, which has just started, may
-/// still assign the name to an object that has been served for longer. 0: the name is settled.
+/// Waits for the result of `register_object`. Returns how long the registration is provisional: a
+/// broker that has just started may still assign the name to an object that was served for longer.
+/// 0: the name is settled.
 tl::expected<Duration, NotRegistered> await_registered(CommandCore& asked, TimePoint deadline);
 void unregister_object(ClientConnection& broker, const std::string& name);
 

@@ -132,7 +132,7 @@ Command<Outcome> outcome(const Object& object, const CommandId& id) {
   if (id == CommandId{}) {
     return {session::ended({Detail::BadParameter,
                             "a command that was never sent has no outcome"
-                            " but its own",
+                            " at the server",
                             {},
                             {}}),
             decode};

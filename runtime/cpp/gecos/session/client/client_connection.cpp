@@ -14,8 +14,8 @@
 namespace gecos::session {
 namespace {
 
-/// A server becomes UNREACHABLE before it would end our status for our silence, so that its
-/// commands have ended `grace` + `lease_ttl` after its death, detection included.
+/// A server becomes UNREACHABLE before it would end the client's status for silence, so that
+/// commands have ended `grace` + `lease_ttl` after the server's death, detection included.
 PeerLiveness::Bounds bounds_of_server(const LabOptions& options) {
   const Duration suspect =
       std::max(options.lease_ttl - 2 * options.heartbeat, 2 * options.heartbeat);
@@ -34,9 +34,9 @@ ClientConnection::ClientConnection(std::shared_ptr<Runtime> runtime,
       differing_(std::move(differing)),
       repeats_(!link_->offer().reliable),
       spin_(system_clock()),
-      // All packets that have arrived are read before the server is judged, so the verdict is right
-      // even when this thread was kept from running for `lease_ttl`, and on a busy machine not
-      // later than promised.
+      // All packets that have arrived are read before the server is judged. So the verdict is right
+      // even when this thread did not run for `lease_ttl`, and on a busy machine it is not later
+      // than promised.
       liveness_clock_(runtime_->clock().now(), runtime_->options().lease_ttl),
       liveness_(bounds_of_server(runtime_->options())),
       answers_(runtime_->options().lease_ttl,
@@ -55,7 +55,7 @@ ObjectRef ClientConnection::reference() const {
 }
 
 ClientConnection::~ClientConnection() {
-  if (watching_) leader_lock_.drop();  // maintenance sleeps as leader and cannot drop it now
+  if (watching_) leader_lock_.drop();  // maintenance sleeps as leader and cannot drop the lead now
   close(runtime_->maintenance().on_this_thread() ? Duration{} : runtime_->options().heartbeat * 2);
 }
 
@@ -88,7 +88,7 @@ std::shared_ptr<CommandCore> ClientConnection::call(const OperationDescription& 
   const std::size_t most = most_open(operation.safety || is_builtin(operation.code));
   auto sent = send_call(header, most, size, encode, command);
   if (!sent && sent.error() == media::SendProblem::Full) {
-    poll_once();  // taking waiting replies may make room
+    poll_once();  // reading waiting replies may make room
     sent = send_call(header, most, size, encode, command);
   }
   if (!sent) command->fail(not_sent(operation.name, size, sent.error()));
@@ -137,21 +137,22 @@ tl::expected<void, media::SendProblem> ClientConnection::send_call(
   return {};
 }
 
-/// Sends nothing to a silent server: the call would wait there until its client has given it up.
+/// Sends no call to an unreachable server over a medium that loses packets: the call would be
+/// unread there until its client has given it up.
 tl::expected<std::uint64_t, media::SendProblem> ClientConnection::send_first(ByteView packet) {
   if (repeats_ && unreachable()) return tl::unexpected(media::SendProblem::Full);
   return link_->send(packet, {});
 }
 
-/// Fails an operation that the server defines differently: it would decode something else, so
-/// nothing is sent.
+/// Returns a failure for an operation that the server defines differently: the server would decode
+/// something else, so nothing is sent.
 std::optional<Failure> ClientConnection::differs(FunctionCode code, std::string_view name) const {
   if (!std::binary_search(differing_.begin(), differing_.end(), code)) return std::nullopt;
   return Failure{Detail::Refused,
                  "'" + std::string(name) + "' of " + welcome_.object +
                      " was not sent: the server's " + welcome_.interface_name +
-                     " has another one than this program; build the older of them again from the "
-                     "newer interface (`gidl breaking` tells what differs)",
+                     " defines it differently than this program; rebuild the older of the two from "
+                     "the newer interface (`gidl breaking` shows what differs)",
                  {},
                  {}};
 }
@@ -165,8 +166,8 @@ Failure ClientConnection::not_sent(std::string_view name, std::size_t size,
       if (calls_.size() < welcome_.credits) {
         return {Detail::QueueFull,
                 what + " was not sent: " + std::string(link_->offer().name) +
-                    " is full of what the server has not taken yet; wait for a "
-                    "call that was sent before",
+                    " is full of packets that the server has not read yet; wait "
+                    "for an earlier call",
                 {},
                 {}};
       }
@@ -203,7 +204,7 @@ bool ClientConnection::cancel(PendingCommand& command, std::uint64_t counter) {
   header.kind = wire::PacketKind::Cancel;
   header.counter = counter;
   if (!send(header, {})) {
-    command.retry.next = {};  // maintenance tries again
+    command.retry.next = {};  // the maintenance thread tries again
     cancels_waiting_ = true;
     wake_maintenance();
   }
@@ -262,15 +263,15 @@ void ClientConnection::lose(Ending how, const std::string& text) {
     if (lost_.load(std::memory_order_relaxed)) return;
     loss_text_ = text;
     lost_.store(true, std::memory_order_release);
-    // After a goodbye that the server acknowledged, the calls queued there still run. The same
-    // holds for a goodbye without a wait: a proxy was dropped, and its commands are meant to
-    // continue.
+    // After a goodbye that the server acknowledged, the calls queued at the server still run. They
+    // also still run after a goodbye without a wait: a proxy was dropped, and its commands are
+    // meant to continue.
     const bool drains =
         how == Ending::ByUs && (goodbye_heard_.load(std::memory_order_relaxed) || !awaits_goodbye_);
     goes_on = drains;
     if (link_->offer().shared_words && !drains) {
       link_->write_word(withdrawn_word, next_counter_ - 1);
-      withdrawn_ = true;  // before any call is reported: none of them can start any more
+      withdrawn_ = true;  // set before any call is reported: no call can start any more
     } else if (!drains) {
       withdraw_by_packet();
     }
@@ -294,8 +295,8 @@ void ClientConnection::lose(Ending how, const std::string& text) {
   if (!pending.empty()) failover_->take(shared_from_this(), std::move(pending));
 }
 
-/// Sends several copies, because no thread repeats it later. A suspended server reads them when it
-/// continues.
+/// Withdraws the calls by a packet. Sends several copies over a medium that loses packets, because
+/// no thread repeats the packet later. A suspended server reads them when it continues.
 void ClientConnection::withdraw_by_packet() {
   constexpr int copies = 3;
   wire::PacketHeader header;
@@ -323,7 +324,7 @@ Failure ClientConnection::failure_of(const PendingCommand& command, Ending how,
 /// Returns false only when it is proved that the server has not started the call and never will.
 /// With shared words, must be called after the withdrawal is written.
 bool ClientConnection::may_have_started(const PendingCommand& command, Ending how) const {
-  if (how == Ending::Broken) return true;  // the server's words prove nothing then
+  if (how == Ending::Broken) return true;  // the server's shared words prove nothing then
   if (withdrawn_ && command.marked_words != 0) {
     for (std::size_t word = 0; word < media::shared_word_count; ++word) {
       const bool may_stand_here = (command.marked_words >> word & 1U) != 0;
@@ -331,7 +332,7 @@ bool ClientConnection::may_have_started(const PendingCommand& command, Ending ho
     }
     return false;
   }
-  // A peer that is gone reads no more packets; one that is only silent still may.
+  // A peer that is gone reads no more packets; a peer that is only silent still may.
   if (how != Ending::Died && how != Ending::Closed) return true;
   const auto taken = link_->taken_by_peer();
   return !taken || command.sent_as <= *taken;

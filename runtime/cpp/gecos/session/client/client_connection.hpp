@@ -27,20 +27,20 @@ class ClientStream;
 
 /// Client side of a session over one link.
 ///
-/// Sending takes the mutex; only the leader receives. A session that was lost stays lost: every
-/// later call is CONNECTION_FAILED, and `Lab::create` makes a new session. Only `@idempotent`
-/// readings continue, in a successor session (failover.hpp).
+/// Sending takes the mutex; only the leader (LeaderLock) receives. A lost session stays lost: every
+/// later call ends as CONNECTION_FAILED, and the program must create a new session with
+/// `Lab::create`. Only `@idempotent` readings continue, in a successor session (failover.hpp).
 class ClientConnection final : public ClientSession,
                                public Closable,
                                public TickTarget,
                                public std::enable_shared_from_this<ClientConnection> {
  public:
-  /// Why the server opened no session.
+  /// Why no session was opened.
   struct NotOpened {
     Detail detail = Detail::NoServer;
     std::string reason;
   };
-  /// Greets the server and waits for its answer until `deadline`.
+  /// Sends a Hello to the server and waits for its answer until `deadline`.
   static tl::expected<std::shared_ptr<ClientConnection>, NotOpened> open(
       std::shared_ptr<Runtime> runtime, std::unique_ptr<media::Link> link,
       const InterfaceDescription& wanted, TimePoint deadline);
@@ -48,7 +48,7 @@ class ClientConnection final : public ClientSession,
   /// `differing`: operations that server and client define differently, sorted.
   ClientConnection(std::shared_ptr<Runtime> runtime, std::unique_ptr<media::Link> link,
                    SessionId id, Welcome welcome, std::vector<FunctionCode> differing);
-  ~ClientConnection() override;  ///< says goodbye: commands that were issued still run
+  ~ClientConnection() override;  ///< says goodbye: issued commands still run
 
   std::shared_ptr<CommandCore> call(const OperationDescription& operation, std::size_t size,
                                     FunctionRef<void(wire::Encoder&)> encode,
@@ -69,41 +69,44 @@ class ClientConnection final : public ClientSession,
   const std::string& place() const { return place_; }
   const Welcome& welcome() const { return welcome_; }
   bool lost() const { return lost_.load(std::memory_order_acquire); }
-  /// This program has closed the session, or is about to.
+  /// True when this program has closed the session or is closing it.
   bool closed() const { return closed_.load(std::memory_order_relaxed); }
   bool unreachable() const { return unreachable_.load(std::memory_order_relaxed); }
 
-  // For calls that may be sent again.
-  /// Sets how another session with the object is found; must be called before this one is shared.
+  // Failover: for calls that may be sent again in another session.
+  /// Sets how another session with the object can be opened. Must be called before this session is
+  /// shared.
   void set_failover(std::shared_ptr<Failover> failover, ConnectTarget target);
   const ConnectTarget& connect_target() const { return *connect_target_; }
-  /// The session that was opened in place of this one, if it still lives.
+  /// The session that was opened in place of this one, if that session still lives.
   std::shared_ptr<ClientConnection> successor();
   void set_successor(std::shared_ptr<ClientConnection> successor);
-  /// Sends `command` in this session; returns false when there is no room, or this session is lost
-  /// too. @pre no other thread or session has `command`
+  /// Sends `command` in this session; returns false when the session has no room or is lost. @pre
+  /// no other thread or session has `command`
   tl::expected<bool, Failure> send_again(const std::shared_ptr<PendingCommand>& command);
   /// Detaches all commands that may be sent again in another session.
   std::vector<PendingFailover> detach_repeatable();
 
-  /// Ends the session in order. Waits at most `patience` for the server's acknowledgement, after
-  /// which the commands that were sent still run. Without acknowledgement, commands that have not
-  /// started never start, if the medium can report that.
+  /// Ends the session in order. Waits at most `patience` for the server's acknowledgement. If it
+  /// arrives, the commands that were sent still run. If not, commands that have not started never
+  /// start, as far as the medium can tell the server.
   void close(Duration patience) override;
 
   // For commands and streams.
-  /// Converts a time of the server's CLOCK_BOOTTIME to ours; between hosts at most a round trip too
-  /// early, never too late.
+  /// Converts a time of the server's CLOCK_BOOTTIME to this host's CLOCK_BOOTTIME. Between hosts
+  /// the result is at most one round trip too early, never too late.
   TimePoint by_our_clock(TimePoint theirs);
-  /// Reads what has arrived, unless another thread is reading. Never waits.
+  /// Reads the packets that have arrived, unless another thread is reading. Never waits.
   void poll_once();
-  /// Reads, or waits for the thread that reads, until `done` or `deadline`; returns `done()`.
+  /// Reads packets, or waits for the thread that reads them, until `done()` or `deadline`. Returns
+  /// `done()`.
   bool wait(const void* subject, FunctionRef<bool()> done, TimePoint deadline);
-  /// Returns false when this session does not have `command` under this counter, or no longer has
-  /// it.
+  /// Cancels `command`. Returns false when this session has no open command `command` with this
+  /// counter.
   bool cancel(PendingCommand& command, std::uint64_t counter);
-  /// A thread sleeps on a descriptor: until `remove_watcher`, maintenance reads packets even when
-  /// no thread waits here.
+  /// Must be called when the end of a command is awaited on its descriptor or by a callback. Until
+  /// `remove_watcher`, the maintenance thread reads packets even when no thread waits in this
+  /// session.
   void add_watcher() {
     watchers_.fetch_add(1, std::memory_order_relaxed);
     wake_maintenance();
@@ -117,7 +120,7 @@ class ClientConnection final : public ClientSession,
  private:
   friend class ClientStream;
 
-  // As the leader.
+  // Called only by the thread that reads the link.
   bool lead(FunctionRef<bool()> done, TimePoint deadline);
   std::size_t read_all();
   bool rest(FunctionRef<bool()> done, TimePoint deadline);
@@ -137,8 +140,9 @@ class ClientConnection final : public ClientSession,
                                                const CallOptions& options);
   tl::expected<void, media::SendProblem> send_repeatable(
       const std::shared_ptr<PendingCommand>& command);
-  /// How many calls may be open when another one is sent. An urgent call has a quarter more, so
-  /// that a client without credits can still stop what it started and release its status.
+  /// The number of open calls from which another call is refused. For an urgent call it is a
+  /// quarter higher, so that a client without credits can still stop what it started and release
+  /// its status.
   std::size_t most_open(bool urgent) const {
     return welcome_.credits + (urgent ? welcome_.credits / 4 : 0);
   }
@@ -171,7 +175,7 @@ class ClientConnection final : public ClientSession,
   void check_liveness(TimePoint now);
   void judge_answers(TimePoint now);
   void ask_after_calls();
-  /// Returns when the next tick is due.
+  /// Sends unanswered calls again. Returns when the next tick is due.
   TimePoint repeat(TimePoint now);
   void wake_maintenance();
   bool everything_arrived();
@@ -183,54 +187,54 @@ class ClientConnection final : public ClientSession,
   std::string place_;
   const std::vector<FunctionCode> differing_;
   const bool repeats_;                                   ///< the medium may lose packets
-  std::shared_ptr<Failover> failover_;                   ///< null: nothing is sent again
+  std::shared_ptr<Failover> failover_;                   ///< null: no call is sent again
   std::unique_ptr<const ConnectTarget> connect_target_;  ///< set together with failover_
 
   LeaderLock leader_lock_;
-  media::SpinPolicy spin_;        ///< the leader
-  std::vector<int> descriptors_;  ///< the leader: reused
+  media::SpinPolicy spin_;        ///< used by the leader only
+  std::vector<int> descriptors_;  ///< used by the leader only, reused
   EventFd leader_event_;
-  std::atomic<bool> leader_called_{false};  // publishes nothing: saves reading the event in vain
+  std::atomic<bool> leader_called_{false};  // leader_event_ may be set; orders no other memory
   std::atomic<bool> lost_{false};           // publishes loss_text_
-  std::atomic<bool> closed_{false};         // publishes nothing but itself
-  std::atomic<bool> unreachable_{false};    // publishes nothing but itself
-  std::atomic<TimePoint> silent_since_{};   // publishes nothing but itself; while it is unreachable
-  std::atomic<int> watchers_{0};            // publishes nothing but itself
-  std::atomic<bool> loss_look_due_{false};  // for the next leader; publishes nothing
-  std::atomic<bool> goodbye_heard_{false};  // publishes nothing but itself
-  std::atomic<bool> answer_lost_{false};    // publishes nothing but itself
-  std::atomic<std::uint64_t> heard_{0};     // packets, by the leader; publishes nothing
-  std::atomic<std::uint64_t> epoch_{0};     // publishes nothing but itself
+  std::atomic<bool> closed_{false};         // orders no other memory
+  std::atomic<bool> unreachable_{false};    // orders no other memory
+  std::atomic<TimePoint> silent_since_{};   // valid while unreachable_; orders no other memory
+  std::atomic<int> watchers_{0};            // orders no other memory
+  std::atomic<bool> loss_look_due_{false};  // next leader checks for loss; orders no other memory
+  std::atomic<bool> goodbye_heard_{false};  // orders no other memory
+  std::atomic<bool> answer_lost_{false};    // orders no other memory
+  std::atomic<std::uint64_t> heard_{0};     // packets received; orders no other memory
+  std::atomic<std::uint64_t> epoch_{0};     // orders no other memory
 
-  Mutex subscribing_;  ///< taken before mutex_, so that the end of one subscription does not end
-                       ///< another
+  /// Taken before mutex_, so that the end of one subscription does not end another subscription.
+  Mutex subscribing_;
   /// The number of subscriptions of each stream.
   std::map<FunctionCode, std::size_t> subscriptions_ GECOS_GUARDED_BY(subscribing_);
 
   FutexMutex mutex_;
   std::uint64_t next_counter_ GECOS_GUARDED_BY(mutex_) = 1;
   CallTable<PendingCommand> calls_ GECOS_GUARDED_BY(mutex_);
-  Bytes packet_ GECOS_GUARDED_BY(mutex_);  ///< sending: reused
+  Bytes packet_ GECOS_GUARDED_BY(mutex_);  ///< encoding buffer, reused
   std::string loss_text_ GECOS_GUARDED_BY(mutex_);
   /// This program is closing the session and waits for the server's goodbye.
   bool awaits_goodbye_ GECOS_GUARDED_BY(mutex_) = false;
-  /// The server starts no more calls of this session.
+  /// The withdrawal is written: the server starts no more calls of this session.
   bool withdrawn_ GECOS_GUARDED_BY(mutex_) = false;
   std::shared_ptr<ClientConnection> successor_ GECOS_GUARDED_BY(mutex_);
-  bool cancels_waiting_ GECOS_GUARDED_BY(mutex_) = false;  ///< a cancel packet found no room
-  /// Of a medium that loses packets.
+  bool cancels_waiting_ GECOS_GUARDED_BY(mutex_) = false;  ///< a Cancel packet found no room
+  /// The shortest time to a reply so far, over a medium that loses packets.
   Duration quickest_answer_ GECOS_GUARDED_BY(mutex_) = std::chrono::seconds(1);
   /// The number of statuses acquired so far; `leases_` counts the leases of the newest.
   std::uint64_t statuses_ GECOS_GUARDED_BY(mutex_) = 0;
-  std::uint64_t leases_ GECOS_GUARDED_BY(mutex_) = 0;  ///< of the newest status, not released
+  std::uint64_t leases_ GECOS_GUARDED_BY(mutex_) = 0;  ///< leases of the newest status, unreleased
 
-  // Maintenance thread only.
+  // Used by the maintenance thread only.
   bool watching_ = false;
   SuspendAwareClock liveness_clock_;  ///< for the time-outs of the server
   PeerLiveness liveness_;
   TimePoint next_beat_{};
   AnswerWatch answers_;
-  std::uint64_t open_when_asked_ = 0;  ///< the newest call when the calls were last queried
+  std::uint64_t open_when_asked_ = 0;  ///< highest call counter when the calls were last queried
 };
 
 }  // namespace gecos::session

@@ -28,8 +28,8 @@ ClientStream::ClientStream(std::shared_ptr<ClientConnection> session, FunctionCo
 
 ClientStream::~ClientStream() { session_->unsubscribe(code_); }
 
-/// A sample without its time comes only from a malicious or broken server; it is emptied, so it
-/// does not decode.
+/// Only a malicious or broken server sends a sample without its measurement time. Such a sample is
+/// emptied, so that it does not decode.
 void ClientStream::finish(RawSample& sample) const {
   constexpr std::int64_t farthest = std::int64_t{1} << 62;
   sample.stamp_ns = std::clamp(sample.stamp_ns, -farthest, farthest);

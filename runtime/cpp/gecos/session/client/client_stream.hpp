@@ -9,7 +9,7 @@ namespace gecos::session {
 
 class ClientConnection;
 
-/// A subscription of this process.
+/// The client side of a subscription to a stream.
 class ClientStream final : public StreamCore {
  public:
   ClientStream(std::shared_ptr<ClientConnection> session, FunctionCode code,

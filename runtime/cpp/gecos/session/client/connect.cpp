@@ -14,7 +14,7 @@ tl::expected<std::shared_ptr<ClientConnection>, std::string> connect(
   const auto kind = media::kind_from(std::string_view(address).substr(0, address.find(':')));
   if (!kind) {
     return tl::unexpected("'" + address +
-                          "' is no address: it begins with none of inproc:, shm:, lcm:");
+                          "' is not an address: an address begins with inproc:, shm: or lcm:");
   }
   const auto opened = runtime.medium(*kind);
   if (!opened) return tl::unexpected(opened.error().text);

@@ -15,7 +15,7 @@ void ClientConnection::set_failover(std::shared_ptr<Failover> failover, ConnectT
   connect_target_ = std::make_unique<const ConnectTarget>(std::move(target));
 }
 
-/// Returns the last session of the chain of successors and drops those in between.
+/// Returns the last session of the chain of successors and drops the sessions in between.
 std::shared_ptr<ClientConnection> ClientConnection::successor() {
   const auto first = next();
   auto last = first;
@@ -54,7 +54,7 @@ std::shared_ptr<CommandCore> ClientConnection::call_repeatable(
   encode(to);
   const Duration within = options.deadline.value_or(operation.quality.deadline);
   if (within.count() > 0) {
-    const TimePoint now = runtime_->clock().since_boot();  // in centuries: none
+    const TimePoint now = runtime_->clock().since_boot();  // centuries away: no deadline
     if (within < TimePoint::max() - now) again.deadline = now + within;
   }
 
@@ -85,7 +85,8 @@ tl::expected<void, media::SendProblem> ClientConnection::send_repeatable(
   if (again.deadline != TimePoint::max()) {
     header.deadline = std::max(again.deadline - runtime_->clock().since_boot(), Duration{1});
   }
-  // For another server process this is a new call; the same process may know its outcome.
+  // For another server process this is a new call; the same server process may know the outcome of
+  // the call.
   const bool known = again.sessions != 0 && command->incarnation == welcome_.incarnation;
   if (known) header.flags = sent_again;
   return send_call(
@@ -144,7 +145,7 @@ std::vector<PendingFailover> ClientConnection::detach(Ending how, const std::str
   return pending;
 }
 
-// The command that changes its session
+// How a command moves to another session
 
 void PendingCommand::attach(const std::shared_ptr<ClientConnection>& session, const CommandId& id,
                             std::uint64_t as) {
@@ -201,8 +202,10 @@ void PendingCommand::cancel_in_any_session() {
       at_sea = awaits_failover();
     }
     if (at_sea) {
-      return fail(
-          {Detail::Canceled, "canceled while its server was gone; it is not sent again", {}, {}});
+      return fail({Detail::Canceled,
+                   "canceled while its server was gone; the command is not sent again",
+                   {},
+                   {}});
     }
     if (session->cancel(*this, here) || home_.load() == session.get()) return;
   }

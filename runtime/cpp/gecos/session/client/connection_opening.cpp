@@ -12,13 +12,13 @@ namespace {
 
 using NotOpened = ClientConnection::NotOpened;
 
-/// Why no welcome came: the loss as reported by the peer or the medium, else that there was no
-/// answer.
+/// Why no Welcome arrived: the loss that the peer or the medium reported, or else that the server
+/// did not answer.
 NotOpened unanswered(media::Link& link) {
   const std::string& who = link.peer().description;
   const bool lost = link.loss() != media::Loss::None;
   const std::string why = link.loss_text();
-  if (lost) return {Detail::NoServer, who + " did not let us in: " + why};
+  if (lost) return {Detail::NoServer, who + " did not accept the connection: " + why};
   return {Detail::NoServer, who + " did not answer" + (why.empty() ? "" : ": " + why)};
 }
 
@@ -42,7 +42,7 @@ std::vector<FunctionCode> differing_operations(const InterfaceDescription& wante
   return differing;
 }
 
-/// The next packet before `deadline`; nullopt when there was none, or the link is lost.
+/// The next packet before `deadline`; nullopt when no packet arrived or the link is lost.
 std::optional<wire::PacketView> next_packet(media::Link& link, TimePoint deadline) {
   for (;;) {
     while (const auto bytes = link.receive()) {
@@ -83,7 +83,7 @@ tl::expected<std::shared_ptr<ClientConnection>, NotOpened> ClientConnection::ope
       }
       auto welcome = wire::from_bytes<Welcome>(packet->body);
       if (!welcome || packet->header.session == SessionId{} || welcome->credits == 0) {
-        return tl::unexpected(NotOpened{Detail::Refused, "its welcome does not decode"});
+        return tl::unexpected(NotOpened{Detail::Refused, "the server's welcome does not decode"});
       }
       auto differing = differing_operations(wanted, *welcome);
       return std::make_shared<ClientConnection>(std::move(runtime), std::move(link),

@@ -12,9 +12,10 @@ namespace gecos::session {
 
 namespace {
 
-/// A client with at least this many unanswered calls rests …
+/// The number of unanswered calls from which a client rests (ClientConnection::rest).
 constexpr std::size_t calls_of_a_flood = 32;
-/// … for about as long as its fruitless polls before took.
+/// Duration of a rest (ClientConnection::rest): about as long as the fruitless polls before it
+/// took.
 constexpr Duration rest_of_a_flood = std::chrono::microseconds(400);
 
 }  // namespace
@@ -29,8 +30,8 @@ void ClientConnection::poll_once() {
     }
     leader_lock_.drop();
   } else if (!repeats_ && leader_lock_.borrow()) {
-    taken = read_all();  // the sender of a packet that ends the leader's wait notifies the leader
-                         // itself
+    // The sender of a packet that ends the leader's wait wakes the leader itself.
+    taken = read_all();
     leader_lock_.release();
   }
   if (taken != 0) leader_lock_.notify(nullptr);
@@ -42,7 +43,7 @@ bool ClientConnection::wait(const void* subject, FunctionRef<bool()> done, TimeP
     if (leader_lock_.try_take()) {
       const bool finished = lead(done, deadline);
       leader_lock_.drop();
-      if (has_watchers()) wake_maintenance();  // it reads on for the watchers
+      if (has_watchers()) wake_maintenance();  // the maintenance thread reads on for the watchers
       return finished;
     }
     switch (leader_lock_.follow(subject, done, deadline)) {
@@ -72,7 +73,7 @@ bool ClientConnection::lead(FunctionRef<bool()> done, TimePoint deadline) {
     if (finished) return true;
     if (taken != 0) {
       leader_lock_.notify(nullptr);
-      // Answers to other threads may keep coming for as long as those threads call.
+      // Replies to the calls of other threads may keep arriving as long as those threads call.
       if (deadline != TimePoint::max() && std::chrono::steady_clock::now() >= deadline)
         return false;
       rested = false;
@@ -91,9 +92,9 @@ bool ClientConnection::lead(FunctionRef<bool()> done, TimePoint deadline) {
   }
 }
 
-/// A client with many calls in flight that shares a core with its server leaves the server the core
-/// for a while. Woken by each answer, it would take the core from the server, and from all other
-/// clients, for one call.
+/// A client with many open calls that shares a core with its server leaves the core to the server
+/// for a while. If each reply woke this client, it would take the core from the server, and so from
+/// all other clients, for one call.
 bool ClientConnection::rest(FunctionRef<bool()> done, TimePoint deadline) {
   if (!spin_.gave_way()) return false;
   {
@@ -140,7 +141,7 @@ std::size_t ClientConnection::read_all() {
 void ClientConnection::look_for_loss() {
   const media::Loss loss = link_->loss();
   if (loss == media::Loss::None || lost()) return;
-  read_all();  // answers that the server sent before the loss
+  read_all();  // reads the replies that the server sent before the loss
   const std::string who = welcome_.object + " (" + link_->peer().description + ")";
   switch (loss) {
     case media::Loss::Died:
@@ -161,16 +162,16 @@ void ClientConnection::take_packet(ByteView bytes) {
   switch (packet->header.kind) {
     case wire::PacketKind::Reply:
     case wire::PacketKind::Progress:
-      if (packet->header.counter == 0) return;  // no call has it: damage, or an attack
+      if (packet->header.counter == 0) return;  // damaged or malicious: no call has counter 0
       return packet->header.kind == wire::PacketKind::Reply ? take_reply(*packet)
                                                             : take_progress(*packet);
     case wire::PacketKind::Goodbye:
       goodbye_heard_.store(true, std::memory_order_release);
-      if (closed()) return lose(Ending::ByUs, closed_by_us);  // the answer to ours
+      if (closed()) return lose(Ending::ByUs, closed_by_us);  // the answer to our Goodbye
       return lose(Ending::Closed,
                   "the server closed the session with " + welcome_.object + text_of(packet->body));
     default:
-      return;  // newer packet kinds, and answers to a greeting that is over
+      return;  // packet kinds of a newer server, and late answers to a Hello
   }
 }
 
@@ -188,8 +189,8 @@ void ClientConnection::take_reply(const wire::PacketView& packet) {
     }
   }
   const auto detail = detail_from(static_cast<std::uint8_t>(packet.header.flags));
-  // Over a medium that loses nothing, the server has answered this call and the answer was lost:
-  // the medium is broken.
+  // Over a medium that loses nothing, OUTCOME_UNKNOWN means that the server has answered this call
+  // and the reply was lost: the medium is broken.
   if (!repeats_ && detail == Detail::OutcomeUnknown) answer_lost_.store(true);
   if (detail == Detail::Done) {
     command->finish(packet.body);

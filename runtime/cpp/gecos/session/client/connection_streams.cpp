@@ -1,4 +1,4 @@
-// What a session does for the streams that its client reads.
+// How the client side of a session subscribes to streams.
 #include "gecos/object_interface.hpp"  // generated from idl/gecos/object.gidl
 #include "gecos/session/client/client_connection.hpp"
 #include "gecos/session/client/client_stream.hpp"

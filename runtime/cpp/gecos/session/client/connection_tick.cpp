@@ -1,4 +1,4 @@
-// What maintenance does for the client side of a session.
+// What the maintenance thread does for the client side of a session.
 #include <algorithm>
 #include <cstdio>
 
@@ -10,8 +10,8 @@
 namespace gecos::session {
 namespace {
 
-/// Maximum time between two polls while calls are open over a medium that loses nothing: a packet
-/// that was sent without a notification waits no longer.
+/// Maximum time between two polls while calls are open over a medium that loses nothing. A packet
+/// that was sent without a wake-up is read after at most this time.
 constexpr Duration longest_sleep = std::chrono::milliseconds(50);
 
 }  // namespace
@@ -20,8 +20,8 @@ void ClientConnection::wake_maintenance() { runtime_->maintenance().wake(); }
 
 TimePoint ClientConnection::on_tick(TimePoint now) {
   if (lost()) return TimePoint::max();
-  // Each tick costs a wake-up, so a heartbeat that is due soon is sent in this one, unless it is a
-  // packet.
+  // Each tick costs a wake-up, so a heartbeat that is due soon is sent in this tick, unless
+  // heartbeats of this medium are packets.
   const Duration early = repeats_ ? Duration{} : Maintenance::calm_tick;
   const bool beat = now + early >= next_beat_;
   if (beat) {
@@ -54,8 +54,8 @@ void ClientConnection::check_liveness(TimePoint now) {
                            ") has been silent for " + std::to_string(milliseconds) + " ms");
 }
 
-/// A server that sends heartbeats may still not answer: no call waits for it longer than
-/// AnswerWatch allows.
+/// Ends the session when the server sends heartbeats but no answers for longer than AnswerWatch
+/// allows.
 void ClientConnection::judge_answers(TimePoint now) {
   const std::string who = welcome_.object + " (" + link_->peer().description + ")";
   if (answer_lost_.load()) {
@@ -85,8 +85,8 @@ void ClientConnection::judge_answers(TimePoint now) {
   }
 }
 
-/// Over a medium that loses nothing, calls are not repeated. A call that is open for long is
-/// queried all the same: its answer may have been damaged in shared memory.
+/// Queries calls that are open for long over a medium that loses nothing, where calls are not
+/// repeated: a reply may have been damaged in shared memory.
 void ClientConnection::ask_after_calls() {
   if (repeats_) return;
   const MutexLock lock(mutex_);
@@ -100,8 +100,8 @@ void ClientConnection::ask_after_calls() {
   open_when_asked_ = next_counter_ - 1;
 }
 
-/// Until the outcome of a call is known, the call is sent again under its own counter: in full
-/// while it may not have arrived, then without its arguments.
+/// Sends each call again under its own counter until its outcome is known: in full while it may not
+/// have arrived, then without its arguments.
 TimePoint ClientConnection::repeat(TimePoint now) {
   const MutexLock lock(mutex_);
   // Without open calls only the next heartbeat is due: many idle clients must cost nothing.

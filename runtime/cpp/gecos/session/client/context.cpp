@@ -64,7 +64,7 @@ std::vector<std::string> Context::broker_addresses(std::string& tried) {
       append(tried, opened.error().text);
     }
   };
-  if (const auto kind = media::kind_from(named)) {  // "lcm": its well-known place
+  if (const auto kind = media::kind_from(named)) {  // "lcm": the well-known address of that medium
     add_well_known(*kind);
   } else if (!named.empty()) {
     addresses.push_back(named);
@@ -87,7 +87,7 @@ tl::expected<std::shared_ptr<ClientConnection>, std::string> Context::broker(Tim
                           (missing_.empty() ? std::string() : "; before it, " + missing_));
   }
   if (knows_broker()) return broker_;
-  const auto lost = std::exchange(broker_, nullptr);  // destroyed when no thread waits for us
+  const auto lost = std::exchange(broker_, nullptr);  // destroyed when no thread waits any more
   looking_ = true;
   lock.unlock();
   tl::expected<std::shared_ptr<ClientConnection>, std::string> found;

@@ -21,23 +21,24 @@ class Context : public std::enable_shared_from_this<Context> {
 
   const std::shared_ptr<Runtime>& runtime() const { return runtime_; }
   const std::shared_ptr<Failover>& failover() const { return failover_; }
-  /// The session with this lab's broker, opened when there is none. Fails with what was tried.
+  /// The session with this lab's broker; opens it when there is none. Fails with the addresses that
+  /// were tried and why they failed.
   tl::expected<std::shared_ptr<ClientConnection>, std::string> broker(TimePoint deadline);
 
-  /// Keeps `session`, which belongs to a proxy, to be ended by `close`. Returns false after `close`
-  /// was called.
+  /// Notes `session`, which belongs to a proxy, so that `close` ends it. Returns false after
+  /// `close` was called.
   bool keep(const std::shared_ptr<ClientConnection>& session);
   bool closed() const;
-  /// Says goodbye in every kept session, within about `patience`; commands that wait in them end.
-  /// No more sessions are kept. Servers continue, and so does the session with the broker.
+  /// Says goodbye in every kept session, within about `patience`; commands that wait in these
+  /// sessions end. After it, no session is kept. Servers and the session with the broker continue.
   void close(Duration patience);
 
  private:
-  /// The addresses at which a broker may be. Adds to `tried` why a medium that leads to one is not
-  /// available here.
+  /// The addresses at which a broker may be. Adds to `tried` why a medium that leads to a broker is
+  /// not available here.
   std::vector<std::string> broker_addresses(std::string& tried);
   tl::expected<std::shared_ptr<ClientConnection>, std::string> look_for_broker(TimePoint deadline);
-  /// True when there is a session with a broker that is not lost.
+  /// True when there is a session with a broker and the session is not lost.
   bool knows_broker() const GECOS_REQUIRES(mutex_);
   void note_broker(std::shared_ptr<ClientConnection> found, std::string missing);
 
@@ -45,7 +46,7 @@ class Context : public std::enable_shared_from_this<Context> {
   const std::shared_ptr<Failover> failover_;
   Mutex mutex_;
   ConditionVariable looked_;
-  /// One thread at a time looks for the broker.
+  /// A thread is looking for the broker; only one thread at a time may do so.
   bool looking_ GECOS_GUARDED_BY(mutex_) = false;
   std::shared_ptr<ClientConnection> broker_ GECOS_GUARDED_BY(mutex_);
   /// Why the last search found no broker.
@@ -56,7 +57,7 @@ class Context : public std::enable_shared_from_this<Context> {
   bool closed_ GECOS_GUARDED_BY(keeping_) = false;
 };
 
-/// A session with the object of that name, or why there is none.
+/// Opens a session with the object `name`, or returns why it failed.
 tl::expected<std::shared_ptr<ClientConnection>, CreateError::Attempt> open_object(
     Context& lab, const InterfaceDescription& wanted, const std::string& name,
     const CreateOptions& options);

@@ -16,7 +16,7 @@ namespace gecos::session {
 namespace {
 
 constexpr Duration between_searches = std::chrono::milliseconds(30);
-/// A server that does not answer for so long delays the search for others.
+/// Maximum time of one search: a server that does not answer delays the search for other servers.
 constexpr Duration longest_look = std::chrono::milliseconds(250);
 
 void end_as(PendingFailover& pending, const std::string& more) {
@@ -55,28 +55,28 @@ void Failover::take(const std::shared_ptr<ClientConnection>& from,
   if (getpid() != owner_) {
     for (PendingFailover& pending : commands) {
       end_as(pending,
-             "it is not sent again: its Lab belongs to the process that forked this one: make your "
-             "own");
+             "the command is not sent again: its Lab belongs to the process that forked this one; "
+             "create a Lab in this process");
     }
     return;
   }
   std::vector<PendingFailover> refused;
-  std::string why = "it is not sent again: its Lab is closed";
+  std::string why = "the command is not sent again: its Lab is closed";
   {
     const MutexLock lock(mutex_);
     if (ended_) {
       refused = std::move(commands);
     } else if (!started()) {
       refused = std::move(commands);
-      why = "it is not sent again: no thread can be had for that, see `ulimit -u`";
+      why = "the command is not sent again: no thread could be created for that, see `ulimit -u`";
     } else {
       Search& search = search_of(from);
       for (PendingFailover& pending : commands) {
         (search.commands.size() < most_pending ? search.commands : refused)
             .push_back(std::move(pending));
       }
-      why = "it is not sent again: " + std::to_string(most_pending) +
-            " others wait for a server already";
+      why = "the command is not sent again: " + std::to_string(most_pending) +
+            " other commands already wait for a server";
     }
   }
   for (PendingFailover& pending : refused) end_as(pending, why);
@@ -104,7 +104,7 @@ Failover::Search& Failover::search_of(const std::shared_ptr<ClientConnection>& f
   }
   changed_.notify_one();
   lab_.runtime()->maintenance().wake();
-  return searches_.emplace_back(Search{from, {}, {}, "there was no time to look for one"});
+  return searches_.emplace_back(Search{from, {}, {}, "there was no time to look for a server"});
 }
 
 TimePoint Failover::on_tick(TimePoint now) {
@@ -127,7 +127,7 @@ TimePoint Failover::on_tick(TimePoint now) {
     if (late(pending, clock)) {
       end_late(pending);
     } else {
-      end_as(pending, "there was none to send it to again in time: " + why);
+      end_as(pending, "no server was found in time: " + why);
     }
   }
   return idle ? TimePoint::max() : now + Maintenance::tick;
@@ -136,7 +136,7 @@ TimePoint Failover::on_tick(TimePoint now) {
 void Failover::run() {
   MutexLock lock(mutex_);
   while (!ended_) {
-    std::vector<Search> done;  // destroyed unlocked: may end sessions, which takes a while
+    std::vector<Search> done;  // destroyed without the mutex: ending sessions takes a while
     const auto is_done = [](const Search& search) {
       return search.commands.empty() && (search.from->lost() || !search.from->unreachable());
     };
@@ -174,7 +174,7 @@ void Failover::look(std::shared_ptr<ClientConnection> from) {
     append(commands, std::exchange(search_of(from).commands, {}));
     const MutexUnlock unlocked(mutex_);
     commands = send_to(**found, std::move(commands));
-    found->reset();  // its destruction takes a while
+    found->reset();  // without the mutex: the destruction takes a while
   }
   Search& search = search_of(from);
   append(search.commands, std::move(commands));
@@ -200,7 +200,7 @@ tl::expected<std::shared_ptr<ClientConnection>, std::string> Failover::find(
   return std::move(*created);
 }
 
-/// Returns the commands that `found` could not take.
+/// Sends `commands` in the session `found`. Returns the commands for which it had no room.
 std::vector<PendingFailover> Failover::send_to(ClientConnection& found,
                                                std::vector<PendingFailover> commands) {
   std::vector<PendingFailover> back;
@@ -208,8 +208,8 @@ std::vector<PendingFailover> Failover::send_to(ClientConnection& found,
     const auto& again = *pending.command->again;
     if (pending.command->terminal()) continue;
     if (again.sessions >= most_sessions) {
-      end_as(pending, "it is not sent again, because so it went " + std::to_string(again.sessions) +
-                          " times");
+      end_as(pending, "the command is not sent again: it was already sent in " +
+                          std::to_string(again.sessions) + " sessions that were lost");
     } else if (late(pending, lab_.runtime()->clock())) {
       end_late(pending);
     } else if (const auto sent = found.send_again(pending.command); !sent) {
@@ -232,7 +232,7 @@ void Failover::end() {
   changed_.notify_one();
   if (thread.joinable()) {
     if (getpid() != owner_) {
-      thread.detach();  // a forked child has no such thread
+      thread.detach();  // the thread does not exist in a forked child
     } else {
       thread.join();
     }
@@ -243,7 +243,7 @@ void Failover::end() {
   }
   for (Search& search : open) {
     for (PendingFailover& pending : search.commands)
-      end_as(pending, "it is not sent again: its Lab is closed");
+      end_as(pending, "the command is not sent again: its Lab is closed");
   }
 }
 

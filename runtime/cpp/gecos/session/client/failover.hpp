@@ -20,28 +20,28 @@ class Context;
 class ClientConnection;
 class PendingCommand;
 
-/// What a session connects to, so that another can be opened in its place.
+/// The object that a session connects to, kept so that another session can be opened in its place.
 struct ConnectTarget {
   std::string name;
   const InterfaceDescription& wanted;
   CreateOptions options;
 };
 
-/// A command whose session was lost, and what it ends as when it cannot be sent again.
+/// A command whose session was lost. `failure`: how the command ends if it cannot be sent again.
 struct PendingFailover {
   std::shared_ptr<PendingCommand> command;
   Failure failure;
   TimePoint give_up{};
 };
 
-/// Sends `@idempotent` readings again whose session was lost before they had ended: looks for their
-/// object, opens a new session with it, and sends them there. A reading that finds no server within
-/// `grace`, or its deadline, ends as it would have without failover. There is one per lab; its
-/// thread starts with the first loss. Thread-safe.
+/// Sends `@idempotent` readings again when their session was lost before they ended: looks up their
+/// object, opens a new session with it, and sends the readings there. If no server is found within
+/// `grace` or before the deadline of a reading, the reading ends as it would have without failover.
+/// Each lab has one Failover; its thread starts with the first loss. Thread-safe.
 class Failover final : public TickTarget, public std::enable_shared_from_this<Failover> {
  public:
   /// Maximum number of sessions in which a command is sent: a command that kills its server must
-  /// not do so for ever.
+  /// not kill every later server too.
   static constexpr int most_sessions = 4;
   /// Maximum number of commands of one session that wait for a server.
   static constexpr std::size_t most_pending = 256;
@@ -50,14 +50,14 @@ class Failover final : public TickTarget, public std::enable_shared_from_this<Fa
   ~Failover() override;
 
   /// Takes over `commands` of the lost session `from`, to send them again. @pre no other thread or
-  /// session has them
+  /// session has these commands
   void take(const std::shared_ptr<ClientConnection>& from, std::vector<PendingFailover> commands);
-  /// `from` is UNREACHABLE. If another server now serves its object, its idempotent calls are sent
-  /// there.
+  /// Must be called when `from` is UNREACHABLE. If another server now serves the object of `from`,
+  /// the idempotent calls of `from` are sent to that server.
   void look_for_another(const std::shared_ptr<ClientConnection>& from);
-  /// Ends the commands whose time is over.
+  /// Ends the commands whose `grace` or deadline has passed.
   TimePoint on_tick(TimePoint now) override;
-  /// The lab ends: commands that wait for failover end now.
+  /// Called when the lab is closed: ends the commands that wait for failover.
   void end();
 
  private:
@@ -67,19 +67,20 @@ class Failover final : public TickTarget, public std::enable_shared_from_this<Fa
     TimePoint next{};
     std::string why;  ///< why no server was found so far
   };
-  /// Returns false when no thread can be created. @pre not after the end
+  /// Starts the thread unless it runs. Returns false when no thread can be created. @pre `end` was
+  /// not called
   bool started() GECOS_REQUIRES(mutex_);
   Search& search_of(const std::shared_ptr<ClientConnection>& from) GECOS_REQUIRES(mutex_);
   void run();
-  /// Releases the mutex while it searches; the entry in `searches_` may be removed meanwhile, so
-  /// `from` is a copy.
+  /// Looks for a server for the commands of `from`. Releases the mutex during the search; the entry
+  /// in `searches_` may be removed meanwhile, so `from` is a copy.
   void look(std::shared_ptr<ClientConnection> from) GECOS_REQUIRES(mutex_);
   tl::expected<std::shared_ptr<ClientConnection>, std::string> find(ClientConnection& from);
   std::vector<PendingFailover> send_to(ClientConnection& found,
                                        std::vector<PendingFailover> commands);
 
   Context& lab_;
-  const pid_t owner_;  ///< a forked child has none of the threads that end what waits for failover
+  const pid_t owner_;  ///< process id: a forked child has no thread that ends waiting commands
   Mutex mutex_;
   ConditionVariable changed_;
   std::vector<Search> searches_ GECOS_GUARDED_BY(mutex_);

@@ -94,7 +94,7 @@ tl::expected<std::shared_ptr<ClientConnection>, CreateError::Attempt> open_objec
     auto session =
         connect(*lab.runtime(), address, wanted, deadline, &failed.detail, with_failover);
     if (session && lab.keep(*session)) return std::move(*session);
-    if (session) return tl::unexpected(closed_lab(name));  // meanwhile
+    if (session) return tl::unexpected(closed_lab(name));  // the lab was closed meanwhile
     failed.reason += (failed.reason.empty() ? "" : "; ") + session.error();
     if (failed.detail == Detail::Refused) break;
   }

@@ -10,36 +10,38 @@
 
 namespace gecos::session {
 
-/// Decides which thread reads a link. One thread at a time leads and completes the commands of all
-/// threads; the others follow: they sleep until the leader notifies them or leaves. While the
-/// leader sleeps until a packet wakes it, another thread may read packets that were sent quietly
-/// (media/quiet.hpp).
+/// Decides which thread reads a link. One thread at a time is the leader: it reads the packets and
+/// completes the commands of all threads. The other threads are followers: they sleep until the
+/// leader notifies them or gives up the lead. While the leader sleeps until a packet wakes it,
+/// another thread may read packets that were sent without a wake-up (media/quiet.hpp).
 class LeaderLock {
  public:
   bool try_take() { return change(State::Free, State::Held); }
-  /// Leaves the lead to a follower, if there is one.
+  /// Gives up the lead and wakes a follower, if there is one, to take it.
   void drop();
 
-  /// The leader sleeps from now on, and another thread may read in its place.
+  /// Called by the leader before it sleeps: another thread may then read in its place.
   void rest() { state_.store(State::Resting, std::memory_order_release); }
-  /// The leader is awake. Waits for a thread that reads in its place.
+  /// Called by the leader when it is awake. Waits until no other thread reads in its place.
   void resume();
-  /// True: the leader sleeps, and the calling thread reads in its place until `release`.
+  /// Returns true when the leader sleeps; the calling thread then reads in its place until it calls
+  /// `release`.
   bool borrow() { return change(State::Resting, State::Borrowed); }
   void release();
 
   enum class Woken : std::uint8_t { Done, Notified, TimedOut };
-  /// Sleeps until `done`, or notified (then look again and try to lead), or `deadline`. `subject`
-  /// is what `notify` names; null to be notified of every packet that arrives.
+  /// Sleeps until `done()`, a notification, or `deadline`. After a notification, the caller must
+  /// check again and try to lead. `subject`: the argument of `notify` that wakes this thread; null
+  /// to be notified of every packet that arrives.
   Woken follow(const void* subject, FunctionRef<bool()> done, TimePoint deadline);
 
-  /// Wakes the threads that wait for `subject`. Must be called after the event that they wait for
-  /// is published.
+  /// Wakes the threads that wait for `subject`. Must be called after the event that these threads
+  /// wait for is published.
   void notify(const void* subject);
   void notify_all();
 
  private:
-  struct Follower {  // of the thread that sleeps; changed with mutex_
+  struct Follower {  // a sleeping thread; guarded by mutex_
     const void* subject = nullptr;
     bool notified = false;
     ConditionVariable woken;
@@ -53,7 +55,7 @@ class LeaderLock {
   void notify_one();
 
   std::atomic<State> state_{State::Free};  // publishes the link's receiving side to the next reader
-  std::atomic<int> follower_count_{0};     // publishes nothing: spares the lock when there is none
+  std::atomic<int> follower_count_{0};     // 0: mutex_ need not be locked
   Mutex mutex_;
   std::vector<Follower*> followers_ GECOS_GUARDED_BY(mutex_);
 };

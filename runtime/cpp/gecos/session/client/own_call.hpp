@@ -1,4 +1,5 @@
-// Calls of the runtime's own interfaces, by the structs of their arguments and results.
+// Calls operations of the runtime's own interfaces, with the structs of their arguments and
+// results.
 #pragma once
 
 #include <memory>
@@ -9,7 +10,7 @@
 
 namespace gecos::session {
 
-/// Arguments that must not be sent end the command as BAD_PARAMETER.
+/// Calls `operation`. Invalid arguments are not sent: the command ends as BAD_PARAMETER.
 template <wire::Encodable Arguments>
 std::shared_ptr<CommandCore> own_call(ClientSession& session, const OperationDescription& operation,
                                       const Arguments& arguments) {
@@ -25,7 +26,7 @@ inline std::shared_ptr<CommandCore> own_call(ClientSession& session,
   return session.call(operation, 0, [](wire::Encoder&) {}, {});
 }
 
-/// Reads the one value of `Reply`.
+/// Decodes a `Reply` and stores its result in `value`.
 template <wire::Encodable Reply, class T>
 bool read_result(wire::Decoder& from, T& value) {
   Reply reply;

@@ -17,7 +17,7 @@ namespace {
 
 /// True once per object, operation and detail, so that a failure in a loop does not fill the disk.
 bool first_of_its_kind(const std::string& about, Detail detail) {
-  static Mutex& mutex = *new Mutex;  // commands may be dropped after the last static
+  static Mutex& mutex = *new Mutex;  // commands may be destroyed after the last static object
   static auto& reported = *new std::set<std::pair<std::string, Detail>>;
   const MutexLock lock(mutex);
   return reported.emplace(about, detail).second;
@@ -177,7 +177,8 @@ void PendingCommand::finish(ByteView result) {
 }
 
 void PendingCommand::fail(Failure failure) {
-  // Proof from a later session does not hold for an earlier one.
+  // A proof from a later session that the command did not start does not hold for an earlier
+  // session.
   if (again && again->may_have_started && failure.state() == State::ConnectionFailed) {
     failure.detail = Detail::OutcomeUnknown;
   }

@@ -16,8 +16,8 @@ namespace gecos::session {
 
 class ClientConnection;
 
-/// A call that was issued. The session and the command keep each other alive until the command is
-/// terminal, so a command that its user drops still runs, and neither is kept afterwards.
+/// A call that was issued. Session and command keep each other alive until the command is terminal,
+/// so a command that its user drops still runs. After that neither keeps the other alive.
 class PendingCommand final : public CommandCore {
  public:
   PendingCommand(std::shared_ptr<ClientConnection> session, const OperationDescription& operation)
@@ -27,7 +27,7 @@ class PendingCommand final : public CommandCore {
         session_(std::move(session)) {}
   /// A command that ended before it was sent.
   explicit PendingCommand(Failure failure);
-  /// Logs a failure that the program has not asked for.
+  /// Logs a failure of the command that the program has not observed.
   ~PendingCommand() override;
   PendingCommand(const PendingCommand&) = delete;
   PendingCommand& operator=(const PendingCommand&) = delete;
@@ -43,52 +43,54 @@ class PendingCommand final : public CommandCore {
   void when_ended(std::function<void()> then) override;
   std::string about() const override;
 
-  /// Sequentially consistent, because a follower checks it right after it has registered with the
-  /// leader (LeaderLock::notify).
+  /// Sequentially consistent, because a follower checks it right after registering with the
+  /// LeaderLock (LeaderLock::notify).
   bool terminal() const {
     return project(detail_.load(std::memory_order_seq_cst)) != State::Running;
   }
 
-  // For its session.
+  // Called by the session of the command.
   void report(Detail detail, const ProgressBody& body);
   void finish(ByteView result);
   void fail(Failure failure);
   std::uint64_t counter =
-      0;  ///< written before the command is shared, as the two below, or by attach()
+      0;  ///< this and the next two are written before the command is shared, or by attach()
   std::uint64_t session_id = 0;
   std::uint64_t incarnation = 0;
-  std::uint64_t sent_as = 0;      ///< the packet's number on the link; written before it is shared
-  std::uint8_t marked_words = 0;  ///< where the server marks its start; written before it is shared
-  /// The command was sent in `session`, its first or another one. With that session's mutex held.
+  std::uint64_t sent_as = 0;      ///< packet number on the link; written before sharing
+  std::uint8_t marked_words = 0;  ///< words that may contain its mark; written before sharing
+  /// Notes that the command was sent in `session`, its first or another one. Requires the mutex of
+  /// `session`.
   void attach(const std::shared_ptr<ClientConnection>& session, const CommandId& id,
               std::uint64_t as);
-  /// Its session no longer has the command. With that session's mutex held.
+  /// Notes that its session no longer has the command. Requires the mutex of that session.
   void detach() { home_.store(nullptr, std::memory_order_release); }
 
-  /// What a medium that loses packets needs; guarded by the session's mutex.
+  /// State for sending the call again over a medium that loses packets. Guarded by the session's
+  /// mutex.
   struct Retry {
     Bytes packet;
-    TimePoint first{};  ///< sent
+    TimePoint first{};  ///< when the packet was first sent
     TimePoint next{};
     TimePoint deadline = TimePoint::max();
     int sent = 1;
-    bool on_its_way = false;  ///< sent at least once
+    bool on_its_way = false;  ///< the packet was sent at least once
     bool arrived = false;     ///< the server has the call: only its outcome is queried
     bool cancel = false;
   } retry;
 
-  /// Data for sending the command again in another session; set before it is shared, except the
-  /// last three.
+  /// Data for sending the command again in another session. All members except the last three are
+  /// set before the command is shared.
   struct Again {
     FunctionCode code{};
     std::string_view name;
     Bytes arguments;
     TimePoint deadline = TimePoint::max();
-    int sessions = 0;  ///< number of sessions in which it was sent; used by its sender only
-    bool may_have_started = false;         ///< in a session that no longer has it
-    std::condition_variable_any attached;  ///< or terminal: ends a wait during failover
+    int sessions = 0;  ///< number of sessions it was sent in; used by the sending thread only
+    bool may_have_started = false;         ///< it may have started in an earlier session
+    std::condition_variable_any attached;  ///< notified when attached or terminal
   };
-  std::unique_ptr<Again> again;  ///< null: it may not be sent again
+  std::unique_ptr<Again> again;  ///< null: the command may not be sent again
 
  private:
   std::shared_ptr<ClientConnection> session() const;
@@ -103,22 +105,22 @@ class PendingCommand final : public CommandCore {
   template <class Publish>
   void end(Detail detail, Publish publish);
 
-  const std::string_view operation_;  ///< empty: it was never sent
-  const bool actor_ = false;          ///< it needs a status
+  const std::string_view operation_;  ///< empty: the command was never sent
+  const bool actor_ = false;          ///< the operation needs a status
   mutable FutexMutex mutex_;
-  std::atomic<Detail> detail_{Detail::Sent};  // terminal: publishes result_ and failure_ to all
+  std::atomic<Detail> detail_{Detail::Sent};  // a terminal value publishes result_, failure_
   std::uint32_t position_ GECOS_GUARDED_BY(mutex_) = 0;
-  double fraction_ = 0;  ///< written with the mutex; constant once terminal
+  double fraction_ = 0;  ///< written with mutex_ held; constant once terminal
   Bytes feedback_ GECOS_GUARDED_BY(mutex_);
-  ShortBytes result_;  ///< written once, before it is terminal, as failure_
+  ShortBytes result_;  ///< as failure_: written once, before detail_ is terminal
   Failure failure_;
-  std::string about_;  ///< "RX90.move"; written before it is terminal, unless observed
-  /// Maintenance of session_ watches it, for a thread that sleeps elsewhere.
+  std::string about_;  ///< "RX90.move"; set before the command fails, unless observed
+  /// The maintenance thread reads packets for this command, because no thread may wait in session_.
   bool watched_ GECOS_GUARDED_BY(mutex_) = false;
   std::unique_ptr<EventFd> exported_ GECOS_GUARDED_BY(mutex_);
   std::vector<std::function<void()>> callbacks_ GECOS_GUARDED_BY(mutex_);
-  /// The session that has the command; null while it waits for failover. Publishes nothing but
-  /// itself: a thread that waits in that session must then wait elsewhere.
+  /// The session that has the command; null while the command waits for failover. Orders no other
+  /// memory. When it changes, a thread that waits in the old session must wait elsewhere.
   std::atomic<const ClientConnection*> home_{nullptr};
   std::shared_ptr<ClientConnection> session_ GECOS_GUARDED_BY(mutex_);  ///< null once terminal
 };

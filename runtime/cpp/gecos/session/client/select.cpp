@@ -12,7 +12,7 @@ qos::LineOffer line_of(const media::Offer& offer) {
   qos::LineOffer line;
   line.name = offer.name;
   line.between_hosts = offer.reach == media::Reach::Network;
-  line.reliable = true;  // where the medium loses packets the session repeats them
+  line.reliable = true;  // where the medium loses packets, the session sends them again
   line.real_time = offer.real_time;
   // Within one process neither end outlives the other, so no death must be reported.
   line.reports_death = offer.reports_death || offer.reach == media::Reach::Process;
@@ -29,7 +29,7 @@ std::string out_of_shared_memory(const std::string& here, const Entry& entry,
          "): programs that are to meet over shm need one user and the same GECOS_RUNTIME_DIR";
 }
 
-/// Why this medium does not lead from here to there; empty when it does.
+/// Why this program cannot reach the object at `address` over the medium `kind`; empty when it can.
 std::string out_of_reach(Runtime& runtime, const Entry& entry, media::Kind kind,
                          const std::string& address) {
   switch (media::reach_of(kind)) {
@@ -40,7 +40,7 @@ std::string out_of_reach(Runtime& runtime, const Entry& entry, media::Kind kind,
     case media::Reach::Network:
       return "";
   }
-  return "this program does not know it";
+  return "this program does not know this medium";
 }
 
 }  // namespace
@@ -77,7 +77,7 @@ tl::expected<std::vector<std::string>, std::string> select(Runtime& runtime, con
         "cannot be reached" + asked_for +
         (reasons.empty() ? ": its server does not offer it" : " (" + reasons + ")"));
   }
-  // A simulated device has nothing that a late packet could hurt.
+  // A late packet does no harm in a simulated device, so soft real time is enough.
   qos::Quality held_to = asked;
   if (entry.simulated && held_to.line == qos::Class::HardRealtime) {
     held_to.line = qos::Class::SoftRealtime;

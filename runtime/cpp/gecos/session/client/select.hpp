@@ -8,8 +8,9 @@
 
 namespace gecos::session {
 
-/// The addresses of an object that meet `asked`, best first; or a text with every medium and each
-/// term that it violates. Only this function knows which medium suits which client.
+/// Returns the addresses of the object `entry` that meet `asked`, best first; or a text with every
+/// medium and each term that it violates. Only this function decides which medium suits which
+/// client.
 tl::expected<std::vector<std::string>, std::string> select(Runtime& runtime, const Entry& entry,
                                                            const qos::Quality& asked,
                                                            std::optional<media::Kind> only);

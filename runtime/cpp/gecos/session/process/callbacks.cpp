@@ -25,7 +25,7 @@ void run_callback(const std::function<void()>& callback) {
   }
 }
 
-/// The state of the thread; it outlives a Callbacks that is destroyed by one of its callbacks.
+/// The state of the callback thread. It outlives a Callbacks that one of its callbacks destroys.
 struct Callbacks::Shared {
   void run();
 
@@ -64,7 +64,7 @@ Callbacks::~Callbacks() {
   shared_->changed.notify_one();
   if (!thread.joinable()) return;
   if (thread.get_id() == std::this_thread::get_id() || getpid() != shared_->owner) {
-    thread.detach();  // a forked child has no such thread
+    thread.detach();  // the thread does not exist in a forked child
   } else {
     thread.join();
   }
@@ -77,8 +77,9 @@ void Callbacks::post(std::function<void()> callback) {
     try {
       shared_->thread = start_thread("gecos-callbacks", [shared = shared_] { shared->run(); });
     } catch (const std::system_error& failed) {
-      log_error("session", std::string("no thread can be had for the callbacks of commands (") +
-                               failed.what() + "); they wait until the next command with one ends");
+      log_error("session",
+                std::string("no thread could be created for the callbacks of commands (") +
+                    failed.what() + "); they wait until the next command with a callback ends");
     }
   }
   shared_->changed.notify_one();

@@ -5,16 +5,16 @@
 
 namespace gecos::session {
 
-/// Runs `callback` and logs what it throws, because no caller waits for it.
+/// Runs `callback` and logs any exception that it throws, because no caller can catch it.
 void run_callback(const std::function<void()>& callback);
 
-/// Runs the completion callbacks of commands one after another, on a thread of its own that starts
-/// with the first callback. Callbacks may block; only other callbacks wait for them.
+/// Runs the completion callbacks of commands one after another, on its own thread, which starts
+/// with the first callback. A callback may block: only other callbacks then wait.
 class Callbacks {
  public:
   Callbacks();
-  /// Runs the callbacks that are left, then ends. When destroyed by a callback, the thread
-  /// continues until none is left.
+  /// Runs the remaining callbacks, then ends the thread. When a callback destroys this object, the
+  /// thread continues until no callback is left.
   ~Callbacks();
   Callbacks(const Callbacks&) = delete;
   Callbacks& operator=(const Callbacks&) = delete;

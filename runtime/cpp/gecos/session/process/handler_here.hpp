@@ -13,12 +13,12 @@ class HandlerHere {
  public:
   virtual ~HandlerHere() = default;
   virtual std::shared_ptr<HandlerHere> shared() = 0;
-  /// The thread of the handler waits for `command` without a time-out, until `goes_on`.
+  /// Notes that the thread of the handler waits for `command` without a time-out, until `goes_on`.
   virtual void waits(const CommandCore& command) = 0;
   virtual void goes_on() = 0;
 };
 
-/// While this object lives, the handler of `call` runs on this thread.
+/// Records, as long as it lives, that the handler of `call` runs on this thread.
 class RunsHere {
  public:
   explicit RunsHere(HandlerHere& call);
@@ -30,7 +30,7 @@ class RunsHere {
   HandlerHere* const before_;
 };
 
-/// The handler of `call` runs on this thread until it has answered.
+/// Records that the handler of `call` runs on this thread until it has answered.
 void runs_here(std::weak_ptr<HandlerHere> call);
 
 }  // namespace gecos::session

@@ -16,7 +16,7 @@
 
 namespace gecos::session {
 
-/// The state of the thread; it outlives a Maintenance that is destroyed on its own thread.
+/// The state of the maintenance thread. It outlives a Maintenance that is destroyed on that thread.
 struct Maintenance::Shared {
   explicit Shared(const Clock& its_clock) : clock(its_clock) {}
 
@@ -30,7 +30,7 @@ struct Maintenance::Shared {
   const pid_t owner = getpid();
   EventFd event;
   std::thread thread;
-  std::atomic<bool> ended{false};  // publishes nothing but itself
+  std::atomic<bool> ended{false};  // orders no other memory
   Mutex mutex;
   std::vector<std::weak_ptr<TickTarget>> targets GECOS_GUARDED_BY(mutex);
   std::vector<std::function<void()>> jobs GECOS_GUARDED_BY(mutex);
@@ -63,8 +63,8 @@ void Maintenance::Shared::judge_pause(const std::vector<std::shared_ptr<TickTarg
 void Maintenance::Shared::run() {
   std::vector<pollfd> descriptors;
   for (;;) {
-    event.drain();  // before checking what it was notified for, or a notification between the two
-                    // is lost
+    // Drain the event before the checks, so that a notification between the two is not lost.
+    event.drain();
     if (ended.load()) return;
     for (const auto& job : take_jobs()) job();
     auto alive = look_at();
@@ -82,7 +82,7 @@ void Maintenance::Shared::run() {
     descriptors.assign(1, {event.descriptor(), POLLIN, 0});
     for (const auto& one : alive) one->watch(descriptors);
     std::vector<std::weak_ptr<TickTarget>> watched(alive.begin(), alive.end());
-    alive.clear();  // a target that is dropped meanwhile is destroyed at once, not after this sleep
+    alive.clear();  // so that a target dropped during the sleep is destroyed at once
     poll(descriptors.data(), descriptors.size(), idle ? -1 : static_cast<int>(rest.count()));
     for (const auto& one : watched) {
       if (const auto still = one.lock()) still->unwatch();
@@ -97,7 +97,7 @@ Maintenance::Maintenance(const Clock& clock) : shared_(std::make_shared<Shared>(
 Maintenance::~Maintenance() {
   shared_->ended = true;
   shared_->event.notify();
-  if (on_this_thread() || getpid() != shared_->owner) {  // a forked child has no such thread
+  if (on_this_thread() || getpid() != shared_->owner) {  // the thread is absent in a forked child
     shared_->thread.detach();
   } else {
     shared_->thread.join();

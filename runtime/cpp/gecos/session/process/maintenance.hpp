@@ -15,19 +15,21 @@ namespace gecos::session {
 class TickTarget {
  public:
   virtual ~TickTarget() = default;
-  /// On the maintenance thread. Must not block and must not run a handler of a user. Returns when
-  /// the next tick is due, at the earliest after a `Maintenance::tick`; it may come sooner when the
-  /// thread is woken.
+  /// Called on the maintenance thread. Must not block and must not run a user's handler. Returns
+  /// when the next tick is due. The next tick comes at the earliest after `Maintenance::tick`, or
+  /// sooner when the thread is woken.
   virtual TimePoint on_tick(TimePoint now) = 0;
   /// Called before `on_tick` after this process was suspended for `stood_still`. No call starts
-  /// until it has returned.
+  /// before this function has returned.
   virtual void after_pause(Duration stood_still) { static_cast<void>(stood_still); }
-  /// Adds descriptors to sleep on until the next tick; `unwatch` follows after the sleep.
+  /// Adds to `into` the descriptors that end the sleep before the next tick; `unwatch` is called
+  /// after the sleep.
   virtual void watch(std::vector<pollfd>& into) { static_cast<void>(into); }
   virtual void unwatch() {}
 };
 
-/// The one thread that no handler can starve. Costs nothing without targets.
+/// The maintenance thread. No handler runs on it, so no handler can starve it. It costs nothing
+/// without targets.
 class Maintenance {
  public:
   static constexpr Duration tick = std::chrono::milliseconds(10);
@@ -47,7 +49,7 @@ class Maintenance {
   /// Makes the next tick of all targets due now.
   void wake();
   bool on_this_thread() const;
-  /// Detects from the ticks of this thread whether this process was suspended.
+  /// Detects from the ticks of the maintenance thread whether this process was suspended.
   PauseWatch& pauses();
 
  private:

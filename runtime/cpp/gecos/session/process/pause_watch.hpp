@@ -10,32 +10,32 @@
 
 namespace gecos::session {
 
-/// "stood still for 3.1 s"
+/// Describes a pause: "stood still for 3.1 s".
 std::string stood_still_for(Duration pause);
 
-/// Detects that this process was suspended: SIGSTOP, a suspended machine, a core that was taken
-/// away.
+/// Detects that this process was suspended: by SIGSTOP, because the machine was suspended, or
+/// because it got no core.
 ///
-/// At each tick the maintenance thread sets when the next one is due. A tick that is late by more
-/// than `longest_gap`, or would be if it came now, means a pause. After a pause no call may start
-/// until maintenance has judged the pause: packets in the rings are as old as the pause, and peers
-/// that died meanwhile are not known yet. Times are of CLOCK_BOOTTIME.
+/// At each tick the maintenance thread records when the next tick is due. When that tick is, or
+/// would be, late by more than `longest_gap`, there was a pause. After a pause no call may start
+/// until the maintenance thread has judged the pause: packets in the rings are as old as the pause,
+/// and peers that died meanwhile are not known yet. Times are of CLOCK_BOOTTIME.
 class PauseWatch {
  public:
   static constexpr Duration longest_gap = std::chrono::milliseconds(500);
 
-  /// Called by maintenance at each tick. Returns the length of the pause that ends here, if there
-  /// was one; then no call starts until judged().
+  /// Called by the maintenance thread at each tick. If a pause ends with this tick, returns its
+  /// length; no call then starts before judged().
   std::optional<Duration> tick(TimePoint now) {
     const TimePoint due = due_.load(std::memory_order_relaxed);
     if (due == TimePoint::max() || now - due <= longest_gap) {
-      due_.store(now, std::memory_order_relaxed);  // a pause may fall into the work of this tick
+      due_.store(now, std::memory_order_relaxed);  // detects a pause during this tick, too
       return std::nullopt;
     }
     judging_.store(true, std::memory_order_relaxed);
     return now - due;
   }
-  /// Called by maintenance after it has applied the pause to all sessions and commands.
+  /// Called by the maintenance thread after it has applied the pause to all sessions and commands.
   void judged(TimePoint next_due) {
     {
       const MutexLock lock(mutex_);
@@ -44,26 +44,29 @@ class PauseWatch {
     }
     judged_.notify_all();
   }
-  /// Called by the maintenance thread before it sleeps until `next`. TimePoint::max(): until it is
-  /// woken. Returns false when there was a pause since its tick; the next tick is then due now.
+  /// Called by the maintenance thread before it sleeps until `next`; TimePoint::max() when it
+  /// sleeps until it is woken. Returns false when there was a pause since the last tick: the thread
+  /// must then tick at once.
   [[nodiscard]] bool due(TimePoint next, TimePoint now) {
     if (suspected(now)) return false;
     due_.store(next, std::memory_order_relaxed);
     return true;
   }
 
-  /// For any thread before it starts a handler: whether a pause has ended and is not judged yet.
+  /// Every thread must call suspected() before it starts a handler. Returns true when a pause has
+  /// ended and is not judged yet.
   bool suspected(TimePoint now) const {
     const TimePoint due = due_.load(std::memory_order_relaxed);
     return judging_.load(std::memory_order_acquire) ||
            (due != TimePoint::max() && now - due > longest_gap);
   }
-  /// The last check of a thread that checks often, if it found no pause.
+  /// The last check that found no pause; kept by a thread that checks often.
   struct Checked {
     Moment moment;
-    TimePoint at{};  ///< at most a tick of the kernel ago
+    TimePoint at{};  ///< time of the check, at most one kernel tick ago
   };
-  /// As above, but does not read the clock at every call.
+  /// As suspected(now), but reads the precise clock at most once per kernel tick. `checked`: the
+  /// last check of the calling thread.
   bool suspected(const Clock& clock, Checked& checked, Moment now = Moment::now()) const {
     if (judging_.load(std::memory_order_acquire)) return true;
     if (now == checked.moment) return false;
@@ -81,7 +84,7 @@ class PauseWatch {
   }
 
  private:
-  std::atomic<TimePoint> due_{TimePoint::max()};  // publishes nothing but itself
+  std::atomic<TimePoint> due_{TimePoint::max()};  // orders no other memory
   std::atomic<bool> judging_{false};  // clearing it publishes the work of the maintenance thread
   Mutex mutex_;
   ConditionVariable judged_;

@@ -40,7 +40,7 @@ class OpenRuntimes {
     return runtimes;
   }
   ~OpenRuntimes() {
-    if (getpid() != owner_) return;  // a forked child has none of the threads
+    if (getpid() != owner_) return;  // the threads do not exist in a forked child
     for (const auto& runtime : alive()) runtime->close_sessions(std::chrono::seconds(1));
   }
   void add(const std::shared_ptr<Runtime>& runtime) {
@@ -67,7 +67,7 @@ class OpenRuntimes {
 };
 
 std::atomic<std::uint64_t> incarnation_of_this_process{
-    0};  // 0: not drawn yet; publishes nothing but itself
+    0};  // 0: not drawn yet; orders no other memory
 
 std::uint64_t random_incarnation() {
   std::uint64_t number = 0;
@@ -139,8 +139,8 @@ Hello Runtime::introduce(const InterfaceDescription& wanted) const {
   hello.incarnation = number(process_incarnation());
   hello.interface_name = wanted.name;
   hello.interface_hash = wanted.hash;
-  // A client sends nothing to an UNREACHABLE server and gives it up after `grace`. A quarter is for
-  // the difference between the clocks of two hosts.
+  // A client sends nothing to an UNREACHABLE server and gives the server up after `grace`. A
+  // quarter of `grace` is reserved for the difference between the clocks of two hosts.
   hello.accept_within = options_.grace * 3 / 4;
   return hello;
 }

@@ -18,20 +18,20 @@
 
 namespace gecos::session {
 
-/// Something open that ends in order when the program exits.
+/// A session that is closed in order when the program exits.
 class Closable {
  public:
   virtual ~Closable() = default;
-  /// Waits at most `patience` for the other end.
+  /// Closes the session; waits at most `patience` for the peer.
   virtual void close(Duration patience) = 0;
 };
 
 /// What sessions and servers of one lab share: settings, the clock, the media and the maintenance
-/// thread. It lives as long as the last of them. Thread-safe.
+/// thread. Lives until the last session and the last server are destroyed. Thread-safe.
 class Runtime : public std::enable_shared_from_this<Runtime> {
  public:
-  /// Creates a runtime whose sessions say goodbye when the program exits, however its labs are
-  /// dropped. Fails when this process has no thread or descriptor left for it.
+  /// Creates a runtime whose sessions say goodbye when the program exits, even if their Lab is
+  /// never destroyed. Fails when this process has no thread or descriptor left for the runtime.
   static tl::expected<std::shared_ptr<Runtime>, NoLab> make(LabOptions options, const Clock& clock);
 
   Runtime(LabOptions options, const Clock& clock);
@@ -41,21 +41,23 @@ class Runtime : public std::enable_shared_from_this<Runtime> {
   const Clock& clock() const { return clock_; }
   Maintenance& maintenance() { return maintenance_; }
   Callbacks& callbacks() { return callbacks_; }
-  /// Silence after which a session ends, and with it what a server registered with a broker.
+  /// Duration of silence after which a session ends; a broker then also drops the registrations
+  /// made in the session.
   Duration registration_ttl() const { return options_.lease_ttl + options_.grace; }
 
-  /// The medium of this kind, opened at first use, or why it is not available here now.
+  /// The medium `kind`, opened at first use; or why it is not available here now.
   tl::expected<media::Medium*, media::MediumError> medium(media::Kind kind);
-  /// Identifies this host as far as shared memory reaches: the folder in which this runtime finds
-  /// others is part of it.
+  /// Identifies the host and the runtime directory: equal in two programs exactly when they can
+  /// reach each other over shared memory.
   const std::string& host_identity();
-  /// How this program introduces itself to an object of the interface `wanted`.
+  /// The Hello with which this program opens a session with an object of the interface `wanted`.
   Hello introduce(const InterfaceDescription& wanted) const;
 
-  /// Closes `session` when this program exits, if it still lives.
+  /// Closes `session` when this program exits, if the session still lives.
   void close_at_exit(const std::shared_ptr<Closable>& session);
-  /// Closes the sessions one after the other within `patience`, plus two heartbeats for each that
-  /// does not answer, so that a stuck session takes no time from the others.
+  /// Closes the sessions one after the other within `patience`. Each session gets at least two
+  /// heartbeat periods, so that a server that does not answer takes no time from the other
+  /// sessions.
   void close_all(const std::vector<std::shared_ptr<Closable>>& sessions, Duration patience) const;
   /// Says goodbye in every open session.
   void close_sessions(Duration patience);
@@ -68,7 +70,7 @@ class Runtime : public std::enable_shared_from_this<Runtime> {
   std::optional<std::string> host_identity_ GECOS_GUARDED_BY(mutex_);
   std::vector<std::weak_ptr<Closable>> sessions_ GECOS_GUARDED_BY(mutex_);
   Callbacks callbacks_;
-  Maintenance maintenance_;  ///< last: its thread ends first
+  Maintenance maintenance_;  ///< last member, so that its thread ends first
 };
 
 }  // namespace gecos::session

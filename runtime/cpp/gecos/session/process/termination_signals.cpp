@@ -15,7 +15,8 @@ namespace {
 
 constexpr std::array<int, 2> signals{SIGINT, SIGTERM};
 
-/// The only data that the signal handler may touch: set before it is installed, and never freed.
+/// The only data that the signal handler may touch: set before the handler is installed, and never
+/// freed.
 std::atomic<EventFd*> came{nullptr};
 std::atomic<pid_t> owner{0};
 static_assert(std::atomic<EventFd*>::is_always_lock_free &&

@@ -3,20 +3,20 @@
 namespace gecos::session {
 
 /// While an instance lives, SIGINT and SIGTERM make a descriptor readable instead of ending the
-/// process, whichever thread they are delivered to. Handlers that were there before come back
-/// afterwards; a signal that the process ignores (SIGINT under `nohup … &`) stays ignored. In a
-/// forked child the signals do again what they do by default.
+/// process, whichever thread receives them. The end of the last instance restores the previous
+/// signal handlers. A signal that the process ignores (SIGINT under `nohup … &`) stays ignored. In
+/// a forked child both signals have their default action.
 class TerminationSignals {
  public:
-  /// Opens the descriptor that all instances share, or throws std::system_error. No constructor
-  /// fails after it.
+  /// Opens the descriptor that all instances share, or throws std::system_error. After this call no
+  /// constructor fails.
   static void prepare();
-  TerminationSignals();  ///< as `prepare`
+  TerminationSignals();  ///< throws as `prepare` does
   ~TerminationSignals();
   TerminationSignals(const TerminationSignals&) = delete;
   TerminationSignals& operator=(const TerminationSignals&) = delete;
 
-  int descriptor() const;  ///< readable once a signal has come; the same for all that live
+  int descriptor() const;  ///< readable once a signal has come; shared by all instances
 };
 
 }  // namespace gecos::session

@@ -4,8 +4,8 @@
 
 namespace gecos::session {
 
-/// Codes 1 to 255 are those of gecos::GecosObject, which every object answers, including those that
-/// a later version adds to it.
+/// True for the codes 1 to 255. They belong to the built-in operations (gecos::GecosObject),
+/// including those that a later version adds.
 constexpr bool is_builtin(FunctionCode code) { return number(code) <= 255; }
 
 }  // namespace gecos::session

@@ -9,8 +9,8 @@
 
 namespace gecos::session {
 
-/// The unfinished calls of one session by their counter. Allocates only while it grows to the
-/// largest number that was ever open at once. Not thread-safe.
+/// The unfinished calls of one session, by counter. Allocates only when more calls are open at once
+/// than ever before. Not thread-safe.
 template <class Call>
 class CallTable {
  public:
@@ -18,7 +18,7 @@ class CallTable {
 
   std::size_t size() const { return size_; }
 
-  /// @pre no call with this counter is in it, and counter is not 0.
+  /// @pre `counter` is not 0, and the table has no call with this counter.
   void insert(std::uint64_t counter, std::shared_ptr<Call> call) {
     if ((size_ + 1) * 2 > slots_.size()) grow();
     place({counter, std::move(call)});
@@ -28,16 +28,16 @@ class CallTable {
   /// Null when there is no call with this counter. The pointer is valid until the table changes.
   const std::shared_ptr<Call>* find(std::uint64_t counter) const {
     for (std::size_t at = home(counter);; at = next(at)) {
-      if (slots_[at].counter == 0) return nullptr;  // first: nothing is called 0
+      if (slots_[at].counter == 0) return nullptr;  // checked first: no call has counter 0
       if (slots_[at].counter == counter) return &slots_[at].call;
     }
   }
 
-  /// Removes and returns the call; null when there is none with this counter.
+  /// Removes and returns the call; null when the table has no call with this counter.
   std::shared_ptr<Call> take(std::uint64_t counter) {
     std::size_t at = home(counter);
     for (;; at = next(at)) {
-      if (slots_[at].counter == 0) return nullptr;  // first: nothing is called 0
+      if (slots_[at].counter == 0) return nullptr;  // checked first: no call has counter 0
       if (slots_[at].counter == counter) break;
     }
     auto taken = std::move(slots_[at].call);
@@ -47,7 +47,7 @@ class CallTable {
     return taken;
   }
 
-  /// The lowest counter in it; 0 when it is empty.
+  /// The lowest counter in the table; 0 when the table is empty.
   std::uint64_t lowest() const {
     std::uint64_t least = 0;
     for (const auto& slot : slots_) {
@@ -58,12 +58,12 @@ class CallTable {
 
   /// Removes and returns all calls, in the order of their counters.
   std::vector<std::pair<std::uint64_t, std::shared_ptr<Call>>> take_all();
-  /// In the order of their counters.
+  /// Returns all calls, in the order of their counters.
   std::vector<std::pair<std::uint64_t, std::shared_ptr<Call>>> all() const;
 
  private:
   struct Slot {
-    std::uint64_t counter = 0;  ///< 0: free
+    std::uint64_t counter = 0;  ///< 0: the slot is free
     std::shared_ptr<Call> call;
   };
 
@@ -84,7 +84,8 @@ class CallTable {
     }
   }
 
-  /// Moves up the calls that stand after `gap` only because their home slot was occupied.
+  /// Fills the gap that a removed call left: moves up the calls after `gap` that are not in their
+  /// home slot only because it was occupied.
   void close_gap(std::size_t gap) {
     for (std::size_t at = next(gap); slots_[at].counter != 0; at = next(at)) {
       const std::size_t distance_home = (at - home(slots_[at].counter)) & (slots_.size() - 1);

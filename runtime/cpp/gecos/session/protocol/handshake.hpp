@@ -12,8 +12,8 @@
 
 namespace gecos::session {
 
-/// The client that asks for a session, and the interface that it expects. What the medium proves
-/// about the peer overrides what is claimed here.
+/// Body of Hello: the client that opens a session, and the interface that it expects. What the
+/// medium proves about the peer overrides what the client claims here.
 struct Hello {
   std::string user;
   std::string host;
@@ -29,24 +29,24 @@ struct Hello {
   std::size_t encoded_size() const;
   void encode(wire::Encoder& to) const;
   bool decode(wire::Decoder& from);
-  static std::int64_t fingerprint() { return 0; }  // sent in an envelope, never alone
+  static std::int64_t fingerprint() { return 0; }  // not sent: the packet kind names the type
 };
 
-/// A hash of what is encoded in the calls of one operation.
+/// A hash of the encoding of one operation's calls.
 struct OperationHash {
   FunctionCode code{};
   std::uint64_t hash = 0;
 };
 
-/// The session that was opened: its id is in the envelope.
+/// Body of Welcome: describes the session that was opened. Its id is in the packet header.
 struct Welcome {
   std::string object;
   std::string interface_name;
   std::vector<std::string> bases;
   std::uint64_t interface_hash = 0;
   std::uint64_t incarnation = 0;
-  std::uint32_t credits = 0;              ///< calls that the client may have unanswered
-  std::vector<OperationHash> operations;  ///< all, when the client's interface is not this one
+  std::uint32_t credits = 0;              ///< calls that the client may have without a reply
+  std::vector<OperationHash> operations;  ///< empty when the client's interface_hash is equal
 
   bool is_a(const std::string& name) const;
   std::size_t encoded_size() const;
@@ -55,7 +55,8 @@ struct Welcome {
   static std::int64_t fingerprint() { return 0; }
 };
 
-/// Body of Refused and of a Reply that is not DONE; the detail is in the envelope's flags.
+/// Body of Refused and of a Reply that is not DONE; the detail is in the flags of the packet
+/// header.
 struct FailureBody {
   std::string text;
   std::string exception;
@@ -67,11 +68,12 @@ struct FailureBody {
   static std::int64_t fingerprint() { return 0; }
 };
 
-/// Body of Progress; the detail (Queued, Executing, Canceling) is in the envelope's flags.
+/// Body of Progress; the detail (Queued, Executing, Canceling) is in the flags of the packet
+/// header.
 struct ProgressBody {
   std::uint32_t position = 0;
   double fraction = 0;
-  Bytes feedback;  ///< the rest of the body
+  Bytes feedback;  ///< the remaining bytes of the body
 
   std::size_t encoded_size() const;
   void encode(wire::Encoder& to) const;

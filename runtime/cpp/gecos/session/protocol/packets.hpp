@@ -1,4 +1,4 @@
-// Packets as the session writes them: head and body one after the other, in one reused buffer.
+// Writes packets: header and body, one after the other, into one reused buffer.
 #pragma once
 
 #include <optional>
@@ -11,7 +11,8 @@
 
 namespace gecos::session {
 
-/// Flags of a Call whose body begins with the session and counter that it was sent under before.
+/// Flags of a Call that was sent before in another session: its body begins with the id of that
+/// session and the counter of the call in it (SentBefore).
 inline constexpr std::int8_t sent_again = 1;
 inline constexpr std::size_t sent_before_size = 8 + 8;
 struct SentBefore {
@@ -23,26 +24,26 @@ struct SentBefore {
     return from.get(session, "session") && from.get(counter, "counter");
   }
 };
-/// Flags of a Goodbye after which no call of the session may start: its client got no answer to a
-/// Goodbye without this flag.
+/// Flags of a Goodbye after which no call of the session may start. A client sends it when it has
+/// lost the session, or when a Goodbye without this flag was not acknowledged.
 inline constexpr std::int8_t withdraws = 1;
 
 void write_packet(Bytes& into, const wire::PacketHeader& header, ByteView body);
-/// As above, with a body of `size` bytes that `encode` writes.
+/// Writes a packet whose body of `size` bytes is written by `encode`.
 void write_packet(Bytes& into, const wire::PacketHeader& header, std::size_t size,
                   FunctionRef<void(wire::Encoder&)> encode);
 
-/// The terminal outcome of a call as a packet.
+/// Writes a packet that ends a call with `failure`.
 void write_failure(Bytes& into, wire::PacketHeader header, const Failure& failure);
-/// Decodes what `write_failure` wrote. A detail that is unknown, or with which a server must not
-/// end a call, counts as FAULT.
+/// Decodes the packet body that `write_failure` wrote. An unknown detail, or a detail with which a
+/// server must not end a call, counts as FAULT.
 Failure failure_from(std::optional<Detail> detail, ByteView body);
-/// The body of a Goodbye that gives a reason.
+/// Encodes the reason `why` as the body of a Goodbye.
 Bytes goodbye_body(const std::string& why);
-/// ": why", from the body of a Goodbye; empty when it gives no reason.
+/// Decodes the reason in the body of a Goodbye, as ": why"; empty when the body has no reason.
 std::string text_of(ByteView goodbye);
 
-/// The clock of real waits; policies use the lab's clock.
+/// The clock for real waits. Policies use the clock of the lab instead.
 const Clock& system_clock();
 
 }  // namespace gecos::session

@@ -10,24 +10,25 @@
 
 namespace gecos::session {
 
-/// Which counters of a session have arrived, so that no call runs twice.
+/// Records which counters of a session have arrived, so that no call runs twice.
 class ReceiveWindow {
  public:
   enum class Verdict : std::uint8_t {
     New,
     Seen,
-    Beyond,  ///< too far ahead of the first missing counter to be recorded: it counts as not
-             ///< arrived
+    Beyond,  ///< too far ahead of the first missing counter to be recorded: the counter counts as
+             ///< not arrived
   };
   /// Notes that `counter` arrived.
   Verdict arrived(std::uint64_t counter);
-  /// Likewise, over a medium that neither loses nor repeats: all before it arrived too.
+  /// Notes that `counter` arrived over a medium that neither loses nor repeats packets: all lower
+  /// counters have arrived too.
   void arrived_in_order(std::uint64_t counter) { cumulative_ack_ = counter; }
-  /// The sender has given up the packets up to `counter` that have not arrived; they now count as
-  /// arrived.
+  /// Notes that the sender has given up the packets up to `counter` that have not arrived; these
+  /// packets now count as arrived.
   void abandoned(std::uint64_t counter);
   bool seen(std::uint64_t counter) const;
-  /// Highest counter up to which all arrived.
+  /// The highest counter up to which all counters have arrived.
   std::uint64_t cumulative_ack() const { return cumulative_ack_; }
 
  private:
@@ -35,27 +36,28 @@ class ReceiveWindow {
 
   static constexpr std::size_t width = 1024;
   std::uint64_t cumulative_ack_ = 0;
-  std::bitset<width>
-      later_;  ///< later_[c % width]: c arrived, for cumulative_ack_ < c <= cumulative_ack_ + width
+  std::bitset<width> later_;  ///< [c % width]: whether c arrived, for cumulative_ack_ < c <=
+                              ///< cumulative_ack_ + width
 };
 
-/// Replies that the client may still ask for, because its medium loses packets.
+/// Keeps the replies that the client may request again, because its medium loses packets or its
+/// session was lost.
 class ReplyCache {
  public:
   void keep(std::uint64_t counter, Bytes packet);
-  /// The client has all replies up to `counter`.
+  /// Notes that the client has received all replies up to `counter`.
   void acknowledged(std::uint64_t counter);
-  /// Not acknowledged: the client may still ask for it.
+  /// True when the reply to `counter` is not acknowledged: the client may still request it.
   bool awaited(std::uint64_t counter) const { return counter > acknowledged_; }
-  /// Null when it was acknowledged or crowded out.
+  /// The reply to `counter`; null when it was acknowledged or dropped to make room.
   const Bytes* find(std::uint64_t counter) const;
-  /// Reduces the cache after its session was lost; its client may still ask for replies in another
+  /// Reduces the cache after its session was lost; the client may still request replies in another
   /// session.
   void shrink();
 
  private:
-  static constexpr std::size_t most_replies = 512;  ///< more than a client may have unanswered
-  static constexpr std::size_t most_bytes = 16 * 1024 * 1024;  ///< two of the largest packets
+  static constexpr std::size_t most_replies = 512;  ///< more than a client's unanswered calls
+  static constexpr std::size_t most_bytes = 16 * 1024 * 1024;  ///< size of two largest packets
   static constexpr std::size_t most_bytes_of_lost = 64 * 1024;
   struct Kept {
     std::uint64_t counter;

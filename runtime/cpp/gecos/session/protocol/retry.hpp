@@ -7,8 +7,8 @@
 
 namespace gecos::session {
 
-/// How long to wait for an answer after the `sent`th sending, over a medium that loses packets:
-/// 20, 40, 80, then 160 ms.
+/// Time to wait for a reply before a packet is sent again over a medium that loses packets. `sent`:
+/// how often the packet was sent. 20, 40, 80, then 160 ms.
 constexpr Duration retry_after(int sent) {
   return std::chrono::milliseconds(20 << std::clamp(sent - 1, 0, 3));
 }

@@ -1,4 +1,5 @@
-// When a sample was measured, by CLOCK_BOOTTIME, which nobody sets; the wall clock is for display.
+// The time at which a sample was measured. Its age is computed by CLOCK_BOOTTIME, which nobody
+// sets; the wall-clock time is for display.
 #pragma once
 
 #include <algorithm>
@@ -23,8 +24,8 @@ struct SampleTime {
   TimePoint measured{};
 };
 
-/// A stamp that the servant sets is compared with the wall clock once, when the sample is
-/// published.
+/// Completes `stamp_ns`, a wall-clock time that the servant sets, with the time by CLOCK_BOOTTIME.
+/// Compares the two clocks once, when the sample is published.
 inline SampleTime sample_time(std::int64_t stamp_ns, const Clock& clock) {
   const auto wall = Duration(static_cast<std::int64_t>(clock.unix_seconds() * 1e9));
   const TimePoint now = clock.since_boot();
@@ -33,8 +34,8 @@ inline SampleTime sample_time(std::int64_t stamp_ns, const Clock& clock) {
   return {stamp_ns, now - std::clamp(wall - stamp, Duration::zero(), longest_age)};
 }
 
-/// The number of bytes appended to each sample that is sent: when it was measured, in ns of the
-/// server's CLOCK_BOOTTIME.
+/// Size of the measurement time that is appended to each sent sample, in bytes. The time is in ns
+/// of the server's CLOCK_BOOTTIME.
 inline constexpr std::size_t measured_bytes = 8;
 
 inline void append_measured(Bytes& sample, TimePoint measured) {
@@ -44,7 +45,7 @@ inline void append_measured(Bytes& sample, TimePoint measured) {
       .put(static_cast<std::int64_t>(measured.time_since_epoch().count()));
 }
 
-/// Removes the appended bytes and returns their time; nullopt when they are missing.
+/// Removes the appended measurement time from `sample` and returns it; nullopt when it is missing.
 inline std::optional<TimePoint> take_measured(Bytes& sample) {
   if (sample.size() < measured_bytes) return std::nullopt;
   const std::size_t size = sample.size() - measured_bytes;

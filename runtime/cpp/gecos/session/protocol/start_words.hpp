@@ -8,37 +8,38 @@
 
 namespace gecos::session {
 
-/// Where a call waits for its start at the server.
+/// The lane in which a call waits for its start at the server.
 enum class CallLane : std::uint8_t { None, Safety, Sensor, Actor };
 
 }  // namespace gecos::session
 
-/// How client and server exchange starts and withdrawals through shared words
-/// (media::Link::write_word), without a packet, so that neither needs the other to run.
+/// Client and server exchange starts and withdrawals of calls through words in shared memory
+/// (media::Link::write_word), without packets. So neither process needs the other one to run.
 ///
-/// The server writes the counter of a call before it starts it: the *mark*. The client writes the
-/// counter of its last call before it reports how its calls ended: the *withdrawal*. Each then
-/// reads the other's word. All four accesses are sequentially consistent: a call whose mark the
-/// client does not see was marked after the withdrawal or never, and a server that marks after a
-/// withdrawal sees it and does not start the call.
+/// Before the server starts a call, it writes the counter of the call: the *mark*. Before the
+/// client reports how its calls ended, it writes the counter of its last call: the *withdrawal*.
+/// After its own write, each side reads the other side's word. All four accesses are sequentially
+/// consistent. A call whose mark the client does not see was marked after the withdrawal or never.
+/// A server that marks a call after the withdrawal sees the withdrawal and does not start the call.
 namespace gecos::session {
 
-/// The client's word: no call up to this counter may start any more.
+/// Index of the word that the client writes. No call up to the counter in this word may start.
 inline constexpr std::size_t withdrawn_word = 0;
 
-/// The server's word: the highest counter that was started in this lane. Calls of one client start
-/// there in the order of their counters, except handlers that run in parallel.
+/// Index of the word that the server writes for `lane`: the highest counter that was started in
+/// this lane. The calls of one client start in the order of their counters, except calls whose
+/// handlers run in parallel.
 constexpr std::size_t marked_word(CallLane lane) { return static_cast<std::size_t>(lane); }
 
-/// The words in which the mark of a call of `operation` may stand, one bit each. None for a
-/// built-in operation, which has no handler.
+/// The words that may contain the mark of a call of `operation`, as a bit mask. 0 for a built-in
+/// operation, which has no handler.
 inline std::uint8_t marked_words(const OperationDescription& operation) {
   const auto bit = [](CallLane lane) { return static_cast<std::uint8_t>(1U << marked_word(lane)); };
   if (is_builtin(operation.code)) return 0;
   if (operation.safety) return bit(CallLane::Safety);
   if (operation.status != access::Status::Sensor) return bit(CallLane::Actor);
   const std::uint8_t sensor = bit(CallLane::Sensor);
-  // An ordered reading stands in either lane, depending on what its caller has queued.
+  // An @ordered reading waits in the sensor or actor lane, depending on what its caller has queued.
   return operation.ordered ? sensor | bit(CallLane::Actor) : sensor;
 }
 

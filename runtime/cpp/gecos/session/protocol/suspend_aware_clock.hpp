@@ -7,8 +7,8 @@
 namespace gecos::session {
 
 /// A clock for peer time-outs and leases. It does not advance while this process does not run,
-/// because messages of the peers are not read then either: each `advance` adds the time since the
-/// last one, at most `longest_step`.
+/// because the process does not read messages of its peers then. Each `advance` adds the time since
+/// the previous `advance`, at most `longest_step`.
 class SuspendAwareClock {
  public:
   SuspendAwareClock(TimePoint begin, Duration longest_step)

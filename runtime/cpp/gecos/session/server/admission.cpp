@@ -56,15 +56,16 @@ std::optional<Failure> refusal_to_queue(const CallRequest& call, const Admitting
 std::optional<Failure> refusal_to_start(const CallRequest& call, const AdmittingObject& object,
                                         const CallerState& caller, bool expired) {
   if (caller.gone) {
-    return Failure{Detail::NotStarted, "its caller was gone before it started", {}, {}};
+    return Failure{Detail::NotStarted, "the call was not started: its caller was gone", {}, {}};
   }
   if (caller.withdrawn) {
-    return Failure{Detail::NotStarted, "it was not started: its caller had given it up", {}, {}};
+    return Failure{
+        Detail::NotStarted, "the call was not started: its caller had given it up", {}, {}};
   }
   if (caller.unheard) {
     return Failure{Detail::NotStarted,
-                   "it was not started: its caller has not been heard since the server stood "
-                   "still, or for too long",
+                   "the call was not started: no heartbeat of its caller arrived since the server "
+                   "stood still, or for too long",
                    {},
                    {}};
   }

@@ -46,7 +46,7 @@ Failure undecodable(const wire::DecodeError& why) {
   return {Detail::BadParameter, why.message(), {}, {}};
 }
 
-/// Must be shorter than a client waits for an answer.
+/// Maximum time that a request for a status waits. Must be shorter than a client waits for a reply.
 constexpr Duration longest_wait_for_status = std::chrono::seconds(1);
 
 Failure refusal(std::string reason, std::vector<Holder> holders) {
@@ -65,7 +65,8 @@ void ObjectHost::answer_builtin(const std::shared_ptr<ServerSession>& session,
                                 const wire::PacketView& packet) {
   const std::uint64_t counter = packet.header.counter;
   if (log_enabled(LogLevel::Debug)) {
-    log_debug("server", name_ + ": " + who(session->caller()) + " calls the reserved operation " +
+    log_debug("server", name_ + ": " + who(session->caller()) +
+                            " calls the built-in operation with code " +
                             std::to_string(number(packet.header.code)));
   }
   using BuiltIn = GecosObjectInterface;
@@ -81,8 +82,9 @@ void ObjectHost::answer_builtin(const std::shared_ptr<ServerSession>& session,
   if (asked == &BuiltIn::unsubscribe) return unsubscribe(*session, counter, arguments);
   if (asked == &BuiltIn::outcome) return outcome(*session, counter, arguments);
   session->reply(counter, Failure{Detail::UnknownOperation,
-                                  "reserved code " + std::to_string(number(packet.header.code)) +
-                                      " is newer than this server",
+                                  "the built-in operation with code " +
+                                      std::to_string(number(packet.header.code)) +
+                                      " is newer than this server; update the server",
                                   {},
                                   {}});
 }
@@ -118,10 +120,11 @@ void ObjectHost::acquire(const std::shared_ptr<ServerSession>& session, std::uin
   auto asked = wire::decoded<GecosObject_acquire_arguments>(arguments);
   if (!asked) return session->reply(counter, undecodable(asked.error()));
   if (status_of(asked->wanted) == access::Status::Sensor) {
-    return session->reply(
-        counter,
-        Failure{
-            Detail::BadParameter, "sensor status is everybody's: acquire actor or master", {}, {}});
+    return session->reply(counter,
+                          Failure{Detail::BadParameter,
+                                  "every client has sensor status: acquire actor or master status",
+                                  {},
+                                  {}});
   }
   Acquire what{asked->wanted, std::move(asked->password).value_or("")};
   if (outlives_its_status() == nullptr) return grant(*session, counter, what);
@@ -181,8 +184,9 @@ void ObjectHost::refuse_waiting(TimePoint now) {
         waiting.counter,
         refusal(name_ + ": " + std::string(access::to_string(status_of(waiting.what.wanted))) +
                     " status refused: the handler of '" + std::string(runs->operation().name) +
-                    "' still runs, which " + who(runs->caller()) +
-                    " issued; its status has ended and the handler was told to end; try again",
+                    "' still runs (issued by " + who(runs->caller()) +
+                    "); the status of its caller has ended and the handler was told to end; try "
+                    "again",
                 shown(std::vector{last}, lease_clock_.now())));
     return true;
   });
@@ -202,11 +206,11 @@ void ObjectHost::release(ServerSession& session, std::uint64_t counter, ByteView
   std::uint64_t epoch = asked->epoch;
   const std::uint64_t held_now = number(leases_.epoch());
   if (session.held_from <= epoch && epoch < held_now)
-    epoch = held_now;  // its own stops renewed its status
+    epoch = held_now;  // the session's own stops renewed its status
   if (now && Epoch{epoch} == leases_.epoch() &&
       leases_.status_of(session.id()) != access::Status::Sensor) {
     end_commands([&](const ServerCall& call) { return call.client == session.id(); },
-                 Failure{Detail::Stopped, "its caller gave the status back at once", {}, {}});
+                 Failure{Detail::Stopped, "its caller released the status at once", {}, {}});
   }
   leases_.release(session.id(), Epoch{epoch},
                   session.commands != 0 && !now ? Commands::Pending : Commands::None);
@@ -217,7 +221,7 @@ void ObjectHost::release(ServerSession& session, std::uint64_t counter, ByteView
   session.reply(counter, ByteView{});
 }
 
-/// Takes effect at once, whatever the handlers do: it only needs leases, queue and interrupt flags.
+/// Takes effect at once, even if handlers hang: needs only leases, queue and interrupt flags.
 void ObjectHost::stop(ServerSession& by, std::uint64_t counter) {
   const std::string why = "stopped by " + who(by.caller());
   log_info("server", name_ + ": " + why);
@@ -233,9 +237,9 @@ void ObjectHost::outcome(ServerSession& session, std::uint64_t counter, ByteView
   if (!asked) return session.reply(counter, undecodable(asked.error()));
   OutcomeRecord record;
   if (asked->boot != number(process_incarnation())) {
-    record = {
-        number_of(Detail::OutcomeUnknown),
-        "the server of " + name_ + " was started anew since; what came before it does not know"};
+    record = {number_of(Detail::OutcomeUnknown),
+              "the server of " + name_ +
+                  " was started anew since; it does not know the outcomes of earlier calls"};
   } else {
     record = outcome_of(SessionId{asked->session}, asked->counter);
   }
@@ -247,20 +251,20 @@ OutcomeRecord ObjectHost::outcome_of(SessionId asked, std::uint64_t counter) {
     return {number_of(entry->detail), entry->text};
   }
   const OutcomeRecord never{number_of(Detail::NotStarted),
-                            "it has not arrived, and does not start if it still arrives"};
+                            "the call has not arrived, and does not start if it still arrives"};
   if (const auto session = outcomes_.open(asked)) {
     if (const auto* call = session->calls.find(counter)) {
       return {number_of((*call)->state.detail()), {}};
     }
     if (session->intake.is_aside(counter)) {
-      return {number_of(Detail::Queued), "it waits for what was issued before it"};
+      return {number_of(Detail::Queued), "the call waits for calls that were issued earlier"};
     }
     if (!session->intake.seen(counter)) {
-      if (!session->repeats()) return {number_of(Detail::Sent), "it is on its way"};
+      if (!session->repeats()) return {number_of(Detail::Sent), "the call has not arrived yet"};
       if (session->intake.reject_late(counter) == ReceiveWindow::Verdict::Beyond) {
-        return {
-            number_of(Detail::Sent),
-            "it has not arrived, and is too far ahead of a missing one to be barred; ask again"};
+        return {number_of(Detail::Sent),
+                "the call has not arrived, and is too far ahead of a missing call to be barred; "
+                "ask again"};
       }
       session->reply(counter, Failure{Detail::NotStarted, never.text, {}, {}});
       take_early(session);
@@ -271,8 +275,8 @@ OutcomeRecord ObjectHost::outcome_of(SessionId asked, std::uint64_t counter) {
   }
   return {
       number_of(Detail::OutcomeUnknown),
-      "it is not known, or not any more: the last outcomes of actor commands are kept, and none "
-      "of sensor operations"};
+      "the outcome is not known, or no longer: only the last outcomes of actor commands are kept, "
+      "and none of sensor operations"};
 }
 
 void ObjectHost::subscribe(ServerSession& session, std::uint64_t counter, ByteView arguments) {

@@ -11,27 +11,27 @@
 namespace gecos::session {
 
 /// The state of one call at its server, from the queue until its handler has answered and returned.
-/// The phase follows the handler; `reported` is what the caller was sent. A call can end for its
-/// caller (stopped, lease lost, deadline passed) while its handler continues. Pure: time is passed
-/// in.
+/// `phase` follows the handler; `reported` is what was sent to the caller. A call can end for its
+/// caller (stopped, lease lost, deadline passed) while its handler continues. Pure: callers pass
+/// the time in.
 class CallState {
  public:
   enum class Phase : std::uint8_t {
-    Queued,    ///< waits in the queue of its object
-    Taken,     ///< has left the queue; its handler has not begun
-    Running,   ///< its handler has begun and has not answered
-    Answered,  ///< its handler has answered; the handler's thread has not returned
-    Finished,  ///< its handler does not run, and its caller was sent its outcome
+    Queued,    ///< the call waits in the queue of its object
+    Taken,     ///< the call has left the queue; its handler has not begun
+    Running,   ///< the handler has begun and has not answered
+    Answered,  ///< the handler has answered; its thread has not returned
+    Finished,  ///< the handler does not run, and the caller was sent the outcome
   };
   enum class Reported : std::uint8_t { Nothing, Canceling, Outcome };
   enum class Event : std::uint8_t {
     Take,    ///< the queue hands the call to a thread
     Begin,   ///< the call is marked as started, directly before its handler begins
-    Cancel,  ///< its caller requests cancellation
-    End,     ///< its caller is sent an outcome that is not from its handler
-    Answer,  ///< its handler answers; reported only if no outcome was reported before
-    Return,  ///< the thread of its handler returns
-    Drop,    ///< its handler will not begin; its caller was sent the reason
+    Cancel,  ///< the caller requests cancellation
+    End,     ///< the caller is sent an outcome that does not come from the handler
+    Answer,  ///< the handler answers; reported only if no outcome was reported before
+    Return,  ///< the thread of the handler returns
+    Drop,    ///< the handler will not begin; the caller was sent the reason
   };
   struct State {
     Phase phase = Phase::Queued;
@@ -42,15 +42,16 @@ class CallState {
   /// The effect of an event.
   struct Change {
     bool report = false;    ///< the outcome must be sent to the caller now
-    bool finished = false;  ///< its successor may start
+    bool finished = false;  ///< the next call may start
   };
 
   /// The state after `event`; nullopt when `event` cannot happen in `state`.
   static constexpr std::optional<State> after(State state, Event event);
 
-  /// `deadline` by the clock of `since_boot`; TimePoint::max(): none.
+  /// `deadline`: a time of Clock::since_boot; TimePoint::max(): no deadline.
   void set_deadline(TimePoint deadline) { deadline_ = deadline; }
-  /// @pre the event can happen now. `now` by the clock of `since_boot`, needed for Begin.
+  /// Applies `event`. @pre `event` can happen in the current state. `now`: a time of
+  /// Clock::since_boot, needed only for Begin.
   Change on(Event event, TimePoint now = {}) {
     const auto next = after(state_, event);
     assert(next);
@@ -64,10 +65,10 @@ class CallState {
 
   Phase phase() const { return state_.phase; }
   bool queued() const { return state_.phase == Phase::Queued; }
-  /// The outcome was reported to the caller.
+  /// True when the outcome was reported to the caller.
   bool ended() const { return state_.reported == Reported::Outcome; }
   bool canceling() const { return state_.reported == Reported::Canceling; }
-  /// The thread that took the call no longer occupies its lane.
+  /// True when no thread runs the handler any more: the call occupies no thread of its lane.
   bool returned() const { return state_.returned || state_.phase == Phase::Finished; }
   /// When the handler began; nullopt before that.
   std::optional<TimePoint> begun_at() const { return begun_at_; }
@@ -116,10 +117,10 @@ constexpr std::optional<CallState::State> CallState::after(State state, Event ev
   return std::nullopt;
 }
 
-/// The progress of a running call, as reported to its caller. Pure: time is passed in.
+/// The progress of a running call, as reported to its caller. Pure: callers pass the time in.
 class CallProgress {
  public:
-  /// Minimum time between two reports; of more frequent progress only the newest is sent.
+  /// Minimum time between two reports. When progress is more frequent, only the newest is sent.
   static constexpr Duration between = std::chrono::milliseconds(2);
 
   void note(double fraction, ByteView feedback) {

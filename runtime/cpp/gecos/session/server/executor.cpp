@@ -19,8 +19,9 @@ bool Executor::post(std::function<void()> job) {
       return true;
     } catch (const std::system_error& failed) {
       if (!std::exchange(without_thread_, true)) {
-        log_warning("session", name_ + ": no thread can be had for a handler (" + failed.what() +
-                                   "); it waits for another to return");
+        log_warning("session", name_ + ": no thread could be created for a handler (" +
+                                   failed.what() +
+                                   "); the handler waits until another one returns");
       }
       if (threads_.empty()) {
         jobs_.pop_back();

@@ -10,11 +10,12 @@
 
 namespace gecos::session {
 
-/// The thread pool for one object's long handlers. An idle thread takes the next job, else a new
-/// thread is started, up to `most_threads`. No thread exists before the first job.
+/// The thread pool for one object's long handlers. An idle thread takes the next job. When no
+/// thread is idle, a new one is created, up to `most_threads`. No thread exists before the first
+/// job.
 class Executor {
  public:
-  /// At this limit a further handler waits until another one returns.
+  /// When all these threads are busy, a further handler waits until another one returns.
   static constexpr std::size_t most_threads = 256;
 
   explicit Executor(std::string name) : name_(std::move(name)) {}
@@ -25,7 +26,7 @@ class Executor {
   /// Queues `job` for a thread. Returns false, and does not run `job`, after `join` began or when
   /// the pool has no thread and cannot create one.
   bool post(std::function<void()> job);
-  /// Waits until all that was posted has run. @pre not on one of these threads.
+  /// Waits until all posted jobs have run. @pre not called on a thread of this pool
   void join();
 
  private:

@@ -18,7 +18,7 @@ struct Sessions {
 };
 
 Sessions& sessions() {
-  static Sessions& known = *new Sessions;  // outlives every server of the process
+  static Sessions& known = *new Sessions;  // never destroyed: outlives every server of the process
   return known;
 }
 
@@ -33,7 +33,7 @@ Calls awaited_by(ServerCall& call) {
   return found == nullptr ? Calls{} : Calls{std::move(found)};
 }
 
-/// Whether the last call of `way` waits, directly or through others, for `way.front()`. If so,
+/// Whether the last call of `way` waits, directly or through other calls, for `way.front()`. If so,
 /// `way` is extended to the whole cycle.
 bool leads_back(Calls& way) {
   for (auto& next : awaited_by(*way.back())) {

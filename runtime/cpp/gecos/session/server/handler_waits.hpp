@@ -14,15 +14,17 @@ namespace gecos::session {
 class ObjectHost;
 class ServerCall;
 
-/// Registers or forgets a session of a client, in any process, with an object of this process.
+/// note_session registers a client's session with an object of this process; forget_session removes
+/// it. The client may be in any process.
 void note_session(SessionId id, std::weak_ptr<ObjectHost> object);
 void forget_session(SessionId id);
-/// The object to which `call` was issued; null when this process does not know its session.
+/// The object to which `call` was issued; null when this process does not know the session of
+/// `call`.
 std::shared_ptr<ObjectHost> object_in(const CommandId& call);
 
-/// Describes how the waiting `handler` waits for its own end: "the handler of 'dim' of LAMP waits
-/// for it …", or an empty string when that is not certain. Must be called without any object's
-/// mutex held.
+/// Returns a text that describes how the waiting `handler` waits for its own end: "the handler of
+/// 'dim' of LAMP waits for it …". Returns an empty string when that is not certain. The caller must
+/// not hold the mutex of any object.
 std::string waits_for_itself(const std::shared_ptr<ServerCall>& handler);
 
 }  // namespace gecos::session

@@ -1,4 +1,4 @@
-// What a served object does with the packets of its clients.
+// How a served object processes the packets of its clients.
 #include <pwd.h>
 #include <sys/random.h>
 
@@ -17,12 +17,13 @@ namespace {
 
 std::string text_of(ObjectQueue::Full full, std::size_t bytes) {
   const auto calls = [](std::size_t most, const char* whose) {
-    return std::to_string(most) + " calls of " + whose + " wait already; wait for one of them";
+    return std::to_string(most) + " calls of " + whose +
+           " are queued already; wait until one of them has ended";
   };
   const auto room = [&](std::size_t most, const char* whose) {
-    return "its arguments take " + std::to_string(bytes) + " bytes, and with those of " + whose +
-           " calls that have not ended more than " + std::to_string(most) +
-           "; wait for one of them";
+    return "its arguments take " + std::to_string(bytes) +
+           " bytes, which exceeds, with the arguments of " + whose + " open calls, the limit of " +
+           std::to_string(most) + " bytes; wait until one of them has ended";
   };
   switch (full) {
     case ObjectQueue::Full::Object:
@@ -37,7 +38,7 @@ std::string text_of(ObjectQueue::Full full, std::size_t bytes) {
   return {};
 }
 
-constexpr const char* not_started = "it was not started: its caller had given it up";
+constexpr const char* not_started = "the call was not started: its caller had given it up";
 
 SessionId new_session_id() {
   std::uint64_t id = 0;
@@ -78,7 +79,7 @@ void ObjectHost::take_packet(const std::shared_ptr<ServerSession>& session, Byte
   if (!packet) return;
   const auto& header = packet->header;
   if (header.kind == wire::PacketKind::Hello) return greet(session, *packet);
-  if (header.version != wire::packet_version) return;  // no session of another version was opened
+  if (header.version != wire::packet_version) return;  // no session of another version exists
   const bool theirs = session->greeted() && header.session == session->id();
   if (header.kind == wire::PacketKind::Goodbye) {
     if (theirs) {
@@ -90,7 +91,7 @@ void ObjectHost::take_packet(const std::shared_ptr<ServerSession>& session, Byte
     return say_goodbye(*session, header.session, "as you asked");
   }
   if (!theirs || session->closed)
-    return say_goodbye(*session, header.session, "it is not known here");
+    return say_goodbye(*session, header.session, "the session is not known here");
 
   if (session->repeats()) acknowledge(session, header.acknowledged);
   if (header.counter == 0) return;  // no call has counter 0: the packet is damaged or malicious
@@ -173,7 +174,7 @@ bool ObjectHost::unheard_since_a_pause(const ServerSession& session) const {
 
 /// Ends the calls of `session` that have not started, because its client has given them up.
 void ObjectHost::withdraw(ServerSession& session) {
-  session.intake.withdraw();  // also for calls that wait for a thread
+  session.intake.withdraw();  // also stops calls that wait for a thread
   while (const auto counter = session.intake.first_aside()) {
     end_early(session, *counter, Detail::NotStarted, not_started);
   }
@@ -195,8 +196,8 @@ void ObjectHost::say_goodbye(ServerSession& session, SessionId to, const std::st
 void ObjectHost::arrive(const std::shared_ptr<ServerSession>& session,
                         const wire::PacketView& packet) {
   const std::uint64_t counter = packet.header.counter;
-  // Commands issued before a release still run, so the release counts as arrived only after all of
-  // them.
+  // Commands issued before a `release` still run, so the `release` counts as arrived only after all
+  // of them.
   const bool release = packet.header.code == GecosObjectInterface::release.code;
   const bool unheard = session->awaited;
   const bool judged = session->intake.judges_age(unheard);
@@ -221,13 +222,13 @@ void ObjectHost::arrive(const std::shared_ptr<ServerSession>& session,
   take_early(session);
 }
 
-/// Refuses a call that lay unread for too long, for example while this process was suspended. Its
-/// client has reported OUTCOME_UNKNOWN, or asks again.
+/// Refuses a call that was unread for too long, for example while this process was suspended. Its
+/// client has reported OUTCOME_UNKNOWN, or queries the outcome again.
 void ObjectHost::refuse_late(ServerSession& session, std::uint64_t counter) {
   const std::string why =
-      "it was not started: it lay unread for more than " +
+      "the call was not started: it was unread for more than " +
       std::to_string(session.intake.accepts_within() / std::chrono::milliseconds(1)) +
-      " ms, because this process or its machine was kept from running";
+      " ms, because the server process or its machine did not run";
   outcomes_.ended({session.id(), counter, Detail::NotStarted, why});
   session.reply(counter, Failure{Detail::NotStarted, why, {}, {}});
 }
@@ -251,16 +252,19 @@ void ObjectHost::take_call(const std::shared_ptr<ServerSession>& session,
   }
   const std::size_t most =
       ObjectQueue::most_of_object + (operation->safety ? ObjectQueue::most_of_object / 4 : 0);
-  if (session->calls.size() + session->intake.aside() >= most) {  // no correct client does
-    return session->reply(
-        counter, Failure{Detail::QueueFull, "more calls are unanswered than were granted", {}, {}});
+  if (session->calls.size() + session->intake.aside() >= most) {  // no correct client has so many
+    return session->reply(counter,
+                          Failure{Detail::QueueFull,
+                                  "the client has more unanswered calls than the server granted",
+                                  {},
+                                  {}});
   }
   if (!too_early(*session, packet, *operation)) admit(session, packet, *operation);
 }
 
-/// A medium that loses packets may reorder commands. A command that arrives early waits for those
-/// before it, or an arm would move to its second goal first. Returns true when the command was put
-/// aside, or refused for lack of room.
+/// A medium that loses packets may reorder commands. Defers a command that arrives before an
+/// earlier command; otherwise an arm would move to its second goal first. Returns true when the
+/// command was deferred, or refused for lack of room.
 bool ObjectHost::too_early(ServerSession& session, const wire::PacketView& packet,
                            const OperationDescription& operation) {
   const bool keeps_place = operation.status != access::Status::Sensor || operation.ordered;
@@ -269,7 +273,8 @@ bool ObjectHost::too_early(ServerSession& session, const wire::PacketView& packe
   }
   if (!session.intake.put_aside(packet, runtime_->clock().since_boot())) {
     const auto why = text_of(ObjectQueue::Full::BytesOfClient, packet.body.size());
-    end_early(session, packet.header.counter, Detail::QueueFull, "it was not queued: " + why);
+    end_early(session, packet.header.counter, Detail::QueueFull,
+              "the command was not queued: " + why);
   }
   return true;
 }
@@ -281,7 +286,7 @@ void ObjectHost::end_early(ServerSession& session, std::uint64_t counter, Detail
   session.reply(counter, Failure{how, why, {}, {}});
 }
 
-/// Takes the calls put aside for which no earlier call is missing any more.
+/// Processes the deferred calls for which no earlier call is missing any more.
 void ObjectHost::take_early(const std::shared_ptr<ServerSession>& session) {
   if (session->intake.aside() == 0) return;
   const TimePoint now = runtime_->clock().since_boot();
@@ -345,14 +350,15 @@ void ObjectHost::answer_again(ServerSession& session, std::uint64_t counter) {
   if (const Bytes* kept = session.replies->find(counter)) return session.send_again(*kept);
   const auto* found = session.calls.find(counter);
   if (found == nullptr) {
-    // No answer to a call that was never seen (the client sends it again), was acknowledged (this
-    // query is late), or was put aside (its caller must take it for not arrived).
+    // Do not answer a query for a call that never arrived (the client sends the call again), that
+    // was acknowledged (the query is late), or that is deferred or waits for a status (for its
+    // caller it has not arrived).
     if (session.intake.is_aside(counter) || waits_for_status(session, counter)) return;
     if (!session.intake.seen(counter) || !session.replies->awaited(counter)) return;
     return session.reply(counter,
                          Failure{Detail::OutcomeUnknown,
-                                 "it came to an end, but its answer was lost and is not kept"
-                                 " any more: too many later ones were unacknowledged",
+                                 "the call ended, but its reply was lost and is not kept any more:"
+                                 " too many later replies were unacknowledged",
                                  {},
                                  {}});
   }

@@ -4,9 +4,9 @@
 
 namespace gecos::session {
 
-/// Takes a call that was first sent in a lost session. While that session is known, a running call
-/// is reported in `session` and an ended call is answered again. A call that has not arrived is
-/// barred in the lost session and starts as a new call here.
+/// Processes a call that was first sent in a lost session. While the lost session is known, a
+/// running call is reported in `session` and an ended call is answered again. A call that has not
+/// arrived is barred in the lost session and starts as a new call in `session`.
 void ObjectHost::take_again(const std::shared_ptr<ServerSession>& session,
                             const wire::PacketView& packet) {
   wire::Decoder from(packet.body);
@@ -36,12 +36,13 @@ void ObjectHost::take_again(const std::shared_ptr<ServerSession>& session,
   take_call(session, call);
 }
 
-/// From now on progress and outcome of `call` are reported in `session`.
+/// Makes `session` the session in which progress and outcome of `call` are reported.
 void ObjectHost::resume(const std::shared_ptr<ServerSession>& session,
                         const wire::PacketView& packet, std::shared_ptr<ServerCall> call) {
   if (call->operation().code != packet.header.code) {
-    return session->reply(packet.header.counter,
-                          Failure{Detail::BadParameter, "it was another operation before", {}, {}});
+    return session->reply(
+        packet.header.counter,
+        Failure{Detail::BadParameter, "the call was sent with another operation before", {}, {}});
   }
   if (call->resumed_in) call->resumed_in->calls.take(call->resumed_counter);
   call->resumed_in = session;
@@ -50,11 +51,11 @@ void ObjectHost::resume(const std::shared_ptr<ServerSession>& session,
   session->report(*call, call->state.detail(), queue_.position(*call).value_or(0));
 }
 
-/// Keeps the call from starting if it still arrives in its first session.
+/// Keeps the call `counter` from starting if it still arrives in `before`, its first session.
 void ObjectHost::reject_late(const std::shared_ptr<ServerSession>& before, std::uint64_t counter) {
   if (before->closed || !before->repeats()) return;
   if (before->intake.is_aside(counter)) {
-    end_early(*before, counter, Detail::NotStarted, "it was sent again in another session");
+    end_early(*before, counter, Detail::NotStarted, "the call was sent again in another session");
   } else if (before->intake.reject_late(counter) == ReceiveWindow::Verdict::New) {
     take_early(before);
   }

@@ -1,4 +1,4 @@
-// Waiting handlers: what describe() shows of them, and how waits that would never end are ended.
+// Waiting handlers: how describe() shows them, and how deadlocks between them are ended.
 #include <algorithm>
 
 #include "gecos/base/log.hpp"
@@ -36,7 +36,7 @@ std::vector<std::shared_ptr<ServerCall>> ObjectHost::held_up_by(const ServerCall
   const MutexLock lock(mutex_);
   std::vector<std::shared_ptr<ServerCall>> holding;
   if (call.state.begun_at() || call.state.ended() || call.state.has_deadline()) return {};
-  if (!call.state.queued()) {  // a servant that begins its calls itself has queued it
+  if (!call.state.queued()) {  // the servant begins its calls itself and has queued this call
     for (ServerCall* const handler : handlers_) {
       if (!servant_.gecos_share_thread(handler->operation(), call.operation())) continue;
       holding.push_back(handler->shared_from_this());
@@ -88,7 +88,7 @@ void ObjectHost::refuse_endless(const CommandId& id, const std::string& why) {
   const std::string text = call->title() + " was not started: " + why +
                            "; call the method itself, or let another thread wait";
   log_warning("server", text);
-  end(*call, Failure{Detail::Rejected, text, {}, {}});  // a servant that has queued it drops it
+  end(*call, Failure{Detail::Rejected, text, {}, {}});  // a servant that queued the call drops it
   note_ready();
 }
 

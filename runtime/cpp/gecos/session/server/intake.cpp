@@ -8,7 +8,7 @@
 namespace gecos::session {
 
 /// Over a medium that loses nothing, a call also waits unread while handlers take long. That is no
-/// reason to refuse it; only a pause of this process is.
+/// reason to refuse the call; only a pause of this process is a reason.
 Intake::Verdict Intake::arrived(const Arrival& packet) {
   if (judges_age(packet.unheard) && packet.age > accept_within_) {
     if (repeats_) return Verdict::Ignore;
@@ -26,7 +26,7 @@ Intake::Verdict Intake::arrived(const Arrival& packet) {
     case ReceiveWindow::Verdict::Seen:
       return Verdict::Seen;
     case ReceiveWindow::Verdict::Beyond:
-      break;  // if it were answered now, a copy of it could still start later
+      break;  // if the call were answered now, a copy of the call could still start later
   }
   return Verdict::Ignore;
 }

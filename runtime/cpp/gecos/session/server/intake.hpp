@@ -12,41 +12,43 @@
 
 namespace gecos::session {
 
-/// Decides which calls of one session are accepted, and in which order: each once, and none that
-/// its client has withdrawn or that lay unread for too long. A medium that loses packets may
-/// reorder calls; a call that must keep its place and arrives early is put aside until the calls
-/// before it have arrived, or an arm would move to its second goal first. Pure: time is passed in.
+/// Decides which calls of one session are accepted, and in which order. Accepts each call once, and
+/// no call that its client has withdrawn or that was unread for too long.
+///
+/// A medium that loses packets may reorder calls. An ordered call that arrives early is deferred
+/// until all calls before it have arrived; otherwise an arm would move to its second goal first.
+/// Pure: callers pass the time in.
 class Intake {
  public:
   /// `repeats`: the medium may lose packets, so the client resends its calls.
   explicit Intake(bool repeats) : repeats_(repeats) {}
 
-  /// A call that was put aside.
+  /// A deferred call: it arrived before an earlier call of its session.
   struct EarlyCall {
     wire::PacketHeader header;
     Bytes body;
     TimePoint arrived{};
   };
-  /// A packet with a call.
+  /// A packet that contains a call.
   struct Arrival {
     std::uint64_t counter = 0;
-    Duration age{};          ///< how long the packet lay unread
-    bool unheard = false;    ///< no heartbeat of its client came since this process was suspended
-    bool needs_all = false;  ///< it counts as arrived only after all calls issued before it
+    Duration age{};          ///< time since the client sent the packet
+    bool unheard = false;    ///< the client sent no heartbeat since this process was suspended
+    bool needs_all = false;  ///< the call counts as arrived only after all earlier calls
   };
   enum class Verdict : std::uint8_t {
-    Take,     ///< the call arrives for the first time
-    Seen,     ///< it has arrived before; its answer was lost or is still pending
-    Ignore,   ///< it counts as not arrived: its client sends it again, or has given it up
-    TooLate,  ///< it lay unread for too long; it is not started, and its client is notified
+    Take,     ///< the call has arrived for the first time
+    Seen,     ///< the call has arrived before; its reply was lost or is still pending
+    Ignore,   ///< the call counts as not arrived: its client sends it again or gave it up
+    TooLate,  ///< the call was unread for too long: do not start it, notify the client
   };
   Verdict arrived(const Arrival& packet);
-  /// Whether `arrived` checks the age of a packet; otherwise `age` need not be determined.
+  /// Whether `arrived` checks the age of a packet; if not, `Arrival::age` is not used.
   bool judges_age(bool unheard) const {
     return (repeats_ || unheard) && accept_within_ > Duration{};
   }
-  /// The client has given up the calls up to `counter` that have not arrived; later calls no longer
-  /// wait for them. Returns true when `next` may return calls.
+  /// Notes that the client has given up the calls up to `counter` that have not arrived; later
+  /// calls no longer wait for these calls. Returns true when `next` may return calls.
   bool abandon_up_to(std::uint64_t counter);
   /// Counts the call `counter` as arrived, so that it never starts if it arrives later.
   ReceiveWindow::Verdict reject_late(std::uint64_t counter) { return window_.arrived(counter); }
@@ -55,32 +57,35 @@ class Intake {
   bool too_early(std::uint64_t counter) const {
     return repeats_ && counter > window_.cumulative_ack();
   }
-  /// Keeps `call` until the calls before it have arrived. Returns false, and does not keep it, when
-  /// the arguments of all calls put aside take too many bytes. `now` as for `next`.
+  /// Defers `call` until the calls before it have arrived. Returns false, without deferring it,
+  /// when the arguments of all deferred calls take too many bytes. `now`: by the same clock as in
+  /// `next`.
   bool put_aside(const wire::PacketView& call, TimePoint now);
-  /// Removes and returns the first call put aside, if no earlier call is missing. Its remaining
-  /// time until the deadline is reduced by the time that it waited.
+  /// Removes and returns the first deferred call, if no earlier call is missing. Subtracts the time
+  /// for which the call was deferred from its remaining time until the deadline.
   std::optional<EarlyCall> next(TimePoint now);
   bool is_aside(std::uint64_t counter) const { return early_.contains(counter); }
   std::size_t aside() const { return early_.size(); }
-  /// The lowest counter above `after` among the calls put aside.
+  /// The lowest counter above `after` among the deferred calls.
   std::optional<std::uint64_t> first_aside(std::uint64_t after = 0) const;
-  /// Forgets the call put aside under `counter`; it is answered without being started.
+  /// Forgets the deferred call `counter`; the caller of `drop` answers the call without starting
+  /// it.
   void drop(std::uint64_t counter) { early_.erase(counter); }
 
   bool seen(std::uint64_t counter) const { return window_.seen(counter); }
   const ReceiveWindow& window() const { return window_; }
-  /// Sets the client's limit for the age of packets: older ones are not accepted. Zero: no limit.
+  /// Sets the maximum age of packets that the client demands; older packets are not accepted. Zero:
+  /// no limit.
   void accept_within(Duration longest) { accept_within_ = longest; }
   Duration accepts_within() const { return accept_within_; }
-  /// The client issues no more calls, and its calls that have not started must not start.
+  /// Notes that the client issues no more calls and that its calls must not start any more.
   void withdraw() { withdrawn_ = true; }
   bool withdrawn() const { return withdrawn_; }
 
  private:
   const bool repeats_;
   ReceiveWindow window_;
-  std::map<std::uint64_t, EarlyCall> early_;  ///< by counter
+  std::map<std::uint64_t, EarlyCall> early_;  ///< key: counter of the call
   Duration accept_within_{0};
   bool withdrawn_ = false;
 };

@@ -19,8 +19,8 @@ namespace {
 constexpr std::uint64_t event_key = 0;
 constexpr std::uint64_t endpoint_bit = std::uint64_t{1} << 63;
 constexpr Duration stays_active = std::chrono::milliseconds(10);
-/// Number of turns between two checks for events. A turn that found a packet counts as `busy_turn`
-/// turns, so a client that was silent waits long in neither case.
+/// Number of turns between two checks for epoll events. A turn that found a packet takes longer and
+/// counts as `busy_turn` turns, so that a client that was silent never waits long.
 constexpr unsigned turns_between_events = 8192;
 constexpr unsigned busy_turn = 128;
 
@@ -100,7 +100,7 @@ void IoLoop::run_standby() {
     if (ended_.load()) return;
     const MutexLock polling(polling_);
     while (!ended_.load() && main_is_inside()) turn();
-    event_.notify();  // the standby may have drained events for which the main thread sleeps
+    event_.notify();  // the standby may have drained events for which the main thread waits
   }
 }
 
@@ -113,7 +113,7 @@ void IoLoop::run_handlers(ObjectHost& object, std::shared_ptr<ServerCall> starte
   object.run_ready(starter, std::move(started));
   if (main) handler_turn_.store(turn + 2, std::memory_order_release);
   if (polling_.try_lock()) return;
-  event_.notify();  // a standby polls and may sleep; wake it so that it releases polling
+  event_.notify();  // a standby polls and may sleep: wake it so that it releases polling_
   polling_.lock();
 }
 
@@ -132,7 +132,7 @@ void IoLoop::turn() {
       }))) {
     return;
   }
-  // The notification that came with `ended_` may have been drained above.
+  // The event that was notified after `ended_` was set may have been drained above.
   if (prepare_all_to_sleep() && !ended_.load()) {
     woken_ = media::Woken::Early;
     rang_at_ = TimePoint{};
@@ -143,7 +143,7 @@ void IoLoop::turn() {
 }
 
 /// A sleeping client on another core sends nothing soon. A sleeping client on this core may just
-/// have been woken by our answer and be waiting for the core.
+/// have been woken by a reply of this server and be waiting for the core.
 media::Peers IoLoop::peers() const {
   const std::int32_t mine = running_core();
   bool here = false;
@@ -176,8 +176,8 @@ bool IoLoop::poll_active() {
       session.quiet_looks = 0;
       started = session.object()->take_and_start(active_[at], *packet, starter);
     }
-    // A standby may disconnect the session meanwhile: `started` keeps it alive, or we keep the
-    // object.
+    // A standby may disconnect the session while the handlers run: then `started` keeps the session
+    // alive, or the copied pointer keeps the object alive.
     if (started) {
       run_handlers(*session.object(), std::move(started), starter);
     } else if (session.object()->ready()) {
@@ -205,7 +205,7 @@ void IoLoop::retire_idle(TimePoint now) {
   active_.erase(std::remove_if(active_.begin(), active_.end(), idle), active_.end());
 }
 
-/// Returns false when a packet arrived meanwhile.
+/// Returns false when a session must stay active, because a packet has arrived.
 bool IoLoop::prepare_all_to_sleep() {
   for (const auto& session : active_) {
     session->active = false;
@@ -224,7 +224,7 @@ bool IoLoop::prepare_all_to_sleep() {
 void IoLoop::activate(const std::shared_ptr<ServerSession>& session) {
   if (session->gone.load()) return;
   if (session->active) {
-    session->link().loss();  // the event comes once, and prepare_to_sleep() does not ask the kernel
+    session->link().loss();  // the event comes only once: loss() must ask the kernel now
     return;
   }
   session->link().woke();
@@ -313,10 +313,11 @@ void IoLoop::part_if_lost(const std::shared_ptr<ServerSession>& session) {
   // without a goodbye has given up its calls.
   session->object()->depart(session, ObjectHost::Departure::Lost);
   if (session->object()->ready())
-    session->object()->run_ready(Starter::Other);  // calls that the client sent last
+    session->object()->run_ready(Starter::Other);  // the last calls of the client
 }
 
-/// Disconnects the sessions that maintenance found lost, after reading the packets sent before.
+/// Disconnects the sessions whose links the maintenance thread found lost, after reading their last
+/// packets.
 void IoLoop::part_from_suspects() {
   if (!suspects_.exchange(false)) return;
   drop_closed_endpoints();
@@ -350,7 +351,7 @@ TimePoint IoLoop::on_tick(TimePoint now) {
     const MutexLock called(standby_mutex_);
     standby_wanted_ = true;
     standby_called_.notify_one();
-    event_.notify();  // the standby may still sleep on events since it was wanted last
+    event_.notify();  // the standby may still sleep in epoll_wait since its last turn
   }
   handler_seen_ = handler;
 

@@ -14,12 +14,13 @@
 
 namespace gecos::session {
 
-/// Accepts clients and reads their packets. Short handlers run on its thread, between two polls.
+/// The I/O loop of a server: accepts clients, reads their packets and runs short handlers between
+/// two polls.
 ///
-/// Only active connections are polled; a connection silent for 10 ms is prepared to sleep and costs
-/// nothing until its event arrives. One thread polls at a time. It releases polling while it runs a
-/// handler; when the handler takes more than a tick, a standby thread polls in its place, so only
-/// the callers of a slow handler wait for it.
+/// Only active connections are polled. A connection that was silent for 10 ms is put to sleep and
+/// costs nothing until its descriptor reports a packet. One thread polls at a time. It releases
+/// `polling_` while it runs a handler. When the handler takes longer than a maintenance tick, a
+/// standby thread polls instead, so only the callers of a slow handler wait for it.
 class IoLoop {
  public:
   explicit IoLoop(std::shared_ptr<Runtime> runtime);
@@ -29,13 +30,13 @@ class IoLoop {
   void serve(std::shared_ptr<ObjectHost> object, std::shared_ptr<media::Acceptor> acceptor);
   /// Disconnects the clients of `object` and accepts no more. @pre `object` is closed
   void withdraw(const ObjectHost& object);
-  /// Must be called after a pause of this process: the calls of each session then wait for a
-  /// heartbeat that arrives from now on. On the maintenance thread.
+  /// Must be called on the maintenance thread after a pause of this process. No call of a session
+  /// then starts before the next heartbeat of its client.
   void await_signs_of_life();
-  /// Sends heartbeats, detects silent clients and lost links, wakes the standby. On the maintenance
-  /// thread. Returns when the next tick is due.
+  /// Sends heartbeats, detects silent clients and lost links, and wakes the standby thread. Runs on
+  /// the maintenance thread. Returns when the next tick is due.
   TimePoint on_tick(TimePoint now);
-  /// Waits until the threads have ended, a running handler included; then disconnects the clients.
+  /// Ends both threads, after waiting for a running handler; then disconnects the clients.
   void end();
 
  private:
@@ -51,14 +52,14 @@ class IoLoop {
 
   void run();
   void run_standby();
-  /// Releases `polling_` while the handlers run.
+  /// Runs `started` and the calls that may start. Releases `polling_` while their handlers run.
   void run_handlers(ObjectHost& object, std::shared_ptr<ServerCall> started, Starter starter)
       GECOS_REQUIRES(polling_);
   bool main_is_inside() const { return handler_turn_.load() % 2 == 1; }
-  /// Polls every active session once; sleeps when none is active any more.
+  /// Polls every active session once; sleeps when no session is active any more.
   void turn() GECOS_REQUIRES(polling_);
   bool poll_active() GECOS_REQUIRES(polling_);
-  /// Whether the clients that may send next run on this core or on others.
+  /// Returns whether the clients that may send next run on this core, on other cores, or on both.
   media::Peers peers() const GECOS_REQUIRES(polling_);
   bool prepare_all_to_sleep() GECOS_REQUIRES(polling_);
   void retire_idle(TimePoint now) GECOS_REQUIRES(polling_);
@@ -77,8 +78,8 @@ class IoLoop {
   const std::shared_ptr<Runtime> runtime_;
   const Epoll epoll_;
   EventFd event_;
-  std::atomic<bool> ended_{false};              // publishes nothing but itself
-  std::atomic<std::uint64_t> handler_turn_{0};  // written by main_: odd while it runs a handler
+  std::atomic<bool> ended_{false};              // orders no other memory
+  std::atomic<std::uint64_t> handler_turn_{0};  // odd while main_ runs a handler; written by main_
 
   FutexMutex polling_;  ///< held by the thread that polls
   media::SpinPolicy spin_ GECOS_GUARDED_BY(polling_);
@@ -87,19 +88,19 @@ class IoLoop {
   std::vector<std::shared_ptr<ServerSession>> active_ GECOS_GUARDED_BY(polling_);
   /// Scratch list of prepare_all_to_sleep, kept so that it does not allocate.
   std::vector<std::shared_ptr<ServerSession>> still_active_ GECOS_GUARDED_BY(polling_);
-  /// What ended the last sleep, and when the client sent its notification.
+  /// What ended the last sleep, and when the client sent the wake-up.
   media::Woken woken_ GECOS_GUARDED_BY(polling_) = media::Woken::Early;
   TimePoint rang_at_ GECOS_GUARDED_BY(polling_){};
   std::uint64_t next_key_ GECOS_GUARDED_BY(polling_) = 1;
   unsigned turns_ GECOS_GUARDED_BY(polling_) = 0;
   std::thread::id main_id_ GECOS_GUARDED_BY(polling_);
 
-  Mutex list_mutex_;  ///< held for moments, also by the thread that polls
+  Mutex list_mutex_;  ///< held only briefly; the polling thread also takes it
   std::unordered_map<std::uint64_t, std::shared_ptr<ServerSession>> sessions_
-      GECOS_GUARDED_BY(list_mutex_);  ///< by watch key
+      GECOS_GUARDED_BY(list_mutex_);  ///< by the key of their epoll events
   std::vector<std::unique_ptr<Endpoint>> new_endpoints_ GECOS_GUARDED_BY(list_mutex_);
-  std::atomic<bool> somebody_waits_{false};  // a client waits, but no descriptor was left for it
-  std::atomic<bool> suspects_{false};  // tells the polling thread that some sessions may be gone
+  std::atomic<bool> somebody_waits_{false};  // a client could not be accepted: no descriptor left
+  std::atomic<bool> suspects_{false};        // tells the polling thread that some links may be lost
 
   Mutex standby_mutex_;
   ConditionVariable standby_called_;

@@ -15,7 +15,7 @@ std::string NameClaim::text() const {
       return "confirmed";
     case Standing::Taken:
       return "another server has the name: " + why_ +
-             "; create the object anew to reach that one, or end it";
+             "; create the proxy anew to reach that server, or end that server";
   }
   return {};
 }

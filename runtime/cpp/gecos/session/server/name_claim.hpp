@@ -5,24 +5,25 @@
 
 namespace gecos::session {
 
-/// Whether an object of this server still holds its name, as far as the server knows.
+/// Tracks whether an object of this server still holds its name, as far as the server knows.
 ///
-/// Actor commands start only while the broker confirms the name, or when no other process can have
-/// it: after a long pause another server may have the name, and two servers must not move one
-/// robot. Each question to the broker has a number, and a pause begins a new question: an answer to
-/// an older one says nothing about the time after it. No time-out permits commands. Pure.
+/// Actor commands may start only while the broker confirms the name, or when no other process can
+/// have the name: after a long pause another server may have it, and two servers must not move one
+/// robot. Each question to the broker has a number. A pause begins a new question, because an
+/// answer to an older question says nothing about the time after the pause. A time-out never
+/// permits commands. Pure.
 class NameClaim {
  public:
   enum class Standing : std::uint8_t {
     Unregistered,  ///< no other process can have the name
-    Asked,         ///< actor commands wait
-    Unanswered,    ///< no broker answers: actor commands are not started
+    Asked,         ///< the broker was asked: actor commands wait
+    Unanswered,    ///< no broker answers: actor commands are refused
     Held,
     Taken,  ///< another server has the name
   };
 
   Standing standing() const { return standing_; }
-  /// The number of the question that has to be answered.
+  /// The number of the current question to the broker; only its answer counts.
   std::uint64_t question() const { return question_; }
   /// Begins a new question; answers to earlier questions are ignored.
   void ask() {
@@ -30,7 +31,7 @@ class NameClaim {
     if (standing_ != Standing::Taken) standing_ = Standing::Asked;
   }
 
-  // Answers of the broker. Each function returns whether the standing changed.
+  // These functions record an answer of the broker. Each returns whether the standing changed.
   bool held(std::uint64_t question) {
     if (question != question_ || standing_ == Standing::Unregistered) return false;
     why_.clear();
@@ -49,11 +50,11 @@ class NameClaim {
     return change(Standing::Taken);
   }
 
-  /// Actor commands stay in the queue.
+  /// True when actor commands must stay in the queue.
   bool waits() const { return standing_ == Standing::Asked; }
-  /// Actor commands end NOT_STARTED.
+  /// True when actor commands must end as NOT_STARTED.
   bool refuses() const { return standing_ == Standing::Unanswered || standing_ == Standing::Taken; }
-  /// Readable text: why actor commands do not start, or that they do.
+  /// Describes for people why actor commands do not start, or that they may start.
   std::string text() const;
 
  private:

@@ -14,15 +14,17 @@ namespace gecos::session {
 
 namespace {
 
-/// Runs a callback of the user and logs what it throws, because no caller waits for it.
+/// Runs a callback of the user and logs any exception that it throws, because no caller can catch
+/// it.
 void run_for_user(const std::string& object, const std::function<void()>& what) {
   try {
     what();
   } catch (const std::exception& error) {
     log_error("session", object + ": on_stop or gecos_session_ended threw: " + error.what());
   } catch (...) {
-    log_error("session",
-              object + ": on_stop or gecos_session_ended threw what is no std::exception");
+    log_error(
+        "session",
+        object + ": on_stop or gecos_session_ended threw something that is no std::exception");
   }
 }
 
@@ -68,10 +70,10 @@ std::shared_ptr<ServerCall> ObjectHost::execute(const std::shared_ptr<ServerCall
   try {
     const RunsHere here(*call);
     servant_.gecos_dispatch(IncomingCall(call));
-  } catch (...) {  // the call was dropped unanswered, so it has ended as FAULT
+  } catch (...) {  // the servant dropped the call unanswered, so the call ended as FAULT
     log_error("session", name_ + ": the servant threw while it dispatched '" +
                              std::string(call->operation().name) +
-                             "'; catch it there and fail the call with its text");
+                             "'; catch the exception there and fail the call with its text");
   }
   const MutexLock lock(mutex_);
   const auto change = call->state.on(CallState::Event::Return);
@@ -79,7 +81,7 @@ std::shared_ptr<ServerCall> ObjectHost::execute(const std::shared_ptr<ServerCall
   if (change.finished) {
     finished(*call);
   } else if (!call->state.ended()) {
-    list(*call);  // its handler answers later
+    list(*call);  // the handler answers later
     call->listener().report(*call, Detail::Executing, 0);
   }
   return start_next(starter);
@@ -106,8 +108,8 @@ bool ObjectHost::begin(ServerCall& call) {
   return may_start(call) && marked(call, now);
 }
 
-/// Returns the CLOCK_BOOTTIME at which no pause was left to judge. The mutex is held from then on,
-/// so a thread that marks a call with this time has not waited since.
+/// Waits until no pause is left to judge, and returns the CLOCK_BOOTTIME of that check. The mutex
+/// is held from the check on, so a thread that marks a call with this time has not waited since.
 TimePoint ObjectHost::await_judgement() {
   PauseWatch& pauses = runtime_->maintenance().pauses();
   for (;;) {
@@ -118,13 +120,13 @@ TimePoint ObjectHost::await_judgement() {
   }
 }
 
-/// Drops a call that the executor refused: all calls were ended before, or no thread can be
+/// Drops a call that the executor refused, because the object has ended or no thread can be
 /// created.
 void ObjectHost::not_begun(ServerCall& call) {
   const MutexLock lock(mutex_);
   if (!call.state.ended()) {
     end(call, Failure{Detail::Rejected,
-                      "it was not started: no thread can be had for its handler, see "
+                      "the call was not started: no thread could be created for its handler, see "
                       "`ulimit -u` of the server",
                       {},
                       {}});
@@ -141,7 +143,7 @@ void ObjectHost::never_began(ServerCall& call) {
 std::shared_ptr<ServerCall> ObjectHost::start_next(Starter starter) {
   ready_.store(false, std::memory_order_relaxed);
   if (runtime_->maintenance().pauses().suspected(runtime_->clock(), pause_)) {
-    note_ready();  // maintenance starts these calls once it has judged the pause
+    note_ready();  // the maintenance thread starts these calls once it has judged the pause
     return nullptr;
   }
   while (auto entry = next_entry()) {
@@ -182,7 +184,7 @@ bool ObjectHost::may_start(ServerCall& call) {
 }
 
 /// Marks `call` as started; must be called directly before its handler begins. Returns false when
-/// its client has withdrawn it, and so reports it as not started.
+/// the client has withdrawn the call and therefore reports it as not started.
 bool ObjectHost::marked(ServerCall& call, TimePoint now) {
   call.note_mark(now);
   if (!withdrawn(call)) {
@@ -199,7 +201,8 @@ bool ObjectHost::marked(ServerCall& call, TimePoint now) {
   return false;
 }
 
-/// When client and server share memory, the client's withdrawal is read after the mark is written.
+/// Whether the client has withdrawn `call`. When client and server share memory, the mark must be
+/// written before the withdrawal is read.
 bool ObjectHost::withdrawn(const ServerCall& call) {
   ServerSession& session = call.listener();
   if (!session.link().offer().shared_words) return false;
@@ -238,8 +241,8 @@ void ObjectHost::take_answer(ServerCall& call, const Outcome& outcome) {
   run_ready(Starter::Other);
 }
 
-/// Waits until a pause is judged, so that a command that ran through it ends as the judgement says,
-/// even when its handler answers at once.
+/// Waits until a pause is judged, so that a command that ran during the pause ends as after_pause()
+/// decides, even when its handler answers at once.
 void ObjectHost::let_pause_be_judged(const ServerCall& call) {
   if (!runs_long(call.operation()) || call.lane != CallLane::Actor) return;
   Maintenance& maintenance = runtime_->maintenance();
@@ -263,8 +266,9 @@ void ObjectHost::tell_outcome(ServerCall& call, const Failure& failure) {
   call.listener().reply(call.counter_in(call.listener()), failure);
 }
 
-/// Must be called before the reply, so that a client that saw its last command end can acquire the
-/// status. Commands of the next holder still wait for the handler to return.
+/// Records the end of `call`. Must be called before the reply is sent, so that a client that saw
+/// its last command end can acquire the status. Commands of the next holder still wait for the
+/// handler to return.
 void ObjectHost::settle(ServerCall& call, Detail detail, const std::string& text) {
   if (log_enabled(level_of(call.operation()))) log_end(call, detail, text, runtime_->clock().now());
   call.session->calls.take(call.counter);
@@ -278,7 +282,7 @@ void ObjectHost::list(ServerCall& call) {
   if (!std::exchange(call.listed, true)) open_.push_back(call.shared_from_this());
 }
 
-/// The handler of `call` has returned and answered: its lane is free.
+/// Must be called when the handler of `call` has answered and returned: frees the lane of the call.
 void ObjectHost::finished(ServerCall& call) {
   queue_.ended(call);
   if (call.state.begun_at()) std::erase(handlers_, &call);
@@ -302,7 +306,7 @@ void ObjectHost::tell_user(std::function<void()> what) {
   });
 }
 
-/// The running and waiting actor commands, in the order in which they start.
+/// The running and queued actor commands, in the order in which they start.
 std::vector<std::shared_ptr<ServerCall>> ObjectHost::actor_commands() const {
   std::vector<std::shared_ptr<ServerCall>> commands;
   for (QueueEntry* entry : queue_.running()) {
@@ -372,8 +376,8 @@ void ObjectHost::tell_positions() {
 TimePoint ObjectHost::on_tick(TimePoint now) {
   look_at_time(now);
   end_endless_waits(now);
-  // Starts calls that can start now and that no other thread starts: the client is gone, the poller
-  // sleeps.
+  // Starts calls that can start now and that no other thread starts, because the client is gone or
+  // the polling thread sleeps.
   if (ready()) run_ready(Starter::Other);
   const MutexLock lock(mutex_);
   const bool calm = queue_.idle() && open_.empty();
@@ -423,7 +427,7 @@ void ObjectHost::await_sign_of_life(ServerSession& session) {
 }
 
 void ObjectHost::await_heartbeat(ServerSession& session) {
-  if (session.closed) return;  // no heartbeat can come any more to end the wait
+  if (session.closed) return;  // no heartbeat can arrive any more to end the wait
   session.heartbeats_before = session.link().beats_seen();
   if (!std::exchange(session.awaited, true)) ++awaited_;
 }
@@ -436,11 +440,12 @@ void ObjectHost::no_more_awaited(ServerSession& session) {
 
 void ObjectHost::after_pause(Duration stood_still) {
   const MutexLock lock(mutex_);
-  end_commands([](const ServerCall& call) { return !call.state.queued(); },
-               Failure{Detail::Fault,
-                       "the server " + stood_still_for(stood_still) + " while it was running",
-                       {},
-                       {}});
+  end_commands(
+      [](const ServerCall& call) { return !call.state.queued(); },
+      Failure{Detail::Fault,
+              "the server " + stood_still_for(stood_still) + " while the command was running",
+              {},
+              {}});
   if (claim_.standing() == NameClaim::Standing::Unregistered) return;
   if (stood_still > runtime_->registration_ttl()) claim_.ask();
 }
@@ -450,7 +455,7 @@ bool ObjectHost::check_liveness(const std::shared_ptr<ServerSession>& session) {
   if (session->overrun()) return true;
   const TimePoint now = lease_clock_.now();
   const auto verdict = session->liveness.check(session->link().beats_seen(), now);
-  // A Goodbye that withdraws calls may stand unread before the heartbeat: it has to be read first.
+  // An unread Goodbye that withdraws calls may precede the heartbeat; it must be read first.
   const bool heard = session->link().beats_read() > session->heartbeats_before;
   if (heard && verdict <= PeerLiveness::Verdict::Quiet) no_more_awaited(*session);
   if (verdict == PeerLiveness::Verdict::Quiet) return false;
@@ -458,7 +463,8 @@ bool ObjectHost::check_liveness(const std::shared_ptr<ServerSession>& session) {
     leases_.renew(session->id(), now);
     return false;
   }
-  // The client may give its calls up before it is heard again, and the server cannot know that.
+  // The client may withdraw its calls before its next heartbeat arrives, and the server cannot know
+  // that.
   if (session->repeats()) await_heartbeat(*session);
   return verdict == PeerLiveness::Verdict::Dead;
 }
@@ -478,10 +484,11 @@ void ObjectHost::depart(const std::shared_ptr<ServerSession>& session, Departure
       lose_status(session->id(), "its holder (" + session->caller().program + ", pid " +
                                      std::to_string(session->caller().pid) + ") is gone");
     }
-    // The calls that are missing before these will not arrive any more.
+    // The missing calls before these deferred calls will not arrive any more.
     while (const auto counter = session->intake.first_aside()) {
-      end_early(*session, *counter, Detail::Rejected,
-                "it was not started: the session ended before what was issued before it arrived");
+      end_early(
+          *session, *counter, Detail::Rejected,
+          "the call was not started: the session ended before the calls issued earlier arrived");
     }
     session->subscriptions.clear();
     if (session->greeted()) {
@@ -498,7 +505,7 @@ void ObjectHost::depart(const std::shared_ptr<ServerSession>& session, Departure
 void ObjectHost::lose_status(SessionId session, const std::string& why) {
   log_info("server", name_ + ": a status ended: " + why);
   const Failure failure{
-      Detail::LeaseLost, "the status under which it was issued ended: " + why, {}, {}};
+      Detail::LeaseLost, "the status under which the command was issued ended: " + why, {}, {}};
   end_commands(
       [&](const ServerCall& call) {
         return call.client == session && call.operation().status != access::Status::Sensor &&
@@ -519,7 +526,7 @@ void ObjectHost::release_all(ServerSession& session) {
 void ObjectHost::close() {
   const MutexLock lock(mutex_);
   closed_ = true;
-  const Failure failure{Detail::Stopped, "the server withdrew " + name_, {}, {}};
+  const Failure failure{Detail::Stopped, "the server no longer serves " + name_, {}, {}};
   end_commands([](const ServerCall&) { return true; }, failure);
   for (const auto& entry : queue_.drop()) {
     end(static_cast<ServerCall&>(*entry), failure);

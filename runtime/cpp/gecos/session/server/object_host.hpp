@@ -23,15 +23,16 @@
 
 namespace gecos::session {
 
-/// Which thread asks for calls to be started.
+/// The kind of thread that starts calls.
 enum class Starter : std::uint8_t {
   Poller,  ///< runs short handlers itself
-  Worker,  ///< likewise
-  Other,   ///< runs none: a thread of the user, maintenance, or a standby that polls
+  Worker,  ///< a thread of the executor; runs short handlers itself
+  Other,   ///< runs no handler: a user's thread, the maintenance thread, or a polling standby
 };
 
-/// One object of a server: admits calls, keeps its leases, queues commands, runs handlers, answers.
-/// Every accepted call is answered exactly once, by its handler or by the event that ended it.
+/// One object of a server: admits and queues calls, keeps the leases, runs handlers and sends
+/// replies. Every accepted call is answered exactly once, by its handler or by the event that ended
+/// it.
 class ObjectHost final : public Publisher, public std::enable_shared_from_this<ObjectHost> {
  public:
   ObjectHost(std::shared_ptr<Runtime> runtime, std::string name, Servant& servant,
@@ -45,51 +46,51 @@ class ObjectHost final : public Publisher, public std::enable_shared_from_this<O
             .dead_after = runtime_->registration_ttl()};
   }
 
-  // The poller.
-  /// Takes one packet of `session`. Handlers that it makes ready run in `run_ready`.
+  // Functions for the I/O loop (IoLoop).
+  /// Processes one packet of `session`. Calls that may start after it are started by `run_ready`.
   void take(const std::shared_ptr<ServerSession>& session, ByteView packet);
-  /// As `take`, and returns the call that may start now, or null. The call must be passed to
+  /// As `take`, but returns a call that may start now, or null. The caller must pass the call to
   /// `run_ready` soon.
   std::shared_ptr<ServerCall> take_and_start(const std::shared_ptr<ServerSession>& session,
                                              ByteView packet, Starter starter);
   /// Runs the handler of `started`, unless it is null, and the handlers of all calls that may
   /// start.
   void run_ready(Starter starter, std::shared_ptr<ServerCall> started = nullptr);
-  /// True when `run_ready` may have something to do; a hint that spares the lock.
+  /// True when `run_ready` may have something to do: a hint that saves locking the mutex.
   bool ready() const { return ready_.load(std::memory_order_acquire); }
 
-  // Any thread.
-  /// How the link of a session ended. InOrder: the commands of the session continue, its status
-  /// drains.
+  // Any thread may call the functions below.
+  /// How the link of a session ended. After InOrder the commands of the session continue, and its
+  /// status ends with the last of them.
   enum class Departure : std::uint8_t { InOrder, Lost };
   void depart(const std::shared_ptr<ServerSession>& session, Departure how);
-  /// Must be called after this process was suspended: no call of `session` starts before its next
-  /// heartbeat.
+  /// Must be called after this process was suspended: no call of `session` then starts before the
+  /// next heartbeat of its client.
   void await_sign_of_life(ServerSession& session);
-  /// Ends the actor commands that ran during the pause; after a long pause the broker must confirm
-  /// the name.
+  /// Ends the actor commands that ran during a pause of length `stood_still`. After a long pause
+  /// the broker must confirm the name again.
   void after_pause(Duration stood_still);
-  /// Checks the heartbeats of `session`, at every tick. Returns true when the session must end: the
-  /// client was silent for too long or does not take its answers.
+  /// Checks the heartbeats of `session`; called at every tick. Returns true when the session must
+  /// end, because the client was silent for too long or does not read its replies.
   bool check_liveness(const std::shared_ptr<ServerSession>& session);
-  /// Handles deadlines, leases and pending progress reports, and starts calls that no other thread
-  /// starts. On the maintenance thread. Returns when the next tick is due.
+  /// Runs on the maintenance thread. Handles deadlines, leases and pending progress reports, and
+  /// starts calls that no other thread starts. Returns when the next tick is due.
   TimePoint on_tick(TimePoint now);
 
-  // The name, as the broker confirms or denies it (name_claim.hpp).
-  /// The object will be registered where other processes find it: from now on a broker must confirm
-  /// the name.
+  // Whether the broker confirms the name of the object (name_claim.hpp).
+  /// Must be called before the object is registered where other processes find it: from now on
+  /// actor commands need the broker's confirmation of the name.
   void claim_name();
   std::uint64_t name_question();
   void name_held(std::uint64_t question);
   void name_provisional();
   void name_unanswered(std::uint64_t question, const std::string& why);
-  /// Ends the leases and stops the object.
+  /// Another server, `by`, has the name: ends the leases and stops the object.
   void name_taken(const std::string& by);
 
-  /// Marks `call` as started. Must be called directly before its handler begins, if that is not in
-  /// gecos_dispatch. Returns false when the call has ended meanwhile or may not start; then drop
-  /// it.
+  /// Marks `call` as started. A servant that runs its handlers outside gecos_dispatch must call
+  /// begin() directly before a handler begins. Returns false when the call has ended or may not
+  /// start: then the handler must not begin.
   bool begin(ServerCall& call);
   void answered(ServerCall& call, ByteView result);
   void answered(ServerCall& call, Failure failure);
@@ -99,15 +100,16 @@ class ObjectHost final : public Publisher, public std::enable_shared_from_this<O
   void publish(const StreamDescription& stream, ByteView sample, std::int64_t stamp_ns) override;
   ObjectStreams& streams() { return streams_; }
 
-  // What handlers wait for (handler_waits.hpp); any thread.
-  /// The handler of `call` waits without a time-out for the call `awaited`, which `name` describes.
+  // What handlers wait for (handler_waits.hpp). Any thread may call these functions.
+  /// Notes that the handler of `call` waits without a time-out for the call `awaited`. `name`
+  /// describes `awaited`.
   void waits(ServerCall& call, const CommandId& awaited, std::string name);
   void goes_on(ServerCall& call);
   std::optional<CommandId> awaited_by(const ServerCall& call);
-  /// The call with this id; null when it has not arrived or has ended.
+  /// The call with the id `call`; null when that call has not arrived or has ended.
   std::shared_ptr<ServerCall> find(const CommandId& call);
-  /// The calls that must return before `call` can start; empty when `call` has started, has ended
-  /// or has a deadline.
+  /// The calls whose handlers must return before `call` can start; empty when `call` has started,
+  /// has ended or has a deadline.
   std::vector<std::shared_ptr<ServerCall>> held_up_by(const ServerCall& call);
 
   /// Ends all calls as STOPPED and accepts no more.
@@ -175,8 +177,9 @@ class ObjectHost final : public Publisher, public std::enable_shared_from_this<O
                ByteView arguments) GECOS_REQUIRES(mutex_);
   void grant(ServerSession& session, std::uint64_t counter, const Acquire& what)
       GECOS_REQUIRES(mutex_);
-  /// A command that has ended for its caller while its handler continues; null when a client holds
-  /// a status. No client is granted a status before that handler has returned.
+  /// Returns a command that has ended for its caller while its handler continues; null when there
+  /// is no such command or a client holds a status. While it exists, no client may be granted a
+  /// status.
   const ServerCall* outlives_its_status() const GECOS_REQUIRES(mutex_);
   void grant_to_waiting() GECOS_REQUIRES(mutex_);
   void refuse_waiting(TimePoint now) GECOS_REQUIRES(mutex_);
@@ -231,12 +234,12 @@ class ObjectHost final : public Publisher, public std::enable_shared_from_this<O
   template <class Outcome>
   void take_answer(ServerCall& call, const Outcome& outcome);
   bool begins(ServerCall& call);
-  /// Returns the call that may start next, or null.
+  /// Runs the handler of `call`. Returns the call that may start next, or null.
   std::shared_ptr<ServerCall> execute(const std::shared_ptr<ServerCall>& call, Starter starter);
   void interrupt(ServerCall& call) GECOS_REQUIRES(mutex_);
   void let_pause_be_judged(const ServerCall& call);
-  /// Posts a callback of the user to the maintenance thread; dropped if the server has ended by
-  /// then.
+  /// Runs `what`, a callback of the user, on the maintenance thread. Drops it if the server has
+  /// ended by then.
   void tell_user(std::function<void()> what);
   bool runs_long(const OperationDescription& operation) const {
     return operation.cancelable || options_.blocking;
@@ -256,12 +259,12 @@ class ObjectHost final : public Publisher, public std::enable_shared_from_this<O
   std::condition_variable_any interrupted_;
   /// Calls that have a deadline or may take long.
   std::vector<std::shared_ptr<ServerCall>> open_ GECOS_GUARDED_BY(mutex_);
-  /// Handlers that have begun and have not finished; the number of them that wait without a
-  /// time-out.
+  /// The calls whose handlers have begun and have not finished, and how many of these handlers wait
+  /// without a time-out.
   std::vector<ServerCall*> handlers_ GECOS_GUARDED_BY(mutex_);
   std::size_t waiting_handlers_ GECOS_GUARDED_BY(mutex_) = 0;
   SuspendAwareClock lease_clock_ GECOS_GUARDED_BY(mutex_);  ///< for leases and peer time-outs
-  PauseWatch::Checked pause_ GECOS_GUARDED_BY(mutex_);      ///< by the thread that starts calls
+  PauseWatch::Checked pause_ GECOS_GUARDED_BY(mutex_);      ///< the last check for a pause
   std::vector<WaitingForStatus> waiting_ GECOS_GUARDED_BY(mutex_);  ///< in order of request
   std::size_t awaited_ GECOS_GUARDED_BY(mutex_) = 0;  ///< sessions whose calls wait for a heartbeat
   bool closed_ GECOS_GUARDED_BY(mutex_) = false;
@@ -270,7 +273,7 @@ class ObjectHost final : public Publisher, public std::enable_shared_from_this<O
 
   Mutex user_mutex_;
   bool joined_ GECOS_GUARDED_BY(user_mutex_) = false;
-  Executor executor_;  ///< last: its threads end first
+  Executor executor_;  ///< last member, so that its threads end first
 };
 
 }  // namespace gecos::session

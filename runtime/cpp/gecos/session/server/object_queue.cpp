@@ -59,7 +59,8 @@ std::optional<ObjectQueue::Full> ObjectQueue::too_large(const QueueEntry& entry)
   return std::nullopt;
 }
 
-/// An @ordered reading queues after the commands of its own caller.
+/// True for an @ordered reading that must wait in the actor lane, because its caller has commands
+/// there.
 bool ObjectQueue::keeps_place(const QueueEntry& entry) const {
   if (!entry.operation.ordered) return false;
   const auto same_client = [&](const auto& other) { return other->client == entry.client; };

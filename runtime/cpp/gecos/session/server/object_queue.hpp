@@ -14,7 +14,7 @@
 
 namespace gecos::session {
 
-/// A call as the queue of its object sees it.
+/// The part of a call that the queue of its object uses.
 struct QueueEntry {
   QueueEntry(SessionId its_client, const OperationDescription& its_operation,
              std::size_t its_bytes = 0)
@@ -23,26 +23,27 @@ struct QueueEntry {
 
   const SessionId client;
   const OperationDescription& operation;
-  const std::size_t bytes;  ///< size of its arguments
+  const std::size_t bytes;  ///< size of the arguments
 
   CallLane lane = CallLane::None;
 };
 
 enum class LaneThreads : std::uint8_t {
-  One,   ///< one handler of the object at a time, whatever its lane
-  Many,  ///< the servant takes calls on several threads
+  One,   ///< one handler of the object runs at a time, whatever its lane
+  Many,  ///< the servant is thread-safe: handlers may run on several threads
 };
 
-/// The order in which one object's calls start: a bounded FIFO lane for actor commands, a lane for
-/// sensor operations, and a safety lane before both. Actor commands run one at a time, unless the
-/// interface says otherwise. Pure and not thread-safe.
+/// Decides in which order the calls of one object start. The queue has three lanes: safety
+/// operations start first, then sensor operations, then actor commands, whose lane is bounded and
+/// FIFO. Actor commands run one at a time, unless the interface says otherwise. Pure and not
+/// thread-safe.
 class ObjectQueue {
  public:
   static constexpr std::size_t most_of_object = 256;
   static constexpr std::size_t most_of_client = 64;
-  /// Limits in bytes for the arguments of calls that have not ended: of one client, and of all. A
-  /// call that is alone is accepted whatever its size; calls below `small` are limited by number
-  /// only.
+  /// Limits in bytes for the arguments of all calls that have not ended, per client and per object.
+  /// A call is accepted at any size when no other large call is open. Calls below `small` bytes do
+  /// not count: only their number is limited.
   static constexpr std::size_t most_bytes_of_client = 16 * 1024 * 1024;
   static constexpr std::size_t most_bytes_of_object = 64 * 1024 * 1024;
   static constexpr std::size_t small = 4096;
@@ -50,31 +51,32 @@ class ObjectQueue {
   explicit ObjectQueue(LaneThreads threads) : threads_(threads) {}
 
   enum class Full : std::uint8_t { Object, Client, BytesOfObject, BytesOfClient };
-  /// A preempting command needs no room beside the commands that it replaces; the caller of `push`
-  /// must then end those.
+  /// Queues `entry`; fails with the limit that is reached. A preempting command may use the room of
+  /// the commands that it replaces: the caller of `push` must then end these commands.
   tl::expected<void, Full> push(std::shared_ptr<QueueEntry> entry);
 
-  /// Takes the next call that may start now. Null when none may.
+  /// Removes and returns the next call that may start now; null when no call may start.
   std::shared_ptr<QueueEntry> next();
-  /// As above, among the calls that `wanted` selects. Actor commands keep their order: one that is
-  /// not selected blocks those after it.
+  /// As next(), but only among the calls that `wanted` selects. Actor commands keep their order: a
+  /// command that is not selected blocks the commands after it.
   std::shared_ptr<QueueEntry> next(FunctionRef<bool(const QueueEntry&)> wanted);
-  /// The thread of the handler returned. The call may be answered later.
+  /// Must be called when the thread of the handler has returned. The call may be answered later.
   void returned(const QueueEntry& entry);
-  /// The call is answered and its handler has returned: the next call may start.
+  /// Must be called when the call is answered and its handler has returned: the next call may then
+  /// start.
   void ended(const QueueEntry& entry);
   /// Removes a call that has not started; returns false when it is not queued.
   bool remove(const QueueEntry& entry);
   /// Removes and returns all calls that have not started.
   std::vector<std::shared_ptr<QueueEntry>> drop();
 
-  /// Actor commands that wait, first to start first.
+  /// The queued actor commands, in the order in which they start.
   const std::deque<std::shared_ptr<QueueEntry>>& waiting() const { return actor_; }
   /// Actor commands that started and have not ended.
   const std::vector<QueueEntry*>& running() const { return running_; }
-  /// No call waits, and no call runs.
+  /// True when no call is queued and no call runs.
   bool idle() const;
-  /// The running actor commands for which the first waiting one must wait.
+  /// The running actor commands that must end before the first queued actor command may start.
   std::vector<QueueEntry*> holding_up() const;
   std::optional<std::size_t> position(const QueueEntry& entry) const;
 
@@ -91,7 +93,7 @@ class ObjectQueue {
   Lane sensor_;
   Lane actor_;
   std::vector<QueueEntry*> running_;
-  std::size_t inside_ = 0;                ///< handlers whose thread has not returned
+  std::size_t inside_ = 0;                ///< number of handlers whose thread has not returned
   std::vector<const QueueEntry*> large_;  ///< calls of at least `small` bytes that have not ended
 };
 

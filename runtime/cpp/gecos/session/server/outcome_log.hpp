@@ -16,8 +16,8 @@ namespace gecos::session {
 
 class ServerSession;
 
-/// The outcomes of an object's actor commands, kept for callers that lost their connection before
-/// they were notified. Bounded: the last outcomes, the last sessions.
+/// Keeps the outcomes of an object's actor commands, for callers that lost their connection before
+/// they were notified. Bounded: only the newest outcomes and the newest closed sessions are kept.
 class OutcomeLog {
  public:
   struct Entry {
@@ -32,33 +32,36 @@ class OutcomeLog {
 
   void opened(SessionId id, std::weak_ptr<ServerSession> session);
   std::shared_ptr<ServerSession> open(SessionId id) const;
-  /// The session receives no more packets: calls that have not arrived never start. `lost`: the
-  /// session itself when its client may ask for its answers in another session, else null.
+  /// Must be called when session `id` receives no more packets; its calls that have not arrived
+  /// never start. `arrived`: the calls that have arrived. `lost`: the session when its client may
+  /// request its replies in another session, else null.
   void closed(SessionId id, const ReceiveWindow& arrived,
               const std::shared_ptr<ServerSession>& lost);
-  /// The session if it is open, or lost with calls that have not ended; else null.
+  /// The session `id` if it is open, or if it was lost and has calls that have not ended; else
+  /// null.
   std::shared_ptr<ServerSession> session(SessionId id) const;
-  /// The reply to a call of a lost session; null when it is unknown or no longer kept.
+  /// The reply that was sent to the call `counter` of session `id`, which may be lost; null when
+  /// the session is unknown or the reply is no longer kept.
   const Bytes* reply(SessionId id, std::uint64_t counter) const;
-  /// Whether `counter` arrived in a closed session; nullopt when the session is unknown or no
-  /// longer kept.
+  /// Whether the call `counter` arrived in the closed session `id`; nullopt when the session is
+  /// unknown or no longer kept.
   std::optional<bool> had_arrived(SessionId id, std::uint64_t counter) const;
 
  private:
   static constexpr std::size_t most_entries = 1024;
   static constexpr std::size_t most_sessions = 256;
-  static constexpr std::size_t most_lost = 32;  ///< lost sessions whose answers are kept
+  static constexpr std::size_t most_lost = 32;  ///< maximum number of lost sessions with replies
   static constexpr std::size_t longest_text = 256;
 
   struct Closed {
     SessionId id{};
     ReceiveWindow arrived;
     std::weak_ptr<ServerSession> session;
-    std::shared_ptr<const ReplyCache> replies;  ///< null: they are not kept
+    std::shared_ptr<const ReplyCache> replies;  ///< null: its replies are not kept
   };
   const Closed* find_closed(SessionId id) const;
 
-  std::vector<Entry> entries_;  ///< when it is full, the oldest is at next_
+  std::vector<Entry> entries_;  ///< when full, a ring: next_ is the index of the oldest entry
   std::size_t next_ = 0;
   std::map<SessionId, std::weak_ptr<ServerSession>> open_;
   std::deque<Closed> closed_;

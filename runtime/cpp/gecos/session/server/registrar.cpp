@@ -18,14 +18,17 @@ namespace gecos::session {
 namespace {
 
 constexpr Duration patience = std::chrono::seconds(2);
-/// For our thread: how long commands may wait before they are refused because no broker answers.
+/// For the registrar's thread: how long actor commands may wait before they are refused because no
+/// broker answers.
 constexpr Duration answer_patience = std::chrono::seconds(1);
 constexpr Duration between_tries = std::chrono::milliseconds(200);
 constexpr Duration look_again_after = std::chrono::milliseconds(20);
-/// Server and broker are often started together.
+/// A missing broker is reported after this time, because server and broker are often started
+/// together.
 constexpr Duration report_after = std::chrono::seconds(1);
 
-/// Whether other processes find the entry, so that another server may be given the name.
+/// Whether other processes can find `entry`, so that the broker may assign the name to another
+/// server.
 bool others_find(const Entry& entry, const ClientConnection& broker) {
   const auto elsewhere = [](const std::string& address) {
     const auto kind = media::kind_of(address);
@@ -60,9 +63,9 @@ void Registrar::note_broker(const std::string& missing) {
   if (!missing_since_) missing_since_ = now;
   if (reported_missing_ || now < *missing_since_ + report_after) return;
   reported_missing_ = true;
-  log_warning(
-      "session",
-      missing + "; this server goes on asking, and until then nobody new finds its objects");
+  log_warning("session", missing +
+                             "; this server goes on asking; until a broker answers, new clients "
+                             "cannot find its objects");
 }
 
 bool Registrar::rest(Duration length, TimePoint deadline) {
@@ -103,9 +106,9 @@ tl::expected<void, std::string> Registrar::add(const std::shared_ptr<ObjectHost>
   return {};
 }
 
-/// Tries again when the broker is lost while it is asked: it may be back soon and accepts the same
-/// entry again. Tries again also while the broker has not noticed that the last holder of the name
-/// has ended: a server that is restarted after it was killed may be quicker.
+/// Tries again when the broker is lost during the registration: a restarted broker accepts the same
+/// entry again. Also tries again while the broker has not noticed that the last holder of the name
+/// has ended, because a killed server may be restarted sooner than that.
 tl::expected<Duration, std::string> Registrar::register_first(Registration& registration,
                                                               TimePoint deadline) {
   for (;;) {
@@ -177,12 +180,12 @@ void Registrar::run() {
 }
 
 Duration Registrar::ask(const std::vector<Registration>& registrations) {
-  std::vector<std::uint64_t> questions;  // numbered before they are asked
+  std::vector<std::uint64_t> questions;  // read before the broker is asked
   for (const auto& one : registrations) questions.push_back(one.object->name_question());
   const TimePoint deadline = deadline_after(answer_patience);
   auto answers = ask_broker(registrations, deadline);
-  // The broker may have ended our session, for example while this process was suspended. A new
-  // session may work.
+  // The broker may have ended the session of this server, for example while this process was
+  // suspended. A new session may work.
   while (answers.lost && lab_->runtime()->clock().now() < deadline) {
     answers = ask_broker(registrations, deadline);
   }
@@ -205,10 +208,10 @@ Duration Registrar::ask(const std::vector<Registration>& registrations) {
     } else {
       object.name_unanswered(questions[i], enlisted.error().text);
       unreported += (unreported.empty() ? "" : "; ") + object.name() +
-                    " runs on and is not findable: " + enlisted.error().text;
+                    " continues to run, but clients cannot find it: " + enlisted.error().text;
     }
   }
-  if (!answers.missing.empty()) unreported.clear();  // logged already
+  if (!answers.missing.empty()) unreported.clear();  // note_broker has logged it
   if (unreported != std::exchange(reported_, unreported) && !unreported.empty())
     log_warning("session", unreported);
   return rest;
@@ -237,8 +240,8 @@ Duration Registrar::served_for(const Registration& registration) const {
   return lab_->runtime()->clock().since_boot() - registration.since;
 }
 
-/// Only at the place of the first broker, once there was one: a broker elsewhere does not know
-/// which names the first one has assigned.
+/// Once there was a broker, a broker is searched only at its address: a broker elsewhere does not
+/// know which names the first broker has assigned.
 tl::expected<Registrar::Broker, std::string> Registrar::find_broker(TimePoint deadline) {
   std::string place;
   {

@@ -15,23 +15,26 @@ namespace gecos::session {
 
 class ObjectHost;
 
-/// Keeps the objects of a server findable: registers them with the broker, and again with every
-/// broker that starts at the same place after the previous one was lost. Reports to each object
-/// whether the broker confirms its name; after a pause of this process it asks the broker again.
+/// Keeps the objects of a server registered with the broker, so that clients find them. When the
+/// broker was lost, registers them again with each broker that starts at the same address. Reports
+/// to each object whether the broker confirms its name, and asks the broker again after a pause of
+/// this process.
 class Registrar {
  public:
   explicit Registrar(std::shared_ptr<Context> lab);
   ~Registrar() { end(); }
 
-  /// Waits until a broker answers, because it may still be starting. Fails with what was tried.
+  /// Waits until a broker answers, because it may still be starting. Fails with the addresses that
+  /// were tried and why they failed.
   tl::expected<void, std::string> await_broker(TimePoint deadline);
-  /// Registers `object`, which is findable when this returns. Fails when no broker answers or the
-  /// name is taken.
+  /// Registers `object`; clients can find it when this function has returned. Fails when no broker
+  /// answers or the name is taken.
   tl::expected<void, std::string> add(const std::shared_ptr<ObjectHost>& object,
                                       std::vector<std::string> addresses);
   /// Starts the search for a new broker if the broker was lost. Never blocks.
   void look();
-  /// Asks the broker again about all names, on the registrar's thread.
+  /// Asks the broker again, on the registrar's thread, whether it confirms the names of all
+  /// objects.
   void ask_again();
   /// Unregisters all objects.
   void end();
@@ -40,18 +43,18 @@ class Registrar {
   struct Registration {
     Entry entry;
     std::shared_ptr<ObjectHost> object;
-    TimePoint since{};  ///< when it was first registered, by CLOCK_BOOTTIME
+    TimePoint since{};  ///< when the object was first registered, by CLOCK_BOOTTIME
   };
   using Broker = std::shared_ptr<ClientConnection>;
 
   void run();
   struct Answers {
     std::vector<tl::expected<Duration, NotRegistered>> of_each;
-    std::string missing;  ///< why there is no broker
-    bool lost = false;    ///< the session with the broker was lost meanwhile
+    std::string missing;  ///< why no broker was found
+    bool lost = false;    ///< the session with the broker was lost during the query
   };
-  /// Passes the broker's answers to the objects. Returns how long to wait before asking again;
-  /// Duration::max() when every name is settled.
+  /// Asks the broker about all names and passes its answers to the objects. Returns how long to
+  /// wait before asking again; Duration::max() when every name is settled.
   Duration ask(const std::vector<Registration>& registrations);
   Answers ask_broker(const std::vector<Registration>& registrations, TimePoint deadline);
   tl::expected<Broker, std::string> find_broker(TimePoint deadline);
@@ -59,7 +62,8 @@ class Registrar {
   Duration served_for(const Registration& registration) const;
   tl::expected<Duration, std::string> register_first(Registration& registration,
                                                      TimePoint deadline);
-  /// Logs once why there is no broker when that lasts; `missing` is empty when there is one.
+  /// Logs why no broker answers, once, when this state lasts. `missing`: the reason; empty when a
+  /// broker answers.
   void note_broker(const std::string& missing);
   /// True when the process that holds `name` has ended. A holder on another host counts as running,
   /// because its process cannot be checked; a pid that does not exist here counts as ended.
@@ -69,18 +73,18 @@ class Registrar {
 
   const std::shared_ptr<Context> lab_;
   Mutex mutex_;
-  ConditionVariable changed_;  ///< awaited by our thread and `rest`: use notify_all only
+  ConditionVariable changed_;  ///< thread_ and `rest` wait on it: use notify_all only
   std::vector<Registration> registrations_ GECOS_GUARDED_BY(mutex_);
-  Broker broker_ GECOS_GUARDED_BY(mutex_);  ///< where the objects are registered
-  /// The place of the first broker; its successors are found there.
+  Broker broker_ GECOS_GUARDED_BY(mutex_);  ///< the broker that has registered the objects
+  /// The address of the first broker; later brokers are expected at the same address.
   std::string place_ GECOS_GUARDED_BY(mutex_);
   std::optional<TimePoint> missing_since_ GECOS_GUARDED_BY(mutex_);
   bool reported_missing_ GECOS_GUARDED_BY(mutex_) = false;
-  std::string reported_;  ///< why some objects are not findable; used by our thread only
+  std::string reported_;  ///< why clients cannot find some objects; used by thread_ only
   bool wanted_ GECOS_GUARDED_BY(mutex_) = false;
   TimePoint next_ GECOS_GUARDED_BY(mutex_) = TimePoint::max();  ///< when the broker is asked again
   bool ended_ GECOS_GUARDED_BY(mutex_) = false;
-  std::thread thread_;  ///< looking for a broker blocks, so it has a thread of its own
+  std::thread thread_;  ///< own thread, because the search for a broker blocks
 };
 
 }  // namespace gecos::session

@@ -23,7 +23,7 @@ using session::ObjectHost;
 
 namespace {
 
-/// Maximum number of descriptors open at once while a client is accepted: LCM takes this many to
+/// Maximum number of descriptors that are opened while a client is accepted: LCM needs this many to
 /// send to one client.
 constexpr std::size_t descriptors_of_a_client = 16;
 
@@ -51,12 +51,13 @@ class Server::Core {
   tl::expected<void, ServeError> add(std::string name, Servant& servant, ObjectOptions options);
   void run();
   void shut_down();
-  /// True in a forked child, which has none of the threads that would end it.
+  /// True in a forked child: the server's threads do not exist there, so the child cannot end the
+  /// server.
   bool inherited() const { return getpid() != owner_; }
 
  private:
-  /// The object that maintenance ticks; it drops its pointer to the server before the server's
-  /// parts are destroyed.
+  /// The target that the maintenance thread ticks. Its pointer to the server is cleared before the
+  /// parts of the server are destroyed.
   struct Upkeep final : session::TickTarget {
     explicit Upkeep(Core& its_core) : core(&its_core) {}
     TimePoint on_tick(TimePoint now) override;
@@ -113,7 +114,7 @@ void Server::Core::Upkeep::after_pause(Duration stood_still) {
 Server::Core::~Core() {
   registrar_.end();
   {
-    // Maintenance takes this mutex first, then ours: never the other way round.
+    // Lock order: `upkeep_->mutex` before `mutex_`, as in the maintenance thread.
     const MutexLock lock(upkeep_->mutex);
     upkeep_->core = nullptr;
   }
@@ -135,12 +136,12 @@ tl::expected<Server::Core::Opened, ServeError> Server::Core::open_places(
     auto acceptor = [&]() -> tl::expected<std::unique_ptr<media::Acceptor>, media::MediumError> {
       const auto medium = lab_->runtime()->medium(kind);
       if (!medium) return tl::unexpected(medium.error());
-      // A host has one well-known place per medium. Between hosts, another host may have it, or
-      // there is no network.
+      // Within a host, the well-known address of a medium must be served: there is only one. Over a
+      // network it may fail: another host may have the address, or there is no network.
       needed = needed || (options.well_known && (*medium)->offer().reach != media::Reach::Network);
       try {
         return (*medium)->listen(name, options.well_known);
-      } catch (const std::system_error& error) {  // no descriptors
+      } catch (const std::system_error& error) {  // no descriptors are left
         return tl::unexpected(media::MediumError{error.what()});
       }
     }();
@@ -160,7 +161,7 @@ tl::expected<Server::Core::Opened, ServeError> Server::Core::open_places(
     return tl::unexpected(ServeError{failed});
   if (!descriptors_left(descriptors_of_a_client)) {
     return tl::unexpected(
-        ServeError{name + " is not served: no client could be let in: " + system_text(errno)});
+        ServeError{name + " is not served: no client could be accepted: " + system_text(errno)});
   }
   return opened;
 }
@@ -175,7 +176,7 @@ tl::expected<void, ServeError> Server::Core::add(std::string name, Servant& serv
                                                  ObjectOptions options) {
   if (name.empty() || name.find('\0') != std::string::npos) {
     return tl::unexpected(
-        ServeError{"an object's name has at least one character, and none that is NUL"});
+        ServeError{"an object's name must have at least one character and must not contain NUL"});
   }
   const bool well_known = options.well_known;
   if (!well_known) {

@@ -16,7 +16,7 @@ namespace gecos::session {
 class ObjectHost;
 class ServerSession;
 
-/// The thread of a handler waits for another call without a time-out.
+/// Describes a wait, without a time-out, of a handler's thread for another call.
 struct HandlerWait {
   CommandId command;
   std::string name;
@@ -47,19 +47,20 @@ class ServerCall final : public CallCore,
   void waits(const CommandCore& command) override;
   void goes_on() override;
 
-  /// Must be called before the mark of the call is written, with the object's mutex held.
+  /// Records when the call is marked as started. Must be called before the mark of the call is
+  /// written, with the object's mutex held.
   void note_mark(TimePoint now) { marked_at_.store(now, std::memory_order_relaxed); }
 
-  /// The session to which this call is reported, and the counter of the call there. With the
-  /// object's mutex held.
+  /// The session in which progress and outcome of this call are reported, and the counter of the
+  /// call in that session. Both functions require the object's mutex.
   ServerSession& listener() const { return resumed_in ? *resumed_in : *session; }
   std::uint64_t counter_in(const ServerSession& teller) const {
     return resumed_in.get() == &teller ? resumed_counter : counter;
   }
   ObjectHost& object() const;
-  /// "'move' of RX90"
+  /// Names the operation and the object: "'move' of RX90".
   std::string title() const;
-  /// Only sets the flag; ObjectHost::interrupt wakes the waiting threads.
+  /// Sets the interrupt flag only; ObjectHost::interrupt also wakes the waiting threads.
   void interrupt() { interrupted_.store(true, std::memory_order_release); }
 
   const std::shared_ptr<ServerSession> session;
@@ -68,19 +69,19 @@ class ServerCall final : public CallCore,
 
   // Guarded by the object's mutex.
   std::shared_ptr<ServerSession>
-      resumed_in;  ///< the session in which the call was sent again, because its own was lost
+      resumed_in;  ///< the later session in which the client sent the call again, if it did
   std::uint64_t resumed_counter = 0;
   CallState state;
   CallProgress reported;
   std::size_t position_sent = 0;
-  TimePoint arrived{};  ///< set only when it is logged
+  TimePoint arrived{};  ///< set only when the call is logged
   std::optional<HandlerWait> waits_for;
-  bool listed = false;  ///< among the object's open calls
+  bool listed = false;  ///< the call is listed in ObjectHost::open_
 
  private:
   const ShortBytes arguments_;
-  std::atomic<bool> interrupted_{false};                // publishes nothing but itself
-  std::atomic<TimePoint> marked_at_{TimePoint::max()};  // publishes nothing but itself
+  std::atomic<bool> interrupted_{false};                // orders no other memory
+  std::atomic<TimePoint> marked_at_{TimePoint::max()};  // orders no other memory
 };
 
 }  // namespace gecos::session

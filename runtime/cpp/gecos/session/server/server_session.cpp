@@ -11,9 +11,11 @@
 namespace gecos::session {
 namespace {
 
-/// An answer to each granted call, and as many goodbyes; the rest is room for repetitions.
+/// Maximum number of waiting packets: a reply to each granted call, as many Goodbyes, and room for
+/// repeated replies.
 constexpr std::size_t most_backlog = 4 * ObjectQueue::most_of_object;
-/// Bytes that the backlog may take; a result beyond it is dropped, and the call fails.
+/// Maximum size of the backlog in bytes. A result that would exceed it is dropped, and its call
+/// fails.
 constexpr std::size_t most_backlog_bytes = 128 * 1024 * 1024;
 
 wire::PacketHeader reply_to(std::uint64_t counter) {
@@ -24,7 +26,8 @@ wire::PacketHeader reply_to(std::uint64_t counter) {
   return header;
 }
 
-/// A failure cut to what fits into a packet: its detail, and the beginning of its text.
+/// Shortens a failure so that it fits into a packet: keeps its detail and the beginning of its
+/// text.
 Failure shortened(const Failure& failure, std::size_t takes, std::size_t carried) {
   constexpr std::size_t longest_text = 1024;
   std::size_t cut = std::min(failure.text.size(), longest_text);
@@ -99,7 +102,7 @@ void ServerSession::reply(std::uint64_t counter, ByteView result, Epoch epoch) {
                   {Detail::Fault,
                    "the result of " + std::to_string(result.size()) +
                        " bytes was dropped: " + std::to_string(backlog_bytes_) +
-                       " bytes wait already for this client to take them",
+                       " bytes of replies already wait for this client to read them",
                    {},
                    {}});
   } else {
@@ -133,14 +136,15 @@ bool ServerSession::report(const ServerCall& call, Detail detail, std::size_t po
   const MutexLock lock(send_mutex_);
   if (!backlog_.empty()) return false;
   write_packet(packet_, header, body.encoded_size(), [&](wire::Encoder& to) { body.encode(to); });
-  // Progress ends no wait: a caller that sleeps until the end of its call is not woken for it.
+  // Progress ends no wait: a caller that sleeps until the end of its call must not be woken by
+  // progress.
   return media::send_quietly(*link_, packet_, {}).has_value();
 }
 
 void ServerSession::send_again(const Bytes& packet) {
   const MutexLock lock(send_mutex_);
   if (std::ranges::find(backlog_, packet) != backlog_.end())
-    return;  // its first copy has not been sent yet
+    return;  // the first copy of the packet has not been sent yet
   deliver(packet);
 }
 

@@ -22,8 +22,8 @@ namespace gecos::session {
 
 /// Server side of one client's session with one object.
 ///
-/// Only the thread that polls the server's links receives; sending takes a mutex of its own. The
-/// comments below say what guards each member.
+/// Only the thread that polls the server's links may receive packets. Any thread may send: sending
+/// has its own mutex. Comments below say what guards each member.
 class ServerSession {
  public:
   ServerSession(std::unique_ptr<media::Link> link, std::shared_ptr<ObjectHost> object);
@@ -44,53 +44,57 @@ class ServerSession {
     return {caller_.user, caller_.host, caller_.program, caller_.pid};
   }
 
-  // With the object's mutex held.
+  // The functions below require the object's mutex.
   void reply(std::uint64_t counter, const Failure& failure);
   void reply(std::uint64_t counter, ByteView result, Epoch epoch = {});
-  /// Replies with the answer that the call got in another session.
+  /// Replies to the call `counter` with `before`, the reply that the call got in another session.
   void reply_as(std::uint64_t counter, const wire::PacketView& before);
-  /// Sends the latest progress, or drops it when there is no room. Returns true when it was sent.
+  /// Sends the latest progress of `call`, or drops it when the link has no room. Returns true when
+  /// the progress was sent.
   bool report(const ServerCall& call, Detail detail, std::size_t position);
 
-  // Any thread.
-  /// Sends now, or as soon as the client has room; so do the replies above. Order is kept.
+  // Any thread may call the functions below.
+  /// Sends a packet now, or as soon as the link has room. Packets, replies included, are sent in
+  /// order.
   void send(wire::PacketHeader header, ByteView body);
   void send_again(const Bytes& packet);
   void flush();
-  /// True when the client does not take its answers: more of them wait than a correct client can
-  /// have asked for.
+  /// True when the client does not read its replies: more replies wait than a correct client can
+  /// have requested.
   bool overrun() const { return overrun_.load(std::memory_order_relaxed); }
   tl::expected<std::uint32_t, std::string> share(const StreamDescription& stream);
   void unshare(std::uint32_t id);
 
-  // The poller.
+  // Used only by the thread that polls.
   bool active = true;
   unsigned quiet_looks = 0;  ///< 0: a packet came since the last `retire_idle`
   TimePoint last_heard{};
 
-  std::atomic<bool> gone{false};  // publishes nothing but itself: the poller forgets the session
+  std::atomic<bool> gone{false};  // true: the poller forgets the session; orders no other memory
 
   // Guarded by the object's mutex.
   CallTable<ServerCall> calls;
   Intake intake;
-  /// Replies over a medium that loses packets, and replies made after the link is gone: the client
-  /// may ask for them again, then in another session.
+  /// Replies that the client may request again: all replies over a medium that loses packets, and
+  /// replies made after the link was lost, which the client requests in another session.
   const std::shared_ptr<ReplyCache> replies = std::make_shared<ReplyCache>();
-  std::map<FunctionCode, std::uint32_t> subscriptions;  ///< stream and the id it is shared under
-  /// The epoch since which this session has held a status; its own stops renew the status.
+  std::map<FunctionCode, std::uint32_t> subscriptions;  ///< by stream code: id of the shared stream
+  /// The epoch in which this session acquired its status; its own `stop` calls renew the status
+  /// under higher epochs.
   std::uint64_t held_from = std::numeric_limits<std::uint64_t>::max();
   /// The highest counter marked as started, by lane (start_words.hpp).
   std::array<std::uint64_t, media::shared_word_count> marked{};
-  std::size_t commands = 0;    ///< actor commands that have not ended
-  std::size_t unreturned = 0;  ///< calls that wait, or whose handler has not answered and returned
-  bool left = false;           ///< said goodbye
-  bool closed = false;         ///< its link is gone
-  bool parted_in_order = false;  ///< its link is gone, and its calls still run
+  std::size_t commands = 0;      ///< actor commands that have not ended
+  std::size_t unreturned = 0;    ///< calls that are not Finished (CallState::Phase)
+  bool left = false;             ///< the client said goodbye
+  bool closed = false;           ///< the link is lost or closed
+  bool parted_in_order = false;  ///< the link ended in order, and the calls still run
   PeerLiveness liveness;
-  /// This process was suspended, or the client is silent: no call of the session starts before the
-  /// client's next heartbeat.
+  /// True after this process was suspended or while the client is silent: no call of the session
+  /// may start before the client's next heartbeat.
   bool awaited = false;
-  std::uint64_t heartbeats_before = 0;  ///< when the wait began: only a later one ends it
+  /// Number of heartbeats received before `awaited` was set; only a later heartbeat clears it.
+  std::uint64_t heartbeats_before = 0;
 
  private:
   void deliver(ByteView packet) GECOS_REQUIRES(send_mutex_);
@@ -102,10 +106,10 @@ class ServerSession {
   Caller caller_;
 
   FutexMutex send_mutex_;
-  Bytes packet_ GECOS_GUARDED_BY(send_mutex_);               ///< reused
-  std::deque<Bytes> backlog_ GECOS_GUARDED_BY(send_mutex_);  ///< packets that found no room
+  Bytes packet_ GECOS_GUARDED_BY(send_mutex_);               ///< encoding buffer, reused
+  std::deque<Bytes> backlog_ GECOS_GUARDED_BY(send_mutex_);  ///< packets that wait for room
   std::size_t backlog_bytes_ GECOS_GUARDED_BY(send_mutex_) = 0;
-  std::atomic<bool> overrun_{false};  // publishes nothing but itself
+  std::atomic<bool> overrun_{false};  // orders no other memory
 };
 
 }  // namespace gecos::session

@@ -54,7 +54,8 @@ void StreamPort::publish(ByteView sample, const SampleTime& time) {
     complained_ = true;
     log_error("session", object_ + ": a sample of '" + std::string(stream_.name) + "' takes " +
                              std::to_string(sample.size()) + " bytes, more than " +
-                             std::string(medium) + " carries for this stream; it is dropped");
+                             std::string(medium) +
+                             " can send for this stream; the sample is dropped");
   }
 }
 

@@ -13,21 +13,21 @@
 
 namespace gecos::session {
 
-/// Publishes one outward stream of an object, with a writer per medium from the first subscription
-/// on. A stream without subscribers only keeps its latest sample.
+/// Publishes one stream of an object. Creates one writer per medium, at the first subscription over
+/// this medium. Without subscribers, only the latest sample is kept.
 ///
-/// Publishing takes no lock of the object, touches no session, and allocates nothing once a sample
-/// of its size was published. Thread-safe.
+/// Publishing takes no lock of the object, uses no session, and does not allocate once a sample of
+/// the same size was published. Thread-safe.
 class StreamPort {
  public:
-  /// `object`: its name, for people. Both arguments outlive the port.
+  /// `object`: the name of the object, used in messages. Both arguments must outlive the port.
   StreamPort(const std::string& object, const StreamDescription& stream)
       : object_(object), stream_(stream) {}
 
   const StreamDescription& stream() const { return stream_; }
   void publish(ByteView sample, const SampleTime& time);
-  /// Lets the client of `link`, which came through `acceptor`, read the stream as `id`. Fails with
-  /// the reason.
+  /// Lets the client of `link` read the stream under `id`. `acceptor`: the acceptor of `link`.
+  /// Fails with the reason.
   tl::expected<void, std::string> share(std::uint32_t id, media::Link& link,
                                         media::Acceptor& acceptor);
   /// Samples published from now on reach no client.
@@ -43,7 +43,7 @@ class StreamPort {
   Mutex mutex_;
   std::map<std::string_view, std::unique_ptr<media::StreamWriter>> writers_
       GECOS_GUARDED_BY(mutex_);
-  Bytes latest_ GECOS_GUARDED_BY(mutex_);  ///< as it is sent, with the time of measurement appended
+  Bytes latest_ GECOS_GUARDED_BY(mutex_);  ///< as sent, with the measurement time appended
   std::int64_t latest_stamp_ns_ GECOS_GUARDED_BY(mutex_) = 0;
   bool published_ GECOS_GUARDED_BY(mutex_) = false;
   bool complained_ GECOS_GUARDED_BY(mutex_) = false;
