@@ -81,7 +81,7 @@ TEST_F(ServedObjects, KeepABoundedNumberOfRequestsForStatusWaitingForAHandler) {
   acquire(1);
   const Epoch epoch = granted();
   servant_.keep = true;
-  call(2, probe::move_code, {}, epoch);
+  call(2, probe::set_code, {}, epoch);
   ASSERT_EQ(servant_.kept.size(), 1u);
   release(3, epoch, true);
   for (std::uint64_t counter = 4; counter < 4 + 64; ++counter) acquire(counter);
