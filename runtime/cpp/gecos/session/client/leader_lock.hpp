@@ -16,6 +16,8 @@ namespace gecos::session {
 /// (media/quiet.hpp).
 class LeaderLock {
  public:
+  LeaderLock() { followers_.reserve(usual_followers); }
+
   bool try_take() { return change(State::Free, State::Held); }
   /// Leaves the lead to a follower, if there is one.
   void drop();
@@ -44,6 +46,8 @@ class LeaderLock {
     bool notified = false;
     ConditionVariable woken;
   };
+  /// So many threads may follow at once before `follow` allocates: readers at 1 kHz must not.
+  static constexpr std::size_t usual_followers = 16;
   enum class State : std::uint8_t { Free, Held, Resting, Borrowed };
   bool change(State from, State to) {
     return state_.compare_exchange_strong(from, to, std::memory_order_acquire,
