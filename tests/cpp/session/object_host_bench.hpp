@@ -33,6 +33,7 @@ class TestLink final : public media::Link {
   std::span<const int> descriptors() const override { return {}; }
   void beat() override {}
   std::uint64_t beats_seen() override { return silent ? beats_ : ++beats_; }
+  std::uint64_t beats_read() override { return unread ? 0 : beats_; }
   media::Loss loss() override { return media::Loss::None; }
   std::string loss_text() const override { return {}; }
   std::unique_ptr<media::StreamWriter> make_stream(std::size_t, std::size_t) override {
@@ -46,6 +47,7 @@ class TestLink final : public media::Link {
 
   bool full = false;
   bool silent = false;  ///< no more signs of life come
+  bool unread = false;  ///< a packet that arrived before them all
   std::vector<Bytes> sent;
 
  private:
@@ -160,11 +162,11 @@ class ServedObjects : public ::testing::Test {
     to.put(false);
     call(counter, GecosObjectInterface::acquire.code, body);
   }
-  void release(std::uint64_t counter, Epoch epoch) {
+  void release(std::uint64_t counter, Epoch epoch, bool now = false) {
     Bytes body(8 + 1);
     wire::Encoder to(body);
     to.put(number(epoch));
-    to.put(false);
+    to.put(now);
     call(counter, GecosObjectInterface::release.code, body);
   }
   /// Detail of the newest reply to `counter`; nothing while there was none.

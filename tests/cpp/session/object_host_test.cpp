@@ -44,6 +44,21 @@ TEST_F(ServedObjects, BeginNothingThatWaitedForItsThreadDuringAPauseUnlessItsCal
   EXPECT_TRUE(servant_.kept.at(1).begin());
 }
 
+TEST_F(ServedObjects, BeginNothingAfterAPauseBeforeWhatCameAheadOfTheHeartbeatIsRead) {
+  servant_.queues = servant_.keep = true;
+  call(1, probe::read_code);
+  call(2, probe::read_code);
+  object_->await_sign_of_life(*session_);
+  link_->unread = true;
+  ASSERT_FALSE(object_->check_liveness(session_));
+  EXPECT_FALSE(servant_.kept.at(0).begin())
+      << "the packet may be a Goodbye that withdraws the call";
+  EXPECT_EQ(reply_to(1), Detail::NotStarted);
+  link_->unread = false;
+  ASSERT_FALSE(object_->check_liveness(session_));
+  EXPECT_TRUE(servant_.kept.at(1).begin());
+}
+
 TEST_F(ServedObjects, BeginNothingThatWaitsForItsThreadAndWasWithdrawn) {
   servant_.queues = servant_.keep = true;
   call(1, probe::read_code);
@@ -60,6 +75,23 @@ TEST_F(ServedObjects, TakeAGoodbyeThatWasSentDuringAPauseForOneThatWithdraws) {
   EXPECT_FALSE(servant_.kept.at(0).begin());
   EXPECT_EQ(reply_to(1), Detail::NotStarted);
   object_->depart(session_, ObjectHost::Departure::Lost);
+}
+
+TEST_F(ServedObjects, KeepABoundedNumberOfRequestsForStatusWaitingForAHandler) {
+  acquire(1);
+  const Epoch epoch = granted();
+  servant_.keep = true;
+  call(2, probe::set_code, {}, epoch);
+  ASSERT_EQ(servant_.kept.size(), 1u);
+  release(3, epoch, true);
+  for (std::uint64_t counter = 4; counter < 4 + 64; ++counter) acquire(counter);
+  EXPECT_EQ(reply_to(4), std::nullopt) << "its predecessor's handler still runs";
+  EXPECT_EQ(reply_to(4 + 63), std::nullopt);
+  acquire(100);
+  EXPECT_EQ(reply_to(100), Detail::QueueFull);
+  servant_.kept[0].finish({});
+  object_->run_ready(Starter::Poller);
+  EXPECT_EQ(reply_to(4), Detail::Done);
 }
 
 TEST_F(ServedObjects, SayThatASessionEndedOnceNoCallOfItIsUnderWay) {

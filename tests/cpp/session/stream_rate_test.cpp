@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "../robcl/allocations.hpp"
+#include "gecos/session/client/leader_lock.hpp"
 #include "over_media.hpp"
 
 namespace {
@@ -30,6 +31,14 @@ void sleep_until(gecos::TimePoint when) {
                     static_cast<long>((since - seconds).count())};
   while (::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &at, nullptr) != 0) {
   }
+}
+
+TEST(LeaderLock, AThreadThatFollowsForTheFirstTimeAllocatesNothing) {
+  gecos::session::LeaderLock lead;
+  const robcl::CountAllocations count;
+  lead.follow(
+      nullptr, [] { return true; }, gecos::TimePoint::max());
+  EXPECT_EQ(count.so_far(), 0);
 }
 
 class StreamRate : public probe::OverMedia {};

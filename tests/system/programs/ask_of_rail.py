@@ -9,6 +9,12 @@ rail = gecos.Lab().create(RailSensor, "RAIL", medium=sys.argv[1])
 lease = gecos.actor(rail)
 
 
+def say(line: str) -> None:
+    """In one write: the library writes warnings to the same pipe meanwhile."""
+    sys.stdout.write(line + "\n")
+    sys.stdout.flush()
+
+
 def told(command: gecos.Command[object]) -> str:
     command.wait()
     error = command.exception()
@@ -18,22 +24,22 @@ def told(command: gecos.Command[object]) -> str:
 ride = rail.travel(1.0)
 while ride.wait(0.01) is gecos.State.RUNNING and ride.progress().fraction == 0.0:
     pass
-print(f"rides {ride!r}", flush=True)
+say(f"rides {ride!r}")
 for line in sys.stdin:
     match line.strip():
         case "ride":
-            print("ride", told(ride), flush=True)
+            say(f"ride {told(ride)}")
         case "move":
-            print("move", told(rail.travel(0.5)), flush=True)
+            say(f"move {told(rail.travel(0.5))}")
         case "read":
-            print("read", told(rail.measure()), flush=True)
+            say(f"read {told(rail.measure())}")
         case "stop":
-            print("stop", told(gecos.stop(rail)), flush=True)
+            say(f"stop {told(gecos.stop(rail))}")
         case "name":
-            print("name", gecos.describe(rail).result().registration, flush=True)
+            say(f"name {gecos.describe(rail).result().registration}")
         case "hold":
             try:
                 lease = gecos.actor(rail)
-                print("hold granted", flush=True)
+                say("hold granted")
             except gecos.LeaseRefused as refused:
-                print(f"hold refused: {refused}", flush=True)
+                say(f"hold refused: {refused}")

@@ -16,6 +16,8 @@ namespace gecos::session {
 /// another thread may read packets that were sent without a wake-up (media/quiet.hpp).
 class LeaderLock {
  public:
+  LeaderLock() { followers_.reserve(usual_followers); }
+
   bool try_take() { return change(State::Free, State::Held); }
   /// Gives up the lead and wakes a follower, if there is one, to take it.
   void drop();
@@ -46,6 +48,8 @@ class LeaderLock {
     bool notified = false;
     ConditionVariable woken;
   };
+  /// So many threads may follow at once before `follow` allocates: readers at 1 kHz must not.
+  static constexpr std::size_t usual_followers = 16;
   enum class State : std::uint8_t { Free, Held, Resting, Borrowed };
   bool change(State from, State to) {
     return state_.compare_exchange_strong(from, to, std::memory_order_acquire,

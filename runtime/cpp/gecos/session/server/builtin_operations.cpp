@@ -48,6 +48,8 @@ Failure undecodable(const wire::DecodeError& why) {
 
 /// Maximum time that a request for a status waits. Must be shorter than a client waits for a reply.
 constexpr Duration longest_wait_for_status = std::chrono::seconds(1);
+/// Requests for status that one object keeps waiting; a correct client has one at a time.
+constexpr std::size_t most_waiting_for_status = 64;
 
 Failure refusal(std::string reason, std::vector<Holder> holders) {
   StatusRefused refused;
@@ -128,6 +130,14 @@ void ObjectHost::acquire(const std::shared_ptr<ServerSession>& session, std::uin
   }
   Acquire what{asked->wanted, std::move(asked->password).value_or("")};
   if (outlives_its_status() == nullptr) return grant(*session, counter, what);
+  if (waiting_.size() >= most_waiting_for_status) {
+    return session->reply(
+        counter, Failure{Detail::QueueFull,
+                         name_ + ": " + std::to_string(waiting_.size()) +
+                             " requests for status wait already until a handler ends; try again",
+                         {},
+                         {}});
+  }
   waiting_.push_back(
       {session, counter, std::move(what), runtime_->clock().now() + longest_wait_for_status});
 }
