@@ -9,7 +9,9 @@ import pytest
 from processes import Laboratory
 
 NETWORK_OF_ITS_OWN = ("unshare", "-n") if os.geteuid() == 0 else ("unshare", "-Urn")
-NO_ROUTE = "lcm: cannot send to 239.255.76.67: Network is unreachable (no multicast route? run as root:"
+NO_ROUTE = (
+    "lcm: cannot send to 239.255.76.67: Network is unreachable (no multicast route? run as root:"
+)
 
 WAITING = """
 import gecos
